@@ -13,7 +13,7 @@ import yaml
 
 import mrts
 from mrts.base.arrays import Array
-from mrts.coordination.coordinated_motion import carried_by_first
+from mrts.following.coordinated_motion import carried_by_first
 
 DATA = Path(str(files("mrts") / "data"))
 DUAL = DATA / "dual_ur5"

@@ -20,9 +20,9 @@ from cases import shipped
 from interleaved import median_times, on_one_processor, show
 
 import mrts
-from mrts.smooth.kernel_solver import KernelSolver
-from mrts.smooth.program import Goal
-from mrts.smooth.successive_steps import StepsTaken, successive_steps
+from mrts.program.path_solver import KernelSolver
+from mrts.program.smooth_program import Goal
+from mrts.program.successive_steps import StepsTaken, successive_steps
 
 TESTS = Path(__file__).resolve().parents[1] / "tests"
 sys.path[:0] = [str(TESTS / "oracles"), str(TESTS / "cases")]

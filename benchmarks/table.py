@@ -57,9 +57,9 @@ def questions(samples: int) -> dict[str, Callable[[], Any]]:
     from cases import along, one_arm, one_arm_path, shipped  # noqa: PLC0415 (likewise)
 
     import mrts  # noqa: PLC0415 (of the state that this worker is of)
-    from mrts.refinement.excess import BETWEEN  # noqa: PLC0415 (likewise)
-    from mrts.retiming.between_samples import excess_by_segment  # noqa: PLC0415 (likewise)
-    from mrts.samples.trajectory_programs import motion_ranges  # noqa: PLC0415 (likewise)
+    from mrts.program.excess import BETWEEN  # noqa: PLC0415 (likewise)
+    from mrts.program.trajectory_programs import motion_ranges  # noqa: PLC0415 (likewise)
+    from mrts.timing.between_samples import excess_by_segment  # noqa: PLC0415 (likewise)
 
     with tempfile.TemporaryDirectory() as folder:
         arm = one_arm(Path(folder))

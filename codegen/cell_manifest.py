@@ -23,8 +23,8 @@ from mrts.base.manifest import (
 )
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.base.version import __version__
-from mrts.hands.contact_record import contact_record
-from mrts.motors.motors_record import motors_record
+from mrts.cell.hands.contact_record import contact_record
+from mrts.cell.motors.motors_record import motors_record
 
 logger = logging.getLogger("mrts")
 

@@ -31,10 +31,10 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS, ShapeRecord
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
-from mrts.hands.contact import Contact
-from mrts.hands.wrench_limits import given_wrench_limits
-from mrts.motors.joint_motors import JointMotors
-from mrts.motors.torque_limits import given_torque_limits
+from mrts.cell.hands.contact import Contact
+from mrts.cell.hands.wrench_limits import given_wrench_limits
+from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors.torque_limits import given_torque_limits
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,13 +11,13 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite, Vector3
 from mrts.base.formats.strict_model import StrictModel, broken_rule
-from mrts.hands.box import box_contact
-from mrts.hands.contact import Contact, numbered
-from mrts.hands.contact_axes import NOT_IN_PLANE, tip_components
-from mrts.hands.gripper import gripper_contact
-from mrts.hands.pad import pad_contact
-from mrts.hands.polytope import rows_contact
-from mrts.hands.suction import suction_contact
+from mrts.cell.hands.box import box_contact
+from mrts.cell.hands.contact import Contact, numbered
+from mrts.cell.hands.contact_axes import NOT_IN_PLANE, tip_components
+from mrts.cell.hands.gripper import gripper_contact
+from mrts.cell.hands.pad import pad_contact
+from mrts.cell.hands.polytope import rows_contact
+from mrts.cell.hands.suction import suction_contact
 
 MOST_CONTACTS = 20
 """Of one robot."""

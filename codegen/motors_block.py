@@ -13,7 +13,7 @@ from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.strict_model import StrictModel
 from mrts.base.remark import Remark
-from mrts.motors.joint_motors import NONE_GIVEN, JointMotors
+from mrts.cell.motors.joint_motors import NONE_GIVEN, JointMotors
 
 if TYPE_CHECKING:
     from mrts_codegen.cell_file import RobotDescription

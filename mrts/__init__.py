@@ -16,20 +16,23 @@ if TYPE_CHECKING:
     from mrts.base.rigid_transform import RigidTransform
     from mrts.cell.cell import Cell
     from mrts.cell.cell_change import CellChange, ChangeSteps
+    from mrts.cell.hands.box import box_contact
+    from mrts.cell.hands.contact import Contact
+    from mrts.cell.hands.gripper import gripper_contact
+    from mrts.cell.hands.pad import pad_contact
+    from mrts.cell.hands.polytope import rows_contact
+    from mrts.cell.hands.suction import suction_contact
     from mrts.cell.loading import load_cell
+    from mrts.cell.motors.joint_duty import JointDuty
+    from mrts.cell.motors.joint_motors import JointMotors
+    from mrts.cell.motors.joint_source import JointSource
     from mrts.cell.robot import Robot
-    from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
-    from mrts.coordination.grasp_closure import ClosureBound
     from mrts.diagnosis.arm_reach import ArmMargin, ArmReach
     from mrts.diagnosis.cell_check import CellCheck
     from mrts.diagnosis.check import check
     from mrts.diagnosis.nearest_hold import NearestHold
-    from mrts.hands.box import box_contact
-    from mrts.hands.contact import Contact
-    from mrts.hands.gripper import gripper_contact
-    from mrts.hands.pad import pad_contact
-    from mrts.hands.polytope import rows_contact
-    from mrts.hands.suction import suction_contact
+    from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
+    from mrts.following.grasp_closure import ClosureBound
     from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
     from mrts.identification.identify import identify
     from mrts.layout.place import place
@@ -39,22 +42,17 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.motion_file import MotionDescription, load_motion, sample_motion
     from mrts.motion.object_motion import ObjectMotion
-    from mrts.motors.joint_duty import JointDuty
-    from mrts.motors.joint_motors import JointMotors
-    from mrts.motors.joint_source import JointSource
     from mrts.output.ros_bag import write_ros_bag
     from mrts.output.saved_result import load_result, save_result
     from mrts.output.trajectory_table import write_trajectory_csv
-    from mrts.refinement.excess import Excess
+    from mrts.program.excess import Excess
+    from mrts.program.infeasibility import Conflict
+    from mrts.program.load_sharing import LoadSharing
+    from mrts.program.range_status import SampleStatus, ScalingStatus
+    from mrts.program.rate_limits import RateLimits
+    from mrts.program.reserve import PlanReserve, Reserve
+    from mrts.program.sample_ranges import SampleRanges
     from mrts.report import write_report
-    from mrts.retiming.result import RetimingResult, RetimingStatus
-    from mrts.retiming.retime import retime
-    from mrts.retiming.smooth_piece import SmoothAnswer
-    from mrts.samples.infeasibility import Conflict
-    from mrts.samples.load_sharing import LoadSharing
-    from mrts.samples.range_status import SampleStatus, ScalingStatus
-    from mrts.samples.reserve import PlanReserve, Reserve
-    from mrts.samples.sample_ranges import SampleRanges
     from mrts.scaling.holding_torques import Holding
     from mrts.scaling.known_load import torques_for_load
     from mrts.scaling.load_study import LoadStudy
@@ -63,7 +61,6 @@ if TYPE_CHECKING:
     from mrts.scaling.scale import SelectionError, scale
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
     from mrts.scaling.what_if import ChangedAnswer, SpeedAnswer, WhatIf
-    from mrts.smooth.rate_limits import RateLimits
     from mrts.starting.hold import hold_here
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
     from mrts.studies.study import Study
@@ -71,6 +68,9 @@ if TYPE_CHECKING:
     from mrts.studies.study_folder import StudyFolder, read_study_folder
     from mrts.sweeps.sweep import sweep
     from mrts.sweeps.sweep_progress import SweepProgress
+    from mrts.timing.result import RetimingResult, RetimingStatus
+    from mrts.timing.retime import retime
+    from mrts.timing.smooth_piece import SmoothAnswer
 
 _HOMES = {
     "ActiveRow": "limits.rows",
@@ -83,25 +83,25 @@ _HOMES = {
     "CellCheck": "diagnosis.cell_check",
     "ChangeSteps": "cell.cell_change",
     "ChangedAnswer": "scaling.what_if",
-    "ClosureBound": "coordination.grasp_closure",
+    "ClosureBound": "following.grasp_closure",
     "CompilerError": "base.errors",
     "Configuration": "studies.configurations",
     "ConfigurationStudy": "studies.configurations",
-    "Conflict": "samples.infeasibility",
-    "Contact": "hands.contact",
-    "CoordinatedMotion": "coordination.coordinated_motion",
+    "Conflict": "program.infeasibility",
+    "Contact": "cell.hands.contact",
+    "CoordinatedMotion": "following.coordinated_motion",
     "DistributionRule": "scaling.result",
-    "Excess": "refinement.excess",
+    "Excess": "program.excess",
     "Holding": "scaling.holding_torques",
     "InputError": "base.errors",
-    "JointDuty": "motors.joint_duty",
-    "JointMotors": "motors.joint_motors",
-    "JointSource": "motors.joint_source",
+    "JointDuty": "cell.motors.joint_duty",
+    "JointMotors": "cell.motors.joint_motors",
+    "JointSource": "cell.motors.joint_source",
     "JointRecording": "motion.joint_recording",
     "JointTable": "motion.joint_table",
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
-    "LoadSharing": "samples.load_sharing",
+    "LoadSharing": "program.load_sharing",
     "LoadStudy": "scaling.load_study",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
@@ -111,54 +111,54 @@ _HOMES = {
     "NearestHold": "diagnosis.nearest_hold",
     "ObjectMotion": "motion.object_motion",
     "Placement": "layout.placement",
-    "PlanReserve": "samples.reserve",
+    "PlanReserve": "program.reserve",
     "PlayedLayout": "layout.placement",
     "RangeEnd": "scaling.range",
     "RecordedJoint": "motion.joint_recording",
     "Remark": "base.remark",
-    "Reserve": "samples.reserve",
+    "Reserve": "program.reserve",
     "Residuals": "scaling.result",
-    "RateLimits": "smooth.rate_limits",
-    "RetimingResult": "retiming.result",
-    "RetimingStatus": "retiming.result",
+    "RateLimits": "program.rate_limits",
+    "RetimingResult": "timing.result",
+    "RetimingStatus": "timing.result",
     "RigidTransform": "base.rigid_transform",
     "Robot": "cell.robot",
     "RowName": "limits.rows",
-    "SampleRanges": "samples.sample_ranges",
-    "SampleStatus": "samples.range_status",
+    "SampleRanges": "program.sample_ranges",
+    "SampleStatus": "program.range_status",
     "ScaledTrajectory": "scaling.scaled_trajectory",
     "ScalingRange": "scaling.range",
     "ScalingResult": "scaling.result",
-    "ScalingStatus": "samples.range_status",
+    "ScalingStatus": "program.range_status",
     "SelectionError": "scaling.scale",
-    "SmoothAnswer": "retiming.smooth_piece",
+    "SmoothAnswer": "timing.smooth_piece",
     "SolverError": "base.errors",
     "SpeedAnswer": "scaling.what_if",
     "WhatIf": "scaling.what_if",
     "Study": "studies.study",
     "StudyFolder": "studies.study_folder",
     "SweepProgress": "sweeps.sweep_progress",
-    "box_contact": "hands.box",
+    "box_contact": "cell.hands.box",
     "check": "diagnosis.check",
-    "follow_object": "coordination.coordinated_motion",
-    "gripper_contact": "hands.gripper",
+    "follow_object": "following.coordinated_motion",
+    "gripper_contact": "cell.hands.gripper",
     "hold_here": "starting.hold",
     "identify": "identification.identify",
     "load_cell": "cell.loading",
     "load_motion": "motion.motion_file",
     "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
-    "pad_contact": "hands.pad",
+    "pad_contact": "cell.hands.pad",
     "place": "layout.place",
     "rank_configurations": "studies.configurations",
-    "retime": "retiming.retime",
+    "retime": "timing.retime",
     "read_study": "studies.study_file",
     "read_study_folder": "studies.study_folder",
-    "rows_contact": "hands.polytope",
+    "rows_contact": "cell.hands.polytope",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
     "scale": "scaling.scale",
-    "suction_contact": "hands.suction",
+    "suction_contact": "cell.hands.suction",
     "sweep": "sweeps.sweep",
     "torques_for_load": "scaling.known_load",
     "write_report": "report",

@@ -17,9 +17,9 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.programs import compiled_programs
-from mrts.samples.linear_programs import UNBOUNDED
-from mrts.samples.sample_problem import build_sample_problem
-from mrts.solvers.convex_program import ConvexPrograms
+from mrts.program.convex_program import ConvexPrograms
+from mrts.program.linear_programs import UNBOUNDED
+from mrts.program.sample_problem import build_sample_problem
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import shipped

@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 import mrts
-from mrts.samples.trajectory_programs import motion_ranges
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import intersect
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

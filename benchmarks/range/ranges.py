@@ -15,7 +15,7 @@ import numpy as np
 from pinocchio_cell import HighsRange, PinocchioArm, PinocchioCell, linprog_range
 
 import mrts
-from mrts.samples.trajectory_programs import motion_ranges
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import intersect
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 
 import mrts
-from mrts.samples.trajectory_programs import motion_ranges
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import intersect
 from mrts.scaling.uncertain_load import study_load
-from mrts.solvers import DEFAULT_SOLVER
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import MOTIONS, shipped

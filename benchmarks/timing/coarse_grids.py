@@ -28,8 +28,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.motion.joint_table import JointTable, joint_motion
 from mrts.motion.velocity_profile import PROFILES
-from mrts.retiming.path_pieces import NoPath, path_pieces
-from mrts.retiming.retimed_motion import FastestPiece
+from mrts.timing.path_pieces import NoPath, path_pieces
+from mrts.timing.retimed_motion import FastestPiece
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import DUAL, MOTIONS, duration, model_with_box, one_arm

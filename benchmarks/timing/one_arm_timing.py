@@ -29,8 +29,8 @@ from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
 
 import mrts
 from mrts.base.arrays import Array
-from mrts.retiming.path_pieces import path_pieces
-from mrts.samples.sample_problem import build_sample_problem
+from mrts.program.sample_problem import build_sample_problem
+from mrts.timing.path_pieces import path_pieces
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import along, duration, model_with_box, one_arm, one_arm_path

@@ -11,8 +11,8 @@ import tempfile
 from pathlib import Path
 
 import mrts
-from mrts.refinement.excess import BETWEEN
-from mrts.retiming.between_samples import excess_by_segment
+from mrts.program.excess import BETWEEN
+from mrts.timing.between_samples import excess_by_segment
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import along, one_arm, one_arm_path, shipped
@@ -21,20 +21,20 @@ from interleaved import median_times, on_one_processor, parts_of, show
 POINTS, REPEATS = 1000, 9
 
 PARTS = {
-    "mrts.retiming.retime:factor_question": "the given motion, its arms closed",
-    "mrts.retiming.retime:timing_remarks": "remarks, doubtful gaps",
-    "mrts.retiming.retime:check_held_between": "remarks, doubtful gaps",
-    "mrts.retiming.fastest_timing:path_pieces": "path and its pieces",
-    "mrts.retiming.fastest_timing:closed_piece": "path and its pieces",
-    "mrts.retiming.fastest_timing:by_turns": "path and its pieces",
-    "mrts.retiming.fastest_timing:build_sample_problem": "rows of the regions",
-    "mrts.retiming.fastest_timing:motion_planes": "rows of the regions",
-    "mrts.retiming.fastest_timing:speed_regions": "regions",
-    "mrts.retiming.fastest_timing:regions_of_planes": "regions",
-    "mrts.retiming.fastest_timing:fastest_profile": "profile",
-    "mrts.retiming.fastest_timing:rising_profile": "profile",
-    "mrts.retiming.retime:played_result": "plan: motion and its torques",
-    "mrts.retiming.retime:excess_by_segment": "check between the samples",
+    "mrts.timing.retime:factor_question": "the given motion, its arms closed",
+    "mrts.timing.retime:timing_remarks": "remarks, doubtful gaps",
+    "mrts.timing.retime:check_held_between": "remarks, doubtful gaps",
+    "mrts.timing.fastest_timing:path_pieces": "path and its pieces",
+    "mrts.timing.fastest_timing:closed_piece": "path and its pieces",
+    "mrts.timing.fastest_timing:by_turns": "path and its pieces",
+    "mrts.timing.fastest_timing:build_sample_problem": "rows of the regions",
+    "mrts.timing.fastest_timing:motion_planes": "rows of the regions",
+    "mrts.timing.fastest_timing:speed_regions": "regions",
+    "mrts.timing.fastest_timing:regions_of_planes": "regions",
+    "mrts.timing.fastest_timing:fastest_profile": "profile",
+    "mrts.timing.fastest_timing:rising_profile": "profile",
+    "mrts.timing.retime:played_result": "plan: motion and its torques",
+    "mrts.timing.retime:excess_by_segment": "check between the samples",
 }
 """Where the whole call calls what; a function that moves must be named anew here."""
 

@@ -4,9 +4,9 @@
 import numpy as np
 
 import mrts
-from mrts.retiming.fastest_timing import fastest_timing
+from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.scale import FactorQuestion
-from mrts.solvers import DEFAULT_SOLVER
+from mrts.timing.fastest_timing import fastest_timing
 
 
 def timing_alone(constant: mrts.ScalingResult) -> float:

@@ -87,7 +87,7 @@ class JointRecord(Record):
 
 
 class MotorsRecord(Record):
-    """Motors of one arm, one value a joint (`mrts.motors.joint_motors.JointMotors`); None is unbounded, or no curve."""
+    """Motors of one arm, one value a joint (`joint_motors.JointMotors`); None is unbounded, or no curve."""
 
     armature: list[float]
     coulomb: list[float]
@@ -106,7 +106,7 @@ class PoseRecord(Record):
 
 
 class ContactRecord(Record):
-    """Rows lower <= A F <= upper of one contact, as `mrts.hands.contact.Contact`; None is unbounded, or not given."""
+    """Rows lower <= A F <= upper of one contact, as `contact.Contact`; None is unbounded, or not given."""
 
     name: str
     frame: Literal["tip", "object", "base"]

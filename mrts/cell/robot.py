@@ -16,10 +16,10 @@ from mrts.base.interval_text import interval_text
 from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, PoseRecord, RobotRecord
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
-from mrts.hands.contact import Contact
-from mrts.hands.contact_record import contact_from_record, contact_record
-from mrts.motors.joint_motors import JointMotors
-from mrts.motors.motors_record import motors_from_record, motors_record
+from mrts.cell.hands.contact import Contact
+from mrts.cell.hands.contact_record import contact_from_record, contact_record
+from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors.motors_record import motors_from_record, motors_record
 
 ARRAYS = (
     *("axes", "points", "held_numbers", "position_lower", "position_upper", "velocity_limit", "posture"),

@@ -14,9 +14,9 @@ from mrts.base.formats.pose import Angles3, Finite, Vector3
 from mrts.base.formats.record import checked
 from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
+from mrts.cell.hands.wrench_limits import given_wrench_limits
+from mrts.cell.motors.torque_limits import given_torque_limits
 from mrts.cell.robot import Robot
-from mrts.hands.wrench_limits import given_wrench_limits
-from mrts.motors.torque_limits import given_torque_limits
 
 Numbers = Sequence[float] | Array
 Bounds = Sequence[float | None] | Array | None

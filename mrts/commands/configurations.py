@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
     """Rank the configurations."""
     from mrts.motion.motion_file import load_motion
     from mrts.motion.object_motion import ObjectMotion
-    from mrts.solvers import DEFAULT_SOLVER
+    from mrts.program.solvers import DEFAULT_SOLVER
     from mrts.studies.configurations import rank_configurations
 
     options.plot_format = plot_form(options)

@@ -28,7 +28,7 @@ def add(demo: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the paper's examples."""
     from mrts.commands.paper_examples import NOTE, format_table, run_demo, write_demo_files
-    from mrts.solvers import DEFAULT_SOLVER
+    from mrts.program.solvers import DEFAULT_SOLVER
 
     check_outputs({}, {"--output": options.output})
     with working("running the paper's examples") as progress:

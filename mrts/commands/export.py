@@ -36,7 +36,7 @@ def add(export: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Write the library."""
     from mrts.cell.generation import comes_with_tests, export_to
-    from mrts.coordination.coordinate import coordinate
+    from mrts.following.coordinate import coordinate
     from mrts.motion.motion_file import load_motion
     from mrts.output.embedded_limits import embedded_limits
     from mrts.output.embedded_test_vectors import make_vectors, own_motion

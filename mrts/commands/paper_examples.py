@@ -17,11 +17,11 @@ from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
 from mrts.drawing.labels import row_labels
 from mrts.motion.motion_file import load_motion
-from mrts.samples.load_sharing import LoadSharing
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
-from mrts.solvers import DEFAULT_SOLVER
 
 NO_EXAMPLE = ("identified_cell.yaml",)
 """Files of the folders of examples that are part of the paper's comparison alone."""

@@ -27,20 +27,20 @@ from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
 from mrts.console.terminal import put, say, warn
 from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
-from mrts.samples import DISTRIBUTIONS, FORMULATIONS
+from mrts.program.formulation import DISTRIBUTIONS, FORMULATIONS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from mrts.base.arrays import Array
     from mrts.cell.cell import Cell
-    from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.following.grasp_closure import ClosureBound
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
-    from mrts.retiming.result import RetimingResult
-    from mrts.samples.load_sharing import LoadSharing
+    from mrts.program.load_sharing import LoadSharing
     from mrts.scaling.result import ScalingResult
     from mrts.scaling.scale import Selection
+    from mrts.timing.result import RetimingResult
 
 EXAMPLES = """\
 examples:
@@ -147,9 +147,9 @@ def _scale(
     closure: "ClosureBound | None",
 ) -> int:
     from mrts.output.summary_lines import scaling_lines
+    from mrts.program.solvers import DEFAULT_SOLVER
     from mrts.scaling.known_load import torques_for_load
     from mrts.scaling.scale import SelectionError, scale
-    from mrts.solvers import DEFAULT_SOLVER
 
     outputs = Outputs()
     select: Selection = "auto" if options.select is None else options.select
@@ -218,8 +218,8 @@ def _retime(
     closure: "ClosureBound | None",
 ) -> int:
     from mrts.output.summary_lines import retiming_lines
-    from mrts.retiming.retime import retime
     from mrts.scaling.known_load import torques_for_load
+    from mrts.timing.retime import retime
 
     outputs, further = Outputs(), smooth_arguments(options, cell)
     with working(f"timing {options.motion}") as progress:

@@ -84,7 +84,7 @@ def _estimated(study: "Study", workers: int | None) -> int:
 
 def _solved(study: "Study", options: argparse.Namespace) -> "tuple[StudyFolder, Tally]":
     """The folder of a study, complete; where the work is interrupted, how to go on is said."""
-    from mrts.solvers.held_interrupt import held_interrupt
+    from mrts.program.held_interrupt import held_interrupt
     from mrts.studies.study_folder import read_study_folder
     from mrts.sweeps.sweep import solve_study
 

@@ -43,7 +43,7 @@ def working(what: str) -> Iterator[Update]:
     timer = threading.Timer(PATIENCE, display.start)
     timer.daemon = True
     timer.start()
-    from mrts.solvers.held_interrupt import held_interrupt
+    from mrts.program.held_interrupt import held_interrupt
 
     try:
         yield display.update

@@ -10,15 +10,15 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.diagnosis.nearest_hold import NearestHold, nearest_hold
-from mrts.inverse_kinematics.branches import branches_at_start
-from mrts.inverse_kinematics.joint_limits import POSITION_TOLERANCE, within_limits
-from mrts.inverse_kinematics.planar_closed_form import has_closed_form, planar_triangles
-from mrts.inverse_kinematics.reach import ArmPlaces, arm_reach
-from mrts.inverse_kinematics.starting_positions import further_starts
-from mrts.inverse_kinematics.tracking_messages import TrackingFailure
-from mrts.inverse_kinematics.variant_tracking import follow_from
+from mrts.following.branches import branches_at_start
+from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.following.joint_limits import POSITION_TOLERANCE, within_limits
+from mrts.following.planar_closed_form import has_closed_form, planar_triangles
+from mrts.following.reach import ArmPlaces, arm_reach
+from mrts.following.starting_positions import further_starts
+from mrts.following.tracking_messages import TrackingFailure
+from mrts.following.variant_tracking import follow_from
 from mrts.motion.object_motion import ObjectMotion
 
 HELD = 1e-5

@@ -17,8 +17,8 @@ from mrts.base.errors import InputError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
+from mrts.cell.motors.joint_source import JointSource
 from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
-from mrts.motors.joint_source import JointSource
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
 """What came of a check: "impossible" is a motion that an arm does not follow from its posture."""

@@ -14,13 +14,13 @@ from mrts.cell.cell_change import machine_of
 from mrts.cell.remarks.joint_sources import joint_sources
 from mrts.cell.source_files import arms_alone_of, is_generated, read_without_generating
 from mrts.cell.uncompiled import uncompiled_cell
-from mrts.coordination.coordinate import coordinate
-from mrts.coordination.coordinated_motion import check_motion
 from mrts.diagnosis.arm_reach import ArmReach, of_machine, reach_of
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.diagnosis.motion_units import motion_units
 from mrts.diagnosis.postures_at_start import posture_hints
 from mrts.diagnosis.what_would_work import swapped_columns, what_would_work
+from mrts.following.coordinate import coordinate
+from mrts.following.coordinated_motion import check_motion
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion

@@ -12,10 +12,10 @@ from mrts.base.errors import InputError, MrtsError
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinate import coordinate
-from mrts.coordination.joint_columns import columns_by_joint
 from mrts.diagnosis.arm_reach import follows
 from mrts.diagnosis.postures_at_start import posture_off, posture_turned
+from mrts.following.coordinate import coordinate
+from mrts.following.joint_columns import columns_by_joint
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.drawing.labels import row_label
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
-from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_ranges import SampleRanges
+from mrts.program.range_status import RangeStatus
+from mrts.program.sample_ranges import SampleRanges
 from mrts.scaling.range import ScalingRange
 
 MOST_LANES = 14

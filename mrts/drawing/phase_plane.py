@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.retiming.result import RetimingResult
-from mrts.retiming.retimed_motion import FastestPiece, TimedPiece
-from mrts.retiming.smooth_piece import fastest_pieces
+from mrts.timing.result import RetimingResult
+from mrts.timing.retimed_motion import FastestPiece, TimedPiece
+from mrts.timing.smooth_piece import fastest_pieces
 
 HEADROOM = 1.35
 """The maximum velocity curve goes out of the picture above this multiple of the profile."""

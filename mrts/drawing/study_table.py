@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.samples.range_status import RangeStatus
+from mrts.program.range_status import RangeStatus
 from mrts.studies.ranking import fastest_first
 from mrts.studies.study_folder import read_study_folder
 from mrts.studies.variant_rows import FAILED, INVALID, UNREACHABLE

@@ -13,7 +13,7 @@ from mrts.drawing.labels import LANE_LETTERS
 from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
 from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.figures.style import NotebookFigure, finish, plain, plain_text
-from mrts.samples.range_status import RangeStatus
+from mrts.program.range_status import RangeStatus
 from mrts.scaling.result import ScalingResult
 
 FACT_LETTERS = 110

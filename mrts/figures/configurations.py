@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from mrts.drawing.colours import CONFLICT, END_COLOURS
 from mrts.drawing.labels import row_labels
 from mrts.figures.style import NotebookFigure, plain, plain_text
-from mrts.samples.range_status import RangeStatus
+from mrts.program.range_status import RangeStatus
 from mrts.studies.configurations import Configuration, ConfigurationStudy
 
 MOST_BARS = 64

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.phase_plane import XTITLE, YTITLE, CurveKind, phase_plane
 from mrts.figures.style import NotebookFigure, finish, legend_below, plain_text
-from mrts.retiming.result import RetimingResult
+from mrts.timing.result import RetimingResult
 
 STYLES: dict[CurveKind, dict[str, Any]] = {
     "most": {"color": COLOURS[6], "linewidth": 1, "linestyle": ":"},

@@ -11,9 +11,9 @@ from mrts.figures.power import power_figure
 from mrts.figures.rates import rates_figure
 from mrts.figures.style import NotebookFigure, check_form, write_figures
 from mrts.figures.trajectory import trajectory_figure
-from mrts.retiming.result import RetimingResult
 from mrts.scaling.limit_use import limited_rate_kinds
 from mrts.scaling.result import ScalingResult
+from mrts.timing.result import RetimingResult
 
 FULL_STOP = ". "
 """A title is the first sentence of what was done to a motion."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
 """The motors of a cell's arms, found from recordings: rotor inertia and friction.
 
-May import base to retiming. Start at `identify.py`.
+May import base to timing. Start at `identify.py`.
 """

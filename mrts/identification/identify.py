@@ -11,11 +11,11 @@ from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
-from mrts.coordination.joint_columns import columns_by_joint, meant_instead
+from mrts.following.joint_columns import columns_by_joint, meant_instead
+from mrts.following.joint_limits import PRINTED_TOLERANCE, within_limits
 from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
 from mrts.identification.motor_regression import PARAMETERS, JointFit, fit_joint
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
-from mrts.inverse_kinematics.joint_limits import PRINTED_TOLERANCE, within_limits
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
 
 CHUNK = 4096

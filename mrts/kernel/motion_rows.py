@@ -40,7 +40,7 @@ def path_places(
         path: The parameter of the path, Shape (N,), and q and its derivatives by it, each Shape (N, m).
         weights: Where the places are in a segment, Shape (p,), what velocities and accelerations at its ends weigh
             there, Shape (p, 3, 4), and in the way over a whole segment, Shape (4,); `polynomial_weights` of
-            mrts/coordination/denser_motion.py.
+            mrts/following/denser_motion.py.
         speeds: The squared speed at the samples, Shape (N,), and half its slope at the start and at the end of each
             segment, a line in between, Shape (N - 1, 2).
         geometry: Of the cell.

@@ -81,7 +81,7 @@ class TrackingRule:
         condition: Of a Jacobian, at which an arm is singular.
         jump: Correction of a predicted joint at which an arm has lost its branch [rad or m].
         drift: Step left to a redundant arm that is not settled [rad or m].
-        fold: Curvature at which its positions end (`mrts.inverse_kinematics.null_space`).
+        fold: Curvature at which its positions end (`mrts.following.null_space`).
         past: How far a joint may pass its limit [rad or m].
         push: What h adds at a limit [rad or m].
         components: Rows of a six-component twist that the cell uses.

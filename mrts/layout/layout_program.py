@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.inverse_kinematics.null_space import is_redundant
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.null_space import is_redundant
 from mrts.layout.grasp_equations import ObjectSymbols, grasp_equations, object_columns
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.limit_equations import LimitEquations

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.hands.contact_axes import triple_axes
+from mrts.cell.hands.contact_axes import triple_axes
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.layout.grasp_equations import ArmPose
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows
-from mrts.samples.motor_terms import MotorTerms, motor_terms
+from mrts.program.motor_terms import MotorTerms, motor_terms
 
 SAME_ROW = 1e-9
 """Share of the largest entry by which a row may differ from what is linear in the joint velocities: rounding."""

@@ -14,13 +14,13 @@ from mrts.layout.placement import Placement, PlayedLayout
 from mrts.layout.stop_request import stop_request
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.refinement.excess import BETWEEN, checked_tolerance
-from mrts.retiming.retime import retime
+from mrts.program.excess import BETWEEN, checked_tolerance
 from mrts.scaling.scale import scale
 from mrts.studies.sampling import sample_points
 from mrts.studies.spreads import Range
 from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
+from mrts.timing.retime import retime
 
 STARTS = 3
 """Layouts from which IPOPT searches, the best of those that were looked at."""

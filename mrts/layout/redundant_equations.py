@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which joint positions a redundant arm takes, for CasADi: those that `mrts.inverse_kinematics.null_space` chooses."""
+"""Which joint positions a redundant arm takes, for CasADi: those that `mrts.following.null_space` chooses."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from mrts.base.arrays import Array, apply
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.inverse_kinematics.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
+from mrts.following.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
 
 
 def redundant_joints(cell: Cell) -> list[int]:
@@ -77,7 +77,7 @@ def multipliers(cell: Cell, q: Array, reference: Array) -> Array:
 
 
 def _stretched(robot: Robot, q: Any) -> Any:
-    """h(q) of `mrts.inverse_kinematics.null_space.stretched` in symbols, Shape (n_i,)."""
+    """h(q) of `mrts.following.null_space.stretched` in symbols, Shape (n_i,)."""
     zone = limit_zone(robot)
     values = []
     for joint, (low, high) in enumerate(zip(robot.position_lower, robot.position_upper, strict=True)):

@@ -4,8 +4,8 @@
 import numpy as np
 
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.hands.contact_axes import in_object_axes
+from mrts.cell.hands.contact_axes import in_object_axes
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.object_axes import object_axes
 from mrts.limits.rows import LimitRows, RowName
 

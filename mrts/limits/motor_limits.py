@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.cell.motors.joint_motors import torque_speed_lines
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName
-from mrts.motors.joint_motors import torque_speed_lines
 
 
 @dataclass(frozen=True, kw_only=True)

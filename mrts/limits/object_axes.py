@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.hands.contact_axes import triple_axes
+from mrts.cell.hands.contact_axes import triple_axes
+from mrts.following.coordinated_motion import CoordinatedMotion
 
 
 @dataclass(frozen=True, eq=False)

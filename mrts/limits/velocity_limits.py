@@ -4,7 +4,7 @@
 import numpy as np
 
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows, RowName, row_names
 
 

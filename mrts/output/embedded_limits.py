@@ -9,7 +9,7 @@ import numpy as np
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import LIMITS, rows_by_limit
 from mrts.limits.motor_limits import CurveRow, curve_rows, motor_limits
 from mrts.limits.rows import LimitRows, RowName, stack_rows

@@ -7,15 +7,15 @@ from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedVector
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.motion.motion_file import MotionDescription, sample_motion
-from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges
-from mrts.samples.torque_distribution import distribute_torques
-from mrts.samples.trajectory_programs import motion_ranges
-from mrts.solvers import DEFAULT_SOLVER
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.range_status import RangeStatus
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import SampleRanges
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.torque_distribution import distribute_torques
+from mrts.program.trajectory_programs import motion_ranges
 
 SAMPLES = 101
 MASS_FACTORS = (1.0, 0.2, 3.0, 10.0, 40.0)

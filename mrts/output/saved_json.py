@@ -17,8 +17,8 @@ from mrts.base.remark import Severity
 from mrts.cell.cell_change import ChangeKind
 from mrts.limits import OWN_LIMITS
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.samples import DistributionName, FormulationName
-from mrts.samples.range_status import RangeStatus
+from mrts.program.formulation import DistributionName, FormulationName
+from mrts.program.range_status import RangeStatus
 
 FORMAT_NAME = "mrts result"
 
@@ -114,7 +114,7 @@ class StudyEntry(_Record):
 
 
 class ConflictEntry(_Record):
-    """An infeasible sample of one range, as `mrts.samples.infeasibility.Conflict`; rows and load are indices."""
+    """An infeasible sample of one range, as `mrts.program.infeasibility.Conflict`; rows and load are indices."""
 
     range: Index
     sample: Index
@@ -133,7 +133,7 @@ class ConflictEntry(_Record):
 
 
 class SharingEntry(_Record):
-    """A fixed distribution, as `mrts.samples.load_sharing.LoadSharing`."""
+    """A fixed distribution, as `mrts.program.load_sharing.LoadSharing`."""
 
     shares: list[float] | None
     internal_wrench: list[float] | Matrix | None
@@ -143,7 +143,7 @@ Rate = Annotated[float, Field(gt=0)]
 
 
 class RatesEntry(_Record):
-    """Limits of rates, as `mrts.smooth.rate_limits.RateLimits`; None is unbounded."""
+    """Limits of rates, as `mrts.program.rate_limits.RateLimits`; None is unbounded."""
 
     torque: list[Rate | None]
     wrench: list[Rate | None]
@@ -194,7 +194,7 @@ class RuleEntry(_Record):
 
 
 class ReserveEntry(_Record):
-    """By how much limits may shrink, as `mrts.samples.reserve.Reserve`; rows and load are indices."""
+    """By how much limits may shrink, as `mrts.program.reserve.Reserve`; rows and load are indices."""
 
     share: Annotated[float, Field(ge=0, le=1)]
     sample: Index
@@ -203,7 +203,7 @@ class ReserveEntry(_Record):
 
 
 class PlanReserveEntry(_Record):
-    """What is left of the limits, as `mrts.samples.reserve.PlanReserve`."""
+    """What is left of the limits, as `mrts.program.reserve.PlanReserve`."""
 
     whole: ReserveEntry
     distributed: ReserveEntry | None
@@ -219,7 +219,7 @@ class WarningEntry(_Record):
 
 
 class ExcessEntry(_Record):
-    """How far limits are overstepped between the samples, as `mrts.refinement.excess.Excess`; the row is an index."""
+    """How far limits are overstepped between the samples, as `mrts.program.excess.Excess`; the row is an index."""
 
     share: Annotated[float, Field(ge=0)]
     tolerance: Annotated[float, Field(gt=0)]

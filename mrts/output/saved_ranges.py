@@ -23,11 +23,11 @@ from mrts.output.saved_json import (
     ReserveEntry,
     RowEntry,
 )
-from mrts.samples.infeasibility import Conflict
-from mrts.samples.range_ends import BindingRows
-from mrts.samples.range_status import RangeStatus
-from mrts.samples.reserve import PlanReserve, Reserve
-from mrts.samples.sample_ranges import SampleRanges
+from mrts.program.infeasibility import Conflict
+from mrts.program.range_ends import BindingRows
+from mrts.program.range_status import RangeStatus
+from mrts.program.reserve import PlanReserve, Reserve
+from mrts.program.sample_ranges import SampleRanges
 from mrts.scaling.range import RangeEnd, ScalingRange, intersect
 
 STATUSES = tuple(RangeStatus)

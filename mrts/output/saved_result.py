@@ -22,7 +22,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_text import manifest_of
 from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.loading import cell_from_manifest
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import LIMITS
 from mrts.motion.object_motion import ObjectMotion
 from mrts.output.npz_file import open_arrays
@@ -56,14 +56,14 @@ from mrts.output.saved_ranges import (
     reserve_entry,
 )
 from mrts.output.saved_what_if import read_what_if, what_if_entry
-from mrts.refinement.excess import Excess
-from mrts.samples.load_sharing import LoadSharing
+from mrts.program.excess import Excess
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.rate_limits import RateLimits
 from mrts.scaling.holding_torques import Holding
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange, intersect
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.smooth.rate_limits import RateLimits
 
 MOTION = ("time", "position", "rotation", "twist", "acceleration")
 """Arrays of the object's motion."""

@@ -5,7 +5,7 @@ from math import inf, isinf
 
 from mrts.cell.cell_change import CellChange, ChangeSteps
 from mrts.output.saved_json import AnswerEntry, ChangeEntry, WhatIfEntry
-from mrts.samples.range_status import RangeStatus
+from mrts.program.range_status import RangeStatus
 from mrts.scaling.what_if import ChangedAnswer, SpeedAnswer, WhatIf
 
 

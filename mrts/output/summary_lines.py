@@ -4,8 +4,8 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from mrts.cell.hands.friction import NORMAL_FORCE
 from mrts.drawing.range_sentences import range_text
-from mrts.hands.friction import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.limit_table import limit_table, next_limits_line
 from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
@@ -13,9 +13,9 @@ from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:
-    from mrts.retiming.result import RetimingResult
     from mrts.scaling.load_study import LoadStudy
     from mrts.scaling.what_if import WhatIf
+    from mrts.timing.result import RetimingResult
 
 LOADS_SHOWN = 8
 """Loads of a box that are printed."""

@@ -9,9 +9,9 @@ from mrts.drawing.labels import shortened_apart
 from mrts.report.limiting import LimitingRows
 from mrts.report.markup import plot_text
 from mrts.report.plots import Plot, layout, numbers
-from mrts.retiming.smooth_piece import BINDING as AT_LIMIT
 from mrts.scaling.limit_use import limit_courses
 from mrts.scaling.result import ScalingResult
+from mrts.timing.smooth_piece import BINDING as AT_LIMIT
 
 MOST_ROWS = 24
 """Limits that are drawn, those of which most is used."""

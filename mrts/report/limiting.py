@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.limits.rows import RowName
-from mrts.retiming.profile_limits import BINDING
-from mrts.retiming.result import RetimingResult
-from mrts.retiming.smooth_piece import BINDING as AT_LIMIT
 from mrts.scaling.limit_use import limit_courses, rate_uses
 from mrts.scaling.range import SPEEDS, RangeEnd
 from mrts.scaling.result import ScalingResult
+from mrts.timing.profile_limits import BINDING
+from mrts.timing.result import RetimingResult
+from mrts.timing.smooth_piece import BINDING as AT_LIMIT
 
 AT_END_RETIMED = 1e-2
 """Share of c² within which it is at an end of what a sample of a retimed motion admits, where the acceleration is the

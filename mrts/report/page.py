@@ -37,8 +37,8 @@ from mrts.report.tables import (
 )
 from mrts.report.timing_part import played_way, timing_section
 from mrts.report.what_if_plot import what_if_notes, what_if_plots
-from mrts.retiming.result import RetimingResult
 from mrts.scaling.result import ScalingResult, fallbacks_text
+from mrts.timing.result import RetimingResult
 
 
 def write_report(result: ScalingResult | RetimingResult, path: Path | str) -> None:

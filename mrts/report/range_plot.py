@@ -13,9 +13,9 @@ from mrts.drawing.labels import row_label, shortened_apart
 from mrts.drawing.lanes import Lane, binding_lanes, infeasible_spans, spans
 from mrts.drawing.range_sentences import range_text
 from mrts.limits.rows import Side
+from mrts.program.range_status import RangeStatus
 from mrts.report.markup import plot_text
 from mrts.report.plots import Plot, layout, line, numbers, shown_samples
-from mrts.samples.range_status import RangeStatus
 from mrts.scaling.range import ScalingRange
 
 CURVES_HEIGHT = 380

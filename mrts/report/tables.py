@@ -12,9 +12,9 @@ from mrts.cell.robot import JOINT_HEAD
 from mrts.drawing.load_envelope import load_envelope
 from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.limits.rows import ActiveRow, RowName
+from mrts.program.infeasibility import Conflict
 from mrts.report.limiting import LimitingRows
 from mrts.report.markup import Html, bar, element, html, joined, table
-from mrts.samples.infeasibility import Conflict
 from mrts.scaling.limit_use import limit_uses, rate_uses
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult

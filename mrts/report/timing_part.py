@@ -10,7 +10,7 @@ from mrts.drawing.phase_plane import YTITLE, CurveKind, phase_plane, way
 from mrts.report.document import Place
 from mrts.report.markup import Html, Section, bar, element, section, table
 from mrts.report.plots import Plot, layout, line
-from mrts.retiming.result import RetimingResult
+from mrts.timing.result import RetimingResult
 
 MOST_LIMITS = 12
 """Limits that are listed; the rest is counted."""

@@ -8,10 +8,10 @@ import numpy as np
 
 from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.refinement.motion_widening import motion_widening
-from mrts.samples.infeasibility import Conflict, conflicts_at
-from mrts.samples.sample_problem import build_sample_problem
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.infeasibility import Conflict, conflicts_at
+from mrts.program.motion_widening import motion_widening
+from mrts.program.sample_problem import build_sample_problem
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.result import DistributionRule
 

@@ -16,11 +16,11 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.load_box import OFFSETS, LoadBox, LoadPoint
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.samples.closed_form import LoadSensitivity, ends_in_closed_form, load_sensitivity, worst_parameters
-from mrts.samples.infeasibility import Conflict
-from mrts.samples.sample_problem import SampleProblem
-from mrts.samples.sample_ranges import SampleRanges, first_least, statuses, without_speed_at_rest
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.closed_form import LoadSensitivity, ends_in_closed_form, load_sensitivity, worst_parameters
+from mrts.program.infeasibility import Conflict
+from mrts.program.sample_problem import SampleProblem
+from mrts.program.sample_ranges import SampleRanges, first_least, statuses, without_speed_at_rest
 from mrts.scaling.load_study import LoadQuestion, LoadStudy, ends_of_loads
 from mrts.scaling.range import ScalingRange, common_range, intersect
 

@@ -13,16 +13,16 @@ from mrts.base.arrays import Array
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.refinement.motion_widening import motion_widening
-from mrts.samples import DistributionName, FormulationName
-from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.reserve import TORQUES
-from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges
-from mrts.samples.torque_distribution import TORQUE_WIDENING
-from mrts.samples.widening import widening_at
+from mrts.program.formulation import DistributionName, FormulationName
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_widening import motion_widening
+from mrts.program.reserve import TORQUES
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import SampleRanges
+from mrts.program.torque_distribution import TORQUE_WIDENING
+from mrts.program.widening import widening_at
 
 WHAT = "whether the cell can hold still"
 """What is found, for messages."""

@@ -7,13 +7,13 @@ from functools import partial
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
-from mrts.samples.trajectory_programs import motion_ranges
+from mrts.program.solvers import DEFAULT_SOLVER, check_solver
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.chosen_c2 import conflict_at
 from mrts.scaling.range import common_range
 from mrts.scaling.result import END_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError
 from mrts.scaling.with_torques import with_torques
-from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 
 def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAULT_SOLVER) -> ScalingResult:

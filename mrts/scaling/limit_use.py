@@ -11,8 +11,8 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.limits import all_rows
 from mrts.limits.rows import TORQUE_SPEED, RowName
-from mrts.samples.motor_terms import motor_terms
-from mrts.smooth.rate_limits import RateLimits, given_rate_limits, rate_names
+from mrts.program.motor_terms import motor_terms
+from mrts.program.rate_limits import RateLimits, given_rate_limits, rate_names
 
 if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult

@@ -15,15 +15,15 @@ from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side
-from mrts.samples import FormulationName
-from mrts.samples.infeasibility import Conflict
-from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.range_ends import chosen_rows
-from mrts.samples.sample_problem import SampleProblem, build_sample_problem
-from mrts.samples.sample_ranges import SampleRanges, statuses, with_end_problem
-from mrts.samples.trajectory_programs import motion_ranges
+from mrts.program.formulation import FormulationName
+from mrts.program.infeasibility import Conflict
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.range_ends import chosen_rows
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_ranges import SampleRanges, statuses, with_end_problem
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, common_range
 
 

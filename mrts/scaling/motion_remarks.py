@@ -10,7 +10,7 @@ import numpy as np
 from mrts.base.arrays import Array, largest_sizes
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.object_courses import Geodesic, WaypointPath
 from mrts.scaling.range import RangeEnd, ScalingRange
 

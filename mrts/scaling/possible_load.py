@@ -14,13 +14,13 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.limits.rows import Side
-from mrts.samples.closed_form import LoadSensitivity, load_sensitivity
-from mrts.samples.linear_programs import NO_EFFECT, UNBOUNDED, effect_of_speed
-from mrts.samples.sample_problem import SampleProblem
-from mrts.samples.sample_ranges import SampleRanges, first_least, sample_ranges, statuses
+from mrts.program.closed_form import LoadSensitivity, load_sensitivity
+from mrts.program.held_interrupt import held_interrupt
+from mrts.program.linear_programs import NO_EFFECT, UNBOUNDED, effect_of_speed
+from mrts.program.sample_problem import SampleProblem
+from mrts.program.sample_ranges import SampleRanges, first_least, sample_ranges, statuses
 from mrts.scaling.load_study import LoadQuestion, LoadStudy, ends_of_loads
 from mrts.scaling.range import ScalingRange, common_range
-from mrts.solvers.held_interrupt import held_interrupt
 
 ACHIEVED_TOLERANCE = 1e-6
 """The linear program at the load found must reach the nonlinear program's c² to this share of it."""

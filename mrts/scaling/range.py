@@ -12,12 +12,12 @@ from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.limits.rows import ActiveRow, Side
-from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_ranges import MOST_INTERVALS, POINT_TOLERANCE, SampleRanges, first_least
+from mrts.program.range_status import RangeStatus
+from mrts.program.sample_ranges import MOST_INTERVALS, POINT_TOLERANCE, SampleRanges, first_least
 from mrts.scaling.result_tables import range_ends
 
 if TYPE_CHECKING:
-    from mrts.smooth.constant_rates import RatedFactors, RatesAtEnd
+    from mrts.program.constant_rates import RatedFactors, RatesAtEnd
 
 RATES = {"torque rate", "wrench rate", "jerk"}
 """Kinds of rows that limit how fast something changes."""

@@ -19,21 +19,21 @@ from mrts.base.printable import printable
 from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import squared_limits
-from mrts.refinement.excess import Excess
-from mrts.samples import DistributionName, FormulationName
-from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.motor_terms import motor_terms
-from mrts.samples.range_status import RangeStatus
-from mrts.samples.reserve import PlanReserve, plan_reserve
+from mrts.program.excess import Excess
+from mrts.program.formulation import DistributionName, FormulationName
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.motor_terms import motor_terms
+from mrts.program.range_status import RangeStatus
+from mrts.program.rate_limits import RateLimits
+from mrts.program.reserve import PlanReserve, plan_reserve
+from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.limit_use import LimitUse, found_limit_uses, largest_step, limit_uses, rate_uses
 from mrts.scaling.load_study import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result_tables import limit_tables, result_rows
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.smooth.rate_limits import RateLimits
-from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 if TYPE_CHECKING:
     from mrts.scaling.what_if import WhatIf

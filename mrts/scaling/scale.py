@@ -15,22 +15,24 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinate import coordinate
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.coordination.denser_motion import moved_remarks
-from mrts.coordination.grasp_closure import ClosureBound
+from mrts.following.coordinate import coordinate
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.denser_motion import moved_remarks
+from mrts.following.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.refinement.excess import BETWEEN, checked_tolerance
-from mrts.refinement.motion_widening import motion_widening
-from mrts.refinement.search import Asked, Refinement, refine
-from mrts.samples import DistributionName, FormulationName
-from mrts.samples.infeasibility import Conflict
-from mrts.samples.load_sharing import LoadSharing, check_distribution
-from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_ranges import POINT_TOLERANCE, SampleRanges
-from mrts.samples.torque_distribution import torque_weights
-from mrts.samples.trajectory_programs import motion_ranges
+from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.program.formulation import DistributionName, FormulationName
+from mrts.program.infeasibility import Conflict
+from mrts.program.load_sharing import LoadSharing, check_distribution
+from mrts.program.motion_widening import motion_widening
+from mrts.program.range_status import RangeStatus
+from mrts.program.rate_limits import Rates, rate_limits
+from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
+from mrts.program.search import Asked, Refinement, refine
+from mrts.program.solvers import DEFAULT_SOLVER, check_solver
+from mrts.program.torque_distribution import torque_weights
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.chosen_c2 import conflict_at, loads_of
 from mrts.scaling.load_study import LoadStudy, load_question
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
@@ -38,11 +40,9 @@ from mrts.scaling.range import ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
 from mrts.scaling.uncertain_load import range_at_samples
 from mrts.scaling.with_torques import ChosenFactor, check_rates
-from mrts.smooth.rate_limits import Rates, rate_limits
-from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 if TYPE_CHECKING:
-    from mrts.smooth.constant_rates import RatedFactors
+    from mrts.program.constant_rates import RatedFactors
 
 LARGEST_C2 = 1e300
 """What is asked for beyond it counts as it: Python's whole numbers have no end, floating point has."""
@@ -337,7 +337,7 @@ def within_rate_limits(
     """
     if rule.rates is None or not found.range.status.admits_motion:
         return found, None
-    from mrts.smooth.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
+    from mrts.program.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
 
     def below(high: float) -> ScalingRange:
         return range_at_samples(

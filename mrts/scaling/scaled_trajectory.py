@@ -12,10 +12,10 @@ from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.cell.motors.joint_duty import JointDuty, joint_duty
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.torque_limits import torque_limits
-from mrts.motors.joint_duty import JointDuty, joint_duty
-from mrts.samples.motor_terms import motor_terms
+from mrts.program.motor_terms import motor_terms
 from mrts.scaling.holding_torques import Holding
 
 

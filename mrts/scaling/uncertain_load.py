@@ -10,10 +10,10 @@ from mrts.base.argument_types import Progress
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.samples import FormulationName
-from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.trajectory_programs import motion_ranges
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.formulation import FormulationName
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.load_study import LoadQuestion, LoadStudy, load_box
 from mrts.scaling.range import ScalingRange, common_range
 

@@ -15,10 +15,10 @@ from mrts.base.errors import InputError, MotionError, SolverError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_changes
-from mrts.coordination.coordinated_motion import CoordinatedMotion, follow_object
-from mrts.coordination.following_again import FollowedAgain, following_again
+from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
+from mrts.following.following_again import FollowedAgain, following_again
 from mrts.limits.rows import ActiveRow
-from mrts.samples.trajectory_programs import motion_ranges
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import ScalingRange, common_range
 from mrts.scaling.result_tables import changes_table
 from mrts.scaling.scale import AdmissibleRange, within_rate_limits

@@ -10,15 +10,15 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.samples.reserve import TORQUES
-from mrts.samples.sample_ranges import SampleRanges
-from mrts.samples.torque_distribution import torque_weights
+from mrts.program.rate_limits import RateLimits
+from mrts.program.reserve import TORQUES
+from mrts.program.sample_ranges import SampleRanges
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.holding_torques import holding_at_ends
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.smooth.rate_limits import RateLimits
-from mrts.solvers import DEFAULT_SOLVER
 
 OVERRATED = "above-rated"
 """Code of the remark on torques that a motor does not bear for ever."""
@@ -118,7 +118,7 @@ def with_torques(
         distribute = TORQUES[rule.distribute]
         torque, wrench, fallbacks = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
     else:
-        from mrts.smooth.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
+        from mrts.program.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
         torque, wrench, fallbacks = *torques_within_rates(cell, motion, rule.sharing, rule.rates, c2, W), 0
     holding, unheld = holding_at_ends(cell, motion, samples, rule.sharing, rule.formulation, W, solver, rule.distribute)

@@ -12,7 +12,7 @@ from mrts.base.errors import MotionError, MrtsError
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.motion.motion_file import MotionDescription, sample_motion
-from mrts.refinement.excess import BETWEEN
+from mrts.program.excess import BETWEEN
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.starting.arm import Arm

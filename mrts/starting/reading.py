@@ -17,7 +17,7 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.remarks.unit_remarks import urdf_remarks
 from mrts.cell.robot import DEGREES_SUSPECTED
 from mrts.cell.source_files import surveyed_urdf
-from mrts.inverse_kinematics.structural_rank import lacking_freedom, postures_for_rank
+from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.request import ArmRequest, Request
 from mrts.starting.scene import twist_rows

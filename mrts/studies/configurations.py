@@ -17,19 +17,19 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion, check_motion
-from mrts.inverse_kinematics.branches import branches_at_start
-from mrts.inverse_kinematics.tracking_messages import WORDINGS, TrackingFailure
-from mrts.inverse_kinematics.variant_tracking import TrackedVariants, follow_from
+from mrts.following.branches import branches_at_start
+from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
+from mrts.following.tracking_messages import WORDINGS, TrackingFailure
+from mrts.following.variant_tracking import TrackedVariants, follow_from
 from mrts.kernel.tracking import OUT_OF_REACH, FollowedVariants
 from mrts.motion.object_motion import ObjectMotion
-from mrts.refinement.excess import BETWEEN, checked_tolerance
-from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.range_status import RangeStatus
+from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.range_status import RangeStatus
+from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import DistributionRule
 from mrts.scaling.scale import admissible_range
-from mrts.solvers import DEFAULT_SOLVER, check_solver
 
 DEFAULT_CAP = 1024
 

@@ -13,8 +13,8 @@ from mrts.base.errors import MrtsError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.base.rigid_transform import plane_normal, rotations_from_rpy
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion, leaves_plane
-from mrts.inverse_kinematics.variant_tracking import VariantTracking
+from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
+from mrts.following.variant_tracking import VariantTracking
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import PATH
 from mrts.kernel.variants import variant_ranges

@@ -11,21 +11,21 @@ from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinate import coordinate
+from mrts.following.coordinate import coordinate
 from mrts.limits.rows import ActiveRow
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.retiming.result import RetimingStatus
-from mrts.retiming.retime import retime
-from mrts.samples.range_status import RangeStatus
+from mrts.program.range_status import RangeStatus
+from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.load_study import load_question
 from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.result import DistributionRule, ScalingResult
 from mrts.scaling.scale import SelectionError, admissible_range, scale
-from mrts.solvers import DEFAULT_SOLVER
 from mrts.studies.study import Study
 from mrts.studies.study_record import ANSWERS
+from mrts.timing.result import RetimingStatus
+from mrts.timing.retime import retime
 
 UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
 """Statuses of a variant beside those of a range: the arms cannot follow, its numbers break a rule, a solver stopped."""

@@ -11,8 +11,6 @@ import numpy as np
 
 from mrts.cell.loading import load_cell
 from mrts.motion.motion_file import load_motion
-from mrts.retiming.result import RetimingResult
-from mrts.retiming.retime import retime
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.studies.ranking import fastest_first
@@ -20,6 +18,8 @@ from mrts.studies.study import VARIANT_FILES, Study
 from mrts.studies.study_folder import StudyFolder
 from mrts.studies.variant_rows import limit_text, range_row
 from mrts.sweeps.sweep_progress import ranked_columns
+from mrts.timing.result import RetimingResult
+from mrts.timing.retime import retime
 
 BEST_FOLDER = re.compile(r"best-\d+")
 

@@ -24,7 +24,7 @@ from typing import Any, Protocol, TypeVar
 
 from mrts.base.argument_types import check_type
 from mrts.base.errors import InputError
-from mrts.solvers.held_interrupt import held_interrupt
+from mrts.program.held_interrupt import held_interrupt
 
 CHUNKS_A_WORKER = 2
 """In flight: one at work, one that waits."""

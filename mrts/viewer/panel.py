@@ -11,7 +11,7 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.printable import html_text
 from mrts.cell.cell import Cell
 from mrts.limits.rows import ActiveRow
-from mrts.samples.range_status import RangeStatus
+from mrts.program.range_status import RangeStatus
 from mrts.viewer.player_state import Bar, PlayerState
 from mrts.viewer.workbench.held_poses import HeldPoses, Unreached
 

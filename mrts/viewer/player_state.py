@@ -13,23 +13,23 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
-from mrts.coordination.grasp_closure import ClosureBound
+from mrts.following.grasp_closure import ClosureBound
 from mrts.limits import all_rows, limit_rows
 from mrts.limits.rows import RowName
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.refinement.excess import BETWEEN
-from mrts.retiming.result import RetimingResult
-from mrts.retiming.retime import retime
-from mrts.samples.load_sharing import LoadSharing
-from mrts.samples.reserve import TORQUES
-from mrts.samples.torque_distribution import torque_weights
+from mrts.program.excess import BETWEEN
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.rate_limits import Rates
+from mrts.program.reserve import TORQUES
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.chosen_c2 import conflict_at, loads_of
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.smooth.rate_limits import Rates
-from mrts.solvers import DEFAULT_SOLVER
+from mrts.timing.result import RetimingResult
+from mrts.timing.retime import retime
 from mrts.viewer.offered_speeds import OF_TIMINGS, Speeds, offered_speeds
 from mrts.viewer.widened_limits import widened_torques
 

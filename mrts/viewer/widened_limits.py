@@ -7,11 +7,11 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
-from mrts.samples.reserve import reserved
-from mrts.samples.sample_problem import SampleProblem, build_sample_problem
-from mrts.samples.torque_distribution import distribute_torques, torque_weights
-from mrts.samples.widening import widening_at
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.reserve import reserved
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.torque_distribution import distribute_torques, torque_weights
+from mrts.program.widening import widening_at
 from mrts.scaling.result import BLOCK, DistributionRule
 
 INTERIOR = 1e-6

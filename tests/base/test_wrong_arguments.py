@@ -12,7 +12,7 @@ from motor_recordings import exact_recording, random_motors, write_recording
 
 import mrts
 from mrts.figures import range_figure, write_figure, write_result_figures
-from mrts.solvers import DEFAULT_SOLVER
+from mrts.program.solvers import DEFAULT_SOLVER
 
 ZOO = [
     None,

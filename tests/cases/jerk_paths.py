@@ -12,7 +12,7 @@ from random_cells import chain_model, configuration
 from scipy.interpolate import CubicSpline
 
 import mrts
-from mrts.coordination.coordinated_motion import JointCourse, carried_by_first
+from mrts.following.coordinated_motion import JointCourse, carried_by_first
 from mrts.motion.joint_table import JointSplines
 
 DEGREE = 5

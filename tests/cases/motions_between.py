@@ -8,10 +8,10 @@ import yaml
 from motion_tables import columns_of, object_columns, write_table
 
 import mrts
-from mrts.coordination.coordinate import coordinate
-from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.trajectory_programs import motion_ranges
-from mrts.samples.widening import widening_at
+from mrts.following.coordinate import coordinate
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.widening import widening_at
 
 DENSE = 50
 KINDS = ("path", "waypoints", "corner", "poses", "joints")

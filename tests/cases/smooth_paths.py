@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mrts.smooth.program import SmoothProfile, SmoothProgram
+from mrts.program.smooth_program import SmoothProfile, SmoothProgram
 
 
 def waves(rng, s, shape, size=1.0):

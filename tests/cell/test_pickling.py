@@ -162,7 +162,7 @@ def test_no_address_is_pickled_and_content_is_checked(planar_cell):
     assert b"ctypes" not in text
     whole = pickle.dumps(planar_cell)
     with pytest.raises(mrts.InputError, match="pickled cell: differs from what its manifest describes"):
-        pickle.loads(whole.replace(b"casadi_real", b"casadi_ream"))  # noqa: S301 (our own bytes)
+        pickle.loads(whole.replace(b"MRTS_NUMBER", b"MRTS_NUMBED"))  # noqa: S301 (our own bytes)
     assert b'"torque_upper": 80.0' in whole
     with pytest.raises(mrts.InputError, match="pickled cell: was edited"):
         pickle.loads(whole.replace(b'"torque_upper": 80.0', b'"torque_upper": 90.0'))  # noqa: S301

@@ -11,13 +11,13 @@ from loaded_library import PLACES, LoadedLibrary, reals, structure
 from scipy.optimize import linprog
 
 import mrts
+from mrts.cell.motors.joint_motors import JointMotors
 from mrts.cli import main
-from mrts.motors.joint_motors import JointMotors
-from mrts.samples.motor_terms import motor_terms
-from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.torque_distribution import distribute_torques
-from mrts.samples.trajectory_programs import motion_ranges
-from mrts.solvers import DEFAULT_SOLVER
+from mrts.program.motor_terms import motor_terms
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.torque_distribution import distribute_torques
+from mrts.program.trajectory_programs import motion_ranges
 
 OK, INFEASIBLE, EMPTY, BAD_ARGUMENT = 0, 2, 3, 5
 FREE, EVEN = "range_of_sample", "equal_share_range"

@@ -6,8 +6,8 @@ import yaml
 from conftest import DATA
 
 import mrts
+from mrts.cell.hands.pad import pad_contact
 from mrts.cli import main
-from mrts.hands.pad import pad_contact
 from mrts.scaling.limit_use import limit_uses
 
 UR5 = DATA.parent / "dual_ur5"

@@ -13,7 +13,7 @@ from conftest import DATA
 
 import mrts
 from mrts.cli import main, negatives_attached
-from mrts.solvers import SOLVERS
+from mrts.program.solvers import SOLVERS
 
 PICTURES = ["c2_range.png", "power_and_energy.png", "torques_and_wrenches.png"]
 

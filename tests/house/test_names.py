@@ -65,4 +65,4 @@ def test_the_last_unknown_of_a_sample_has_a_name():
     """Whoever takes a problem apart asks it for its columns, and does not count them."""
     counted = re.compile(r"\.A\[[^\]]*, -[12]\]")
     homes = [str(path.relative_to(ROOT)) for path, text in SOURCES.items() if counted.search(text)]
-    assert homes == ["mrts/samples/sample_problem.py"]
+    assert homes == ["mrts/program/sample_problem.py"]

@@ -13,7 +13,7 @@ from conftest import DATA, ROOT
 import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
-from mrts.coordination.denser_motion import WHOLE_WAY, polynomial_weights
+from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
@@ -22,7 +22,7 @@ from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import closure_sizes
 from mrts.limits import limit_rows
-from mrts.retiming.path_pieces import PLACES
+from mrts.timing.path_pieces import PLACES
 
 C = ROOT / "mrts" / "kernel" / "c"
 GCC = shutil.which("gcc") or "gcc"

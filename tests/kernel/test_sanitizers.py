@@ -69,8 +69,8 @@ sys.path.insert(0, sys.argv[1])
 from dataclasses import replace
 import numpy as np
 from smooth_paths import smooth_path
-from mrts.smooth.kernel_solver import KernelSolver
-from mrts.smooth.program import Goal
+from mrts.program.path_solver import KernelSolver
+from mrts.program.smooth_program import Goal
 solver, rng = KernelSolver(), np.random.default_rng(0)
 kinds = [{"rows": 6, "joints": 6, "changes": False}, {"rows": 12, "free": 6, "blocks": 2, "roots": True, "joints": 3}]
 for kind in kinds:

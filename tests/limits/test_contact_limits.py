@@ -9,16 +9,16 @@ from conftest import DATA
 from contact_forces import least_pressing
 
 import mrts
-from mrts.hands.box import box_contact
-from mrts.hands.contact import Contact
-from mrts.hands.contact_axes import tip_components
-from mrts.hands.gripper import gripper_contact
-from mrts.hands.pad import pad_contact
-from mrts.hands.suction import suction_contact
+from mrts.cell.hands.box import box_contact
+from mrts.cell.hands.contact import Contact
+from mrts.cell.hands.contact_axes import tip_components
+from mrts.cell.hands.gripper import gripper_contact
+from mrts.cell.hands.pad import pad_contact
+from mrts.cell.hands.suction import suction_contact
 from mrts.limits import limit_rows
 from mrts.limits.object_axes import object_axes
 from mrts.output.saved_result import load_result, save_result
-from mrts.samples.sample_problem import build_sample_problem
+from mrts.program.sample_problem import build_sample_problem
 
 SAME = 1e-8
 """Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""

@@ -15,8 +15,8 @@ from mrts.limits.rows import LimitRows
 from mrts.limits.squared_rows import binds, squared
 from mrts.output.embedded_limits import embedded_limits
 from mrts.output.summary_lines import scaling_lines
+from mrts.program.range_ends import cap_codes
 from mrts.report.page import report_html
-from mrts.samples.range_ends import cap_codes
 from mrts.scaling.limit_use import limit_uses
 from mrts.viewer.player_state import PlayerState
 

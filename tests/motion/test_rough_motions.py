@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 import mrts
-from mrts.coordination.coordinate import coordinate
+from mrts.following.coordinate import coordinate
 from mrts.motion.rounded_samples import rounding, splines_through
 
 

@@ -9,7 +9,7 @@ from cones import Cones, entries
 from scipy import sparse
 
 from mrts.base.arrays import Array
-from mrts.smooth.program import Goal, SmoothProfile, SmoothProgram
+from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 
 LEAST_WEIGHT = 1e-300
 """Where no row has a weight, the largest is taken for this."""

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 from transcription import robot_side
 
-from mrts.retiming.path_pieces import path_pieces
+from mrts.timing.path_pieces import path_pieces
 
 
 def motor_transcription(cell, motion, guess):

@@ -3,7 +3,7 @@
 import casadi as ca
 import numpy as np
 
-from mrts.retiming.path_pieces import path_pieces
+from mrts.timing.path_pieces import path_pieces
 
 
 def transcription(cell, motion):

@@ -11,9 +11,9 @@ from cell_bank import random_planar_cell
 from conftest import DATA
 
 import mrts
-from mrts.samples.infeasibility import separation
-from mrts.samples.range_ends import BindingRows, no_codes
-from mrts.samples.sample_problem import build_sample_problem
+from mrts.program.infeasibility import separation
+from mrts.program.range_ends import BindingRows, no_codes
+from mrts.program.sample_problem import build_sample_problem
 from mrts.scaling.range import intersect
 from mrts.scaling.scale import choose_c2
 

@@ -14,8 +14,8 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.base.load_box import load_vector
-from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.sample_ranges import sample_ranges
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import sample_ranges
 from mrts.scaling.range import intersect
 
 UR5 = DATA.parent / "dual_ur5"

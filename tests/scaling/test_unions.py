@@ -8,8 +8,8 @@ from gantries import gantries
 from slowing_gantries import Slowing
 
 import mrts
-from mrts.samples.range_ends import BindingRows, no_codes
-from mrts.samples.trajectory_programs import motion_ranges
+from mrts.program.range_ends import BindingRows, no_codes
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import common_range
 
 SAME = 1e-9

@@ -16,7 +16,7 @@ import mrts
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.cell.cell_change import ChangeSteps, cell_changes
 from mrts.cell.generation import generate_to
-from mrts.refinement.excess import BETWEEN
+from mrts.program.excess import BETWEEN
 
 MOTORS = np.array([[0.0, 100.0], [0.2, 100.0], [3.0, 10.0]])
 """A torque-speed curve [rad/s, N m]."""

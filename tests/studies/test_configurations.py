@@ -10,7 +10,7 @@ from conftest import DATA, ROOT
 import mrts
 import mrts.studies.configurations
 from mrts.cli import main
-from mrts.inverse_kinematics.six_joint_closed_form import six_joint_branches
+from mrts.following.six_joint_closed_form import six_joint_branches
 
 UR5 = DATA.parent / "dual_ur5"
 
@@ -85,7 +85,7 @@ def test_every_branch_holds_the_grasp(study, dual_ur5, lift_and_turn):
 
 def test_random_starts_find_what_the_analytic_inverse_finds(study, unhurried, lift_and_turn, monkeypatch):
     assert len(six_joint_branches(unhurried, unhurried.robots[0], lift_and_turn)) == 8
-    monkeypatch.setattr(mrts.inverse_kinematics.branches, "six_joint_branches", lambda *_: None)
+    monkeypatch.setattr(mrts.following.branches, "six_joint_branches", lambda *_: None)
     again = mrts.rank_configurations(unhurried, lift_and_turn)
     ours, theirs = ([c.c2_upper for c in s.ranked] for s in (study, again))
     np.testing.assert_allclose(ours, theirs, rtol=1e-9)

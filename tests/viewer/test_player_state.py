@@ -10,9 +10,9 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import limit_rows
-from mrts.samples.range_ends import BindingRows, no_codes
-from mrts.samples.sample_problem import build_sample_problem
-from mrts.samples.trajectory_programs import motion_torques
+from mrts.program.range_ends import BindingRows, no_codes
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
 from mrts.viewer.offered_speeds import offered_speeds
 from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mrts.base.remark import Remark
-from mrts.motors.joint_source import JointSource
+from mrts.cell.motors.joint_source import JointSource
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell

@@ -4,8 +4,8 @@
 from math import inf
 from typing import TYPE_CHECKING
 
+from mrts.cell.motors.joint_source import JointSource
 from mrts.cell.robot import has_torque_of_urdf
-from mrts.motors.joint_source import JointSource
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell

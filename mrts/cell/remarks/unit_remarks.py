@@ -9,8 +9,8 @@ import numpy as np
 from mrts.base.arrays import Array, median
 from mrts.base.formats.pose import WHOLE_TURN
 from mrts.base.remark import Remark
+from mrts.cell.motors.joint_source import JointSource
 from mrts.cell.robot import DEGREES_SUSPECTED
-from mrts.motors.joint_source import JointSource
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell

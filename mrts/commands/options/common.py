@@ -12,10 +12,10 @@ from mrts.console.progress import working
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
-    from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.following.grasp_closure import ClosureBound
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
-    from mrts.samples.load_sharing import LoadSharing
+    from mrts.program.load_sharing import LoadSharing
 
 
 def add_cell_and_motion(verb: argparse.ArgumentParser) -> None:
@@ -62,7 +62,7 @@ def add_closure(verb: argparse.ArgumentParser) -> None:
 
 def closure_option(text: str | None) -> "ClosureBound | None":
     """The bound that `--closure` gives; None for the default."""
-    from mrts.coordination.grasp_closure import ClosureBound
+    from mrts.following.grasp_closure import ClosureBound
 
     if text is None:
         return None
@@ -87,7 +87,7 @@ def add_between(verb: argparse.ArgumentParser) -> None:
 
 def between_option(text: str | None) -> float | None:
     """The tolerance that `--between` gives; None for the bare samples."""
-    from mrts.refinement.excess import BETWEEN, checked_tolerance
+    from mrts.program.excess import BETWEEN, checked_tolerance
 
     if text is None:
         return BETWEEN
@@ -133,7 +133,7 @@ def limited_cell_option(
 
     uncompiled = None if motion is None else cell_to_compile(options.cell)
     if uncompiled is not None and motion is not None:
-        from mrts.coordination.coordinate import coordinate
+        from mrts.following.coordinate import coordinate
 
         coordinate(uncompiled, motion, closure)
     cell = cell_option(options.cell)
@@ -151,7 +151,7 @@ def sharing_option(text: str | None) -> "LoadSharing | None":
     """The distribution that `--share` names; None for a free one."""
     import numpy as np
 
-    from mrts.samples.load_sharing import LoadSharing
+    from mrts.program.load_sharing import LoadSharing
 
     if text is None:
         return None

@@ -13,7 +13,7 @@ from mrts.commands.options.common import numbers_option
 if TYPE_CHECKING:
     from mrts.base.arrays import Array
     from mrts.cell.cell import Cell
-    from mrts.smooth.rate_limits import Rates
+    from mrts.program.rate_limits import Rates
 
 PROFILES = ("constant", "optimal", "smooth")
 
@@ -125,7 +125,7 @@ def rates_option(options: argparse.Namespace, cell: "Cell") -> "Rates":
     Raises:
         InputError: If the cell gives none, or too little for what is asked.
     """
-    from mrts.smooth.rate_limits import rate_limits
+    from mrts.program.rate_limits import rate_limits
 
     rates: Rates = options.rates or options.profile == "smooth"
     if rates is not False:
@@ -146,7 +146,7 @@ def smooth_arguments(options: argparse.Namespace, cell: "Cell") -> dict[str, Any
     """
     if options.profile != "smooth":
         return {}
-    from mrts.retiming.smooth_retiming import smooth_goal
+    from mrts.timing.smooth_retiming import smooth_goal
 
     weights = None if options.weigh is None else numbers_option("--weigh", options.weigh, "time=1,energy=1e-4")
     with told_of("--least-energy-in" if weights is None else "--weigh"):

@@ -125,8 +125,8 @@ def _takes(options: argparse.Namespace) -> "tuple[list[Take], bool]":
 def _played_sides(options: argparse.Namespace) -> "tuple[list[Take], bool]":
     from mrts.film.stage import Take
     from mrts.motion.motion_file import load_motion
-    from mrts.retiming.retime import retime
-    from mrts.smooth.rate_limits import rate_limits
+    from mrts.program.rate_limits import rate_limits
+    from mrts.timing.retime import retime
     from mrts.viewer.player_state import PlayerState
 
     motion = load_motion(options.motion)

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.inverse_kinematics.variant_tracking import TrackedVariants
+from mrts.following.variant_tracking import TrackedVariants
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.tracking import REFUSED
 from mrts.limits.rows import ActiveRow
-from mrts.samples.range_status import RangeStatus
-from mrts.samples.sample_ranges import POINT_TOLERANCE
+from mrts.program.range_status import RangeStatus
+from mrts.program.sample_ranges import POINT_TOLERANCE
 from mrts.scaling.range import RangeEnd, contradiction
 from mrts.studies.at_once.variant_limits import VariantLimits
 from mrts.studies.variant_rows import UNREACHABLE, Row, limit_text

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
-from mrts.coordination.coordinated_motion import CoordinatedMotion
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import SparseLimits
 from mrts.limits import limit_rows
 from mrts.limits.rows import ActiveRow, RowName

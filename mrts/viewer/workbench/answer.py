@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from mrts.base.argument_types import Progress
 from mrts.base.errors import MotionError, MrtsError
 from mrts.motion.object_motion import ObjectMotion
-from mrts.refinement.excess import BETWEEN
+from mrts.program.excess import BETWEEN
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.workbench.choices import COARSE_SAMPLES, Choices, Given
 from mrts.viewer.workbench.held_poses import HeldPoses, Unreached, find_standing, find_unreached

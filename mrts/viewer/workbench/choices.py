@@ -12,11 +12,11 @@ from mrts.base.formats.pose import Pose
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import CellChange, Changed, machine_of
-from mrts.coordination.grasp_closure import ClosureBound
+from mrts.following.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.samples.load_sharing import LoadSharing
+from mrts.program.load_sharing import LoadSharing
 from mrts.viewer.player_state import Profile
 
 TORQUE_RATE = 11.0

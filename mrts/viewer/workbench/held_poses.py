@@ -12,7 +12,7 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.drawing.bodies.cell_shapes import body_poses
-from mrts.inverse_kinematics.grasp_tracking import FURTHER_STEPS, reached, solve_grasps
+from mrts.following.grasp_tracking import FURTHER_STEPS, reached, solve_grasps
 from mrts.motion.object_motion import ObjectMotion
 
 MOST_SAMPLES = 41

@@ -6,7 +6,7 @@
 #include "../lanes/forms.h"
 #include "../trajectory.h"
 
-/* Rows bind together if their ends differ by no more than this share; `BINDING_TOLERANCE` of mrts/samples/range_ends.py. */
+/* Rows bind together if their ends differ by no more than this share; `BINDING_TOLERANCE` of mrts/program/range_ends.py. */
 #define MRTS_TIED 1e-7
 
 /* A generated function of a moving sample and its inputs at the first: like the wrench form it gives maps and offsets of

@@ -5,7 +5,7 @@
 #include "../linear_programs.h"
 #include "ranges.h"
 
-/* As of mrts/samples: a multiplier above this share of the largest binds; limits are moved outward by this share of
+/* As of mrts/program: a multiplier above this share of the largest binds; limits are moved outward by this share of
  * themselves, and a row is at its limit if no solution keeps further away than this share. One above MRTS_SURE is so in
  * any case. */
 #define MRTS_BINDING 1e-7

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: MIT
+"""All the ways in which an arm can hold its grasp at t = 0."""
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+from mrts.following.grasp_tracking import SETTLED_PREFERENCE, STARTING_STEPS, reached, solve_grasps
+from mrts.following.joint_limits import joint_limit_failure, nearest_turns, within_limits
+from mrts.following.null_space import is_redundant
+from mrts.following.planar_closed_form import has_closed_form, planar_branches
+from mrts.following.six_joint_closed_form import six_joint_branches
+from mrts.following.starting_positions import starting_reference
+from mrts.motion.object_motion import ObjectMotion
+
+MULTI_STARTS = 400
+"""Seeded random starts for an arm without an analytic inverse: each of up to 16 branches is then found many times."""
+
+SEED = 20
+SAME_BRANCH = 1e-6
+"""Joint positions closer than this, whole turns aside, are one branch [rad or m]."""
+
+
+def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int = MULTI_STARTS) -> Array:
+    """Joint positions of one arm that hold its grasp at t = 0 inside its limits, each branch once, Shape (count, n_i).
+
+    Args:
+        cell: The cell.
+        index: Of the arm.
+        motion: Motion of the object.
+        starts: Random ones, for an arm without an analytic inverse.
+
+    Raises:
+        MotionError: If a planar arm of three joints cannot reach its grasp.
+    """
+    robot = cell.robots[index]
+    joints = cell.joint_slices[robot.name]
+    posture = np.concatenate([other.posture for other in cell.robots])
+    redundant = is_redundant(cell, robot)
+    if has_closed_form(cell, robot):
+        # standing still at the first sample: a path out of reach further on is the outcome of its branch
+        still = np.zeros((2, 6))
+        first = ObjectMotion(motion.time[:2], motion.position[[0, 0]], motion.rotation[[0, 0]], still, still)
+        guesses = np.array([branch[0] for branch in planar_branches(cell, robot, first)])
+    else:
+        found = six_joint_branches(cell, robot, motion)
+        guesses = found if found is not None and len(found) else _random_starts(robot, starts)
+    start = np.tile(posture, (len(guesses), 1))
+    start[:, joints] = guesses
+    held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=starting_reference(cell))
+    settled = reached(held) & (held.drift <= SETTLED_PREFERENCE)
+    distinct: list[Array] = []
+    for candidate in held.q[settled[:, index]][:, joints]:
+        # a redundant arm has settled where its null space points, whole turns and all
+        near = candidate if redundant else nearest_turns(robot, candidate)
+        near = within_limits(robot, near[None])[0]
+        if joint_limit_failure(robot, motion.time, near[None]) is not None:
+            continue
+        if not any(np.max(np.abs(_apart(robot, near, other))) < SAME_BRANCH for other in distinct):
+            distinct.append(near)
+    return np.array(distinct).reshape(-1, len(robot.joints))
+
+
+def _random_starts(robot: Robot, count: int) -> Array:
+    rng = np.random.default_rng(SEED)
+    low = np.where(np.isfinite(robot.position_lower), np.maximum(robot.position_lower, -np.pi), -np.pi)
+    high = np.where(np.isfinite(robot.position_upper), np.minimum(robot.position_upper, np.pi), np.pi)
+    starts = rng.uniform(low, high, (count, len(robot.joints)))
+    starts[0] = robot.posture
+    return starts
+
+
+def _apart(robot: Robot, a: Array, b: Array) -> Array:
+    turns = np.array([kind == "revolute" for kind in robot.joint_types])
+    return np.where(turns, (a - b + np.pi) % (2 * np.pi) - np.pi, a - b)

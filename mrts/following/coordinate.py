@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: MIT
+"""Motion of the whole cell from whatever is known of it: the object, a table of joints, or both."""
+
+from copy import copy
+from dataclasses import replace
+from types import NoneType
+
+import numpy as np
+
+from mrts.base.argument_types import check_type
+from mrts.base.errors import InputError
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.following.closed_chain import close_chain
+from mrts.following.coordinated_motion import CoordinatedMotion, JointCourse, carried_by_first, follow_object
+from mrts.following.grasp_closure import ClosureBound
+from mrts.following.joint_columns import columns_by_joint, meant_instead
+from mrts.following.joint_limits import PRINTED_TOLERANCE, check_joint_limits
+from mrts.motion.joint_table import JointTable
+from mrts.motion.object_motion import ObjectMotion
+
+MOST_NAMED = 12
+"""Joints named in a remark; a humanoid has more."""
+
+
+def coordinate(
+    cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion, closure: ClosureBound | None = None
+) -> CoordinatedMotion:
+    """Motion of the whole cell from whatever is known of it.
+
+    Args:
+        cell: The cell.
+        motion: Of the object (the joints follow it), of the joints (they carry the object), or of both.
+        closure: How far given joints may be off the grasps, onto which they are then moved; None allows 2 mm and
+            5 mrad.
+
+    Raises:
+        InputError: If a joint table does not fit the cell, or `closure` is none.
+        MotionError: If the arms cannot follow the object, or given joints do not close the chain.
+    """
+    check_type("cell", cell, Cell)
+    check_type("motion", motion, ObjectMotion, JointTable, CoordinatedMotion)
+    check_type("closure", closure, ClosureBound, NoneType)
+    bound = closure or ClosureBound()
+    if isinstance(motion, ObjectMotion):
+        return follow_object(cell, motion)
+    if isinstance(motion, JointTable):
+        return _follow_joints(cell, motion, bound)
+    joints = sum(len(robot.joints) for robot in cell.robots)
+    if motion.q.shape[1] != joints:
+        raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
+    check_joint_limits(cell, motion.object.time, motion.q)
+    ours = copy(motion)  # rows are kept by motion: those of one answer must not serve the next
+    return close_chain(cell, ours, bound, "motion", carried=False, source=None)
+
+
+def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> CoordinatedMotion:
+    """Let the hands carry the object: the first, or, where they are not quite where it has them, their mean."""
+    names, remarks = _names_by_joint(cell, table)
+    known = table.of(names)
+    q, dq, ddq = (
+        np.column_stack([part[name] for name in names])
+        for part in (known.positions, known.velocities, known.accelerations)
+    )
+    check_joint_limits(cell, known.time, q, PRINTED_TOLERANCE)
+    carried = carried_by_first(cell, known.time, q, dq, ddq, smooth=False)
+    given = CoordinatedMotion(carried.object, q, dq, ddq, (*known.remarks, *remarks))
+    closed = close_chain(cell, given, bound, str(table.path), carried=True, source=known.differentiated.get(names[0]))
+    if not known.differentiated.keys() >= set(names):
+        return closed
+    splines = tuple(known.splines[name] for name in names)
+    return replace(closed, course=JointCourse(splines, closed is not given))
+
+
+def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Remark, ...]]:
+    """What the table calls each joint of the cell, in the cell's order, and what it has besides."""
+    columns = [*table.positions, *table.unusable]
+    found = columns_by_joint(cell, table.path, columns)
+    extra = [name for name in columns if name not in found.values()]
+    joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
+    for joint in joints:
+        if joint not in found:
+            raise InputError(table.path, _missing(cell, joint, extra))
+        if found[joint] in table.unusable:
+            raise table.unusable[found[joint]]
+    remarks = (_passed_over(cell, extra),) if extra else ()
+    return [found[joint] for joint in joints], remarks
+
+
+def _missing(cell: Cell, joint: str, extra: list[str]) -> str:
+    return (
+        f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag a "
+        f"trajectory under /{joint.partition('/')[0]}/joint_trajectory.{meant_instead(joint, extra)}"
+    )
+
+
+def _passed_over(cell: Cell, extra: list[str]) -> Remark:
+    named = ", ".join(sorted(extra)[:MOST_NAMED])
+    more = f" and {len(extra) - MOST_NAMED} more" if len(extra) > MOST_NAMED else ""
+    return Remark("extra-joints", f"joints that no arm of cell '{cell.name}' has were passed over: {named}{more}.")

@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: MIT
+"""The whole cell along the object's motion: joint positions, velocities and accelerations of every arm."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array, cross, freeze
+from mrts.base.errors import InputError, MotionError, as_array
+from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.base.remark import Remark
+from mrts.base.rigid_transform import plane_normal
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+from mrts.following.grasp_closure import TipMotion, in_world, tip_motions
+from mrts.following.starting_positions import FURTHER_STARTS
+from mrts.following.structural_rank import lacking_freedom, postures_for_rank
+from mrts.following.variant_tracking import VariantTracking
+from mrts.kernel.tracking import PATH
+from mrts.motion.joint_table import JointSplines
+from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
+
+OUT_OF_PLANE = 1e-9
+"""Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class JointCourse:
+    """What a table makes of all joints between its rows.
+
+    Attributes:
+        joints: Splines of each joint, in the cell's order.
+        closed: Whether the samples were moved from these onto the grasps.
+    """
+
+    joints: tuple[JointSplines, ...]
+    closed: bool
+
+    def __call__(self, time: Array) -> tuple[Array, Array, Array]:
+        """Positions, velocities and accelerations at some times, Shape (k,) [s], each Shape (k, m)."""
+        parts = [joint(time) for joint in self.joints]
+        q, dq, ddq = (np.column_stack([part[order] for part in parts]) for order in range(3))
+        return q, dq, ddq
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class CoordinatedMotion(InNotebooks):
+    """N samples of a given motion of the object and the m joints that carry it; nobody can write to its arrays.
+
+    Attributes:
+        object: Motion of the object.
+        q: Joint positions of all arms in order, Shape (N, m) [rad or m].
+        dq: q', Shape (N, m) [rad/s or m/s].
+        ddq: q'', Shape (N, m) [rad/s² or m/s²].
+        remarks: What to know of how it was read or found.
+        travel: Signs of the joints' velocities just before and just after every sample, where `dq` and `ddq` do not
+            show them: a motion at a stop of a retimed path has none of its own. Shape (2, N, m); None where they do.
+        course: What a table makes of the joints between its rows; None where only samples of them are known.
+    """
+
+    object: ObjectMotion
+    q: Array
+    dq: Array
+    ddq: Array
+    remarks: tuple[Remark, ...] = ()
+    travel: Array | None = None
+    course: JointCourse | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        check_type("object", self.object, ObjectMotion)
+        q = as_array("q", self.q)
+        joints = q.shape[-1] if q.ndim == 2 else 0  # noqa: PLR2004 (a matrix)
+        for name in ("q", "dq", "ddq"):
+            value = as_array(name, getattr(self, name))
+            object.__setattr__(self, name, value)
+            if np.shape(value) != (len(self.object.time), joints) or not np.all(np.isfinite(value)):
+                raise InputError(name, f"must have Shape ({len(self.object.time)}, joints) and be finite.")
+        if self.travel is not None:
+            travel = as_array("travel", self.travel)
+            object.__setattr__(self, "travel", travel)
+            if travel.shape != (2, *q.shape) or not np.all(np.abs(travel) <= 1):
+                raise InputError("travel", f"must have Shape {(2, *q.shape)} and lie between -1 and 1.")
+        freeze(self)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        freeze(self)
+
+    def __repr__(self) -> str:
+        return f"<CoordinatedMotion: {self.samples} samples in {self.object.time[-1]:.4g} s, {self.q.shape[1]} joints>"
+
+    @property
+    def samples(self) -> int:
+        """Number of samples N."""
+        return len(self.object.time)
+
+    def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
+        """Some samples, at least two, by themselves; their time only counts them.
+
+        Args:
+            samples: Which, Shape (k,).
+
+        Raises:
+            InputError: If they are too few, or the motion has no such sample.
+        """
+        chosen = np.asarray(samples)
+        if (
+            chosen.ndim != 1
+            or len(chosen) < 2  # noqa: PLR2004 (two ends)
+            or chosen.dtype.kind not in "iu"
+            or not -self.samples <= np.min(chosen) <= np.max(chosen) < self.samples
+        ):
+            rule = f"must be two or more whole numbers below {self.samples}, one a sample that is taken."
+            raise InputError("samples", rule, value=samples)
+        of = self.object
+        some = unchecked_object_motion(
+            np.arange(len(chosen), dtype=np.float64),
+            *(values[chosen] for values in (of.position, of.rotation, of.twist, of.acceleration)),
+        )
+        travel = None if self.travel is None else self.travel[:, chosen]
+        return unchecked_coordinated_motion(some, self.q[chosen], self.dq[chosen], self.ddq[chosen], travel)
+
+    def inputs(self, load: Array) -> dict[str, Array]:
+        """Inputs of the generated functions of a moving sample.
+
+        Args:
+            load: Load vector, Shape (10,), or one a sample, Shape (N, 10).
+        """
+        return {
+            "q": self.q,
+            "dq": self.dq,
+            "ddq": self.ddq,
+            "object_rotation": self.object.rotation,
+            "object_twist": self.object.twist,
+            "object_acceleration": self.object.acceleration,
+            "load": load,
+        }
+
+
+def unchecked_coordinated_motion(
+    carried: ObjectMotion, q: Array, dq: Array, ddq: Array, travel: Array | None = None
+) -> CoordinatedMotion:
+    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
+
+    Args:
+        carried: Motion of the object, N samples.
+        q: As in the class, and so the others, each an array of finite numbers that nothing else writes to.
+        dq: Likewise.
+        ddq: Likewise.
+        travel: Likewise.
+    """
+    done = object.__new__(CoordinatedMotion)
+    vars(done).update(object=carried, q=q, dq=dq, ddq=ddq, remarks=(), travel=travel, course=None)
+    freeze(done)
+    return done
+
+
+def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
+    """Joint motion of every arm that keeps its grasp along the object's motion.
+
+    At t = 0 the joints are solved near each robot's posture, which so selects the branch; a redundant arm takes the
+    positions nearest to it. From there the branch is kept by continuity; a redundant arm stays as near to its start as
+    the grasp lets it, and away from its limits (`mrts.following.null_space`). Velocities and accelerations
+    come from derivatives of the generated functions, never from differences.
+
+    Args:
+        cell: The cell.
+        motion: Motion of the object.
+
+    Raises:
+        InputError: If an arm has too few joints to follow.
+        MotionError: If the object leaves the plane of a planar cell, or an arm cannot reach, is singular, loses its
+            branch or passes a joint limit; names robot, joint and sample.
+    """
+    check_type("cell", cell, Cell)
+    check_type("motion", motion, ObjectMotion)
+    check_motion(cell, motion)
+    path = {name: getattr(motion, name)[None] for name in PATH}
+    posture = np.concatenate([robot.posture for robot in cell.robots])
+    tracked = VariantTracking(cell).follow(path, cell.geometry[None], posture[None], np.zeros(1, dtype=bool))
+    failure = tracked.failure(0)
+    if failure is not None:
+        raise MotionError(failure.message)
+    q, dq, ddq, outcome = (part[0] for part in tracked.joints.parts())
+    others = zip(cell.robots, outcome["start"].tolist(), strict=True)
+    remarks = tuple(_other_start(robot) for robot, start in others if start)
+    return CoordinatedMotion(motion, q, dq, ddq, motion.remarks + remarks)
+
+
+def _other_start(robot: Robot) -> Remark:
+    return Remark(
+        "other-start",
+        f"robot '{robot.name}' does not reach its grasp at t = 0 from its posture inside its joint limits: it starts "
+        f"at the nearest positions that {FURTHER_STARTS} further starts led to.",
+        0,
+    )
+
+
+def carried_by_first(
+    cell: Cell, time: Array, q: Array, dq: Array, ddq: Array, *, smooth: bool = True
+) -> CoordinatedMotion:
+    """The motion of the object that the first robot's tip carries.
+
+    Args:
+        cell: The cell.
+        time: Shape (N,) [s].
+        q: Joint positions, Shape (N, m) [rad or m]; likewise `dq` and `ddq`.
+        dq: Joint velocities.
+        ddq: Joint accelerations.
+        smooth: As in `ObjectMotion`.
+    """
+    motion = carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0], smooth=smooth)
+    return CoordinatedMotion(motion, q, dq, ddq)
+
+
+def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smooth: bool = True) -> ObjectMotion:
+    """The motion of the object that one tip carries.
+
+    Args:
+        cell: The cell.
+        index: Of the robot.
+        time: Shape (N,) [s].
+        tip: Motion of its tip.
+        smooth: As in `ObjectMotion`.
+    """
+    robot = cell.robots[index]
+    rotation = tip.rotation @ robot.T_object_tip.R.T
+    r = rotation @ robot.T_object_tip.p
+    v, w = in_world(cell, robot, tip.velocity)
+    a, dw = in_world(cell, robot, tip.acceleration)
+    return ObjectMotion(
+        time,
+        tip.position - r,
+        rotation,
+        np.concatenate([v - cross(w, r), w], axis=1),
+        np.concatenate([a - cross(dw, r) - cross(w, cross(w, r)), dw], axis=1),
+        smooth,
+    )
+
+
+def check_motion(cell: Cell, motion: ObjectMotion) -> None:
+    """Check what does not depend on the joints' positions: the plane of a planar cell, enough joints.
+
+    Raises:
+        InputError: If an arm's joints do not move its hand in as many directions as there are wrench components.
+        MotionError: If the object leaves the plane.
+    """
+    for robot in cell.robots:
+        if len(robot.joints) < len(cell.wrench_components):
+            raise InputError(
+                cell.name,
+                f"it has {len(robot.joints)} moving joints, but holding the object takes "
+                f"{len(cell.wrench_components)}: it could not follow any motion.",
+                key=f"robot '{robot.name}'",
+            )
+    q = postures_for_rank(np.concatenate([robot.posture for robot in cell.robots]))
+    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        if lacking := lacking_freedom(robot.joints, q[:, joints], jacobians[:, :, joints], cell.wrench_rows):
+            rule = f"{lacking} It could not follow any motion: take another arm or tip."
+            raise InputError(cell.name, rule, key=f"robot '{robot.name}'")
+    if cell.plane is not None and leaves_plane(cell, motion.twist):
+        normal = "".join(sorted({*"xyz"} - {*cell.plane}))
+        raise MotionError(
+            f"the object leaves the plane {cell.plane} of cell '{cell.name}': its path may move in {cell.plane} and "
+            f"turn about {normal} only."
+        )
+
+
+def leaves_plane(cell: Cell, twist: Array) -> NDArray[np.bool_]:
+    """Whether the object leaves the plane of a planar cell along motions, Shape (…).
+
+    Args:
+        cell: The cell.
+        twist: Of the object, Shape (…, N, 6).
+    """
+    normal = np.abs(plane_normal(cell.plane or "xy"))
+    out = np.concatenate([normal, 1 - normal]) > 0
+    return np.asarray(np.max(np.abs(twist[..., out]), axis=(-2, -1)) > OUT_OF_PLANE)

@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: MIT
+"""A motion of the whole cell between its samples: one way to ask any motion for more of them.
+
+The object is where its motion says, if that is known at all times: a geodesic, a path through waypoints, the splines of
+a table of poses. The joints are on the splines of their table, or on polynomials through their samples: in time, along
+the path where a profile's acceleration jumps. Where these miss the grasps, the joints are moved onto them, which is
+the inverse kinematics of the same branch. An object that is known at its samples only is where the hands carry it, and
+accelerations that were given are not exceeded between two.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import MotionError
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.following.closed_chain import joints_on_grasps, mean_object, nearest_rates
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_object
+from mrts.following.grasp_closure import (
+    REST_SLIP,
+    TipMotion,
+    grasp_gaps,
+    slip,
+    tip_motions,
+)
+from mrts.motion.object_courses import Geodesic, WaypointPath, path_shares
+from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS
+
+HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
+"""Cubic polynomials on [0, 1] by value and slope at both ends; coefficients by rising power."""
+
+SAME_COURSE = 1e-9
+"""How far a course may be from the samples [m and per s, of the largest]: further, it is that of another motion."""
+
+CHECKED = 12
+"""Samples of a motion by which it is told whether its hands hold their grasps exactly."""
+
+TIGHT_GAP = 1e-9
+"""Gap of polynomials from the grasps that nobody notices [m, rad]: far below any limit's tolerance."""
+
+TIGHT_SLIP = 1e-8
+"""Slip of polynomials on the grasps, relative to the largest rate: 1e-5 is felt in the jerk between close samples."""
+
+
+def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> CoordinatedMotion:
+    """The motion at some times between its samples, and at both of its ends.
+
+    Args:
+        cell: The cell.
+        motion: Its motion, N samples.
+        time: Shape (k,) [s], strictly increasing, inside the motion.
+
+    Returns:
+        k + 2 samples, of which the first and the last are those of the motion.
+
+    Raises:
+        MotionError: If the arms cannot hold the object there.
+    """
+    given, ours = motion.object, (motion.q, motion.dq, motion.ddq)
+    at = np.concatenate([given.time[:1], time, given.time[-1:]])
+    known = _on_course(given, at)
+    inside = velocity_polynomials(given.time, ours, time) if motion.course is None else motion.course(time)
+    if motion.course is None and known is None:
+        inside = (*inside[:2], _linear(given.time, motion.ddq, time))
+    elif motion.course is None and isinstance(given.course, Geodesic | WaypointPath):
+        _across_corners(given.course, given.time, ours, time, inside)
+    q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
+    tips = tip_motions(cell, q, dq, ddq)
+    target = known or carried_object(cell, 0, at, tips[0], smooth=False)
+    rough = CoordinatedMotion(target, q, dq, ddq, travel=_travel(motion, dq, [0, -1]))
+    if _held(cell, target, tips) or not _closed(cell, motion):
+        return rough
+    try:
+        return _on_grasps(cell, known or mean_object(cell, at, tips), rough)
+    except MotionError as error:
+        raise MotionError(f"between the samples, {error} Or look at the samples alone (--between off).") from None
+
+
+def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[np.intp]) -> CoordinatedMotion:
+    """A motion with some further samples; its own stay exactly as they are.
+
+    Args:
+        motion: N samples.
+        more: From `between_samples`.
+        chosen: Which of its samples, indices of Shape (k,).
+    """
+    ours, theirs = motion.object, more.object
+    order = np.argsort(np.concatenate([ours.time, theirs.time[chosen]]), kind="stable")
+
+    def merged(given: Array, added: Array) -> Array:
+        return np.concatenate([given, added[chosen]])[order]
+
+    carried = ObjectMotion(
+        merged(ours.time, theirs.time),
+        merged(ours.position, theirs.position),
+        merged(ours.rotation, theirs.rotation),
+        merged(ours.twist, theirs.twist),
+        merged(ours.acceleration, theirs.acceleration),
+        smooth=False,
+        remarks=moved_remarks(ours.remarks, ours.time, theirs.time[chosen]),
+        course=ours.course,
+    )
+    q, dq, ddq = merged(motion.q, more.q), merged(motion.dq, more.dq), merged(motion.ddq, more.ddq)
+    remarks = moved_remarks(motion.remarks, ours.time, theirs.time[chosen])
+    travel = _travel(motion, dq, np.flatnonzero(order < motion.samples))
+    return CoordinatedMotion(carried, q, dq, ddq, remarks, travel=travel, course=motion.course)
+
+
+def _travel(motion: CoordinatedMotion, dq: Array, own: Any) -> Array | None:
+    """Directions of travel of a motion at some of its samples, `own`, and those of the velocities at others."""
+    if motion.travel is None:
+        return None
+    signs = np.stack([np.sign(dq), np.sign(dq)])
+    signs[:, own] = motion.travel if len(own) == motion.samples else motion.travel[:, own]
+    return signs
+
+
+def moved_remarks(remarks: tuple[Remark, ...], time: Array, added: Array) -> tuple[Remark, ...]:
+    """Remarks that name the same samples as before some were added.
+
+    Args:
+        remarks: Of a motion.
+        time: Of its samples, Shape (N,) [s].
+        added: Of those that were added, Shape (k,) [s].
+    """
+
+    def place(sample: int) -> int:
+        return sample + int(np.count_nonzero(added < time[sample]))
+
+    return tuple(one if one.sample is None else replace(one, sample=place(one.sample)) for one in remarks)
+
+
+def velocity_polynomials(known: Array, joints: tuple[Array, Array, Array], at: Array) -> tuple[Array, Array, Array]:
+    """Joint motion between samples: velocities on cubic polynomials through those and the accelerations at the samples.
+
+    Positions are their integrals; by what these miss the next sample, rounding in tables, they are moved in proportion.
+
+    Args:
+        known: Times of the samples, Shape (N,).
+        joints: Positions, velocities and accelerations at the samples, each Shape (N, m).
+        at: Other times between the first and the last, Shape (k,).
+
+    Returns:
+        Positions, velocities and accelerations there, each Shape (k, m).
+    """
+    q, dq, ddq = joints
+    start = np.clip(np.searchsorted(known, at, side="right") - 1, 0, len(known) - 2)
+    end = start + 1
+    step = (known[end] - known[start])[:, None]
+    u = (at - known[start]) / step[:, 0]
+    ends = np.stack([dq[start], step * ddq[start], dq[end], step * ddq[end]])
+    way, rate, change = (np.einsum("kb,bkm->km", weight, ends) for weight in polynomial_weights(u).swapaxes(0, 1))
+    missed = q[end] - q[start] - step * np.einsum("b,bkm->km", WHOLE_WAY, ends)
+    return q[start] + step * way + u[:, None] * missed, rate, change / step
+
+
+def polynomial_weights(u: Array) -> Array:
+    """What [q'_0, h q''_0, q'_1, h q''_1] of a segment of length h weigh at places in it: in its way / h, q' and h q''.
+
+    Args:
+        u: Where in the segment, in [0, 1], Shape (k,).
+
+    Returns:
+        Shape (k, 3, 4).
+    """
+    powers, u = np.arange(4), u[:, None]
+    raised = u**powers
+    lowered = np.where(powers > 0, powers * u ** np.maximum(powers - 1, 0), 0.0)
+    return np.stack([basis @ HERMITE.T for basis in (raised * u / (powers + 1), raised, lowered)], axis=1)
+
+
+WHOLE_WAY = polynomial_weights(np.ones(1))[0, 0]
+"""What they weigh in the way over a whole segment."""
+
+
+def _across_corners(
+    course: Geodesic | WaypointPath,
+    known: Array,
+    joints: tuple[Array, Array, Array],
+    at: Array,
+    inside: tuple[Array, Array, Array],
+) -> None:
+    """Put joints in gaps at a corner of the profile on polynomials in the share of the path, smooth where s'' jumps.
+
+    Args:
+        course: Of the object, which the joints follow.
+        known: Times of the samples, from rest to rest, Shape (N,).
+        joints: As in `velocity_polynomials`.
+        at: Other times, Shape (k,).
+        inside: Joint motion there on polynomials in time, which is corrected.
+    """
+    u, end = known / course.duration, np.searchsorted(known, at, side="right")
+    corners = np.array(CORNERS.get(course.profile, ()))
+    moving = (end > 1) & (end < len(known) - 1)
+    end = np.minimum(end, len(known) - 1)
+    reached = (u[end - 1, None] <= corners + CORNER_TOLERANCE) & (corners - CORNER_TOLERANCE <= u[end, None])
+    near = np.flatnonzero(moving & np.any(reached, axis=1))
+    if not len(near):
+        return
+    q, dq, ddq = (of[1:-1] for of in joints)
+    s, ds, dds = (of[1:-1, None] for of in path_shares(course, known))
+    along = dq / ds, (ddq - dq / ds * dds) / ds**2
+    there, rate, change = path_shares(course, at[near])
+    way, slope, bend = velocity_polynomials(s[:, 0], (q, *along), there)
+    rate, change = rate[:, None], change[:, None]
+    for of, exact in zip(inside, (way, slope * rate, bend * rate**2 + slope * change), strict=True):
+        of[near] = exact
+
+
+def _linear(known: Array, values: Array, at: Array) -> Array:
+    """Values between samples in proportion, Shape (k, m): those of given accelerations, which may jump, lie between."""
+    return np.column_stack([np.interp(at, known, column) for column in values.T])
+
+
+def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:
+    """The object on its course, if that is known and is still that of its samples."""
+    if given.course is None:
+        return None
+    middle = len(given.time) // 2
+    own = np.array([0, middle, -1])
+    found = given.course(np.concatenate([given.time[own], time]))
+    for there, known in zip(found, (given.position, given.rotation, given.twist, given.acceleration), strict=True):
+        if np.max(np.abs(there[:3] - known[own])) > SAME_COURSE * max(1.0, float(np.max(np.abs(known)))):
+            return None
+    position, rotation, twist, acceleration = (there[3:] for there in found)
+    return ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)
+
+
+def _held(cell: Cell, target: ObjectMotion, tips: list[TipMotion]) -> bool:
+    """Whether the hands hold their grasps as well as nobody notices."""
+    if grasp_gaps(cell, target, tips).largest > TIGHT_GAP:
+        return False
+    return slip(cell, target, tips, (TIGHT_SLIP, TIGHT_SLIP), REST_SLIP) is None
+
+
+def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:
+    """Whether the samples hold their grasps exactly; those that were given with small gaps have them between too."""
+    if motion.course is not None:
+        return motion.course.closed
+    places = dict.fromkeys(np.linspace(0, motion.samples - 1, CHECKED).astype(np.intp).tolist())
+    some = motion.at(np.array(list(places)))
+    return _held(cell, some.object, tip_motions(cell, some.q, some.dq, some.ddq))
+
+
+def _on_grasps(cell: Cell, target: ObjectMotion, rough: CoordinatedMotion) -> CoordinatedMotion:
+    """Joints moved onto the grasps, with the nearest velocities and accelerations that keep them there."""
+    q = joints_on_grasps(cell, target, rough.q)
+    dq, ddq = nearest_rates(cell, target, CoordinatedMotion(target, q, rough.dq, rough.ddq))
+    return CoordinatedMotion(target, q, dq, ddq, travel=rough.travel)

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: MIT
+"""Batches of small convex programs and the verification that makes their answers trustworthy.
+
+A solver's own word is never taken: an answer counts when it passes `optimality_error`, else another solver is asked.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.errors import SolverError
+from mrts.program.solvers import BatchSolver, with_fallbacks
+
+OPTIMALITY_TOLERANCE = 1e-9
+"""Residuals of feasibility, stationarity and complementarity, each relative to the terms that it sums."""
+
+GRADIENT_TOLERANCE = 1e-12
+"""The same for the gradient of a quadratic cost, so that torques of small weight are right as well."""
+
+HIGHS_TOLERANCE = 1e-10
+"""Asked of HiGHS, whose default of 1e-7 is coarser than what an answer must pass."""
+
+Mask = np.typing.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ConvexPrograms:
+    """N programs: minimise ½ xᵀHx + gᵀx subject to lower <= A x <= upper and x_lower <= x <= x_upper.
+
+    Attributes:
+        H: Symmetric, positive semidefinite, Shape (N, k, k); None for linear programs.
+        g: Shape (N, k).
+        A: Shape (N, r, k).
+        lower: Shape (N, r), minus infinity where unbounded.
+        upper: Shape (N, r), infinity where unbounded.
+        x_lower: Shape (N, k).
+        x_upper: Shape (N, k).
+    """
+
+    H: Array | None
+    g: Array
+    A: Array
+    lower: Array
+    upper: Array
+    x_lower: Array
+    x_upper: Array
+
+    def at(self, samples: Mask) -> "ConvexPrograms":
+        """Some of the programs."""
+        return ConvexPrograms(
+            H=None if self.H is None else self.H[samples],
+            g=self.g[samples],
+            A=self.A[samples],
+            lower=self.lower[samples],
+            upper=self.upper[samples],
+            x_lower=self.x_lower[samples],
+            x_upper=self.x_upper[samples],
+        )
+
+    def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
+        """The same programs with unknowns of the size of the limits: the largest coefficient of each unknown is 1.
+
+        Inequality rows keep their own scale, which is that of their limits; equations are scaled to coefficients of 1.
+
+        Returns:
+            The programs, the factors x = column * x_scaled, Shape (N, k), and the factors of the rows, Shape (N, r).
+        """
+        equation = self.lower == self.upper
+        size = np.abs(self.A)
+        largest = np.max(np.where(equation[:, :, None], 0.0, size), axis=1, initial=0.0)
+        largest = np.where(largest > 0, largest, np.max(size, axis=1, initial=0.0))
+        column = 1 / np.where(largest > 0, largest, 1.0)
+        A = self.A * column[:, None, :]
+        in_row = np.max(np.abs(A), axis=2)
+        row = np.where(equation & (in_row > 0), 1 / np.where(in_row > 0, in_row, 1.0), 1.0)
+        g = self.g * column
+        H = None if self.H is None else self.H * column[:, :, None] * column[:, None, :]
+        weight = np.max(np.abs(g), axis=1) if H is None else np.max(np.abs(H), axis=(1, 2))
+        weight = 1 / np.where(weight > 0, weight, 1.0)
+        programs = ConvexPrograms(
+            H=None if H is None else H * weight[:, None, None],
+            g=g * weight[:, None],
+            A=A * row[:, :, None],
+            lower=self.lower * row,
+            upper=self.upper * row,
+            x_lower=self.x_lower / column,
+            x_upper=self.x_upper / column,
+        )
+        return programs, column, row
+
+
+@dataclass(frozen=True)
+class Answers:
+    """Minimisers and multipliers of a batch.
+
+    Signs follow Hx + g + Aᵀ row_dual + bound_dual = 0 up to a positive factor: a positive multiplier belongs to an
+    upper limit.
+
+    Attributes:
+        x: Shape (N, k).
+        row_dual: Shape (N, r).
+        bound_dual: Shape (N, k).
+        verified: Which answers passed `optimality_error`, Shape (N,).
+        fallbacks: How many of them the first solver did not get.
+    """
+
+    x: Array
+    row_dual: Array
+    bound_dual: Array
+    verified: Mask
+    fallbacks: int
+
+
+def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_dual: Array) -> Array:
+    """Largest residual of the Karush-Kuhn-Tucker conditions of each scaled program, Shape (N,).
+
+    A limit is measured against 1 (its own size) and the terms of its row, the gradient against its largest term: the
+    scaled unknowns have the size of the limits, so this bounds the loss of the objective.
+
+    Args:
+        programs: The batch, scaled.
+        x: Shape (N, k).
+        row_dual: Shape (N, r).
+        bound_dual: Shape (N, k).
+    """
+    value = np.concatenate([np.einsum("nrk,nk->nr", programs.A, x), x], axis=1)
+    size = np.concatenate([1 + np.einsum("nrk,nk->nr", np.abs(programs.A), np.abs(x)), 1 + np.abs(x)], axis=1)
+    lower = np.concatenate([programs.lower, programs.x_lower], axis=1)
+    upper = np.concatenate([programs.upper, programs.x_upper], axis=1)
+    dual = np.concatenate([row_dual, bound_dual], axis=1)
+    infeasible = np.max(np.maximum(lower - value, value - upper) / size, axis=1, initial=0.0)
+
+    gradient = programs.g + np.einsum("nrk,nr->nk", programs.A, row_dual) + bound_dual
+    terms = np.abs(programs.g) + np.einsum("nrk,nr->nk", np.abs(programs.A), np.abs(row_dual)) + np.abs(bound_dual)
+    if programs.H is not None:
+        gradient = gradient + np.einsum("nkl,nl->nk", programs.H, x)
+        terms = terms + np.einsum("nkl,nl->nk", np.abs(programs.H), np.abs(x))
+    largest = np.max(terms, axis=1)
+    stationary = np.max(np.abs(gradient), axis=1) / np.where(largest > 0, largest, 1.0)
+    if programs.H is not None:
+        stationary = stationary * (OPTIMALITY_TOLERANCE / GRADIENT_TOLERANCE)
+    # a multiplier needs its limit; one that is rounding counts nothing
+    significant = np.abs(dual) > OPTIMALITY_TOLERANCE * np.max(np.abs(dual), axis=1, keepdims=True, initial=0.0)
+    distance = np.abs(np.where(dual > 0, upper - value, value - lower))
+    complementary = np.max(np.where(significant, distance, 0.0) / size, axis=1, initial=0.0)
+    error: Array = np.maximum(np.maximum(infeasible, stationary), complementary)
+    return np.where(np.isfinite(error), error, np.inf)
+
+
+def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
+    """Solve a batch; what the chosen solver does not get right, the other solvers are asked for.
+
+    Args:
+        programs: The batch.
+        solver: Name in the registry, such as "qpsol:qpoases".
+
+    Raises:
+        InputError: If there is no such solver.
+    """
+    backends = with_fallbacks(solver)
+    scaled, column, row = programs.scaled()
+    count, rows, unknowns = programs.A.shape
+    x, row_dual = np.zeros((count, unknowns)), np.zeros((count, rows))
+    bound_dual, verified = np.zeros((count, unknowns)), np.zeros(count, dtype=bool)
+    fallbacks = 0
+    for attempt, backend in enumerate(backends):
+        todo = ~verified
+        part = scaled.at(todo)
+        found = _attempt(backend, part)
+        good = optimality_error(part, *found) <= OPTIMALITY_TOLERANCE
+        where = np.flatnonzero(todo)[good]
+        x[where], row_dual[where], bound_dual[where] = (value[good] for value in found)
+        verified[where] = True
+        fallbacks += int(np.sum(good)) if attempt > 0 else 0
+        if np.all(verified):
+            break
+    # multipliers are those of the scaled objective: only their signs and proportions matter
+    return Answers(x * column, row_dual * row, bound_dual / column, verified, fallbacks)
+
+
+def require_verified(answers: Answers, what: str) -> None:
+    """Raise where no solver could answer.
+
+    Raises:
+        SolverError: Names the first such sample.
+    """
+    if not np.all(answers.verified):
+        sample = int(np.argmin(answers.verified))
+        raise SolverError(
+            f"no solver found {what} at sample {sample} to a precision of {OPTIMALITY_TOLERANCE:.0e}. This is a defect "
+            "of mrts or of extremely scaled data: please report the cell and the motion."
+        )
+
+
+def _attempt(backend: BatchSolver, programs: ConvexPrograms) -> tuple[Array, Array, Array]:
+    return backend.solve(
+        programs.H,
+        programs.g,
+        programs.A,
+        programs.lower,
+        programs.upper,
+        programs.x_lower,
+        programs.x_upper,
+    )

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: MIT
+"""Why a sample is infeasible: a verified Farkas certificate and the limits that it names."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.load_box import LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.limits.rows import ActiveRow
+from mrts.program.elastic_program import least_widening
+from mrts.program.sample_problem import SampleProblem
+from mrts.program.speed_intervals import highest_intervals, speed_unit
+from mrts.program.widening import widening_at
+
+CERTIFICATE_TOLERANCE = 1e-9
+"""A certificate must separate the limits by more than this share of their size, or nothing is proved."""
+
+NEGLIGIBLE_MULTIPLIER = 1e-9
+"""Multipliers below this share of the largest are rounding: a vertex leaves exact zeros."""
+
+COMBINATION_TOLERANCE = 1e-8
+"""Largest error of yᵀA = 0, relative to its terms: what rounding and the dropped multipliers leave."""
+
+
+SEARCH_POINTS, SEARCH_ROUNDS = 33, 40
+"""Speeds on the grid from which the closest is looked for, and most steps from there."""
+
+CLOSEST = 1e-7
+"""No other speed takes less than this share less widening than the closest."""
+
+SEARCHED = 100.0
+"""How far the first goes beyond, and below, the c that moves a row by about one limit."""
+
+
+@dataclass(frozen=True)
+class Conflict(InNotebooks):
+    """Limits that cannot hold together at one sample, whatever c² >= 0.
+
+    With the multipliers y of these rows, Σ yᵢ (row i) is a combination of limits that no torque satisfies
+    (Farkas' lemma); `separation` checks it by substitution.
+
+    Attributes:
+        sample: Index of the sample.
+        time: [s].
+        rows: The conflicting rows and sides.
+        multipliers: y of these rows, per N or N m; positive at an upper limit.
+        widening: All limits must move outward by at least this share of their larger side to make the sample feasible.
+        moves: The same for each of these rows in its own unit.
+        load: The load that cannot be carried, if the load is uncertain.
+        c2: Where the speed has a term beside its square and the rows conflict at each speed for other reasons: the c²
+            that comes closest, at which these rows conflict; None where they conflict whatever c² is.
+    """
+
+    sample: int
+    time: float
+    rows: tuple[ActiveRow, ...]
+    multipliers: tuple[float, ...]
+    widening: float
+    moves: tuple[float, ...]
+    load: LoadPoint | None = None
+    c2: float | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """Entry of "conflicts" in the JSON result."""
+        return {
+            "sample": self.sample,
+            "time": self.time,
+            "c2": self.c2,
+            "load": self.load.to_json() if self.load else None,
+            "rows": [row.to_json() for row in self.rows],
+            "multipliers": list(self.multipliers),
+            "widening": self.widening,
+            "moves": list(self.moves),
+        }
+
+    def __str__(self) -> str:
+        names = "; ".join(str(row) for row in self.rows)
+        carried = "the object" if self.load is None else f"the object with {self.load}"
+        nearest = "" if self.c2 is None else f"even at c² = {self.c2:.4g}, which comes closest, "
+        moves = ", ".join(
+            f"{row.name.short} by {move:.3g} {row.name.unit}".rstrip()
+            for row, move in zip(self.rows, self.moves, strict=True)
+        )
+        return (
+            f"at t = {self.time:.4g} s (sample {self.sample}) no torques carry {carried} at any speed: {nearest}these "
+            f"limits conflict: {names}. It takes moving all limits outward by {100 * self.widening:.3g} % of their "
+            f"size ({moves})"
+        )
+
+
+def find_conflicts(
+    problem: SampleProblem, time: Array, samples: NDArray[np.int_], solver: str
+) -> list[Conflict | None]:
+    """Decide feasibility of some samples and explain the infeasible ones.
+
+    The elastic program min s, lower - s <= A x <= upper + s (in rows of limits) always has a solution; s > 0 exactly
+    where the sample is infeasible, and its multipliers are the Farkas certificate.
+
+    Args:
+        problem: Rows of all samples.
+        time: Shape (N,) [s].
+        samples: Indices of the samples in question.
+        solver: Name in the registry.
+
+    Returns:
+        For each of `samples` the conflict, or None where the limits hold together.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    part = problem.at(samples)
+    if part.speed is not None:
+        return _conflicts_along_speed(part, time[samples], samples, solver)
+    x_lower = np.append(np.full(part.unknowns - 1, -np.inf), 0.0)
+    found = least_widening(
+        part.A, part.lower, part.upper, part.is_limit, x_lower, solver, "whether the limits hold together"
+    )
+    conflicts: list[Conflict | None] = []
+    for index, sample in enumerate(samples):
+        sides = _crossed(part, index) or _certified(part, index, found.row_dual[index])
+        if not sides:
+            conflicts.append(None)
+            continue
+        conflicts.append(
+            Conflict(
+                int(sample),
+                float(time[sample]),
+                tuple(part.active_row(row, upper=multiplier > 0) for row, multiplier in sides),
+                tuple(float(multiplier / part.unit[row]) for row, multiplier in sides),
+                float(found.share[index]),
+                tuple(float(found.share[index] * part.unit[row]) for row, _ in sides),
+            )
+        )
+    return conflicts
+
+
+def _conflicts_along_speed(
+    part: SampleProblem, time: Array, samples: NDArray[np.int_], solver: str
+) -> list[Conflict | None]:
+    """`find_conflicts` where rows have a term in ṙ: at the c² at which the limits must move outward the least.
+
+    The widening is no convex function of c: from the best of a grid on, limits are moved outward by a little less than
+    it takes there, and as long as some c is admitted then, the middle of what is takes its place.
+    """
+    best = closest_speed(part, solver) ** 2
+    found = conflicts_at(part, best, time, solver)
+    return [
+        None if one is None else replace(one, sample=int(sample), c2=float(c2))
+        for one, sample, c2 in zip(found, samples, best, strict=True)
+    ]
+
+
+def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) -> list[Conflict | None]:
+    """`find_conflicts` at a chosen c² of each sample, where everything is linear.
+
+    Args:
+        problem: Rows.
+        c2: Shape (N,).
+        time: Shape (N,) [s].
+        solver: Name in the registry.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    lower, upper = problem.limits_at(c2[:, None])
+    A = np.concatenate([problem.free, np.zeros((*problem.square.shape, 1))], axis=2)
+    fixed = replace(problem, A=A, lower=lower, upper=upper, speed=None)
+    return find_conflicts(fixed, time, np.arange(problem.samples), solver)
+
+
+def closest_speed(problem: SampleProblem, solver: str) -> Array:
+    """The c at which the limits of a sample must move outward the least, Shape (N,).
+
+    Args:
+        problem: Rows with a column of ṙ.
+        solver: Name in the registry.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    what = "at which speed the limits come closest"
+    unit, cap = np.sqrt(speed_unit(problem)), np.sqrt(problem.cap())
+    steps = np.concatenate([[0.0], np.geomspace(1 / SEARCHED, SEARCHED, SEARCH_POINTS - 1)])
+    grid = np.minimum(unit[:, None] * steps, cap[:, None])
+    repeated = problem.at(np.repeat(np.arange(problem.samples), SEARCH_POINTS))
+    needed = widening_at(repeated, grid.reshape(-1, 1) ** 2, solver, what).reshape(grid.shape)
+    place = np.argmin(needed, axis=1)[:, None]
+    best, least = (np.take_along_axis(values, place, axis=1)[:, 0] for values in (grid, needed))
+    open_ones = np.arange(problem.samples)
+    for _ in range(SEARCH_ROUNDS):
+        part = problem.at(open_ones)
+        level = least[open_ones, None] * (1 - CLOSEST) * part.is_limit
+        found = highest_intervals(replace(part, lower=part.lower - level, upper=part.upper + level), solver)
+        admitted, open_ones = ~found.undecided, open_ones[~found.undecided]
+        if not open_ones.size:
+            break
+        low, high = found.lower[admitted], found.upper[admitted]
+        best[open_ones] = np.where(np.isfinite(high), (low + high) / 2, low)
+        least[open_ones] = widening_at(problem.at(open_ones), best[open_ones, None] ** 2, solver, what)
+    return best
+
+
+def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, float]:
+    """Check a Farkas certificate by substitution.
+
+    For every x with c² >= 0 the rows give yᵀA x <= Σ_{y>0} y upper + Σ_{y<0} y lower. If yᵀA is zero on the free
+    unknowns and >= 0 on c², the left side is >= 0; a negative right side then proves infeasibility.
+
+    Args:
+        problem: Rows.
+        index: Sample.
+        y: Multipliers of the problem's rows, Shape (r,).
+
+    Returns:
+        The right side, relative to Σ |y|, and the largest error of the left side, each column relative to Σ |y|
+        times its largest coefficient.
+    """
+    terms = np.sum(np.abs(y)) * np.max(np.abs(problem.A[index]), axis=0)
+    combined = (y @ problem.A[index]) / np.where(terms > 0, terms, 1.0)
+    error = max(float(np.max(np.abs(combined[:-1]), initial=0.0)), 0.0, -float(combined[-1]))
+    limit = np.where(y > 0, problem.upper[index], np.where(y < 0, problem.lower[index], 0.0))
+    size = float(np.sum(np.abs(y) * problem.is_limit))
+    return float(np.sum(y * limit)) / (size or 1.0), error
+
+
+def _crossed(problem: SampleProblem, index: int) -> list[tuple[int, float]]:
+    """Both sides of the row whose limits cross the most, each with its multiplier; nothing if none do.
+
+    They cross where a reserve or friction in both directions leaves less than nothing between them. Multipliers of one
+    row cancel in a sum over rows, so such a certificate is given by itself.
+    """
+    beyond = np.where(problem.is_limit, problem.lower[index] - problem.upper[index], -np.inf)
+    if not np.any(beyond > CERTIFICATE_TOLERANCE):
+        return []
+    row = int(np.argmax(beyond))
+    return [(row, -1.0), (row, 1.0)]
+
+
+def _certified(problem: SampleProblem, index: int, y: Array) -> list[tuple[int, float]]:
+    """The rows with their multipliers without rounding if they prove infeasibility; nothing if they do not."""
+    weight = np.abs(y) * np.maximum(np.max(np.abs(problem.A[index]), axis=1), problem.is_limit)
+    y = np.where(weight > NEGLIGIBLE_MULTIPLIER * np.max(weight, initial=0.0), y, 0.0)
+    value, error = separation(problem, index, y)
+    if not (value < -CERTIFICATE_TOLERANCE and error <= COMBINATION_TOLERANCE):
+        return []
+    return [(row, float(y[row])) for row in np.flatnonzero(y).tolist()]

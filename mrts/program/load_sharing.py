@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: MIT
+"""A fixed distribution of the load over the arms (the paper's section IV)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, as_array
+from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.formulation import DISTRIBUTIONS
+
+SHARE_TOLERANCE = 1e-9
+"""How far the shares may sum from 1: they are typed with few digits."""
+
+BALANCE_TOLERANCE = 1e-9
+"""Largest net effect of an internal wrench on the object, relative to the wrench itself."""
+
+
+@dataclass(frozen=True)
+class LoadSharing(InNotebooks):
+    """Arm i carries the share α_i of the load, plus a prescribed internal wrench.
+
+    Attributes:
+        shares: α_i >= 0 with Σ α_i = 1, Shape (n,); None is equal shares.
+        internal_wrench: Stacked wrenches in base axes with Σ B_i F_i = 0, Shape (n w,) or (N, n w) [N, N m];
+            None is no internal wrench.
+    """
+
+    shares: Array | None = None
+    internal_wrench: Array | None = field(default=None)
+
+    def __post_init__(self) -> None:
+        """Torques may be asked for later: what can be written to is copied.
+
+        Raises:
+            InputError: If it is not numbers of one shape.
+        """
+        for name, value in (("shares", self.shares), ("internal_wrench", self.internal_wrench)):
+            if isinstance(value, np.ndarray | list):
+                own = as_array(name, value)
+                own.setflags(write=False)
+                object.__setattr__(self, name, own)
+
+    def inputs(self, cell: Cell, motion: CoordinatedMotion) -> dict[str, Array]:
+        """Inputs of the generated fixed distribution.
+
+        Raises:
+            InputError: If a shape is wrong, the shares do not sum to 1, or the internal wrench moves the object.
+        """
+        shares = self.of_robots(len(cell.robots))
+        size = len(cell.robots) * len(cell.wrench_components)
+        if self.internal_wrench is None:
+            return {"shares": shares, "internal_wrench": np.zeros(size)}
+        internal = as_array("internal_wrench", self.internal_wrench)
+        if internal.shape not in {(size,), (motion.samples, size)} or not np.isfinite(internal).all():
+            raise InputError(
+                "internal_wrench",
+                f"must be finite with Shape ({size},) or ({motion.samples}, {size}); it has {internal.shape}.",
+            )
+        internal = np.broadcast_to(internal, (motion.samples, size))
+        B = cell.functions("terms", motion.samples, motion.inputs(cell.load))["B"]
+        net = np.max(np.abs(np.einsum("nij,nj->ni", B, internal)), axis=1)
+        worst = int(np.argmax(net))
+        if net[worst] > BALANCE_TOLERANCE * (1 + float(np.max(np.abs(internal[worst])))):
+            raise InputError(
+                "internal_wrench",
+                f"must not move the object: at sample {worst} its net effect Σ B_i F_i is {net[worst]:.3g} (N, N m).",
+            )
+        return {"shares": shares, "internal_wrench": internal}
+
+    def of_robots(self, robots: int) -> Array:
+        """α_i of each robot, Shape (n,).
+
+        Args:
+            robots: n.
+
+        Raises:
+            InputError: If there are not n of them, one is negative, or they do not sum to 1.
+        """
+        shares = np.full(robots, 1 / robots) if self.shares is None else as_array("shares", self.shares)
+        if shares.shape != (robots,) or not np.all(shares >= 0) or not np.isfinite(shares).all():
+            raise InputError(
+                "shares", f"must be {robots} finite numbers >= 0, one for each robot.", value=shares.tolist()
+            )
+        if abs(np.sum(shares) - 1) > SHARE_TOLERANCE:
+            raise InputError("shares", f"must sum to 1; they sum to {np.sum(shares):.12g}.", value=shares.tolist())
+        return shares
+
+
+def check_distribution(distribute: str, sharing: LoadSharing | None) -> None:
+    """Check that there is such a distribution, and something to distribute.
+
+    Args:
+        distribute: What redundant torques are to be chosen by.
+        sharing: A fixed distribution of the load, None for a free one.
+
+    Raises:
+        InputError: If not.
+    """
+    check_type("distribute", distribute, str)
+    if distribute not in DISTRIBUTIONS:
+        raise InputError("distribute", f"must be {' or '.join(map(repr, DISTRIBUTIONS))}.", value=distribute)
+    if distribute != "least-torque" and sharing is not None:
+        raise InputError(
+            "distribute",
+            "a fixed distribution of the load leaves no torques to choose; leave one out.",
+            value=distribute,
+        )

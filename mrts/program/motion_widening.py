@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""By how much limits must move outward along a motion before it keeps them: by the kernel, or by a solver."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.manifest import GEOMETRY
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.kernel.motion_rows import widenings
+from mrts.kernel.programs import OPTIMAL
+from mrts.program.formulation import FormulationName
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.trajectory_programs import CompiledTrajectory, compiled_trajectory
+from mrts.program.widening import widening_at
+
+WHAT = "the excess between samples"
+"""What is found, for messages."""
+
+
+def motion_widening(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    c2: Array,
+    *,
+    formulation: FormulationName = "wrench",
+    sharing: LoadSharing | None = None,
+    load: Array | None = None,
+    samples: NDArray[np.intp] | None = None,
+) -> Array:
+    """By how much all limits must move outward before a motion keeps them, in shares of each: Shape (k,).
+
+    Args:
+        cell: The cell.
+        motion: Its motion, N samples.
+        c2: c² at each sample asked for, Shape (k,).
+        formulation: As in `mrts.program.trajectory_programs.motion_ranges`.
+        sharing: Likewise.
+        load: Load vector instead of the cell's, Shape (10,), or one a sample asked for, Shape (k, 10).
+        samples: Indices of those that are asked for, Shape (k,); None takes all N.
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        SolverError: If no solver answers.
+    """
+    places = np.arange(motion.samples) if samples is None else samples
+    if not len(places):
+        return np.zeros(0)
+    fast = compiled_trajectory(cell, motion, formulation, None, DEFAULT_SOLVER) if sharing is None else None
+    share, missing = np.zeros(len(places)), np.ones(len(places), dtype=bool)
+    if fast is not None:
+        share, missing = _compiled_widening(cell, motion, fast, c2, load, places)
+    left = np.flatnonzero(missing)
+    if left.size:
+        carried = load if load is None or load.ndim == 1 else _of_samples(load[left], places[left], motion.samples)
+        problem = build_sample_problem(
+            cell, motion, formulation=formulation, sharing=sharing, load=carried, samples=places[left]
+        )
+        share[left] = widening_at(problem, c2[left, None], DEFAULT_SOLVER, WHAT)
+    return share
+
+
+def _of_samples(values: Array, places: NDArray[np.intp], count: int) -> Array:
+    """Values of some of N samples among all, zero elsewhere."""
+    whole = np.zeros((count, *values.shape[1:]))
+    whole[places] = values
+    return whole
+
+
+def _compiled_widening(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    fast: CompiledTrajectory,
+    c2: Array,
+    load: Array | None,
+    places: NDArray[np.intp],
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The widening by the kernel, and where it has no answer."""
+    terms = fast.terms(np.sqrt(_of_samples(c2[:, None], places, motion.samples)) if fast.has_speed_terms else 1.0)
+    inputs = motion.inputs(cell.load)
+    if len(places) < motion.samples:
+        inputs = {name: value if value.ndim == 1 else value[places] for name, value in inputs.items()}
+        terms = terms.at(places)
+    inputs |= {GEOMETRY: cell.geometry, "load": cell.load if load is None else load}
+    units = fast.form.size[fast.form.kept]
+    share, status = widenings(fast.compiled, len(places), inputs, fast.sparse(), units, terms, c2)
+    return np.maximum(share, fast.passed_caps(c2, places)), status != OPTIMAL

@@ -1,0 +1,296 @@
+# SPDX-License-Identifier: MIT
+"""How far from their limits torques and wrenches can be kept: another way to choose the redundant ones.
+
+The quadratic program (31)-(34) asks for the least torques within the limits, so it puts wrenches at theirs even where
+something else binds. Here the largest share of any limit that is used is made as small as can be, sample by sample, by
+a linear program over the free wrenches and that share; the least torques are chosen among what is left.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.load_box import LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits import squared_limits
+from mrts.limits.rows import ActiveRow, LimitRows, side_size
+from mrts.program.elastic_program import Widening, least_widening
+from mrts.program.formulation import DistributionName, FormulationName
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.range_ends import BINDING_TOLERANCE
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.torque_distribution import distribute_torques
+from mrts.program.trajectory_programs import BLOCK, motion_torques
+
+LEAST_SHARE = 0.01
+"""Of a limit: torques are not asked to keep more than 99 % of every limit free."""
+
+ROWS_NAMED = 2
+"""Most rows that the text names."""
+
+NO_RESERVE = 1e-9
+"""A reserve below this share is none: at the fastest c² rounding leaves some, of the precision of an answer."""
+
+MOVED = 1e-12
+"""A row whose free unknowns have coefficients below this share of the sample's largest is moved by no distribution."""
+
+
+def least_shares(problem: SampleProblem, c2: float, solver: str) -> Widening:
+    """The least largest share of any limit at each sample, less 1: as a widening, below 0 within the limits.
+
+    Rows that no distribution moves do not count. Where both sides are one number, a row is kept and does not count.
+
+    Args:
+        problem: Rows of a cell without a reserve, with a free distribution.
+        c2: c².
+        solver: Name in the registry.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    lower, upper = problem.limits_at(c2)
+    moved = _moved(problem)
+    return least_widening(
+        problem.free,
+        np.where(moved, lower, -np.inf),
+        np.where(moved, upper, np.inf),
+        _counts(problem),
+        np.full(problem.unknowns - 1, -np.inf),
+        solver,
+        f"the reserve at c² = {c2:g}",
+        sizes=_side_sizes(problem),
+        least=-1.0,
+    )
+
+
+def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProblem, int]:
+    """The same problem with limits moved to the least largest share of them that is possible at c², or `LEAST_SHARE`.
+
+    Args:
+        problem: Rows of a cell without a reserve.
+        c2: c².
+        solver: Name in the registry.
+
+    Returns:
+        The problem, and the programs that a fallback had to solve.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    if problem.unknowns == 1:
+        return problem, 0
+    found = least_shares(problem, c2, solver)
+    share = np.maximum(1 + found.share, LEAST_SHARE)
+    inward = (1 - share)[:, None] * (_moved(problem) & _counts(problem))
+    low, high = _side_sizes(problem)
+    kept = replace(problem, lower=problem.lower + inward * low, upper=problem.upper - inward * high)
+    return kept, found.fallbacks
+
+
+def reserve_torques(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    c2: float,
+    weights: Array,
+) -> tuple[Array, Array, int]:
+    """The least torques of those that keep most of every limit free; as `motion_torques`.
+
+    Args:
+        cell: The cell, with its load.
+        motion: Its motion.
+        formulation: As in `motion_ranges`.
+        sharing: Likewise.
+        solver: Likewise.
+        c2: Chosen c².
+        weights: W, Shape (m, m).
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        SolverError: If no solver answers.
+    """
+    cell, fallbacks = cell.with_reserve(0.0), 0
+    torques, wrenches = [], []
+    for start in range(0, motion.samples, BLOCK):
+        block = np.arange(start, min(start + BLOCK, motion.samples))
+        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, samples=block)
+        kept, before = reserved(problem, c2, solver)
+        x, by_another = distribute_torques(kept, c2, weights, solver)
+        torques.append(problem.torque(x))
+        wrenches.append(problem.wrench(x))
+        fallbacks += before + by_another
+    return np.concatenate(torques), np.concatenate(wrenches), fallbacks
+
+
+TORQUES: dict[
+    DistributionName,
+    Callable[
+        [Cell, CoordinatedMotion, FormulationName, LoadSharing | None, str, float, Array], tuple[Array, Array, int]
+    ],
+] = {"least-torque": motion_torques, "reserve": reserve_torques}
+"""How redundant torques are chosen, by name."""
+
+
+@dataclass(frozen=True)
+class Reserve(InNotebooks):
+    """By how much limits may shrink before a plan at its c² has no torques within them.
+
+    Attributes:
+        share: The largest share that all limits may move inward by, each side of its own size.
+        sample: Where that is.
+        time: Of that sample in the given motion [s].
+        rows: Rows at their limit then.
+        load: With which load, if the load is uncertain.
+    """
+
+    share: float
+    sample: int
+    time: float
+    rows: tuple[ActiveRow, ...]
+    load: LoadPoint | None = None
+
+    def place(self) -> str:
+        """By which rows, when and with which load it is set, in words."""
+        named = [name.short for name in dict.fromkeys(row.name for row in self.rows)]
+        more = f" and {len(named) - ROWS_NAMED} more" if len(named) > ROWS_NAMED else ""
+        by = f"{', '.join(named[:ROWS_NAMED])}{more} " if named else ""
+        return f"{by}at t = {self.time:.4g} s" + ("" if self.load is None else f" with {self.load}")
+
+    def to_json(self) -> dict[str, Any]:
+        """Part of "reserve" in the JSON result."""
+        entry = {"share": self.share, "time": self.time, "rows": [row.to_json() for row in self.rows]}
+        return entry if self.load is None else entry | {"load": self.load.to_json()}
+
+
+@dataclass(frozen=True)
+class PlanReserve(InNotebooks):
+    """What is left of the limits of a plan.
+
+    Attributes:
+        whole: Of all limits: 0 at the fastest c².
+        distributed: Of those that the distribution of the torques moves; None where nothing is free.
+    """
+
+    whole: Reserve
+    distributed: Reserve | None
+
+    def __str__(self) -> str:
+        text = f"{100 * self.whole.share:.3g} % of all limits ({self.whole.place()})"
+        least = self.distributed
+        if least is None or least.share <= self.whole.share:
+            return text
+        other = f"{100 * least.share:.3g} % of those of torques and wrenches if these are distributed for it"
+        return f"{text}, {other} ({least.place()})"
+
+    def to_json(self) -> dict[str, Any]:
+        """Entry "reserve" of the JSON result."""
+        return self.whole.to_json() | {"distributed": self.distributed and self.distributed.to_json()}
+
+
+def plan_reserve(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    c2: float,
+    loads: tuple[LoadPoint | None, ...] = (None,),
+) -> PlanReserve:
+    """By how much the limits of a cell may shrink before a motion at c² has no torques within them for some load.
+
+    Args:
+        cell: The cell; of its limits as they are given, whatever reserve it keeps.
+        motion: Its motion.
+        formulation: As in `motion_ranges`.
+        sharing: Likewise.
+        solver: Likewise.
+        c2: Chosen c².
+        loads: Loads that must be carried; None is the cell's.
+
+    Raises:
+        InputError: If an argument breaks a rule.
+        SolverError: If no solver answers.
+    """
+    cell, time = cell.with_reserve(0.0), motion.object.time
+    whole: list[Reserve] = []
+    distributed: list[Reserve] = []
+    for load in loads:
+        for start in range(0, motion.samples, BLOCK):
+            block = np.arange(start, min(start + BLOCK, motion.samples))
+            vector = None if load is None else load.load
+            problem = build_sample_problem(
+                cell, motion, formulation=formulation, sharing=sharing, load=vector, samples=block
+            )
+            given = squared_limits(cell, motion).given.at(block)
+            shares = _shares_unmoved(problem, given, c2)
+            if problem.unknowns > 1:
+                at_best = _shares_moved(problem, least_shares(problem, c2, solver))
+                distributed.append(_reserve(given, at_best, time, start, load))
+                shares = np.maximum(shares, at_best)
+            whole.append(_reserve(given, shares, time, start, load))
+    return PlanReserve(_least(whole), _least(distributed) if distributed else None)
+
+
+def _least(reserves: list[Reserve]) -> Reserve:
+    return min(reserves, key=lambda reserve: reserve.share)
+
+
+def _reserve(given: LimitRows, shares: Array, time: Array, start: int, load: LoadPoint | None) -> Reserve:
+    """The reserve that shares of the lower and the upper sides leave, Shape (2, b, r), of samples from `start` on."""
+    most = np.max(shares, axis=(0, 2), initial=0.0)
+    place = int(np.argmax(most))
+    near = (shares[:, place] >= most[place] - BINDING_TOLERANCE) & (shares[:, place] > 0)
+    rows = dict.fromkeys(given.active(int(row), upper=bool(side)) for row, side in np.argwhere(near.T))
+    left = 1 - float(most[place])
+    return Reserve(left if left > NO_RESERVE else 0.0, start + place, float(time[start + place]), tuple(rows), load)
+
+
+def _shares_moved(problem: SampleProblem, found: Widening) -> Array:
+    """Shares that rows with a multiplier have in every best distribution, minus infinity elsewhere, Shape (2, b, r)."""
+    limits = problem.is_limit
+    dual = found.row_dual[:, limits]
+    strong = np.abs(dual) > BINDING_TOLERANCE * np.max(np.abs(dual), axis=1, keepdims=True, initial=0.0)
+    sides = np.stack([strong & (dual < 0), strong & (dual > 0)])
+    return np.where(sides, 1 + found.share[:, None], -np.inf)
+
+
+def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Array:
+    """Shares of rows that no distribution moves, minus infinity elsewhere, Shape (2, b, r); r limits."""
+    limits = problem.is_limit
+    low, high = (size[limits] for size in _side_sizes(problem))
+    lower, upper = (limit[:, limits] for limit in problem.limits_at(c2))
+    shares = np.stack([1 + lower / low, 1 - upper / high])
+    of_speed = given.is_of_speed
+    if np.any(of_speed):
+        torque, wrench = (np.zeros((problem.samples, M.shape[1])) for M in (given.torque_matrix, given.wrench_matrix))
+        value = given.value(torque, wrench, 0.0, np.sqrt(c2))
+        size = given.side_sizes()
+        at = np.stack([1 - (value - given.lower) / size[0], 1 - (given.upper - value) / size[1]])
+        shares[:, :, of_speed] = at[:, :, of_speed]
+    stays = ~_moved(problem)[:, limits] & _counts(problem)[limits]
+    return np.where(stays, shares, -np.inf)
+
+
+def _moved(problem: SampleProblem) -> NDArray[np.bool_]:
+    """Rows that some distribution moves, at each sample, Shape (N, r)."""
+    size = np.max(np.abs(problem.free), axis=2, initial=0.0)
+    return np.asarray(size > MOVED * np.max(size, axis=1, keepdims=True, initial=0.0))
+
+
+def _counts(problem: SampleProblem) -> NDArray[np.bool_]:
+    """Rows with a limit that can shrink, Shape (r,): no law, and not one number on both sides."""
+    return np.asarray(problem.is_limit & (problem.limit_lower < problem.limit_upper))
+
+
+def _side_sizes(problem: SampleProblem) -> tuple[Array, Array]:
+    """What 100 % of the lower and of the upper side is, in units of the row, each Shape (r,)."""
+    low, high = (side_size(limit, problem.unit) / problem.unit for limit in (problem.limit_lower, problem.limit_upper))
+    return low, high

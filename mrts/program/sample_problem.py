@@ -1,0 +1,371 @@
+# SPDX-License-Identifier: MIT
+"""From a cell and its motion to the linear rows of every sample: any formulation, constant and varying speed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array, apply
+from mrts.base.errors import InputError, MotionError
+from mrts.base.manifest import GEOMETRY
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.kernel.motion_rows import path_rows
+from mrts.kernel.sample_terms import SampleTerms
+from mrts.limits import squared_limits
+from mrts.limits.rows import ActiveRow, LimitRows, RowName
+from mrts.limits.squared_rows import SquaredRows, side_share
+from mrts.program.formulation import FORMULATIONS, FormulationName
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.motor_terms import MotorTerms, motor_terms
+
+TORQUE_FORM_CONDITION_LIMIT = 1e6
+"""J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampleProblem:
+    """Torques and wrenches as affine functions of the unknowns x at N samples, and the rows that limit them.
+
+    The last unknown is c², or ṙ² where the speed varies, and then the one before it is r̈; those before are free.
+    τ = torque_map x + torque_speed ṙ + torque_offset is what the motors give, F = wrench_map x + wrench_offset, and
+    rows are lower <= A x + speed ṙ <= upper, each divided by its unit, so that a limit has the size 1 whatever its unit
+    and magnitude.
+
+    Attributes:
+        torque_map: Shape (N, m, k).
+        torque_offset: Shape (N, m) [N m].
+        wrench_map: Shape (N, n w, k).
+        wrench_offset: Shape (N, n w) [N, N m].
+        names: One a row.
+        unit: What 100 % of a row's limit is; 1 for the object's balance, which is no limit, Shape (r,).
+        is_limit: False for the object's balance, Shape (r,).
+        is_cap: Rows that do nothing but bound the last unknown from above, Shape (r,).
+        A: Shape (N, r, k).
+        lower: Shape (N, r).
+        upper: Shape (N, r).
+        limit_lower: The limits as given, before offsets, Shape (r,).
+        limit_upper: Likewise, Shape (r,).
+        torque_speed: What ṙ adds to the torques, Shape (N, m); None where it adds nothing.
+        speed: Shape (N, r); None where no row has a term in ṙ.
+    """
+
+    torque_map: Array
+    torque_offset: Array
+    wrench_map: Array
+    wrench_offset: Array
+    names: tuple[RowName, ...]
+    unit: Array
+    is_limit: NDArray[np.bool_]
+    is_cap: NDArray[np.bool_]
+    A: Array
+    lower: Array
+    upper: Array
+    limit_lower: Array
+    limit_upper: Array
+    torque_speed: Array | None = None
+    speed: Array | None = None
+
+    @property
+    def samples(self) -> int:
+        """Number of samples N."""
+        return len(self.A)
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns k, those of the speed included."""
+        return int(self.A.shape[2])
+
+    @property
+    def free(self) -> Array:
+        """The columns of A of all unknowns but the last, Shape (N, r, k - 1)."""
+        return self.A[:, :, :-1]
+
+    @property
+    def square(self) -> Array:
+        """The column of A of the last unknown, c² or ṙ², Shape (N, r)."""
+        return self.A[:, :, -1]
+
+    @property
+    def rate(self) -> Array:
+        """The column of A of r̈ where the speed varies, Shape (N, r)."""
+        return self.A[:, :, -2]
+
+    def limits_at(self, c2: float | Array) -> tuple[Array, Array]:
+        """The limits that are left for the other unknowns at a value of the last, each Shape (N, r).
+
+        Args:
+            c2: One for all samples, or one a sample, Shape (N, 1).
+        """
+        given = self.square * c2
+        if self.speed is not None:
+            given = given + self.speed * np.sqrt(c2)
+        return self.lower - given, self.upper - given
+
+    @property
+    def cap_share(self) -> Array:
+        """What each cap is of its limit where the last unknown is 1, Shape (N, s)."""
+        caps = self.is_cap
+        return side_share(self.square[:, caps], self.lower[:, caps], self.upper[:, caps])
+
+    def cap(self) -> Array:
+        """Largest value of the last unknown that the caps allow, infinity where they do not bound it, Shape (N,)."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(1 / np.max(self.cap_share, axis=1, initial=0.0), dtype=np.float64)
+
+    def torque(self, x: Array) -> Array:
+        """Torques of unknowns x, Shape (N, k), as Shape (N, m) [N m]."""
+        torque = apply(self.torque_map, x) + self.torque_offset
+        return torque if self.torque_speed is None else torque + self.torque_speed * np.sqrt(x[:, -1:])
+
+    def torque_without_free(self, c2: float | Array) -> Array:
+        """Torques at a value of the last unknown with all others at zero, Shape (N, m) [N m].
+
+        Args:
+            c2: One for all samples, or one a sample, Shape (N, 1).
+        """
+        torque: Array = self.torque_map[:, :, -1] * c2 + self.torque_offset
+        return torque if self.torque_speed is None else torque + self.torque_speed * np.sqrt(c2)
+
+    def wrench(self, x: Array) -> Array:
+        """Wrenches of unknowns x, Shape (N, k), as Shape (N, n w) [N, N m], base axes."""
+        return apply(self.wrench_map, x) + self.wrench_offset
+
+    def active_row(self, row: int, *, upper: bool) -> ActiveRow:
+        """One row at one of its limits, in its own unit."""
+        limit = self.limit_upper[row] if upper else self.limit_lower[row]
+        return ActiveRow(self.names[row], "upper" if upper else "lower", float(limit))
+
+    def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
+        """The same problem at some samples only (indices or a mask)."""
+        return replace(
+            self,
+            torque_map=self.torque_map[samples],
+            torque_speed=None if self.torque_speed is None else self.torque_speed[samples],
+            torque_offset=self.torque_offset[samples],
+            wrench_map=self.wrench_map[samples],
+            wrench_offset=self.wrench_offset[samples],
+            A=self.A[samples],
+            speed=None if self.speed is None else self.speed[samples],
+            lower=self.lower[samples],
+            upper=self.upper[samples],
+        )
+
+    def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
+        """The same problem with more rows, which have no term in ṙ.
+
+        Args:
+            names: One a row.
+            **columns: What they add to `unit`, `is_limit`, `is_cap`, `limit_lower`, `limit_upper`, Shape (s,) each, to
+                `A`, Shape (N, s, k), and to `lower` and `upper`, Shape (N, s).
+        """
+        more = {
+            name: np.concatenate([getattr(self, name), part], axis=1 if np.ndim(part) > 1 else 0)
+            for name, part in columns.items()
+        }
+        if self.speed is not None:
+            more["speed"] = np.concatenate([self.speed, np.zeros((self.samples, len(names)))], axis=1)
+        return replace(self, names=(*self.names, *names), **more)
+
+    def without_caps(self) -> "SampleProblem":
+        """The same problem without the rows that bound the last unknown alone."""
+        kept = ~self.is_cap
+        return replace(
+            self,
+            names=tuple(name for name, keep in zip(self.names, kept, strict=True) if keep),
+            **{
+                name: getattr(self, name)[kept] for name in ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
+            },
+            **{name: getattr(self, name)[:, kept] for name in ("A", "lower", "upper")},
+            speed=None if self.speed is None else self.speed[:, kept],
+        )
+
+
+def build_sample_problem(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    *,
+    formulation: FormulationName = "wrench",
+    sharing: LoadSharing | None = None,
+    load: Array | None = None,
+    samples: NDArray[np.int_] | None = None,
+    varying: bool = False,
+) -> SampleProblem:
+    """Evaluate the generated formulation along the motion and put every limit into rows.
+
+    Where the speed varies these are eqs. (11) to (18) with r̈: τ = A r̈ + E ṙ² + G + JᵀF and Σ B F = S r̈ + P ṙ² + Q.
+
+    Args:
+        cell: The cell.
+        motion: Its motion; where the speed varies, its time is the path parameter r.
+        formulation: "wrench" (free unknowns F_1 … F_{n-1}) or "torque" (τ).
+        sharing: A fixed distribution of the load: nothing is free, whatever the formulation.
+        load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
+        samples: Indices of the samples to take; None takes all.
+        varying: Whether the speed varies.
+
+    Raises:
+        InputError: If the formulation does not exist, or the sharing does not fit the cell.
+        MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
+    """
+    inputs = motion.inputs(cell.load if load is None else load)
+    if formulation not in FORMULATIONS:
+        raise InputError("formulation", f"must be {' or '.join(map(repr, FORMULATIONS))}.", value=formulation)
+    if sharing is not None:
+        inputs |= sharing.inputs(cell, motion)
+    elif formulation == "torque":
+        _check_invertible(cell, motion)
+    limits, motors = squared_limits(cell, motion), motor_terms(cell, motion)
+    if varying and samples is None and sharing is None and formulation == "wrench" and not limits.crosses:
+        return _path_problem(cell, motion.samples, inputs, limits, motors)
+    count = motion.samples
+    if samples is not None:
+        one_for_all = {name for name, value in inputs.items() if value.ndim == 1}
+        inputs = {name: value if name in one_for_all else value[samples] for name, value in inputs.items()}
+        count = len(samples)
+    maps = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
+    places = slice(None) if samples is None else samples
+    if motors is not None:
+        motors = motors.at(places)
+        maps["torque_offset"] = maps["torque_offset"] + motors.dry
+        maps["torque_map"][:, :, -1] += motors.square
+        if varying:
+            maps["torque_map"][:, :, -2] += motors.rate
+    problem = _problem(limits, maps, motors, places, varying=varying)
+    if "equality_map" not in maps:
+        return problem
+    nothing = np.zeros(len(cell.wrench_components))
+    return problem.with_rows(
+        [RowName("balance", element=part) for part in cell.wrench_components],
+        unit=nothing + 1,
+        is_limit=nothing > 0,
+        is_cap=nothing > 0,
+        A=maps["equality_map"],
+        lower=maps["equality_rhs"],
+        upper=maps["equality_rhs"],
+        limit_lower=nothing,
+        limit_upper=nothing,
+    )
+
+
+def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varying: bool) -> dict[str, Array]:
+    """What a generated formulation gives; maps have Shape (count, rows, k), with the column of r̈ where speed varies.
+
+    That column is the one of c² for the motion with velocities as accelerations: at q' = 0 and q'' → q' the terms E and
+    P are A and S, as no term quadratic in velocities is left.
+    """
+
+    def evaluated(given: dict[str, Array]) -> dict[str, Array]:
+        maps = cell.functions(name, count, given)
+        unknowns = maps["torque_map"].shape[2] if maps["torque_map"].ndim == 3 else 1  # noqa: PLR2004 (N, m, k)
+        return {
+            key: value.reshape(count, -1, unknowns) if key.endswith("_map") else value for key, value in maps.items()
+        }
+
+    maps = evaluated(inputs)
+    if not varying:
+        return maps
+    still = {key: np.zeros_like(inputs[key]) for key in ("dq", "object_twist")}
+    by_rate = evaluated(inputs | still | {"ddq": inputs["dq"], "object_acceleration": inputs["object_twist"]})
+    for key in [key for key in maps if key.endswith("_map")]:
+        maps[key] = np.concatenate([maps[key][:, :, :-1], by_rate[key][:, :, -1:], maps[key][:, :, -1:]], axis=2)
+    return maps
+
+
+def _problem(
+    form: SquaredRows,
+    maps: dict[str, Array],
+    motors: MotorTerms | None,
+    samples: NDArray[np.int_] | slice,
+    *,
+    varying: bool,
+) -> SampleProblem:
+    """The limits over the unknowns, each row in its unit; the maps have what motors add to c² and r̈ already."""
+    rows = form.rows.at(samples)
+    moves = rows.of_forces
+    count, _, unknowns = maps["torque_map"].shape
+    size = form.size
+    A, offset = np.zeros((count, len(size), unknowns)), np.zeros((count, len(size)))
+    M_torque, M_wrench = rows.torque_matrix[moves], rows.wrench_matrix[moves]
+    A[:, moves] = M_torque @ maps["torque_map"] + M_wrench @ maps["wrench_map"]
+    offset[:, moves] = maps["torque_offset"] @ M_torque.T + maps["wrench_offset"] @ M_wrench.T
+    if rows.object_matrix is not None and rows.object_axes is not None:
+        turned = rows.object_matrix.any(axis=1)
+        A[:, turned] += rows.object_matrix[turned] @ rows.object_axes.turned(maps["wrench_map"])
+        offset[:, turned] += rows.object_axes.turned(maps["wrench_offset"]) @ rows.object_matrix[turned].T
+    if rows.square is not None:
+        A[:, :, -1] += rows.square
+    if rows.rate is not None and varying:
+        A[:, :, -2] += rows.rate
+    inward = _margin(motors, rows)
+    margin = np.zeros(1) if inward is None else inward
+    lower, upper = (rows.lower + margin - offset) / size, (rows.upper - margin - offset) / size
+    return _with_rows(form, motors, rows, maps, A=A / size[:, None], lower=lower, upper=upper)
+
+
+def _path_problem(
+    cell: Cell, count: int, inputs: dict[str, Array], form: SquaredRows, motors: MotorTerms | None
+) -> SampleProblem:
+    """The rows of the wrench form where the speed varies, by the kernel in one call."""
+    library, rows = cell.library, form.rows
+    terms, rate = SampleTerms(square=rows.square), np.zeros((count, library.joints))
+    if motors is not None:
+        rate, margin = motors.rate, _margin(motors, rows)
+        terms = replace(terms, torque_square=motors.square, torque_offset=motors.dry, margin=margin)
+    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse, form.size, terms, rate)
+    if rows.rate is not None:
+        found.A[:, :, -2] += rows.rate / form.size
+    maps = {name: getattr(found, name) for name in ("torque_map", "torque_offset", "wrench_map", "wrench_offset")}
+    return _with_rows(form, motors, rows, maps, A=found.A, lower=found.lower, upper=found.upper)
+
+
+def _margin(motors: MotorTerms | None, rows: LimitRows) -> Array | None:
+    """By how much limits move inward where friction may act in both directions, Shape (N, r); None where none does."""
+    return None if motors is None or motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T
+
+
+def _with_rows(
+    form: SquaredRows, motors: MotorTerms | None, rows: LimitRows, maps: dict[str, Array], **found: Array
+) -> SampleProblem:
+    """The problem of rows that were put together, with their terms in ṙ."""
+    torque_speed, speed = None if motors is None else motors.speed, rows.speed
+    if torque_speed is not None:
+        speed = torque_speed @ rows.torque_matrix.T + (0.0 if speed is None else speed)
+    return SampleProblem(
+        torque_map=maps["torque_map"],
+        torque_speed=torque_speed,
+        torque_offset=maps["torque_offset"],
+        wrench_map=maps["wrench_map"],
+        wrench_offset=maps["wrench_offset"],
+        names=form.given.names,
+        unit=form.unit,
+        is_limit=np.ones(len(form.size), dtype=bool),
+        is_cap=form.is_cap,
+        speed=None if speed is None else speed / form.size,
+        limit_lower=form.given.lower,
+        limit_upper=form.given.upper,
+        **found,
+    )
+
+
+def _check_invertible(cell: Cell, motion: CoordinatedMotion) -> None:
+    size = len(cell.wrench_components)
+    for robot in cell.robots:
+        if len(robot.joints) != size:
+            raise MotionError(
+                f"the torque form needs a square Jacobian: robot '{robot.name}' has {len(robot.joints)} joints and "
+                f"{size} wrench components. Use the wrench form."
+            )
+    J = cell.functions("kinematics", motion.samples, {"q": motion.q})["jacobian"]
+    for robot in cell.robots:
+        condition = np.linalg.cond(J[:, :, cell.joint_slices[robot.name]])
+        worst = int(np.argmax(condition))
+        if not condition[worst] <= TORQUE_FORM_CONDITION_LIMIT:
+            raise MotionError(
+                f"the torque form inverts Jacobians: at sample {worst} (t = {motion.object.time[worst]:.6g} s) that of "
+                f"robot '{robot.name}' has the condition number {condition[worst]:.3g}, the limit is "
+                f"{TORQUE_FORM_CONDITION_LIMIT:.0e}. Use the wrench form."
+            )

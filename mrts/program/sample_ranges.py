@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: MIT
+"""The admissible range of c² at every sample."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.base.load_box import LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.squared_rows import binds
+from mrts.program.closed_form import ends_in_closed_form
+from mrts.program.end_rows import rows_at_end, tight_codes
+from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
+from mrts.program.linear_programs import ends_by_linear_programs
+from mrts.program.range_ends import BindingRows, RangeEnds, codes_of_duals, no_codes, rows_of_problem
+from mrts.program.range_status import RangeStatus
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.speed_intervals import highest_intervals
+
+REST_TOLERANCE = 1e-12
+"""A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""
+
+MOST_INTERVALS = 100
+"""Of one sample: more are not looked for."""
+
+POINT_TOLERANCE = 1e-9
+"""Relative overlap by which rounding may miss a range that is a single point."""
+
+TIE = 1e-7
+"""Relative difference of two samples' ends, or two loads', that may be rounding: the first of them counts as the one
+that sets the end, so that it does not depend on the solver."""
+
+
+@dataclass(frozen=True)
+class SampleRanges(InNotebooks):
+    """The least and the largest c² of each of N samples: of the highest interval where a sample admits several.
+
+    Attributes:
+        time: Of the given motion, Shape (N,) [s].
+        status: Shape (N,).
+        lower: c²⁻(t), Shape (N,); infinity where infeasible.
+        upper: c²⁺(t), Shape (N,); minus infinity where infeasible, infinity where unbounded.
+        rows: Which rows bind at both ends of each sample.
+        conflicts: One for each infeasible sample, in order.
+        fallbacks: Programs that the chosen solver did not solve and another did.
+        lower_loads: If the load is uncertain, the load that sets the lower end of each sample.
+        upper_loads: Likewise of the upper end.
+        several: Whether some sample admits other intervals of c² as well.
+        problem: The rows of one sample at an end; None where `rows` has all that bind.
+    """
+
+    time: Array
+    status: tuple[RangeStatus, ...]
+    lower: Array
+    upper: Array
+    rows: BindingRows
+    conflicts: tuple[Conflict, ...]
+    fallbacks: int
+    lower_loads: Sequence[LoadPoint] | None = None
+    upper_loads: Sequence[LoadPoint] | None = None
+    several: bool = False
+    problem: Callable[[int, Side], SampleProblem] | None = field(default=None, repr=False, compare=False)
+
+    def binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
+        """Rows that bind at one end of a sample; where more meet than determine it, some of them."""
+        return self.rows.at(sample, side)
+
+    def all_binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
+        """All rows that bind at one end of a sample.
+
+        Raises:
+            SolverError: If no solver answers.
+        """
+        c2 = float((self.lower if side == "lower" else self.upper)[sample])
+        if self.problem is None or not np.isfinite(c2) or (side == "lower" and c2 == 0):
+            return self.binding(sample, side)
+        return rows_at_end(self.problem(sample, side), c2, side) or self.binding(sample, side)
+
+    def to_json(self) -> dict[str, Any]:
+        """Entry of "samples" in the JSON result; null stands for an end that does not exist."""
+        ends = {"c2_lower": self.lower, "c2_upper": self.upper}
+        return {
+            "time": self.time.tolist(),
+            "status": [status.value for status in self.status],
+            **{name: [c2 if np.isfinite(c2) else None for c2 in values.tolist()] for name, values in ends.items()},
+        }
+
+
+def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float = np.inf) -> SampleRanges:
+    """Step 1 of MMTSF: min and max of c² at every sample, with binding rows.
+
+    One unknown (a fixed distribution, a single arm) is an intersection of intervals; more are linear programs.
+
+    Args:
+        problem: Rows along the motion.
+        time: Shape (N,) [s].
+        solver: Name in the registry.
+        high: Of several intervals the highest is found that does not begin above this c².
+
+    Raises:
+        InputError: If there is no such solver.
+        SolverError: If no solver answers.
+    """
+    problem = without_speed_at_rest(problem)
+
+    def find(part: SampleProblem) -> RangeEnds:
+        if part.speed is not None:
+            return _ends_of_intervals(part, solver, high)
+        return ends_in_closed_form(part) if part.unknowns == 1 else ends_by_linear_programs(part, solver)
+
+    ends = find(problem)
+    conflicts: dict[int, Conflict] = {}
+    if np.any(ends.undecided):
+        suspects = np.flatnonzero(ends.undecided)
+        found = find_conflicts(problem, time, suspects, solver)
+        conflicts = {conflict.sample: conflict for conflict in found if conflict is not None}
+        marginal = np.array([sample for sample in suspects if sample not in conflicts], dtype=int)
+        if marginal.size:
+            ends.replace(marginal, find(_widened(problem.at(marginal))))
+    infeasible = np.array(list(conflicts), dtype=int)
+    ends.lower[infeasible], ends.upper[infeasible] = np.inf, -np.inf
+    return SampleRanges(
+        time=time,
+        status=statuses(ends.lower, ends.upper, conflicts.values()),
+        lower=ends.lower,
+        upper=ends.upper,
+        rows=ends.rows.with_samples(infeasible, no_codes(len(infeasible))),
+        conflicts=tuple(conflicts.values()),
+        fallbacks=ends.fallbacks,
+        several=ends.several,
+    )
+
+
+def _ends_of_intervals(problem: SampleProblem, solver: str, high: float) -> RangeEnds:
+    """The ends where rows have a term in ṙ: of the highest interval that does not begin above a c²."""
+    found = highest_intervals(problem, solver)
+    several = bool(np.any(found.gap > 0))
+    for _ in range(MOST_INTERVALS):
+        above = np.flatnonzero((found.lower**2 > high) & (found.gap > 0))
+        if not above.size:
+            break
+        below = highest_intervals(problem.at(above), solver, found.gap[above])
+        found.gap[above] = 0.0
+        found.fallbacks += below.fallbacks
+        lowered = np.flatnonzero(~below.undecided)
+        found.put(above[lowered], below, lowered)
+    lower, upper = found.lower**2, np.where(found.upper > 0, found.upper**2, found.upper)
+    if problem.unknowns == 1:
+        codes = tight_codes(problem, lower, upper)
+    else:
+        caps, capped = problem.is_cap, upper >= problem.cap() * (1 - POINT_TOLERANCE)
+        found.dual[1][:, caps] = capped[:, None] * binds(problem.cap_share) * np.sign(problem.square[:, caps])
+        codes = np.stack([codes_of_duals(problem, found.dual[0], lower == 0), codes_of_duals(problem, found.dual[1])])
+    return RangeEnds(lower, upper, rows_of_problem(problem, codes), found.undecided, found.fallbacks, several)
+
+
+def statuses(lower: Array, upper: Array, conflicts: Iterable[Conflict]) -> tuple[RangeStatus, ...]:
+    """The outcome at every sample.
+
+    Args:
+        lower: c²⁻(t), Shape (N,).
+        upper: c²⁺(t), Shape (N,).
+        conflicts: Of the infeasible samples.
+    """
+    names = np.array([RangeStatus.FEASIBLE, RangeStatus.EMPTY, RangeStatus.UNBOUNDED, RangeStatus.INFEASIBLE])
+    code = np.where(np.isinf(upper), 2, np.where(lower > upper * (1 + POINT_TOLERANCE), 1, 0))
+    code[[conflict.sample for conflict in conflicts]] = 3
+    return tuple(names[code].tolist())
+
+
+def first_least(values: Array) -> Any:
+    """Place of the least value along the first axis, the first of those that differ by rounding only.
+
+    Args:
+        values: Shape (N,), or any with N first: then a place for each column.
+    """
+    least = np.min(values, axis=0)
+    return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
+
+
+def end_problem(
+    cell: Cell, motion: CoordinatedMotion, load_at: Callable[[int, Side], Array | None], sample: int, side: Side
+) -> SampleProblem:
+    """The rows of one sample with the load that sets an end of its range.
+
+    Args:
+        cell: The cell; the distribution of its load is free.
+        motion: Its motion.
+        load_at: Load vector of one end of a sample, Shape (10,); None for the cell's.
+        sample: Index.
+        side: Which end.
+    """
+    load = load_at(sample, side)
+    loads = None if load is None else np.broadcast_to(load, (motion.samples, len(load)))
+    return build_sample_problem(cell, motion, load=loads, samples=np.array([sample]))
+
+
+def with_end_problem(
+    cell: Cell, motion: CoordinatedMotion, samples: SampleRanges, load_at: Callable[[int, Side], Array | None]
+) -> SampleRanges:
+    """The same ranges, which can name all rows that set an end.
+
+    Args:
+        cell: As in `end_problem`.
+        motion: Likewise.
+        samples: Ranges of all samples.
+        load_at: As in `end_problem`.
+    """
+    # of one arm nothing is free: the closed form names all
+    return samples if len(cell.robots) == 1 else replace(samples, problem=partial(end_problem, cell, motion, load_at))
+
+
+def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> SampleProblem:
+    """The same problem with exactly no effect of c² on torques and wrenches where only rounding is left of it.
+
+    Args:
+        problem: Rows of some samples.
+        largest: Largest effect of c², or of c squared, at other samples of the motion.
+    """
+    dynamic, speed = ~problem.is_cap, problem.speed
+    effect = np.max(np.abs(problem.square[:, dynamic]), axis=1, initial=0.0)
+    if speed is not None:
+        effect = np.maximum(effect, np.max(np.abs(speed[:, dynamic]), axis=1, initial=0.0) ** 2)
+    at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
+    A, still = problem.A.copy(), at_rest[:, None] & dynamic
+    A[:, :, -1] = np.where(still, 0.0, problem.square)
+    return replace(problem, A=A, speed=None if speed is None else np.where(still, 0.0, speed))
+
+
+def _widened(problem: SampleProblem) -> SampleProblem:
+    """The same problem with limits wider by what `find_conflicts` cannot tell from nothing."""
+    widening = 2 * CERTIFICATE_TOLERANCE * problem.is_limit
+    return replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: MIT
+"""Where between the samples a range of c² would be narrower, and which samples must be added for that."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.denser_motion import between_samples, denser
+from mrts.limits.rows import ActiveRow, Side
+from mrts.program.doubtful_gaps import doubtful_gaps, turning
+from mrts.program.excess import Excess
+from mrts.program.sample_ranges import SampleRanges
+
+WIDE, CLOSE = np.arange(1, 4) / 4, np.arange(1, 8) / 8
+"""Where each doubtful gap is looked at, of many and of few."""
+
+FEW = 8
+"""So many doubtful gaps are few."""
+
+COARSE = 64
+"""Motions of fewer samples are looked at in every gap: neighbours may not show what happens in one."""
+
+MOST_ROUNDS = 24
+"""A gap is then 4⁻²⁴ of what it was, beyond `mrts.program.doubtful_gaps.RESOLUTION`."""
+
+MOST_PLACES = 8
+"""Places that are looked at for each sample of the motion, at most."""
+
+FEWEST_PLACES = 2000
+"""As many are allowed in any case."""
+
+NUDGE = 1e-3
+"""Share by which c² is moved to see how much a limit widens with it."""
+
+SIDES: tuple[Side, Side] = ("lower", "upper")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked along any motion of a cell.
+
+    Attributes:
+        ranges: The ranges of c² along a motion, of intervals that do not begin above the end of the range.
+        widening: By how much all limits must move outward at some samples of a motion, each with a load, Shape (k, 10),
+            or None for the cell's, and a c², Shape (k,).
+    """
+
+    ranges: Callable[[CoordinatedMotion], SampleRanges]
+    widening: Callable[[CoordinatedMotion, NDArray[np.intp], Array | None, Array], Array]
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Both ends of the range of c² at N times, and where they are from.
+
+    Attributes:
+        time: Shape (N,) [s].
+        lower: Shape (N,).
+        upper: Shape (N,).
+        sources: Ranges at all of these times.
+        place: Which source, and which of its samples, Shape (N, 2).
+    """
+
+    time: Array
+    lower: Array
+    upper: Array
+    sources: tuple[SampleRanges, ...]
+    place: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, found: SampleRanges, inner: slice = slice(None)) -> "Ends":
+        """What ranges tell, of all samples or some."""
+        places = np.arange(len(found.time), dtype=np.intp)[inner]
+        source = np.column_stack([np.zeros_like(places), places])
+        return cls(found.time[inner], found.lower[inner], found.upper[inner], (found,), source)
+
+    def whole(self) -> tuple[float, float]:
+        """The largest lower and the least upper end."""
+        return float(np.max(self.lower)), float(np.min(self.upper))
+
+    def rising(self) -> tuple[Array, Array]:
+        """What is largest where the range ends: 1 / c²⁺ and c²⁻, each Shape (N,)."""
+        with np.errstate(divide="ignore"):
+            return 1 / self.upper, self.lower
+
+    def outside(self, c2: float) -> NDArray[np.bool_]:
+        """Where a c² may lie in a gap, as it lies outside of intervals of which there are several, Shape (N,)."""
+        several = np.array([of.several for of in self.sources])[self.place[:, 0]]
+        return np.asarray(several & ((self.lower > c2) | (self.upper < c2)))
+
+    def loads(self, places: NDArray[np.intp], side: Side) -> Array | None:
+        """Loads that set one end at some places, Shape (k, 10); None where the load is known."""
+        found = []
+        for source, sample in self.place[places].tolist():
+            of = self.sources[source].lower_loads if side == "lower" else self.sources[source].upper_loads
+            if of is None:
+                return None
+            found.append(of[sample].load)
+        return np.array(found)
+
+    def row(self, place: int, side: Side) -> ActiveRow | None:
+        """The row that sets one end at a place most; None where none does."""
+        source, sample = self.place[place].tolist()
+        of = self.sources[source]
+        rows = of.binding(sample, side)
+        return rows[0] if rows else None
+
+    def joined(self, other: "Ends") -> "Ends":
+        """These and others, ordered by time."""
+        order = np.argsort(np.concatenate([self.time, other.time]), kind="stable")
+        moved = np.add(other.place, [len(self.sources), 0])
+        return Ends(
+            np.concatenate([self.time, other.time])[order],
+            np.concatenate([self.lower, other.lower])[order],
+            np.concatenate([self.upper, other.upper])[order],
+            self.sources + other.sources,
+            np.concatenate([self.place, moved])[order],
+        )
+
+
+@dataclass(frozen=True)
+class Looked:
+    """Places between the samples that were looked at.
+
+    Attributes:
+        motion: There, and at both ends of the motion.
+        ends: Of the ranges at the places alone.
+    """
+
+    motion: CoordinatedMotion
+    ends: Ends
+
+    def overstepped(self, asked: Asked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
+        """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
+        beyond = (self.ends.upper < c2 if side == "upper" else self.ends.lower > c2) | self.ends.outside(c2)
+        places = np.flatnonzero(beyond)
+        if not len(places):
+            return places, np.zeros(0)
+        loads = self.ends.loads(places, side)
+        return places, asked.widening(self.motion, places + 1, loads, np.full(len(places), c2))
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """What was found between the samples of a motion.
+
+    Attributes:
+        motion: The motion with the samples that had to be added; the given one where none had to.
+        looked: All places that were looked at; None if none had to be.
+        asked: What was asked there.
+        left: What is left between the samples, at the ends of the range.
+        ends: c²⁻ and c²⁺ at the given samples.
+    """
+
+    motion: CoordinatedMotion
+    looked: Looked | None
+    asked: Asked
+    left: Excess
+    ends: tuple[float, float]
+
+    def excess(self, c2: float) -> Excess:
+        """How far limits are overstepped between the samples at a c² that is admissible at all of them."""
+        if self.looked is None or c2 in self.ends:
+            return self.left
+        worst = self.left if self.left.passes else Excess(0.0, self.left.tolerance)
+        for side in SIDES:
+            places, share = self.looked.overstepped(self.asked, c2, side)
+            worst = _worse(worst, self.looked.ends, places, share, side)
+        return worst
+
+
+def refine(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    found: SampleRanges,
+    whole: tuple[float, float],
+    asked: Asked,
+    tolerance: float,
+) -> Refinement:
+    """Look between the samples of a motion wherever its range of c² may be narrower, and add what samples that takes.
+
+    The least c²⁺ and the largest c²⁻ along the motion are looked for in the gaps between samples; a place joins the
+    samples where limits would have to move outward by more than the tolerance to admit the ends of the range. So the
+    ends become those at the worst places, and no other place forbids them.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        found: The ranges at its samples, which have a c² in common.
+        whole: c²⁻ and c²⁺, the ends of the interval of the largest speeds that they have in common.
+        asked: How ranges and rows are found at other places.
+        tolerance: Share of a limit by which it may be overstepped.
+
+    Raises:
+        MotionError: If the arms cannot hold the object between the samples.
+        SolverError: If no solver answers.
+    """
+    known = Ends.of(found)
+    none = Excess(0.0, tolerance)
+    if whole[1] <= 0:
+        return Refinement(motion, None, asked, none, whole)
+    looked: Looked | None = None
+    allowed, left = _allowed(motion, known, asked, tolerance), none
+    for turn in range(MOST_ROUNDS):
+        everywhere = turn == 0 and (motion.samples < COARSE or allowed is None or found.several)
+        gaps = _doubtful(known, allowed, everywhere=everywhere)
+        if not len(gaps):
+            break
+        inside = CLOSE if len(gaps) <= FEW else WIDE
+        if len(known.time) + len(gaps) * len(inside) > max(FEWEST_PLACES, MOST_PLACES * motion.samples):
+            left = _left(known, allowed, none)
+            break
+        at = (known.time[gaps][:, None] + np.diff(known.time)[gaps][:, None] * inside).ravel()
+        there = between_samples(cell, motion, at)
+        new = Looked(there, Ends.of(asked.ranges(there), slice(1, -1)))
+        known = known.joined(new.ends)
+        inner = np.arange(1, there.samples - 1, dtype=np.intp)
+        looked = new if looked is None else Looked(denser(looked.motion, there, inner), looked.ends.joined(new.ends))
+        if not np.all(new.ends.upper > 0):
+            break  # nothing moves there: that settles the outcome
+        allowed = allowed or _allowed(there, new.ends, asked, tolerance, first=1)
+    if looked is None:
+        return Refinement(motion, None, asked, left, whole)
+    added, left = _needed(looked, asked, whole, left)
+    if len(added):
+        motion = denser(motion, looked.motion, added + 1)
+    return Refinement(motion, looked, asked, left, whole)
+
+
+def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, side: Side) -> Excess:
+    """The worse of an excess and those at some places."""
+    if not len(places) or np.max(share) <= worst.share:
+        return worst
+    most = int(np.argmax(share))
+    place = int(places[most])
+    return Excess(float(share[most]), worst.tolerance, float(ends.time[place]), ends.row(place, side))
+
+
+def _allowed(
+    motion: CoordinatedMotion, known: Ends, asked: Asked, tolerance: float, first: int = 0
+) -> tuple[float, float] | None:
+    """By how much 1 / c²⁺ and c²⁻ may rise before a limit is overstepped by the tolerance; None without a c²⁺."""
+    low, high = known.whole()
+    if not np.isfinite(high):
+        return None
+    places = np.array([np.argmax(known.lower), np.argmin(known.upper)])
+    loads = [known.loads(places[[end]], side) for end, side in enumerate(SIDES)]
+    carried = None if loads[0] is None or loads[1] is None else np.concatenate([loads[0], loads[1]])
+    c2 = np.array([low * (1 - NUDGE), high * (1 + NUDGE)])
+    slow, fast = asked.widening(motion, places + first, carried, c2) / NUDGE
+    rise = tolerance / fast if fast > 0 else np.inf
+    return float(rise / high), float(tolerance / slow * low if slow > 0 else tolerance * high)
+
+
+def _doubtful(known: Ends, allowed: tuple[float, float] | None, *, everywhere: bool) -> NDArray[np.intp]:
+    """Gaps in which an end of the range may lie."""
+    if everywhere:
+        return np.arange(len(known.time) - 1)
+    if allowed is None:
+        return np.zeros(0, dtype=np.intp)
+    both = (doubtful_gaps(known.time, of, most) for of, most in zip(known.rising(), allowed, strict=True))
+    return _distinct(gap for gaps in both for gap in gaps.tolist())
+
+
+def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
+    """What the range may be narrower by in gaps that were not looked at."""
+    step = np.diff(known.time)
+    for of, most in zip(known.rising(), allowed or (np.inf, np.inf), strict=True):
+        above = np.maximum(of[:-1], of[1:]) + turning(step, of) - np.max(of)
+        gap = int(np.argmax(above))
+        share = float(worst.tolerance * above[gap] / most)
+        if share > worst.share:
+            worst = replace(worst, share=share, time=float(known.time[gap] + step[gap] / 2))
+    return worst
+
+
+def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Excess) -> tuple[NDArray[np.intp], Excess]:
+    """Places that must join the samples, the worst where an end oversteps limits too far, and what is left then."""
+    added = []
+    for side, c2 in zip(SIDES, whole, strict=True):
+        order = looked.ends.upper if side == "upper" else -looked.ends.lower
+        if not np.isfinite(c2):
+            added += [np.argmin(order)] if np.isfinite(np.min(order)) else []
+            continue
+        places, share = looked.overstepped(asked, c2, side)
+        if len(places) and np.max(share) > left.tolerance:
+            added.append(places[np.argmin(order[places])])
+            if np.any(looked.ends.outside(c2)):
+                added.append(places[np.argmax(share)])
+        else:
+            left = _worse(left, looked.ends, places, share, side)
+    return _distinct(map(int, added)), left
+
+
+def _distinct(places: Iterable[int]) -> NDArray[np.intp]:
+    """In order, each once; `np.unique` imports numpy.ma for that."""
+    return np.array(sorted(set(places)), dtype=np.intp)

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: MIT
+"""The best profile within limits of rates, which are not convex: convex programs one after the other, each inside."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.program.path_solver import KEPT, KernelSolver
+from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
+
+CONVERGED = 1e-4
+"""Share of the cost by which a step must lower it, or it was the last."""
+
+EVEN = 1e-3
+"""Share of the cost that the jumps of u count for where they are largest; it costs 1e-5 of the duration."""
+
+MOST_STEPS = 60
+"""Steps after which the profile is taken as it is: every one keeps all limits."""
+
+SLOWER = 4.0
+"""Each start that is not admissible is followed by one with x so many times less."""
+
+STARTS = 3
+"""Starts of one constant speed, from each of which limits of rates are relaxed less and less."""
+
+RELAXED_STEPS = 30
+"""Steps by which relaxed limits of rates must be kept."""
+
+STALLED = 1e-3
+"""Share by which such a step must lower what rates pass their limits by, or no profile is found."""
+
+
+@dataclass(frozen=True)
+class StepsTaken:
+    """What the iteration found.
+
+    Attributes:
+        profile: The last profile.
+        costs: Of every profile in turn, falling.
+        gain: Share of the cost by which the last step lowered it, 0 where it did not; None where no solver took it.
+    """
+
+    profile: SmoothProfile
+    costs: tuple[float, ...]
+    gain: float | None
+
+
+@dataclass(frozen=True)
+class RatesTooSmall:
+    """No profile was found within the limits of rates.
+
+    Attributes:
+        share: By how much rates pass their limits in the nearest one, as a share of them; infinity if none keeps the
+            other limits.
+    """
+
+    share: float
+
+
+@dataclass(frozen=True)
+class TooLong:
+    """No profile was found within the longest duration.
+
+    Attributes:
+        duration: Of the fastest that was found [s].
+    """
+
+    duration: float
+
+
+def successive_steps(
+    program: SmoothProgram,
+    likely: Array,
+    goal: Goal,
+    solver: KernelSolver,
+    told: Callable[[int, float], None] = lambda _step, _cost: None,
+) -> StepsTaken | RatesTooSmall | TooLong:
+    """Profiles within all limits, each better than the one before.
+
+    In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
+    which lie below them: a convex program inside the given one, which the last profile keeps. So the cost only falls.
+
+    Args:
+        program: The program.
+        likely: x of a profile that may be admissible, > 0, Shape (n,).
+        goal: What is the best; within a longest duration it starts from a profile that is fast enough.
+        solver: Solves the convex programs.
+        told: Told the number of each step and its cost.
+    """
+    found = _first(program, likely, goal if goal.longest is None else Goal(), solver)
+    if isinstance(found, RatesTooSmall):
+        return found
+    if goal.longest is not None:
+        fast = _descent(program, found, Goal(), solver, told, enough=goal.longest)
+        duration = cost(program, fast.profile, Goal())
+        if duration > goal.longest:
+            return TooLong(duration)
+        found = solver.step(program, fast.profile.x, goal) or fast.profile
+    best = _descent(program, found, goal, solver, told)
+    uneven = EVEN * best.costs[-1] / max(_jumps(program, best.profile), np.finfo(float).tiny)
+    even = _descent(program, best.profile, goal.evened(uneven), solver, told)
+    return StepsTaken(even.profile, (*best.costs, *even.costs[1:]), best.gain)
+
+
+def _descent(
+    program: SmoothProgram,
+    found: SmoothProfile,
+    goal: Goal,
+    solver: KernelSolver,
+    told: Callable[[int, float], None],
+    enough: float = 0.0,
+) -> StepsTaken:
+    """Steps from an admissible profile until one gains little, or its cost is low enough."""
+    costs, gain = [cost(program, found, goal)], 1.0
+    told(1, costs[-1])
+    while len(costs) < MOST_STEPS and costs[-1] > enough and gain >= CONVERGED:
+        better = solver.step(program, found.x, goal)
+        if better is None:
+            return StepsTaken(found, tuple(costs), None)
+        gain = max(1 - cost(program, better, goal) / costs[-1], 0.0)
+        if gain > 0:
+            found = better
+            costs.append(cost(program, found, goal))
+            told(len(costs), costs[-1])
+    return StepsTaken(found, tuple(costs), gain)
+
+
+def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver) -> SmoothProfile | RatesTooSmall:
+    """Any profile within all limits, a fast one: where steps lead, if it can be foreseen, or by relaxed rates."""
+    found: SmoothProfile | RatesTooSmall | None = solver.near(program, likely, goal)
+    if found is not None:
+        return found
+    least = np.inf
+    for slower in range(STARTS):
+        found = _by_relaxation(program, likely / SLOWER**slower, solver)
+        if not isinstance(found, RatesTooSmall):
+            return found
+        least = min(least, found.share)
+    return RatesTooSmall(least)
+
+
+def _by_relaxation(program: SmoothProgram, likely: Array, solver: KernelSolver) -> SmoothProfile | RatesTooSmall:
+    """An admissible profile, by ever less relaxed limits of rates."""
+    x, before = likely, np.inf
+    for _ in range(RELAXED_STEPS):
+        found = solver.nearest(program, x)
+        if found is None:
+            return RatesTooSmall(before)
+        profile, share = found
+        if np.all(profile.x > 0) and program.excess(profile.x, profile.u, profile.free) <= KEPT:
+            return profile
+        if not np.all(profile.x > 0) or share > before * (1 - STALLED):
+            return RatesTooSmall(min(share, before))
+        x, before = profile.x, share
+    return RatesTooSmall(before)
+
+
+def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
+    """What a profile costs: the weighted sum of its duration, its effort and its jumps of u.
+
+    Args:
+        program: The program.
+        profile: A profile of it.
+        goal: The weights.
+    """
+    spent = goal.time * float(np.sum(program.times(profile.x)))
+    if goal.effort > 0:
+        spent += goal.effort * program.effort(profile.x, profile.u, profile.free)
+    return spent + goal.uneven * _jumps(program, profile)
+
+
+def _jumps(program: SmoothProgram, profile: SmoothProfile) -> float:
+    """Σ (Δu)² / h."""
+    return float(np.sum(np.diff(profile.u) ** 2 / program.step))

@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: MIT
+"""The path of a motion without its timing: samples by arc length or by its turns, in pieces from stop to stop."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array, row_products
+from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
+from mrts.following.closed_chain import nearest_rates
+from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.motion.object_motion import unchecked_object_motion
+from mrts.motion.rows_at_rest import REST
+from mrts.program.motor_terms import travel_directions
+
+PLACES = np.array([0.125, 0.375, 0.5, 0.625, 0.875])
+"""Where each segment is checked; the error vanishes at its ends."""
+
+NEAR_REST = 1e-3
+"""Below this share, q'/|q'| and its derivative lose digits: they are continued from the first faster sample."""
+
+
+STRAIGHT = 0.1
+"""Share of the mean curvature, and turn of a whole path [rad], below which its parameter passes over turns."""
+
+EVEN = 0.1
+"""Largest turn from sample to sample [rad] up to which a path is timed by its arc length."""
+
+STEADY = 2.0
+"""Largest change of ln ds/dσ by each radian that a path turns: on a parabola it is tan of the angle from its vertex."""
+
+SAME_PACE = 4.0
+"""By how much ds/dσ at a sample may differ from that of the segments beside it: more is no chart of the path."""
+
+FEWEST = 4
+"""Samples that a cubic spline with free ends needs."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathPiece:
+    """Part of a path between two stops or ends, n samples.
+
+    Attributes:
+        first: Index of its first sample in the motion.
+        path: Its samples with a parameter σ for time: q, dq/dσ, d²q/dσ², and so for the object.
+        arc: Arc length s at the samples, from the start of the piece, Shape (n,).
+        arc_speed: ds/dσ at the samples, Shape (n,).
+        speed: ds/dr at the samples, Shape (n,).
+        rests: Whether the motion is at rest at its start, and at its end.
+        continued: Samples near rest, whose derivatives are continued from a faster one.
+    """
+
+    first: int
+    path: CoordinatedMotion
+    arc: Array
+    arc_speed: Array
+    speed: Array
+    rests: tuple[bool, bool]
+    continued: NDArray[np.int_]
+
+    @cached_property
+    def step(self) -> Array:
+        """Δσ of each segment, Shape (n - 1,)."""
+        return np.diff(self.path.object.time)
+
+    @property
+    def given_rate(self) -> Array:
+        """dσ/dr at the samples, where the path does not stand still by σ, Shape (n,)."""
+        rate: Array = self.speed / self.arc_speed
+        return rate
+
+
+@dataclass(frozen=True)
+class NoPath:
+    """Why a motion is no path that can be timed.
+
+    Attributes:
+        kind: "zero length", "wait" (at rest over a whole segment) or "turn" (back on itself between two samples).
+        sample: Start of the segment.
+    """
+
+    kind: Literal["zero length", "wait", "turn"]
+    sample: int
+
+
+def path_pieces(motion: CoordinatedMotion) -> list[PathPiece] | NoPath:
+    """Cut a motion at its stops and take the timing out of it: σ is the arc length.
+
+    s is the arc length of the joints' path, ds = |q'| dr with |q'| the root mean square over the joints: unlike the
+    given time it is regular where a motion starts from rest, and a constant acceleration is a constant s̈.
+
+    Args:
+        motion: The given motion, N samples.
+
+    Raises:
+        InputError: If numbers of floating point do not hold the path.
+    """
+    speed = _root_mean_square(motion.dq)
+    fastest = float(np.max(speed))
+    if fastest == 0:
+        return NoPath("zero length", 0)
+    rest = speed <= REST * fastest
+    waits = np.flatnonzero(rest[1:] & rest[:-1])
+    if waits.size:
+        return NoPath("zero length" if np.all(rest) else "wait", int(waits[0]))
+    cuts = [0, *(np.flatnonzero(rest[1:-1]) + 1).tolist(), motion.samples - 1]
+    pieces = []
+    for first, last in pairwise(cuts):
+        piece = _piece(motion, first, last, speed, rest, fastest)
+        if isinstance(piece, NoPath):
+            return piece
+        pieces.append(piece)
+    return pieces
+
+
+def _piece(
+    motion: CoordinatedMotion, first: int, last: int, all_speeds: Array, rest: NDArray[np.bool_], fastest: float
+) -> PathPiece | NoPath:
+    part = slice(first, last + 1)
+    given, speed = motion.object, all_speeds[part]
+    moving = np.flatnonzero(speed > NEAR_REST * fastest)
+    if not moving.size:
+        moving = np.flatnonzero(speed > REST * fastest)
+    if not moving.size:
+        return NoPath("wait", first)
+    slowing = _root_mean_square(motion.ddq[part]) * np.where(np.arange(len(speed)) == 0, 1.0, -1.0)
+    safe = np.where(speed > 0, speed, 1.0)
+    growth = np.where(rest[part], slowing, row_products(motion.dq[part], motion.ddq[part]) / motion.q.shape[1] / safe)
+    h = given.time[first + 1 : last + 1] - given.time[first:last]
+    step = h / 2 * (speed[:-1] + speed[1:]) + h**2 / 12 * (growth[:-1] - growth[1:])
+
+    taken = slice(int(moving[0]), int(moving[-1]) + 1) if moving[-1] - moving[0] < len(moving) else moving
+    away = np.concatenate([[0.0], np.cumsum(step)])
+    moves = np.zeros(len(speed), dtype=bool)
+    moves[moving] = True
+    continued = np.flatnonzero(~moves)
+    after = np.searchsorted(moving, continued)
+    before, after = moving[np.maximum(after - 1, 0)], moving[np.minimum(after, len(moving) - 1)]
+    of = np.where(np.abs(continued - before) <= np.abs(after - continued), before, after)
+
+    def along_arc(rate: Array, change: Array) -> tuple[Array, Array]:
+        direction, bend = np.empty_like(rate), np.empty_like(rate)
+        direction[taken] = rate[taken] / speed[taken, None]
+        bend[taken] = (change[taken] - direction[taken] * growth[taken, None]) / speed[taken, None] ** 2
+        bend[continued] = bend[of]
+        direction[continued] = direction[of] + (away[continued] - away[of])[:, None] * bend[of]
+        return direction, bend
+
+    direction, bend = along_arc(motion.dq[part], motion.ddq[part])
+    turning, change = along_arc(given.twist[part], given.acceleration[part])
+    fast = moves[:-1] & moves[1:]
+    arcs = _arcs(motion.q[part], direction)
+    if motion.course is not None:  # velocities near rest are a spline's, the positions are what was given
+        fast = arcs > 0
+    step[fast] = arcs[fast]
+    s = np.concatenate([[0.0], np.cumsum(step)])
+    back = row_products(direction[1:], direction[:-1]) <= 0
+    if np.any(back) or np.any(step <= 0):
+        return NoPath("turn", first + int(np.argmax(back | (step <= 0))))
+    if not (np.all(np.diff(s) > 0) and np.isfinite(s[-1]) and _finite(bend) and _finite(change)):
+        rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
+        raise InputError("motion", rule)
+    path = unchecked_object_motion(s, given.position[part], given.rotation[part], turning, change)
+    rests = (bool(rest[first]), bool(rest[last]))
+    joined = unchecked_coordinated_motion(path, motion.q[part], direction, bend)
+    return PathPiece(
+        first=first, path=joined, arc=s, arc_speed=np.ones_like(s), speed=speed, rests=rests, continued=continued
+    )
+
+
+def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
+    """The same piece; where its derivatives were continued, those of the joints keep the grasps on the object.
+
+    Continued each by themselves, the arms would carry it apart, by the square of a step.
+
+    Args:
+        cell: The cell.
+        piece: A piece of a path of it.
+    """
+    path, is_continued = piece.path, np.zeros(len(piece.speed), dtype=bool)
+    is_continued[piece.continued] = True
+    taken = is_continued.copy()
+    taken[[0, -1]] = True
+    chosen = np.flatnonzero(taken)
+    some = path.at(chosen)
+    dq, ddq = path.dq.copy(), path.ddq.copy()
+    wrong = is_continued[chosen]
+    dq[piece.continued], ddq[piece.continued] = (rates[wrong] for rates in nearest_rates(cell, some.object, some))
+    return replace(piece, path=unchecked_coordinated_motion(path.object, path.q, dq, ddq, path.travel))
+
+
+def by_turns(piece: PathPiece) -> PathPiece:
+    """A piece by arc length by a parameter in which its turns are as even as on a parabola by its own.
+
+    Where a path turns sharply its direction changes within few samples by arc length, while joints that are splines
+    are polynomials by their own parameter. dσ = κ^(1/3) ds is the parameter of every parabola (its affine arc
+    length); where the curvature κ is small σ is the arc length again, so a straight path keeps it. Samples that are
+    close enough together do too: a piece whose turns from one to the next are small is returned as it is.
+
+    Args:
+        piece: By arc length, n samples.
+    """
+    path, s = piece.path, piece.arc
+    turn = _root_mean_square(np.diff(path.dq, axis=0))
+    moving = np.delete(np.arange(len(s)), piece.continued)
+    if len(moving) < FEWEST or np.max(turn) <= EVEN:
+        return piece
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 (slow to import, for paths that turn only)
+
+    curvature, step = np.sqrt(np.mean(path.ddq**2, axis=1)), np.diff(s)
+    passed = STRAIGHT * (1 + float(np.sum(turn))) / s[-1]
+    pace = np.exp(_steady(-np.log(1 + (curvature / passed) ** 2) / 6, STEADY * turn))
+    sigma = np.concatenate([[0.0], np.cumsum(2 * step / (pace[:-1] + pace[1:]))])
+    spline = CubicSpline(sigma[moving], path.q[moving])
+    rate, change = spline(sigma, 1), spline(sigma, 2)
+    first = np.sqrt(np.mean(rate**2, axis=1))
+    mean = step / np.diff(sigma)
+    if any(
+        np.any(np.abs(np.log(first[side] / mean)) > np.log(SAME_PACE)) for side in (slice(None, -1), slice(1, None))
+    ):
+        return piece
+    return replace(
+        piece, path=by_parameter(path, sigma, first, np.mean(rate * change, axis=1) / first), arc_speed=first
+    )
+
+
+def _steady(values: Array, most: Array) -> Array:
+    """Values between the least above and the largest below that change by no more from sample to sample.
+
+    Args:
+        values: Shape (n,).
+        most: Largest change on each segment, Shape (n - 1,).
+    """
+    way = np.concatenate([[0.0], np.cumsum(most)])
+
+    def below(given: Array) -> Array:
+        behind = np.minimum.accumulate(given - way) + way
+        ahead = np.minimum.accumulate((given + way)[::-1])[::-1] - way
+        both: Array = np.minimum(behind, ahead)
+        return both
+
+    steady: Array = (below(values) - below(-values)) / 2
+    return steady
+
+
+def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Array) -> CoordinatedMotion:
+    """A path by arc length s as one by another parameter σ.
+
+    Args:
+        path: n samples.
+        sigma: At the samples, Shape (n,).
+        first: ds/dσ, Shape (n,).
+        second: d²s/dσ², Shape (n,).
+    """
+
+    def rates(rate: Array, change: Array) -> tuple[Array, Array]:
+        return rate * first[:, None], change * first[:, None] ** 2 + rate * second[:, None]
+
+    given = path.object
+    dq, ddq = rates(path.dq, path.ddq)
+    carried = unchecked_object_motion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration))
+    travel = np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
+    return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel)
+
+
+def _finite(values: Array) -> bool:
+    return bool(np.all(np.isfinite(values)))
+
+
+def _root_mean_square(values: Array) -> Array:
+    """Of each row, Shape (N,)."""
+    found: Array = np.sqrt(row_products(values, values) / values.shape[1])
+    return found
+
+
+def _arcs(q: Array, direction: Array) -> Array:
+    """Arc lengths from sample to sample: chords, lengthened as on a circle with the tangents at both ends.
+
+    They do not depend on the timing, which may have a kink between two samples.
+    """
+    chord, turn = _root_mean_square(q[1:] - q[:-1]), _root_mean_square(direction[1:] - direction[:-1])
+    half = np.minimum(turn / 2, 1.0)
+    arcs: Array = chord * np.divide(np.arcsin(half), half, out=np.ones_like(half), where=half > 0)
+    return arcs

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: MIT
+"""A retimed motion with its torques, as a result of its own at c² = 1."""
+
+from collections.abc import Sequence
+from functools import partial
+
+from mrts.base.arrays import Array
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.trajectory_programs import motion_ranges
+from mrts.scaling.range import ScalingRange, common_range
+from mrts.scaling.result import DistributionRule, ScalingResult
+from mrts.scaling.with_torques import with_torques
+from mrts.timing.retimed_motion import TimedPiece, retimed_motion
+
+
+def played_result(
+    cell: Cell,
+    given: CoordinatedMotion,
+    rule: DistributionRule,
+    pieces: Sequence[TimedPiece],
+    what: str,
+    *,
+    warnings: tuple[Remark, ...],
+    torques: tuple[Array, Array] | None = None,
+) -> ScalingResult:
+    """The retimed motion with the torques of the quadratic program (31) to (34), or with given ones.
+
+    Its range of c², which only says what faster or slower would be, is found when it is read.
+
+    Args:
+        cell: The cell.
+        given: The given motion.
+        rule: How torques are distributed.
+        pieces: Its path with the timing.
+        what: The timing is, for people.
+        warnings: What to know of cell and motion.
+        torques: Torques and wrenches that were distributed already, Shape (N, m) and (N, n w).
+
+    Raises:
+        SolverError: If no solver answers, or the torques overstep a limit.
+    """
+    motion = retimed_motion(given, pieces)
+    whole, duration = given.object.time[-1], motion.object.time[-1]
+    played = ScalingResult(
+        cell=cell,
+        motion=motion,
+        found=partial(_range, cell, motion, rule),
+        trajectory=None,
+        fallbacks=0,
+        load=None,
+        rule=rule,
+        origin=f"{what} of a path that was given {whole:.4g} s: {duration:.4g} s",
+        warnings=warnings,
+    )
+    return with_torques(played, 1.0, None, DEFAULT_SOLVER, torques)
+
+
+def _range(cell: Cell, motion: CoordinatedMotion, rule: DistributionRule) -> ScalingRange:
+    return common_range(partial(motion_ranges, cell, motion, rule.formulation, rule.sharing, DEFAULT_SOLVER, None))

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: MIT
+"""The outcome of retiming: the fastest profile and its trajectory, or why there is none."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mrts.base.argument_types import Progress, as_path, check_callable
+from mrts.base.arrays import Array
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.printable import printable
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.cell.cell_change import ChangeSteps
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.excess import Excess
+from mrts.program.infeasibility import Conflict
+from mrts.program.range_status import RangeStatus
+from mrts.program.torque_distribution import torque_weights
+from mrts.scaling.motion_remarks import lasting
+from mrts.scaling.result import DistributionRule, ScalingResult, kept_text
+from mrts.scaling.scale import FactorQuestion
+from mrts.scaling.what_if import WhatIf
+from mrts.scaling.with_torques import OF_TORQUES, STEPS, ChosenFactor
+from mrts.timing.profile_limits import binding_limits, profile_limits
+from mrts.timing.retimed_motion import TimedPiece
+from mrts.timing.smooth_piece import SmoothAnswer, smooth_pieces
+
+
+class RetimingStatus(Enum):
+    """Outcome of retiming."""
+
+    OPTIMAL = "optimal"
+    AT_SAMPLES = "optimal at samples only"
+    LOCALLY_OPTIMAL = "locally optimal"
+    LOCALLY_AT_SAMPLES = "locally optimal at samples only"
+    RATES_TOO_SMALL = "rates too small"
+    TOO_SHORT = "duration too short"
+    HOLDING = "infeasible holding torque"
+    INFEASIBLE = "infeasible"
+    NOT_CONTROLLABLE = "not controllable"
+    START_SPEED = "start speed not admissible"
+    END_SPEED = "end speed not admissible"
+    STANDSTILL = "standstill"
+    STATIONARY = "stationary"
+    ZERO_LENGTH = "zero length"
+    UNBOUNDED = "unbounded"
+
+    @property
+    def admits_motion(self) -> bool:
+        """Whether there is a profile."""
+        return self in ADMITTING
+
+    @property
+    def at_samples(self) -> "RetimingStatus":
+        """The same where limits hold at the samples only."""
+        smooth = self is RetimingStatus.LOCALLY_OPTIMAL
+        return RetimingStatus.LOCALLY_AT_SAMPLES if smooth else RetimingStatus.AT_SAMPLES
+
+
+ADMITTING = {
+    *(RetimingStatus.OPTIMAL, RetimingStatus.AT_SAMPLES),
+    *(RetimingStatus.LOCALLY_OPTIMAL, RetimingStatus.LOCALLY_AT_SAMPLES),
+}
+"""Outcomes with a profile."""
+
+
+OF_TRAJECTORY = (
+    *("joints", "torque", "torque_friction", "wrench", "internal_wrench"),
+    *("power", "energy", "joint_duty", "largest_step", "rates"),
+)
+"""Entries of the JSON result that are those of the retimed motion."""
+
+
+@dataclass(frozen=True, repr=False)
+class RetimingResult(InNotebooks):
+    """What `mrts.retime` found.
+
+    Attributes:
+        cell: The cell.
+        motion: The given motion; its time is the path parameter r.
+        status: The outcome.
+        explanation: Why there is no profile; empty if there is one.
+        compared: What is asked at a constant factor, the best of which it is compared with.
+        loads: Load vectors that the profile carries, each Shape (10,).
+        pieces: The path from stop to stop with its fastest speed; empty if there is none.
+        retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
+        conflict: The limits that conflict, where limits are the reason.
+        excess: How far limits are overstepped between the samples; None without a profile.
+        smooth: What is known of a timing with limits of rates; None without them, or without any timing.
+        end_speeds: ṙ at the start and at the end, where the given motion does not rest there.
+        changes: What changes to the cell would do, from `what_if`, where it is to be shown with the result.
+    """
+
+    cell: Cell
+    motion: CoordinatedMotion
+    status: RetimingStatus
+    explanation: str
+    compared: FactorQuestion
+    loads: tuple[Array, ...]
+    pieces: tuple[TimedPiece, ...] = ()
+    retimed: ScalingResult | None = None
+    conflict: Conflict | None = None
+    excess: Excess | None = None
+    smooth: SmoothAnswer | None = None
+    end_speeds: tuple[float, float] = (0.0, 0.0)
+    changes: WhatIf | None = None
+
+    def __repr__(self) -> str:
+        return f"RetimingResult({self.cell.name}: {self.sentence()})"
+
+    def notebook_words(self) -> list[str]:
+        """The outcome, and a line for each warning."""
+        return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """Durations, and what limits the speed for how long."""
+        best, given = self.factor.duration, float(self.motion.object.time[-1])
+        timings = (("timing", self.duration), ("best constant factor", best), ("as given", given))
+        rows = [(name, "none" if time is None else f"{time:.4g} s") for name, time in timings]
+        if self.saving is not None:
+            rows.append(("saved", f"{100 * self.saving:.3g} %"))
+        yield NotebookTable(("", "duration"), rows)
+        if self.pieces:
+            shares = [(name, f"{100 * share:.3g} %") for name, share in self.limits]
+            yield NotebookTable(("what limits the speed", "of the duration"), shares)
+
+    @property
+    def rule(self) -> DistributionRule:
+        """How torques are distributed."""
+        return self.compared.rule
+
+    @property
+    def factor(self) -> ChosenFactor:
+        """The best constant factor, for comparison; its range is found when it is first asked for.
+
+        It keeps the limits that are registered then (docs/extending.md), as `retimed.range` does.
+
+        Raises:
+            MotionError: If the arms cannot hold the object where that range is looked at between the samples.
+            SolverError: If no solver answers.
+        """
+        return self.compared.factor
+
+    @property
+    def constant(self) -> ScalingResult:
+        """The best constant factor with its torques, found and distributed when it is first asked for.
+
+        Raises:
+            MotionError: As `factor`.
+            SolverError: If no solver answers, or the torques overstep a limit.
+        """
+        return self.factor.whole
+
+    @property
+    def duration(self) -> float | None:
+        """Of the fastest timing [s]; None without one."""
+        done = None if self.retimed is None else self.retimed.trajectory
+        return None if done is None else done.duration
+
+    @property
+    def effort(self) -> float | None:
+        """∫ τᵀWτ dt of the motion at the timing [N² m² s with W = 1]; None without one."""
+        done = None if self.retimed is None else self.retimed.trajectory
+        if done is None:
+            return None
+        W = torque_weights(self.rule.weights, done.torque.shape[1])
+        squares = np.einsum("ni,ij,nj->n", done.torque, W, done.torque)
+        return float(np.sum(np.diff(done.time) * (squares[1:] + squares[:-1]) / 2))
+
+    @property
+    def saving(self) -> float | None:
+        """Share of the best constant factor's duration that is saved; None where that motion starts or ends moving."""
+        best, duration = self.factor.duration, self.duration
+        if best is None or duration is None or self.factor.bare.status is RangeStatus.UNBOUNDED:
+            return None
+        if not (self.pieces[0].piece.rests[0] and self.pieces[-1].piece.rests[1]):
+            return None
+        return 1 - duration / best
+
+    @property
+    def stops(self) -> Array:
+        """Times of the given motion where it stops on its way, Shape (k,) [s]."""
+        return self.motion.object.time[[part.piece.first for part in self.pieces[1:]]]
+
+    @cached_property
+    def limits(self) -> list[tuple[str, float]]:
+        """What limits the speed, for which share of the duration, most first."""
+        if self.smooth is not None:
+            return binding_limits(smooth_pieces(self.pieces))
+        return profile_limits(self.cell, self.pieces, self.rule.sharing, self.loads)
+
+    @property
+    def warnings(self) -> tuple[Remark, ...]:
+        """What to know of the cell and the motion before trusting the answer."""
+        if self.retimed is not None:
+            return self.retimed.warnings
+        return tuple(remark for remark in lasting(self.constant.warnings) if remark.code not in OF_TORQUES)
+
+    def what_if(
+        self,
+        *,
+        share: float = ChangeSteps.share,
+        shift: float = ChangeSteps.shift,
+        turn: float = ChangeSteps.turn,
+        progress: Progress = lambda _done, _total: None,
+    ) -> WhatIf:
+        """What changes to the cell would do to the fastest timing, as `ScalingResult.what_if` of a constant factor.
+
+        Limits are kept at the samples of this timing, and what lies between them is not looked at again.
+
+        Args:
+            share: Of limits, mass and reserve, as a share of them.
+            shift: Of bases and grasps along an axis [m].
+            turn: Of bases and grasps about an axis [rad].
+            progress: Told how many of how many changes are done.
+
+        Raises:
+            InputError: If a step breaks a rule, or the timing is one with limits of rates.
+            SolverError: If no solver answers.
+        """
+        from mrts.timing.changed_timing import timing_what_if  # noqa: PLC0415 (it times, which makes results)
+
+        check_callable("progress", progress)
+        return timing_what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), progress)
+
+    def summary(self) -> str:
+        """The outcome in a sentence or two, and a line for each warning."""
+        return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
+
+    def sentence(self) -> str:
+        """The outcome alone."""
+        kept = kept_text(self.cell.reserve, self.warnings)
+        if not self.status.admits_motion:
+            return printable(f"{kept}{self.status.value}: {self.explanation}")
+        given, best = float(self.motion.object.time[-1]), self.factor
+        what = "fastest timing" if self.smooth is None else self.smooth.what
+        text = f"{kept}the {what} takes {self.duration:.4g} s, the given one {given:.4g} s"
+        if self.saving is not None:
+            less = "less" if self.saving >= 0 else "more"
+            text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
+            text += f"{best.c2:.4g}"
+            if self.rule.rates is not None and any(remark.code == STEPS for remark in self.constant.warnings):
+                text += ", whose torques jump at its ends"
+        if self.stops.size:
+            text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
+        if self.smooth is not None:
+            text += f". {self.smooth}"
+        if self.excess is not None and self.excess.passes:
+            text += f". But {self.excess}" if self.stops.size or self.smooth is not None else f"; but {self.excess}"
+        return f"{text}."
+
+    def to_json(self) -> dict[str, Any]:
+        """The outcome as JSON values; null stands for what nothing bounds."""
+        output: dict[str, Any] = {
+            "cell": self.cell.name,
+            "summary": self.sentence(),
+            "warnings": [warning.to_json() for warning in self.warnings],
+            "status": self.status.value,
+            "explanation": self.explanation or None,
+            "distribute": self.rule.distribute,
+            "kept_reserve": self.cell.reserve,
+            "duration": self.duration,
+            "saving": self.saving,
+            "constant": self.factor.bare.range.to_json(),
+            "conflict": None if self.conflict is None else [row.to_json() for row in self.conflict.rows],
+            "smooth": self.smooth and self.smooth.to_json() | {"effort": self.effort},
+            "kept_rates": self.smooth and self.smooth.rates.to_json(),
+        }
+        if self.changes is not None:
+            output["what_if"] = self.changes.to_json()
+        if self.retimed is None or self.excess is None:
+            return output
+        whole, time = self.retimed.to_json(), self.motion.object.time
+        at = self.excess.time or 0.0
+        output["excess"] = self.excess.to_json() | {"sample": int(np.searchsorted(time, at, side="right")) - 1}
+        output["limits"] = [{"limit": name, "share_of_duration": share} for name, share in self.limits]
+        output["stops"] = self.stops.tolist()
+        output["profile"] = [part.to_json(time) for part in self.pieces]
+        return output | {key: whole[key] for key in OF_TRAJECTORY if key in whole}
+
+    def json_text(self) -> str:
+        """`to_json` as text."""
+        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
+
+    def write_json(self, path: Path | str) -> None:
+        """Write `json_text` to a file, whole or not at all.
+
+        Raises:
+            InputError: If the file cannot be written.
+        """
+        write_text_atomically(as_path("path", path), self.json_text() + "\n")

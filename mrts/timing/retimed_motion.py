@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: MIT
+"""A given motion played with a speed that varies along its path: at its samples, and between them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
+from mrts.kernel.motion_rows import path_places
+from mrts.motion.object_motion import unchecked_object_motion
+from mrts.program.motor_terms import travel_directions
+from mrts.timing.fastest_profile import SpeedProfile, segment_times
+from mrts.timing.path_pieces import PathPiece
+from mrts.timing.speed_regions import SpeedRegions
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimedPiece:
+    """A piece of a path with its speed.
+
+    Attributes:
+        piece: The piece, n samples; its time is the path parameter σ.
+        x: σ̇² at the samples, Shape (n,).
+        rates: σ̈ at the start and at the end of every segment, linear in between, Shape (n - 1, 2).
+    """
+
+    piece: PathPiece
+    x: Array
+    rates: Array
+
+    @property
+    def arc(self) -> Array:
+        """Arc length at the samples, from the start of the piece, Shape (n,)."""
+        return self.piece.arc
+
+    @property
+    def arc_speed(self) -> Array:
+        """Speed along the arc length at the samples, Shape (n,)."""
+        return self.along_arc(self.x)
+
+    @cached_property
+    def segment_times(self) -> Array:
+        """Duration of each segment, 2 Δs / (ṡ_start + ṡ_end), Shape (n - 1,) [s].
+
+        Exact where s̈ is constant on the segment; else it is what the limits of rates were kept with.
+        """
+        speed = np.sqrt(self.x)
+        duration: Array = 2 * self.piece.step / (speed[:-1] + speed[1:])
+        return duration
+
+    def along_arc(self, x: Array) -> Array:
+        """Speeds ṡ along the arc length at the samples, Shape (n,).
+
+        Args:
+            x: σ̇² there, Shape (n,); infinity where nothing bounds it.
+        """
+        speed: Array = self.piece.arc_speed * np.sqrt(x)
+        return speed
+
+    def to_json(self, time: Array) -> dict[str, list[float | None]]:
+        """The profile as JSON values, along the arc length.
+
+        Args:
+            time: Of the given motion, Shape (N,) [s].
+        """
+        own = time[self.piece.first :][: len(self.x)].tolist()
+        return {"r": own, "s": self.arc.tolist(), "speed": self.arc_speed.tolist()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class FastestPiece(TimedPiece):
+    """A piece with its fastest speed.
+
+    Attributes:
+        regions: Admissible (σ̈, σ̇²) at its samples.
+        profile: The fastest σ̇².
+    """
+
+    regions: SpeedRegions
+    profile: SpeedProfile
+
+    @cached_property
+    def segment_times(self) -> Array:
+        """Duration of each segment, Shape (n - 1,) [s]."""
+        return segment_times(self.piece.step, self.profile)
+
+    def to_json(self, time: Array) -> dict[str, list[float | None]]:
+        """The profile as JSON values, with the speeds that the limits leave.
+
+        Args:
+            time: Of the given motion, Shape (N,) [s].
+        """
+        return super().to_json(time) | {
+            "least_controllable": self.along_arc(self.profile.lower).tolist(),
+            "largest_controllable": self.along_arc(self.profile.upper).tolist(),
+            "largest": [speed if np.isfinite(speed) else None for speed in self.along_arc(self.regions.upper).tolist()],
+        }
+
+
+def fastest_piece(piece: PathPiece, regions: SpeedRegions, profile: SpeedProfile) -> FastestPiece:
+    """A piece with the fastest profile in its regions.
+
+    Args:
+        piece: The piece, n samples.
+        regions: Of its samples.
+        profile: The profile.
+    """
+    mean, half = np.diff(profile.x) / (2 * piece.step), profile.rise / 2
+    rates = np.column_stack([mean - half, mean + half])
+    return FastestPiece(piece=piece, x=profile.x, rates=rates, regions=regions, profile=profile)
+
+
+def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
+    """The given samples at their new times.
+
+    Where s̈ jumps at a sample it is the mean of before and after, which limits admit as they admit both. So is the
+    direction of travel at a stop, where friction jumps with it.
+
+    Args:
+        motion: The given motion, N samples.
+        pieces: All of its path.
+    """
+    played, directions = [], []
+    for part in pieces:
+        before, after = part.rates[:-1, 1], part.rates[1:, 0]
+        at_samples = np.concatenate([part.rates[:1, 0], (before + after) / 2, part.rates[-1:, 1]])
+        played.append(_played(part.piece.path, np.sqrt(part.x), part.x, at_samples))
+        directions.append(_directions(part.piece.path))
+    time = np.concatenate([[0.0], np.cumsum(np.concatenate([part.segment_times for part in pieces]))])
+    given = motion.object
+    dq, ddq, twist, acceleration = (_joined([rates[index] for rates in played]) for index in range(4))
+    carried = given.played(time, twist, acceleration)
+    travel = np.stack([_joined([signs[place] for signs in directions]) for place in (0, 1)])
+    return CoordinatedMotion(carried, motion.q, dq, ddq, travel=travel)
+
+
+def _directions(path: CoordinatedMotion) -> Array:
+    """Signs of the joints' velocities before and after every sample of a piece, Shape (2, n, m)."""
+    if path.travel is not None:
+        return path.travel
+    return np.stack(travel_directions(path.dq, path.ddq))
+
+
+def _joined(parts: list[Array]) -> Array:
+    """Values of pieces in a row; where two meet, their mean."""
+    rows = parts[0]
+    for part in parts[1:]:
+        rows = np.concatenate([rows[:-1], (rows[-1:] + part[:1]) / 2, part[1:]])
+    return rows
+
+
+def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMotion]:
+    """The starts and the ends of all segments, each with the s̈ of its segment; their time only counts them.
+
+    Args:
+        part: A piece of n samples.
+    """
+    path, x = part.piece.path, part.x
+    motions = []
+    for side, rate in zip((slice(None, -1), slice(1, None)), part.rates.T, strict=True):
+        given = path.object
+        count = np.arange(len(part.piece.step), dtype=np.float64)
+        there = unchecked_object_motion(
+            count, *(of[side] for of in (given.position, given.rotation, given.twist, given.acceleration))
+        )
+        travel = _directions(path)[:, side]
+        piece = unchecked_coordinated_motion(there, path.q[side], path.dq[side], path.ddq[side], travel)
+        motions.append(_retimed(piece, np.sqrt(x[side]), x[side], rate))
+    return motions[0], motions[1]
+
+
+def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
+    """The retimed motion inside the segments, dq/ds on the polynomials of `velocity_polynomials`.
+
+    Args:
+        cell: The cell.
+        part: A piece of n samples.
+        places: Where in each segment, in (0, 1), Shape (p,).
+
+    Returns:
+        The motion at p (n - 1) samples, segment after segment; its time is the path parameter.
+    """
+    path = part.piece.path
+    s, q, dq, ddq, *carried = path_places(
+        cell.library,
+        (path.object.time, path.q, path.dq, path.ddq),
+        (places, polynomial_weights(places), WHOLE_WAY),
+        (part.x, part.rates),
+        cell.geometry,
+        cell.wrench_rows,
+    )
+    position, rotation, twist, acceleration = carried
+    inside = unchecked_object_motion(s, position, rotation, twist, acceleration)
+    return unchecked_coordinated_motion(inside, q, dq, ddq)
+
+
+def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
+    """Samples of a path at their speeds; the time stays that of the path."""
+    dq, ddq, twist, acceleration = _played(path, speed, x, rate)
+    given = path.object
+    carried = unchecked_object_motion(given.time, given.position, given.rotation, twist, acceleration)
+    return unchecked_coordinated_motion(carried, path.q, dq, ddq, path.travel)
+
+
+def _played(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> tuple[Array, Array, Array, Array]:
+    """Eq. (10) and its derivative along s: q̇ = q_s ṡ, q̈ = q_ss ṡ² + q_s s̈, and so for the object."""
+    speed, x, rate = speed[:, None], x[:, None], rate[:, None]
+    given = path.object
+    return (
+        path.dq * speed,
+        path.ddq * x + path.dq * rate,
+        given.twist * speed,
+        given.acceleration * x + given.twist * rate,
+    )

@@ -1,0 +1,192 @@
+"""What a motion asks of its motors: against closed forms, finer sums, and where it is told."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from scipy.interpolate import make_interp_spline
+
+import mrts
+from mrts.cell.motors.joint_duty import joint_duty
+from mrts.output.summary_lines import scaling_lines
+from mrts.output.trajectory_table import trajectory_columns, trajectory_csv
+from mrts.report import write_report
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+
+pytestmark = pytest.mark.quick
+
+
+def duty_of(time, torque, dq=None, ddq=None, **known):
+    """One joint with these motors."""
+    still = np.zeros_like(torque)
+    motors = replace(mrts.JointMotors.unknown(1), **{name: np.array([value]) for name, value in known.items()})
+    return joint_duty(
+        motors,
+        time,
+        (still if dq is None else dq)[:, None],
+        (still if ddq is None else ddq)[:, None],
+        torque[:, None],
+        torque_share=np.abs(torque[:, None]) / 10,
+        velocity_limit=np.array([4.0]),
+    )
+
+
+def test_root_mean_square_of_a_line_and_of_a_sine():
+    time = np.array([0.0, 0.5, 0.6, 3.0])  # steps of any length
+    ramp = duty_of(time, 6.0 * time / 3.0, rated=3.0)
+    assert ramp.rms_torque[0] == pytest.approx(6.0 / np.sqrt(3), rel=1e-14)  # ∫ of a square along a line, exactly
+    assert ramp.rated_share[0] == pytest.approx(2.0 / np.sqrt(3), rel=1e-14)
+    assert ramp.peak_torque[0] == 6.0
+    assert ramp.torque_share[0] == pytest.approx(0.6)
+    assert ramp.torque_rate[0] == pytest.approx(2.0, rel=1e-14)
+    fine = np.linspace(0, 2 * np.pi, 20001)
+    sine = duty_of(fine, 5.0 * np.sin(fine), dq=3.0 * np.sin(fine), ddq=3.0 * np.cos(fine), jerk=1.5, torque_rate=10.0)
+    assert sine.rms_torque[0] == pytest.approx(5.0 / np.sqrt(2), rel=1e-7)  # lines between 20000 samples
+    assert sine.drive_power[0] == pytest.approx(15.0, rel=1e-7)
+    assert sine.brake_power[0] == 0.0
+    assert sine.speed_share[0] == pytest.approx(0.75, rel=1e-7)
+    assert sine.jerk_share[0] == pytest.approx(2.0, rel=1e-6)
+    assert sine.torque_rate_share[0] == pytest.approx(0.5, rel=1e-6)
+    assert sine.rated_share[0] == 0.0  # nothing known
+
+
+def test_a_curve_that_ends_below_the_velocity_limit_is_the_limit_of_the_speed():
+    motors = replace(mrts.JointMotors.unknown(1), torque_speed=(np.array([[0, 20.0], [2, 5]]),))
+    time, dq = np.array([0.0, 1.0]), np.array([[1.0], [-1.5]])
+    found = joint_duty(
+        motors, time, dq, dq * 0, np.array([[4.0], [4.0]]), torque_share=dq * 0, velocity_limit=np.array([3.0])
+    )
+    assert found.speed_share[0] == 0.75
+    assert found.brake_power[0] == 6.0
+
+
+@pytest.fixture(scope="module")
+def cell(planar_cell):
+    """The paper's cell with friction and ratings of its left arm."""
+    left, right = planar_cell.robots
+    motors = replace(
+        left.motors,
+        armature=np.array([0.3, 0.2, 0.05]),
+        coulomb=np.array([3.0, 2.0, 0.5]),
+        rated=np.array([30.0, np.inf, 1.0]),
+        torque_rate=np.full(3, 2000.0),
+        jerk=np.full(3, 900.0),
+    )
+    return replace(planar_cell, robots=(replace(left, motors=motors), right))
+
+
+@pytest.fixture(scope="module")
+def result(cell, lift):
+    return mrts.scale(cell, lift)
+
+
+def test_the_duty_of_a_result_is_that_of_its_torques(result):
+    done = result.trajectory
+    fine = np.linspace(0, done.duration, 200001)
+    torque = make_interp_spline(done.time, done.torque, k=1)(fine)
+    rms = np.sqrt(np.trapezoid(torque**2, fine, axis=0) / done.duration)
+    duty = done.duty
+    np.testing.assert_allclose(np.concatenate([one.rms_torque for one in duty.values()]), rms, rtol=1e-6)
+    left = duty["left"]
+    np.testing.assert_allclose(left.rated_share, [left.rms_torque[0] / 30, 0.0, left.rms_torque[2]])
+    np.testing.assert_allclose(left.torque_share, left.peak_torque / result.cell.robots[0].torque_upper)
+    assert np.max(np.concatenate([one.torque_share for one in duty.values()])) <= 1 + 1e-8
+    assert left.torque_rate[0] == np.max(np.abs(np.diff(done.torque[:, 0]) / np.diff(done.time)))
+
+
+def test_motors_above_their_rating_are_a_warning_until_the_motion_is_slow_enough(cell, lift, result):
+    (said,) = [warning for warning in result.warnings if warning.code == "above-rated"]
+    worst = result.trajectory.duty["left"].rated_share
+    assert worst[0] > worst[2] or "left/wrist:" in said.text
+    assert f"{100 * max(worst):.0f} % of what its motor bears" in said.text
+    assert "to play the motion slower saves only what its accelerations take" in said.text
+    last = list(scaling_lines(result))[-1]
+    assert last.startswith(f"root mean square torques: at most {100 * max(worst):.3g} % of what motors bear")
+    relaxed = replace(cell.robots[0].motors, rated=np.full(3, 1e4))
+    easy = mrts.scale(replace(cell, robots=(replace(cell.robots[0], motors=relaxed), cell.robots[1])), lift)
+    assert not [warning for warning in easy.warnings if warning.code == "above-rated"]
+
+
+def test_a_scale_without_ratings_computes_no_duty(lift, planar_cell, monkeypatch):
+    def asked(_trajectory):
+        raise AssertionError("duty")
+
+    monkeypatch.setattr(ScaledTrajectory, "duty", property(asked))
+    assert mrts.scale(planar_cell, lift).trajectory is not None
+
+
+def test_torques_of_another_load_are_judged_anew(cell, lift):
+    varied = cell.with_variation(mass=(0.2, 1.0))
+    heavy = mrts.scale(varied, lift)
+    for mass in (0.2, 1.0):
+        known = mrts.torques_for_load(heavy, varied.load_box.load_at({"mass": mass}))
+        said = [warning.text for warning in known.warnings if warning.code == "above-rated"]
+        worst = max(known.trajectory.duty["left"].rated_share)
+        assert len(said) == (worst > 1)
+        assert all(f"{100 * worst:.0f} %" in text for text in said)
+
+
+def test_json_has_duty_and_friction_and_a_cell_without_friction_has_none(result, lifted):
+    data = json.loads(result.json_text())
+    assert set(data["joint_duty"]) == {"left", "right"}
+    assert data["joint_duty"]["left"]["rms_torque"] == result.trajectory.duty["left"].rms_torque.tolist()
+    friction = result.trajectory.friction
+    assert data["torque_friction"]["left"] == friction[:, :3].tolist()
+    assert data["torque_friction"]["time"] == data["torque"]["time"]
+    assert "torque_friction" not in json.loads(lifted.json_text())
+
+
+def test_a_table_has_the_friction_apart_and_is_a_motion_again(result, lifted, tmp_path):
+    columns = trajectory_columns(result)
+    names = list(columns)
+    assert names.index("tau_friction.left/shoulder") == names.index("tau.right/wrist") + 1
+    inner = slice(1, -1) if len(columns["t"]) > result.motion.samples else slice(None)
+    friction = result.trajectory.friction
+    np.testing.assert_array_equal(columns["tau_friction.left/elbow"][inner], friction[:, 1])
+    assert np.all(columns["tau_friction.right/elbow"] == 0)
+    outer = columns["tau_friction.left/elbow"][[0, -1]]
+    assert np.all(outer == 0)  # what holds still has no friction to overcome
+    signs = np.sign(columns["dq.left/elbow"]) * columns["tau_friction.left/elbow"]
+    assert np.all(signs >= 0)
+    assert set(np.unique(np.abs(friction[:, 1]))) <= {0.0, 2.0}
+    mrts.write_trajectory_csv(result, tmp_path / "played.csv")
+    again = mrts.load_motion(tmp_path / "played.csv")
+    assert len(again.time) == result.motion.samples
+    head = next(csv.reader([trajectory_csv(lifted).split("\n", 1)[0]]))
+    assert not [name for name in head if name.startswith("tau_friction")]
+
+
+def test_a_bag_has_the_friction_in_a_topic_of_its_own_and_is_a_motion_again(result, tmp_path):
+    mrts.write_ros_bag(result, tmp_path / "bag")
+    topics = {}
+    with (tmp_path / "bag" / "bag.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        for schema, channel, _, message in reader.iter_decoded_messages():
+            topics.setdefault(channel.topic, []).append((schema.name, message))
+    alone = topics["/left/joint_friction"]
+    columns = trajectory_columns(result)
+    assert {schema for schema, _ in alone} == {"sensor_msgs/msg/JointState"}
+    assert all(list(message.position) == [] and list(message.velocity) == [] for _, message in alone)
+    wrist = alone[0][1].name.index("wrist")
+    np.testing.assert_array_equal([message.effort[wrist] for _, message in alone], columns["tau_friction.left/wrist"])
+    again = mrts.load_motion(tmp_path / "bag")
+    assert len(again.time) == result.motion.samples
+    recorded = mrts.load_recording(tmp_path / "bag")  # the topic of efforts alone is no second recording of the joints
+    np.testing.assert_array_equal(recorded.joints["left/wrist"].effort, columns["tau.left/wrist"])
+
+
+def test_the_report_tells_what_is_asked_of_each_motor(result, tmp_path):
+    write_report(result, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    section = text.split('<section id="duty"')[1].split("</section>")[0]
+    duty = result.trajectory.duty["left"]
+    assert f"{duty.rms_torque[0]:.4g} N m" in section
+    assert f"{100 * duty.rated_share[0]:.1f} %" in section
+    assert f"{duty.jerk[2]:.4g} rad/s³" in section
+    assert section.count("<tr>") == 1 + 6
+    rates = text.split('<section id="rates"')[1].split("</section>")[0]
+    assert rates.count("<tr>") == 1 + 3 + 3  # those that the left arm limits

@@ -1,0 +1,164 @@
+"""Joints whose hands are a little off their grasps: moved onto them within a bound, or refused."""
+
+import numpy as np
+import pytest
+from conftest import DATA
+from motion_tables import codes, columns_of, exact_motions, perturbed, read, write_table
+from scipy.interpolate import CubicSpline
+
+import mrts
+from mrts.cli import main
+from mrts.following.coordinate import coordinate
+from mrts.following.grasp_closure import grasp_gaps, tip_motions
+from mrts.following.grasp_tracking import tip_rates
+from mrts.viewer.player_state import PlayerState
+
+UR5 = DATA.parent / "dual_ur5"
+
+
+@pytest.fixture(scope="module")
+def exact(dual_ur5):
+    return exact_motions(dual_ur5)
+
+
+def assert_closed(cell, motion, tolerance=1e-9):
+    """By the arms' forward kinematics: positions, velocities and accelerations of all hands fit the object."""
+    tips = tip_motions(cell, motion.q, motion.dq, motion.ddq)
+    gaps = grasp_gaps(cell, motion.object, tips)
+    assert max(np.max(gaps.distance), np.max(gaps.angle)) < tolerance
+    for robot, tip in zip(cell.robots, tips, strict=True):
+        velocity, acceleration = tip_rates(cell, robot, motion.object)
+        np.testing.assert_allclose(tip.velocity, velocity, atol=tolerance)
+        np.testing.assert_allclose(tip.acceleration, acceleration, atol=100 * tolerance)
+
+
+def assert_own_derivatives(motion, tolerance):
+    """Velocities and accelerations are those of the positions: differences of these in between."""
+    time = motion.object.time
+    line = CubicSpline(time, motion.q)
+    inner = slice(5, -5)
+    np.testing.assert_allclose(line(time, 1)[inner], motion.dq[inner], atol=tolerance)
+    np.testing.assert_allclose(line(time, 2)[inner], motion.ddq[inner], atol=100 * tolerance)
+    place = CubicSpline(time, motion.object.position)
+    np.testing.assert_allclose(place(time, 1)[inner], motion.object.twist[inner, :3], atol=tolerance)
+
+
+@pytest.mark.parametrize("kept", [("q", "dq", "ddq"), ("q", "dq"), ("q",)])
+def test_hands_a_little_off_are_moved_onto_the_grasps(tmp_path, dual_ur5, exact, kept):
+    """Waves of about 1 mm and 2 mrad: the range is that of the exact motion but for what the waves themselves cost."""
+    followed, c2 = exact["turn", 101]
+    table = mrts.load_motion(
+        write_table(tmp_path / "joints.csv", columns_of(dual_ur5, perturbed(followed, 8e-4), kept))
+    )
+    found = mrts.scale(dual_ur5, table, between=None)
+    assert_closed(dual_ur5, found.motion)
+    assert_own_derivatives(found.motion, 3e-4)
+    assert found.range.upper.c2 == pytest.approx(c2, rel=0.03)
+    *rough, remark = found.motion.remarks
+    assert [each.code for each in rough] == (["rough-accelerations"] if kept == ("q",) else [])
+    assert remark.code == "chain-closed"
+    assert 0 <= remark.sample < 101
+    assert "'left'" in remark.text or "'right'" in remark.text
+    moved_by = np.max(np.abs(found.motion.q - np.column_stack([table.positions[name] for name in table.positions])))
+    assert f"by more than {moved_by:.3g} rad or m" in remark.text
+
+
+@pytest.mark.quick
+def test_hands_of_a_planar_cell_are_moved_in_its_plane(tmp_path, planar_cell, lift):
+    followed = mrts.follow_object(planar_cell, lift)
+    c2 = mrts.scale(planar_cell, followed).range.upper.c2
+    table = write_table(tmp_path / "joints.csv", columns_of(planar_cell, perturbed(followed, 3e-4)))
+    found = read(planar_cell, table)
+    assert_closed(planar_cell, found.motion)
+    assert codes(found.motion) == ["chain-closed"]
+    assert np.max(np.abs(found.motion.object.position[:, 2])) < 1e-12
+    assert found.range.upper.c2 == pytest.approx(c2, rel=0.05)
+
+
+def test_a_closed_table_is_retimed_and_viewed(tmp_path, dual_ur5, exact):
+    """Every way in takes the bound."""
+    table = mrts.load_motion(
+        write_table(tmp_path / "joints.csv", columns_of(dual_ur5, perturbed(exact["turn", 11][0], 4e-3, turns=1)))
+    )
+    for play in (mrts.retime, PlayerState):
+        with pytest.raises(mrts.MotionError, match="do not close the chain"):
+            play(dual_ur5, table)
+    bound = mrts.ClosureBound(0.02, 0.02)
+    assert_closed(dual_ur5, mrts.retime(dual_ur5, table, closure=bound, between=None).motion)
+    assert_closed(dual_ur5, PlayerState(dual_ur5, table, closure=bound).result.motion)
+
+
+def test_a_smaller_gap_costs_less(tmp_path, dual_ur5, exact):
+    followed, c2 = exact["turn", 101]
+    off = []
+    for size in (8e-4, 8e-5):
+        write_table(tmp_path / "joints.csv", columns_of(dual_ur5, perturbed(followed, size)))
+        off.append(abs(read(dual_ur5, tmp_path / "joints.csv").range.upper.c2 / c2 - 1))
+    assert off[1] < 0.15 * off[0] + 1e-9
+
+
+def test_the_order_of_the_robots_does_not_matter(dual_ur5, exact):
+    """The object goes where the hands carry it on the mean, so no hand is the one that is believed."""
+    noisy = perturbed(exact["turn", 101][0], 8e-4)
+    columns = columns_of(dual_ur5, noisy)
+    parts = [{name[len(part) + 1 :]: columns[name] for name in columns if name.startswith(f"{part}.")}
+             for part in ("q", "dq", "ddq")]  # fmt: skip
+    table = mrts.JointTable(UR5 / "joints.csv", noisy.object.time, *parts)
+    object_of_mean = coordinate(dual_ur5, table).object
+    carried = []
+    for robot, tip in zip(dual_ur5.robots, tip_motions(dual_ur5, noisy.q, noisy.dq, noisy.ddq), strict=True):
+        rotation = tip.rotation @ robot.T_object_tip.R.T
+        carried.append(tip.position - rotation @ robot.T_object_tip.p)
+    np.testing.assert_allclose(object_of_mean.position, np.mean(carried, axis=0), atol=1e-12)
+
+
+def test_a_given_object_stays_where_it_is(dual_ur5, exact):
+    followed, c2 = exact["turn", 101]
+    found = mrts.scale(dual_ur5, perturbed(followed, 5e-4))
+    assert_closed(dual_ur5, found.motion)
+    np.testing.assert_array_equal(found.motion.object.position, followed.object.position)
+    np.testing.assert_allclose(found.motion.q, followed.q, atol=1e-9)
+    assert found.range.upper.c2 == pytest.approx(c2, rel=1e-6)
+
+
+def test_exact_joints_are_left_as_they_are(dual_ur5, exact):
+    followed, _ = exact["turn", 101]
+    found = coordinate(dual_ur5, followed)
+    assert all(getattr(found, name) is getattr(followed, name) for name in ("object", "q", "dq", "ddq", "remarks"))
+
+
+def test_the_bound_on_the_gap_is_an_option(tmp_path, dual_ur5, exact, capsys):
+    path = write_table(tmp_path / "joints.csv", columns_of(dual_ur5, perturbed(exact["turn", 101][0], 4e-3)))
+    command = ["scale", str(UR5 / "cell.yaml"), str(path)]
+    assert main(command) == 2
+    said = capsys.readouterr().err
+    for words in (
+        "The tip of 'right' is off its grasp by",
+        " at sample ",
+        "0.002 m and 0.005 rad are allowed",
+        "--closure",
+    ):
+        assert words in said
+    assert main([*command, "--closure", "0.02"]) == 0
+    assert main([*command, "--closure", "0.02,0.001"]) == 2
+    assert "0.02 m and 0.001 rad are allowed" in capsys.readouterr().err
+    closed = mrts.scale(dual_ur5, mrts.load_motion(path), closure=mrts.ClosureBound(0.02)).motion
+    assert_closed(dual_ur5, closed)
+    for text, words in (
+        ("much", "--closure = 'much': must be a number in m, or m and rad"),
+        ("1,2,3", "--closure = '1,2,3'"),
+        ("-1", "--closure: position = -1.0: must be > 0"),
+        ("nan", "must be > 0 and at most 0.1"),
+        ("0.01,inf", "--closure: rotation = inf"),
+    ):
+        assert main([*command, f"--closure={text}"]) == 2
+        assert words in capsys.readouterr().err
+    with pytest.raises(mrts.InputError, match=r"closure.*ClosureBound"):
+        mrts.scale(dual_ur5, mrts.load_motion(path), closure=0.02)
+
+
+def test_a_tighter_bound_is_kept(tmp_path, dual_ur5, exact):
+    path = write_table(tmp_path / "joints.csv", columns_of(dual_ur5, exact["turn", 101][0]), ".5f")
+    assert read(dual_ur5, path).status.admits_motion
+    with pytest.raises(mrts.MotionError, match=r"do not close the chain.* 1e-06 m and 2.5e-06 rad are allowed"):
+        mrts.scale(dual_ur5, mrts.load_motion(path), closure=mrts.ClosureBound(1e-6))

@@ -1,0 +1,146 @@
+"""Planar closed forms: inverse kinematics, dynamics of the shipped arm, velocity profiles, object motions."""
+
+import numpy as np
+import pytest
+from scipy.integrate import cumulative_trapezoid
+from scipy.spatial.transform import Rotation
+
+import mrts
+from mrts.following.planar_closed_form import planar_branches
+from mrts.motion.velocity_profile import PROFILES
+
+pytestmark = pytest.mark.quick
+
+G = 9.8
+
+
+def test_gravity_torque_of_the_shipped_arm_in_closed_form(planar_cell):
+    rng = np.random.default_rng(0)
+    q = rng.uniform(-np.pi, np.pi, (50, 6))
+    ours = planar_cell.functions("dynamics", 50, {"q": q, "dq": np.zeros((50, 6))})["gravity_torque"]
+    for joints in planar_cell.joint_slices.values():
+        c = np.cos(np.cumsum(q[:, joints], axis=1))
+        third = G * 0.5 * 0.05 * c[:, 2]
+        second = third + G * c[:, 1] * (4 * 0.5 + 0.5 * 1.0)
+        first = second + G * c[:, 0] * (5 * 0.5 + 4 * 1.0 + 0.5 * 1.0)
+        np.testing.assert_allclose(ours[:, joints], np.column_stack([first, second, third]), atol=1e-12)
+
+
+def test_mass_matrix_of_the_shipped_arm_in_closed_form(planar_cell):
+    """Two-link block of the textbook (Craig, ch. 6) with the hand folded in at its own joint."""
+    rng = np.random.default_rng(1)
+    q = rng.uniform(-np.pi, np.pi, (50, 6))
+    D = planar_cell.functions("dynamics", 50, {"q": q, "dq": np.zeros((50, 6))})["mass_matrix"]
+    m, length, com = (5.0, 4.0, 0.5), (1.0, 1.0, 0.1), (0.5, 0.5, 0.05)
+    inertia = [mass * (3 * 0.01 + long**2) / 12 for mass, long in zip(m, length, strict=True)]
+    for joints in planar_cell.joint_slices.values():
+        absolute = np.cumsum(q[:, joints], axis=1)
+        expected = np.zeros((50, 3, 3))
+        for body in range(3):
+            # Jacobian of the body's centre of mass: columns of joints 0 … body
+            J = np.zeros((50, 2, 3))
+            for joint in range(body + 1):
+                for link in range(joint, body + 1):
+                    arm = com[body] if link == body else length[link]
+                    J[:, 0, joint] -= arm * np.sin(absolute[:, link])
+                    J[:, 1, joint] += arm * np.cos(absolute[:, link])
+            turn = (np.arange(3) <= body).astype(float)
+            expected += m[body] * J.transpose(0, 2, 1) @ J + inertia[body] * np.outer(turn, turn)
+        np.testing.assert_allclose(D[:, joints, joints], expected, atol=1e-12)
+
+
+def test_joint_motion_closes_the_chain_and_is_its_own_derivative(planar_cell, lift):
+    motion = mrts.follow_object(planar_cell, lift)
+    tips = planar_cell.functions("kinematics", motion.samples, {"q": motion.q})["position"]
+    for index, x in enumerate((0.15, 2.35)):
+        np.testing.assert_allclose(tips[:, 0, index], x, atol=1e-12)
+        np.testing.assert_allclose(tips[:, 1, index], lift.position[:, 1], atol=1e-12)
+    moved = cumulative_trapezoid(motion.dq, lift.time, axis=0, initial=0)
+    np.testing.assert_allclose(moved, motion.q - motion.q[0], atol=1e-4)  # trapezoidal rule over 100 steps
+    sped = cumulative_trapezoid(motion.ddq, lift.time, axis=0, initial=0)
+    np.testing.assert_allclose(sped, motion.dq - motion.dq[0], atol=2e-3)
+
+
+def test_both_branches_reach_and_the_posture_chooses(planar_cell, lift):
+    for robot in planar_cell.robots:
+        branches = planar_branches(planar_cell, robot, lift)
+        assert np.sign(branches[0][0, 1]) == -np.sign(branches[1][0, 1])
+    up_up = mrts.follow_object(planar_cell, lift)
+    assert (np.sign(up_up.q[:, 1]) == -1).all()
+    assert (np.sign(up_up.q[:, 4]) == 1).all()
+    down_up = mrts.follow_object(planar_cell.with_postures({"left": [0.5, 2.1, -2.6]}), lift)
+    assert (np.sign(down_up.q[:, 1]) == 1).all()
+    assert (np.sign(down_up.q[:, 4]) == 1).all()
+
+
+def test_whole_turns_of_the_posture_are_kept(planar_cell, lift):
+    turned = planar_cell.with_postures({"left": [2.1 + 2 * np.pi, -2.1, -4 * np.pi]})
+    base = mrts.follow_object(planar_cell, lift).q
+    np.testing.assert_allclose(
+        mrts.follow_object(turned, lift).q[:, :3] - base[:, :3], [[2 * np.pi, 0, -4 * np.pi]] * 101, atol=1e-12
+    )
+
+
+def motion_to(xyz, rpy=(0, 0, 0), **changes):
+    description = {
+        "duration": 0.5,
+        "samples": 11,
+        "profile": "cubic",
+        "start": {"xyz": [1.25, 1.0, 0.0]},
+        "end": {"xyz": list(xyz), "rpy": list(rpy)},
+    }
+    return mrts.sample_motion(mrts.MotionDescription.model_validate(description | changes))
+
+
+def test_out_of_reach_names_robot_sample_and_distance(planar_cell):
+    with pytest.raises(mrts.MotionError, match=r"robot 'left' cannot reach .* sample 10 .* 0\.05.* m too far"):
+        mrts.follow_object(planar_cell, motion_to([1.25, 2.05, 0]))
+
+
+def test_a_stretched_arm_is_singular(planar_cell):
+    with pytest.raises(mrts.MotionError, match=r"singular at sample 10 .* condition number"):
+        mrts.follow_object(planar_cell, motion_to([1.25, np.sqrt(4 - 0.05**2), 0]))
+
+
+@pytest.mark.parametrize(("xyz", "rpy"), [((1.25, 1.2, 0.1), (0, 0, 0)), ((1.25, 1.2, 0), (0.1, 0, 0))])
+def test_a_path_out_of_the_plane_is_refused(planar_cell, xyz, rpy):
+    with pytest.raises(mrts.MotionError, match="leaves the plane xy"):
+        mrts.follow_object(planar_cell, motion_to(xyz, rpy))
+
+
+def test_a_path_in_a_parallel_plane_does_not_close(planar_cell):
+    lifted = motion_to([1.25, 1.2, 0.3], start={"xyz": [1.25, 1.0, 0.3]})
+    with pytest.raises(mrts.MotionError, match=r"came no nearer than 0\.3 m"):
+        mrts.follow_object(planar_cell, lifted)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_profiles_run_from_rest_to_rest_and_are_consistent(name):
+    u = np.linspace(0, 1, 3001)
+    s, ds, dds = PROFILES[name](u)
+    assert s[0] == pytest.approx(0, abs=1e-15)
+    assert s[-1] == pytest.approx(1, abs=1e-15)
+    assert ds[0] == pytest.approx(0, abs=1e-12)
+    assert ds[-1] == pytest.approx(0, abs=1e-12)
+    np.testing.assert_allclose(cumulative_trapezoid(ds, u, initial=0), s, atol=1e-6)
+    jumps = 5e-3 if name == "trapezoid" else 1e-5  # one step of the jump in acceleration
+    np.testing.assert_allclose(cumulative_trapezoid(dds, u, initial=0), ds, atol=jumps)
+    assert np.all(ds >= -1e-15)
+
+
+def test_rotation_follows_the_geodesic_at_the_profiles_rate():
+    motion = motion_to([1.0, 1.1, 0.2], rpy=(0.3, -0.4, 0.8), samples=2001)
+    turn = Rotation.from_matrix(motion.rotation[-1] @ motion.rotation[0].T).as_rotvec()
+    np.testing.assert_allclose(np.cross(motion.twist[:, 3:], turn), 0, atol=1e-12)
+    h = motion.time[1]
+    steps = Rotation.from_matrix(motion.rotation[1:] @ motion.rotation[:-1].transpose(0, 2, 1)).as_rotvec() / h
+    np.testing.assert_allclose(steps, (motion.twist[1:, 3:] + motion.twist[:-1, 3:]) / 2, atol=1e-5)
+    np.testing.assert_allclose(np.gradient(motion.twist, h, axis=0)[1:-1], motion.acceleration[1:-1], atol=1e-4)
+
+
+@pytest.mark.parametrize("field", ["time", "position", "rotation", "twist", "acceleration"])
+def test_object_motions_built_by_hand_are_checked(lift, field):
+    values = {name: getattr(lift, name) for name in ("time", "position", "rotation", "twist", "acceleration")}
+    for spoiled in (values[field][:-1], np.full_like(values[field], np.nan)):
+        with pytest.raises(mrts.InputError, match="must have Shape"):
+            mrts.ObjectMotion(**(values | {field: spoiled}))

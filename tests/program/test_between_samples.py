@@ -1,0 +1,275 @@
+"""Limits between samples: dense evaluation of drawn motions by HiGHS, closed forms, monotony, and what is said."""
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from gantries import along_x, gantries
+from motion_tables import columns_of, write_table
+from motions_between import DENSE, KINDS, corner_of, dense_excess, draw
+
+import mrts
+from mrts.following.coordinate import coordinate
+from mrts.following.denser_motion import between_samples, denser
+from mrts.program.doubtful_gaps import doubtful_gaps
+from mrts.program.excess import BETWEEN
+
+TURN = DATA.parent / "dual_ur5" / "lift_and_turn.yaml"
+DRAWN = int(os.environ.get("BETWEEN_MOTIONS", "10"))
+SEED = 11
+CORNER = 3e-4  # the tolerance of each, as limits of torque without gravity along x move with c² in proportion
+COURSE = 1e-4  # of the largest acceleration: polynomials of third degree through velocities at 21 samples
+
+
+@pytest.fixture(scope="module")
+def cells(planar_cell, dual_ur5):
+    return planar_cell, dual_ur5
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_drawn_motions_keep_their_limits_50_times_as_dense(cells, kind, tmp_path):
+    """Of described paths, curves, corners and tables of poses and joints; `BETWEEN_MOTIONS` draws more of them."""
+    rng = np.random.default_rng([SEED, KINDS.index(kind)])
+    overstepped = 0.0
+    for number in range(max(2, DRAWN // len(KINDS))):
+        cell = cells[number % 2]
+        drawn = draw(rng, cell, kind, tmp_path)
+        motion, dense = drawn.motion(), drawn.motion(DENSE)
+        bare, found = mrts.scale(cell, motion, between=None), mrts.scale(cell, motion)
+        if found.trajectory is None:
+            assert bare.trajectory is None or found.motion.samples > bare.motion.samples
+            continue
+        assert bare.excess is None
+        assert found.excess is not None
+        assert found.range.upper.c2 <= bare.range.upper.c2 * (1 + 1e-9)
+        assert found.range.lower.c2 >= bare.range.lower.c2
+        worst = dense_excess(cell, dense, found.trajectory.c2)
+        assert worst <= max(BETWEEN, found.excess.share), (kind, number)
+        assert not found.excess.passes
+        assert "between the samples" not in found.sentence()
+        overstepped = max(overstepped, dense_excess(cell, dense, bare.trajectory.c2))
+        np.testing.assert_array_equal(found.motion.q[np.isin(found.motion.object.time, motion.time)], bare.motion.q)
+    assert np.isfinite(overstepped)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("samples", "between"), [(12, 1e-4), (12, 1e-2), (40, 1e-4), (12, None)])
+def test_a_velocity_whose_peak_lies_between_samples(tmp_path, samples, between):
+    """A cubic profile over 2 m in 1 s is at 3 m/s half way, where even numbers of samples have none."""
+    cell = gantries(tmp_path, velocity=1.5)
+    found = mrts.scale(cell, along_x(samples, profile="cubic"), between=between)
+    rows = {row.name.kind for row in found.range.upper.rows}
+    assert rows == {"velocity"}
+    exact, share = (1.5 / 3) ** 2, np.sqrt(found.range.upper.c2) * 3 / 1.5 - 1
+    if between is None:
+        u = np.linspace(0, 1, samples)
+        assert found.range.upper.c2 == pytest.approx((1.5 / np.max(12 * u * (1 - u))) ** 2, rel=1e-9)
+        assert found.excess is None
+        assert found.motion.samples == samples
+    else:
+        assert -1e-9 <= share <= between
+        assert found.range.upper.c2 == pytest.approx(exact, rel=2 * between + 1e-9)
+        assert found.excess.share <= between
+
+
+@pytest.mark.parametrize("samples", [11, 30, 101])
+def test_a_force_whose_peak_lies_between_samples(tmp_path, samples):
+    """A quintic profile accelerates most at u = 1/2 - √3/6, by 10/√3 of the way by the duration squared."""
+    cell = gantries(tmp_path)
+    found = mrts.scale(cell, along_x(samples, profile="quintic"))
+    exact = 2 * 20 / ((2 * 4 + 3) * 2 * 10 / np.sqrt(3))
+    assert exact * (1 - 1e-9) <= found.range.upper.c2 <= exact * (1 + BETWEEN)
+
+
+@pytest.mark.parametrize(("legs", "off"), [(1, 0.07), (2, 0.28), (5, 1.3)])
+def test_more_samples_change_no_refined_range_of_a_corner(planar_cell, legs, off):
+    """What 22 samples around a right angle say, refined, 1001 say too; the bare ones miss the corner by far."""
+    keys = {"duration": 0.8, "profile": "quintic", "waypoints": corner_of(planar_cell, 0.3, legs)}
+    bare, few, many = (
+        mrts.scale(planar_cell, mrts.sample_motion(mrts.MotionDescription(**keys, samples=n)), between=b).range.upper.c2
+        for n, b in ((22, None), (22, 1e-4), (1001, 1e-4))
+    )
+    assert few == pytest.approx(many, rel=CORNER)
+    assert bare > few * (1 + off)
+
+
+def test_a_coarse_table_of_joints_says_that_its_splines_are_ours(cells, tmp_path):
+    """21 rows around a corner, 64 samples on their splines: told by how much c²⁺ is less than at the samples."""
+    cell = cells[0]
+    path = mrts.MotionDescription(duration=0.8, profile="quintic", samples=21, waypoints=corner_of(cell, steps=2))
+    followed = mrts.follow_object(cell, mrts.sample_motion(path))
+    write_table(tmp_path / "joints.csv", columns_of(cell, followed, ("q",)), ".15g")
+    (tmp_path / "motion.yaml").write_text("joints: joints.csv\nsamples: 30\n")
+    found = mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml"))
+    told = [remark for remark in found.warnings if remark.code == "between-samples"]
+    assert len(told) == 1
+    assert "spline that mrts lays through them" in told[0].text
+    bare = mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml"), between=None)
+    fall = 100 * (1 - found.range.upper.c2 / bare.range.upper.c2)
+    assert f"{fall:.2g} % less" in told[0].text
+
+
+@pytest.mark.parametrize("name", ["planar", "spatial"])
+def test_every_motion_is_known_between_its_samples(cells, name):
+    """A described motion on its course; the same as bare samples on polynomials, near it; both hold the grasps."""
+    cell = cells[name == "spatial"]
+    given = mrts.sample_motion(
+        mrts.MotionDescription(
+            duration=0.8,
+            samples=41,
+            profile="quintic",
+            start={"xyz": [1.25, 1.0, 0] if name == "planar" else [0, 0.1, 0.35]},
+            end={"xyz": [1.2, 1.3, 0]} if name == "planar" else {"xyz": [0.03, 0.2, 0.5], "rpy": [0.2, 0, 0.3]},
+        )
+    )
+    followed = mrts.follow_object(cell, given)
+    at = (given.time[:-1] + given.time[1:]) / 2
+    known = between_samples(cell, followed, at)
+    whole = denser(followed, known, np.arange(1, len(at) + 1))
+    again = mrts.follow_object(cell, whole.object)
+    np.testing.assert_allclose(whole.q, again.q, atol=1e-9)
+    np.testing.assert_allclose(whole.ddq, again.ddq, atol=COURSE * np.max(np.abs(again.ddq)))
+    np.testing.assert_array_equal(whole.q[::2], followed.q)
+    np.testing.assert_array_equal(whole.object.time[::2], given.time)
+    bare = replace(followed, object=replace(given, course=None))
+    guessed = between_samples(cell, bare, at)
+    np.testing.assert_allclose(guessed.object.position, known.object.position, atol=1e-7)
+    np.testing.assert_allclose(guessed.q, known.q, atol=1e-6)
+
+
+@pytest.fixture(scope="module")
+def redundant():
+    return mrts.load_cell(DATA.parent / "redundant" / "cell.yaml")
+
+
+def trapezoid_lift(samples):
+    """The redundant cell's lift by a trapezoid, whose acceleration jumps at a third and at two thirds of the time."""
+    keys = yaml.safe_load((DATA.parent / "redundant" / "lift.yaml").read_text())
+    keys |= {"profile": "trapezoid", "samples": samples}
+    return mrts.sample_motion(mrts.MotionDescription.model_validate(keys))
+
+
+@pytest.mark.parametrize("samples", [15, 16])
+def test_redundant_arms_between_samples_around_a_jump_of_acceleration(redundant, samples):
+    """A jump inside a gap, and at a sample that has the acceleration of one side of it."""
+    few, dense = (mrts.follow_object(redundant, trapezoid_lift(n)) for n in (samples, 24 * (samples - 1) + 1))
+    inner = np.flatnonzero(np.arange(dense.samples) % 24)
+    between = between_samples(redundant, few, dense.object.time[inner])
+    for name in ("q", "dq", "ddq"):
+        known = getattr(dense, name)[inner]
+        off = np.max(np.abs(getattr(between, name)[1:-1] - known))
+        assert off < 3 * COURSE * np.max(np.abs(known)), name  # of polynomials through 15 samples, without a jump too
+
+
+def test_jumps_of_acceleration_are_found_at_any_number_of_samples(redundant):
+    found = [mrts.scale(redundant, trapezoid_lift(samples)).range.upper.c2 for samples in (15, 16, 29, 57, 449)]
+    exact = mrts.scale(redundant, trapezoid_lift(3001), between=None).range.upper.c2  # 3000 / 3: corners are samples
+    np.testing.assert_allclose(found, exact, rtol=BETWEEN)
+
+
+def test_a_course_of_another_motion_is_not_followed(planar_cell, lift):
+    """Samples that were moved after they were drawn are not where their course says."""
+    moved = replace(lift, position=lift.position + np.array([0.01, 0, 0]), smooth=True)
+    followed = mrts.follow_object(planar_cell, moved)
+    between = between_samples(planar_cell, followed, moved.time[10:12] + 1e-3)
+    assert np.max(np.abs(between.object.position[1:-1, 0] - moved.position[10, 0])) < 1e-3
+
+
+def test_gaps_are_doubted_where_a_quantity_may_turn():
+    """Of a parabola those around its vertex; of a corner inside a gap that gap; of a straight line none."""
+    time = np.linspace(0, 1, 11)
+    assert doubtful_gaps(time, -((time - 0.43) ** 2), 0.0).tolist() == [3, 4, 5]
+    assert 6 in doubtful_gaps(time, -np.abs(time - 0.64), 0.0).tolist()
+    assert doubtful_gaps(time, time, 1e-12).tolist() == []
+
+
+@pytest.mark.parametrize("load", ["guaranteed", "grid:3"])
+def test_every_corner_of_the_load_keeps_its_limits_between_samples(dual_ur5, load):
+    cell = dual_ur5.with_variation(mass=(0.5, 1.5))
+    path = mrts.MotionDescription(
+        duration=0.8, samples=15, profile="sinusoid", start={"xyz": [0, 0.1, 0.35]}, end={"xyz": [0.05, 0.25, 0.5]}
+    )
+    found = mrts.scale(cell, mrts.sample_motion(path), load=load)
+    assert found.motion.samples > 15 or found.excess.share > 0
+    dense = mrts.sample_motion(path.model_copy(update={"samples": 701}))
+    loads = [point.load for point in found.load.points]
+    assert dense_excess(cell, dense, found.trajectory.c2, loads) <= BETWEEN
+    assert all(len(of_load.samples.time) == found.motion.samples for of_load in found.load.ranges)
+    carried = mrts.torques_for_load(found, cell.load_box.load_at({"mass": 1.2}))
+    assert carried.trajectory.torque.shape == found.trajectory.torque.shape
+    assert (carried.excess is None) == (load != "guaranteed")
+
+
+def test_samples_that_are_added_leave_the_question_of_what_is_possible(planar_cell, lift):
+    cell = planar_cell.with_variation(mass=(0.5, 1.5))
+    assert mrts.scale(cell, lift, load="possible").excess is None
+
+
+def test_a_range_between_samples_may_be_empty(cells):
+    """A path that leaves the reach of what the limits hold between two samples is infeasible, and says when."""
+    cell = cells[1].without_velocity_limits()
+    rough = mrts.MotionDescription(duration=0.8, samples=11, profile="quintic", waypoints=corner_of(cell, 0.12, 2))
+    motion = mrts.sample_motion(rough)
+    bare = mrts.scale(cell, motion, between=None)
+    found = mrts.scale(cell, motion)
+    assert found.range.upper.c2 <= bare.range.upper.c2
+    assert coordinate(cell, found.motion).samples == found.motion.samples
+
+
+@pytest.mark.parametrize("wrong", [0, -1e-4, 1e-9, 2, np.nan, "off", True, np.inf])
+def test_a_tolerance_that_is_none_is_refused(planar_cell, lift, wrong):
+    for asked in (mrts.scale, mrts.retime, mrts.rank_configurations):
+        with pytest.raises(mrts.InputError, match="between"):
+            asked(planar_cell, lift, between=wrong)
+
+
+def test_saved_results_and_json_carry_the_excess(dual_ur5, tmp_path):
+    cell, motion = dual_ur5, mrts.load_motion(TURN)
+    found = mrts.scale(cell, motion)
+    assert 0 < found.excess.share < BETWEEN
+    assert found.excess.row.name.kind == "velocity"
+    told = found.to_json()["excess"]
+    assert told["share"] == found.excess.share
+    assert told["row"]["kind"] == "velocity"
+    assert told["tolerance"] == BETWEEN
+    mrts.save_result(found, tmp_path / "result.npz")
+    assert mrts.load_result(tmp_path / "result.npz").excess == found.excess
+    assert mrts.scale(cell, motion, between=None).to_json()["excess"] is None
+
+
+def test_what_stays_above_the_tolerance_stands_in_the_first_sentence(dual_ur5):
+    cell, motion = dual_ur5, mrts.load_motion(TURN)
+    found = mrts.scale(cell, motion)
+    loud = replace(found, excess=replace(found.excess, share=0.02))
+    assert "between the samples limits are overstepped by up to 2 % at t = 0.377 s" in loud.summary().split("\n")[0]
+
+
+def test_a_configuration_has_the_range_that_scale_gives(dual_ur5):
+    cell = dual_ur5
+    path = mrts.MotionDescription(
+        duration=0.8, samples=13, profile="sinusoid", start={"xyz": [0, 0.1, 0.35]}, end={"xyz": [0.05, 0.25, 0.5]}
+    )
+    motion = mrts.sample_motion(path)
+    best = mrts.rank_configurations(cell, motion, cap=3).ranked[0]
+    alone = mrts.scale(cell.with_postures(best.postures()), motion)
+    assert best.c2_upper == pytest.approx(alone.range.upper.c2, rel=1e-7)
+    assert best.c2_upper < mrts.scale(cell.with_postures(best.postures()), motion, between=None).range.upper.c2
+
+
+def test_an_internal_wrench_for_each_sample_is_known_at_these_only(planar_cell, lift):
+    sharing = mrts.LoadSharing(internal_wrench=np.zeros((len(lift.time), 6)))
+    found = mrts.scale(planar_cell, lift, sharing=sharing)
+    assert found.excess is None
+    assert found.motion.samples == len(lift.time)
+
+
+def test_a_place_is_the_same_whatever_else_is_asked(dual_ur5):
+    """The jerk between close samples is felt otherwise, by their difference over the square of the step."""
+    motion = coordinate(dual_ur5, mrts.load_motion(TURN))
+    middles = (motion.object.time[1:] + motion.object.time[:-1]) / 2
+    together = between_samples(dual_ur5, motion, middles)
+    alone = [between_samples(dual_ur5, motion, middle[None]).dq[1] for middle in middles]
+    np.testing.assert_allclose(alone, together.dq[1:-1], atol=1e-11 * np.max(np.abs(motion.dq)))

@@ -1,0 +1,284 @@
+"""`mrts.scale(rates=…)`: the factor within limits of rates, against closed forms and an independent program."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cell_bank import random_planar_cell, random_spatial_cell
+from draws import seeds
+from gantries import along_x, gantries
+from rated_factor import RatedFactor
+
+import mrts
+from mrts.cell.motors.joint_motors import JointMotors
+from mrts.program.constant_rates import RatedFactors
+from mrts.program.rate_limits import rate_limits
+from mrts.scaling.limit_use import rate_uses
+
+THIRD = 24.0
+"""Size of x''' along the cubic profile of `along_x` [m/s³]."""
+
+MOVED, CARRIED = 11.0, 3.0
+"""Of both gantries with the object, and of the object [kg]."""
+
+ROUNDED = 1e-7
+"""Share of c that a margin of 3e-8 of rates changes, and rounding."""
+
+BISECTED = 1e-5
+"""Share of c between bisection of Clarabel's answers, which are good to 1e-8, and the linear programs' cuts."""
+
+GAP = 1e-7
+"""Share of the least effort by which an interior point may miss it, which torques miss by its root."""
+
+KEPT = 1e-12
+"""Share of a rate by which torques may pass it: rounding; a margin of 1e-8 is left for Clarabel."""
+
+
+def with_motors(cell, **columns):
+    """The cell with motors of every robot: one number for the first joint, infinity or 0 for all others."""
+    robots = []
+    for robot in cell.robots:
+        own = JointMotors.unknown(len(robot.joints))
+        arrays = {name: np.array([value, *getattr(own, name)[1:]]) for name, value in columns.items()}
+        robots.append(replace(robot, motors=replace(own, **arrays)))
+    return replace(cell, robots=tuple(robots))
+
+
+def with_contact_rate(cell, *rates):
+    return replace(cell, robots=tuple(replace(robot, contact_rate=np.array(rates)) for robot in cell.robots))
+
+
+@pytest.fixture
+def pushed(tmp_path):
+    return gantries(tmp_path)
+
+
+def shares(result):
+    return {use.name.kind: use.share for use in reversed(rate_uses(result.trajectory, result.rule.rates))}
+
+
+@pytest.mark.quick
+def test_two_gantries_share_the_change_of_what_accelerates_all(pushed):
+    result = mrts.scale(with_motors(pushed, torque_rate=10.0), along_x(), rates=True)
+    assert result.trajectory.c**3 == pytest.approx(2 * 10 / (MOVED * THIRD), rel=3 * ROUNDED)
+    assert {(row.name.kind, row.name.element, row.side, row.limit) for row in result.range.upper.rows} == {
+        ("torque rate", "slide_x", "lower", -10.0)
+    }
+    assert "within the rates, c² ∈ [0, " in result.sentence()
+    assert "near/slide_x torque rate (lower, -10 N/s)" in result.sentence()
+    assert shares(result)["torque rate"] == pytest.approx(1, abs=ROUNDED)
+    with_both = result.torque["near"][:, 0] + result.torque["far"][:, 0]
+    np.testing.assert_allclose(with_both, MOVED * result.trajectory.ddq[:, 0], atol=1e-7)
+
+
+@pytest.mark.quick
+def test_contact_rates_bound_what_reaches_the_object(pushed):
+    result = mrts.scale(with_contact_rate(pushed, 4.0, 4.0, np.inf), along_x(), rates=True)
+    assert result.trajectory.c**3 == pytest.approx(2 * 4 / (CARRIED * THIRD), rel=3 * ROUNDED)
+    assert {str(row) for row in result.range.upper.rows} == {
+        "near/fx contact wrench rate (lower, -4 N/s)",
+        "far/fx contact wrench rate (lower, -4 N/s)",
+    }
+    assert result.to_json()["rates"][0]["share"] == pytest.approx(1, abs=ROUNDED)
+
+
+@pytest.mark.quick
+def test_jerk_grows_with_the_cube_of_the_factor(pushed):
+    result = mrts.scale(with_motors(pushed, jerk=3.0), along_x(), rates=True)
+    assert result.trajectory.c**3 == pytest.approx(3 / THIRD, rel=1e-12)
+    assert [str(row) for row in result.range.upper.rows] == ["near/slide_x jerk (lower, -3 m/s³)"]
+    assert shares(result)["jerk"] == pytest.approx(1, rel=1e-9)
+    without = mrts.scale(with_motors(pushed, jerk=3.0), along_x())
+    assert without.trajectory.c2 > 1.2 * result.trajectory.c2
+    assert shares(without)["jerk"] == pytest.approx(without.trajectory.c**3 * THIRD / 3, rel=1e-9)
+
+
+@pytest.mark.quick
+def test_the_slowest_of_several_rates_counts(pushed):
+    cell = with_contact_rate(with_motors(pushed, torque_rate=10.0, jerk=8.0), 4.0, np.inf, np.inf)
+    result = mrts.scale(cell, along_x(), rates=True)
+    least = min(2 * 10 / MOVED, 2 * 4 / CARRIED, 8.0) / THIRD
+    assert result.trajectory.c**3 == pytest.approx(least, rel=3 * ROUNDED)
+    assert mrts.scale(cell, along_x(), rates=True, reserve=0.2).trajectory.c ** 3 == pytest.approx(
+        0.8 * least, rel=3 * ROUNDED
+    )
+
+
+@pytest.mark.quick
+def test_fixed_shares_leave_no_choice(pushed):
+    cell = with_motors(pushed, torque_rate=10.0)
+    result = mrts.scale(cell, along_x(), rates=True, sharing=mrts.LoadSharing(shares=np.array([0.7, 0.3])))
+    assert result.trajectory.c**3 == pytest.approx(10 / ((4 + 0.7 * CARRIED) * THIRD), rel=3 * ROUNDED)
+    assert {row.name.robot for row in result.range.upper.rows} == {"near"}
+
+
+@pytest.mark.quick
+def test_a_number_is_a_multiple_of_the_torque_limits(pushed):
+    by_number = mrts.scale(pushed, along_x(), rates=0.5)  # 10 N/s of 20 N
+    assert by_number.trajectory.c**3 == pytest.approx(2 * 10 / (MOVED * THIRD), rel=3 * ROUNDED)
+
+
+@pytest.mark.quick
+def test_rates_alone_limit_what_nothing_else_limits(pushed):
+    free = tuple(replace(robot, torque_lower=np.full(3, -1e9), torque_upper=np.full(3, 1e9)) for robot in pushed.robots)
+    cell = with_motors(replace(pushed, robots=free), torque_rate=5000.0)
+    result = mrts.scale(cell, along_x(), rates=True)
+    assert result.trajectory.c**3 == pytest.approx(2 * 5000 / (MOVED * THIRD), rel=3 * ROUNDED)
+
+
+@pytest.mark.quick
+def test_rates_that_do_not_bind_change_nothing(planar_cell, lift, lifted):
+    loose = mrts.scale(planar_cell, lift, rates=1000.0)
+    assert loose.trajectory.c2 == lifted.trajectory.c2
+    assert loose.range.upper == lifted.range.upper
+    assert loose.sentence() == f"within the rates, {lifted.sentence()}"
+    efforts = [np.sum(one.trajectory.torque**2) for one in (loose, lifted)]
+    assert efforts[0] == pytest.approx(efforts[1], rel=GAP)
+    most = np.max(np.abs(lifted.trajectory.torque))
+    np.testing.assert_allclose(loose.trajectory.torque, lifted.trajectory.torque, atol=np.sqrt(GAP) * most)
+
+
+def speeding(samples=41):
+    """An object that accelerates ever more: x'' = 1 + t."""
+    t = np.linspace(0, 1, samples)
+    position, twist, acceleration = np.zeros((samples, 3)), np.zeros((samples, 6)), np.zeros((samples, 6))
+    position[:, 0], twist[:, 0], acceleration[:, 0] = t**2 / 2 + t**3 / 6, t + t**2 / 2, 1 + t
+    return mrts.ObjectMotion(t, position, np.tile(np.eye(3), (samples, 1, 1)), twist, acceleration)
+
+
+def pressed(cell, least):
+    robots = (
+        replace(robot, wrench_lower=np.array([least, -np.inf, -np.inf]), wrench_upper=np.full(3, np.inf))
+        for robot in cell.robots
+    )
+    return replace(cell, robots=tuple(robots))
+
+
+@pytest.mark.quick
+def test_a_least_speed_may_change_torques_too_fast(pushed):
+    cell = pressed(with_motors(pushed, torque_rate=5.0), 2.0)  # 2 · 2 N = 3 kg · 1 m/s² · c²
+    assert mrts.scale(cell, speeding()).range.lower.c2 == pytest.approx(4 / 3, rel=1e-6)
+    result = mrts.scale(cell, speeding(), rates=True)
+    assert result.status.value == "empty"
+    assert result.trajectory is None
+    assert "a rate is too small: c² must be at least 1.33333 at t = 0 s by" in result.sentence()
+    assert f"but at most {(2 * 5 / MOVED) ** (2 / 3):.6g} at t = " in result.sentence()
+    assert "torque rate (upper, 5 N/s)" in result.sentence()
+    slower = mrts.scale(pressed(cell, 1.0), speeding(), rates=True)
+    assert slower.trajectory.c**3 == pytest.approx(2 * 5 / MOVED, rel=3 * ROUNDED)
+    assert slower.range.lower.c2 == pytest.approx(2 / 3, rel=1e-6)
+
+
+@pytest.mark.quick
+def test_a_load_that_varies_is_carried_at_its_worst(tmp_path):
+    cell = with_motors(gantries(tmp_path, variation={"mass": [0.5, 4]}), torque_rate=10.0)
+    result = mrts.scale(cell, along_x(), rates=True)
+    assert result.trajectory.c**3 == pytest.approx(2 * 10 / ((8 + 4 * CARRIED) * THIRD), rel=3 * ROUNDED)
+    assert result.range.upper.load.parameters == {"mass": 4}
+    heavy = mrts.torques_for_load(result, cell.load_box.load_at({"mass": 4}))
+    assert shares(heavy)["torque rate"] == pytest.approx(1, abs=ROUNDED)
+    nominal = mrts.scale(cell, along_x(), rates=True, load="nominal")
+    assert nominal.trajectory.c**3 == pytest.approx(2 * 10 / (MOVED * THIRD), rel=3 * ROUNDED)
+
+
+def easing(samples=21):
+    """An object whose acceleration falls from 2 to 1.9 m/s²: friction rises, inertia gives way."""
+    t = np.linspace(0, 0.1, samples)
+    position, twist, acceleration = np.zeros((samples, 3)), np.zeros((samples, 6)), np.zeros((samples, 6))
+    position[:, 0], twist[:, 0], acceleration[:, 0] = t**2 - t**3 / 6, 2 * t - t**2 / 2, 2 - t
+    return mrts.ObjectMotion(t, position, np.tile(np.eye(3), (samples, 1, 1)), twist, acceleration)
+
+
+@pytest.mark.quick
+def test_rates_may_leave_a_gap_where_friction_is_made_up_for_by_inertia(pushed):
+    """The torque of both changes by 12 x'' c² - 11 c³ a second: small at low and at high speed."""
+    strong = tuple(
+        replace(robot, torque_lower=np.full(3, -1e3), torque_upper=np.full(3, 1e3)) for robot in pushed.robots
+    )
+    cell = with_motors(replace(pushed, robots=strong), viscous=6.0, torque_rate=7.5)
+    result = mrts.scale(cell, easing(), rates=True, between=None)
+    motion = result.motion.object
+    steps, change = np.diff(motion.time), np.diff(motion.acceleration[:, 0])
+
+    def share(c):
+        return np.max(np.abs(MOVED * change * c**2 + 12 * np.diff(motion.twist[:, 0]) * c) * c / steps) / 15
+
+    c = result.trajectory.c
+    assert share(c) == pytest.approx(1, rel=ROUNDED)
+    assert c > 2
+    factors = RatedFactors(cell, result.motion, [None], None, rate_limits(cell, rates=True))
+    asked = np.linspace(0.2, 2.5, 24)
+    admitted = [factors.refused(one**2) is None for one in asked]
+    assert admitted == [share(one) <= 1 for one in asked]
+    assert np.count_nonzero(np.diff(admitted)) == 3  # slow enough, too fast, fast enough, too fast
+    with pytest.raises(mrts.SelectionError, match=r"c² = 2\.1 lies in a gap that rates leave .*slide_x torque rate"):
+        mrts.scale(cell, easing(), 2.1, rates=True, between=None)
+    low, _ = factors.slowest(2.1, 6.0)
+    assert share(np.sqrt(low)) == pytest.approx(1, rel=ROUNDED)
+    assert 2.1 < low < c**2
+
+
+def rated(case, rng, tight):
+    """A random cell with friction, armature and rates that bind, and its motion as it is without them."""
+    cell = case.cell
+    free = mrts.scale(cell, case.motion, between=None)
+    if free.trajectory is None:
+        return None
+    robots = []
+    for robot, duty in zip(cell.robots, free.trajectory.duty.values(), strict=True):
+        n, torque = len(robot.joints), np.minimum(-robot.torque_lower, robot.torque_upper)
+        motors = replace(
+            JointMotors.unknown(n),
+            coulomb=rng.uniform(0, 0.02, n) * torque,
+            viscous=rng.uniform(0, 0.02, n) * torque,
+            armature=rng.uniform(0, 0.02, n),
+            torque_rate=tight * rng.uniform(0.5, 2, n) * np.maximum(duty.torque_rate, 0.1 * np.max(duty.torque_rate)),
+        )
+        fast = np.max(np.abs(np.diff(free.wrench[robot.name], axis=0)), axis=0) / np.diff(free.trajectory.time)[0]
+        contact_rate = tight * rng.uniform(1, 3) * np.maximum(fast, 0.1 * np.max(fast))
+        robots.append(replace(robot, motors=motors, contact_rate=contact_rate))
+    return replace(cell, robots=tuple(robots))
+
+
+@pytest.mark.parametrize("seed", seeds(2, 3))
+def test_random_cells_against_an_independent_program(seed, tmp_path):
+    rng = np.random.default_rng([16, seed])
+    while True:
+        arms = int(rng.integers(1, 4))
+        draw = random_planar_cell if seed % 2 == 0 else random_spatial_cell
+        case = draw(rng, tmp_path, min(arms, 2) if seed % 2 else arms)
+        cell = rated(case, rng, tight=float(rng.uniform(0.2, 0.7)))
+        free = None if cell is None else mrts.scale(cell, case.motion, between=None)
+        if free is not None and free.trajectory is not None:
+            break
+    result = mrts.scale(cell, case.motion, rates=True, between=None)
+    oracle = RatedFactor(cell, result.motion, rate_limits(cell, rates=True))
+    assert result.trajectory is not None
+    c = result.trajectory.c
+    assert c < free.trajectory.c
+    assert oracle.excess(c * (1 - BISECTED)) < 0 < oracle.excess(c * (1 + BISECTED))
+    assert all(use.share <= 1 + KEPT for use in rate_uses(result.trajectory, result.rule.rates))
+    assert result.range.upper.rows
+    residuals = result.residuals()
+    assert max(residuals.arms, residuals.object) < 1e-7 * np.max(np.abs(result.trajectory.torque))
+
+
+def every_fifth(motion):
+    arrays = (motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration)
+    return mrts.ObjectMotion(*(array[::5] for array in arrays))
+
+
+def test_bisection_finds_the_same_factor(planar_cell, lift):
+    result = mrts.scale(planar_cell, every_fifth(lift), rates=2.0, between=None)
+    oracle = RatedFactor(planar_cell, result.motion, rate_limits(planar_cell, 2.0))
+    c = result.trajectory.c
+    assert oracle.fastest(0.5 * c, 1.5 * c) == pytest.approx(c, rel=BISECTED)
+
+
+def test_corners_of_a_box_together_against_an_independent_program(planar_cell, lift):
+    cell = planar_cell.with_variation(mass=(0.4, 2.0), izz=(0.5, 1.5))
+    result = mrts.scale(cell, every_fifth(lift), rates=3.0, between=None)
+    corners = [point.load for point in cell.load_box.corners(cell.load_box.varying)]
+    oracle = RatedFactor(cell, result.motion, rate_limits(cell, 3.0), corners)
+    c = result.trajectory.c
+    assert oracle.excess(c * (1 - BISECTED)) < 0 < oracle.excess(c * (1 + BISECTED))

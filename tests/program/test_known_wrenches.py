@@ -1,0 +1,209 @@
+"""Samples whose wrenches balance fixes, in one pass of C: the same ends, rows and half-planes as in numpy."""
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from conftest import DATA
+from one_arm import one_arm
+from random_cells import configuration
+from random_motors import equipped
+
+import mrts
+from mrts.following.coordinated_motion import carried_by_first
+from mrts.kernel.one_unknown import ONE_PIECE
+from mrts.limits import LIMITS
+from mrts.limits.rows import STANDSTILL, LimitRows
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.trajectory_programs import motion_planes, motion_ranges, motion_torques
+from mrts.timing.speed_regions import regions_of_planes, speed_regions
+
+SAME = 1e-12
+"""Both ways divide the same numbers, summed in another order."""
+
+BY_PINOCCHIO = 1e-8
+"""Another way to the same torques, as a share of a limit."""
+
+ROW_BY_ROW = "scipy:highs"
+"""A solver that is asked for nothing where c² is the only unknown: rows are then looked at in numpy."""
+
+
+def arm_and_path(folder):
+    cell, _, path = one_arm(3, folder)
+    return cell, path
+
+
+def along_spline(cell, path, samples):
+    s = np.linspace(0, 1, samples)
+    return carried_by_first(cell, s, path(s), path(s, 1), path(s, 2), smooth=False)
+
+
+def asked(name, folder, planar_cell, lift, dual_ur5):
+    """A cell, its motion and how its load is shared."""
+    arm, path = arm_and_path(folder)
+    motion = along_spline(arm, path, 61)
+    coordinated = mrts.follow_object(planar_cell, lift)
+    carried = mrts.follow_object(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    uneven = LoadSharing(shares=np.array([0.3, 0.7]))
+    return {
+        "arm": lambda: (arm.without_velocity_limits(), motion, None),
+        "arm with velocities": lambda: (arm, motion, None),
+        "arm with velocities that bind": lambda: (with_velocities(arm, motion), motion, None),
+        "arm with a reserve": lambda: (replace(arm, reserve=0.1), motion, None),
+        "arm with motors": lambda: (equipped(arm, armature=0.3, coulomb=4.0), motion, None),
+        "arm at rest at both ends": lambda: (planar_cell, coordinated, LoadSharing()),
+        "shared, some samples infeasible": lambda: (planar_cell, coordinated, uneven),
+        "shared": lambda: (dual_ur5, carried, uneven),
+        "squeezed": lambda: (dual_ur5, carried, LoadSharing(internal_wrench=squeeze(dual_ur5, carried))),
+    }[name]()
+
+
+def with_velocities(cell, motion):
+    """The cell with velocity limits of which one binds before the torques do."""
+    robot = cell.robots[0]
+    fastest = np.sqrt(np.min(motion_ranges(cell.without_velocity_limits(), motion, "wrench", None, "kernel").upper))
+    robot = replace(robot, velocity_limit=0.9 * fastest * np.max(np.abs(motion.dq), axis=0))
+    return replace(cell, robots=(robot,), enforces_velocity_limits=True)
+
+
+def squeeze(cell, motion):
+    """A wrench at every sample with which both arms press on the object and that does not move it."""
+    B = cell.functions("terms", motion.samples, motion.inputs(cell.load))["B"]
+    _, _, directions = np.linalg.svd(B)
+    return 5.0 * directions[:, -1]
+
+
+CASES = (
+    "arm",
+    "arm with velocities",
+    "arm with velocities that bind",
+    "arm with a reserve",
+    "arm with motors",
+    "arm at rest at both ends",
+    "shared, some samples infeasible",
+    "shared",
+    "squeezed",
+)
+
+
+@pytest.fixture(params=CASES)
+def case(request, tmp_path, planar_cell, lift, dual_ur5):
+    return asked(request.param, tmp_path, planar_cell, lift, dual_ur5)
+
+
+def test_ends_and_the_rows_that_set_them(case):
+    cell, motion, sharing = case
+    found, known = (motion_ranges(cell, motion, "wrench", sharing, solver) for solver in ("kernel", ROW_BY_ROW))
+    assert found.status == known.status
+    for ends in ("lower", "upper"):
+        np.testing.assert_allclose(getattr(found, ends), getattr(known, ends), rtol=SAME, atol=0)
+        rows = [[of.binding(k, ends) for k in range(motion.samples)] for of in (found, known)]
+        assert rows[0] == rows[1]
+        assert len(rows[0]) == motion.samples
+    assert [str(one) for one in found.conflicts] == [str(one) for one in known.conflicts]
+    assert found.fallbacks == known.fallbacks == 0
+
+
+def test_torques_are_those_of_the_rows(case):
+    cell, motion, sharing = case
+    problem = build_sample_problem(cell, motion, sharing=sharing)
+    torque, wrench, _ = motion_torques(cell, motion, "wrench", sharing, "kernel", 0.3, np.eye(motion.dq.shape[1]))
+    x = np.full((motion.samples, 1), 0.3)
+    for got, given in ((torque, problem.torque(x)), (wrench, problem.wrench(x))):
+        np.testing.assert_allclose(got, given, rtol=0, atol=SAME * np.max(np.abs(given)))
+
+
+def test_a_standstill_that_holds_is_named_alone(tmp_path):
+    cell, path = arm_and_path(tmp_path)
+    found = motion_ranges(cell, along_spline(cell, path, 9), "wrench", None, "kernel")
+    assert {row.name for k in range(9) for row in found.binding(k, "lower")} == {STANDSTILL}
+
+
+def test_pieces_of_a_long_motion_are_the_whole_to_the_bit(tmp_path):
+    """Threads take pieces of a motion of so many samples."""
+    cell, path = arm_and_path(tmp_path)
+    motion = along_spline(cell, path, 97)
+    places = np.arange(2 * ONE_PIECE + 5) % motion.samples
+    long = motion_ranges(cell, motion.at(places), "wrench", None, "kernel")
+    short = motion_ranges(cell, motion, "wrench", None, "kernel")
+    for ends in ("lower", "upper"):
+        np.testing.assert_array_equal(getattr(long, ends), getattr(short, ends)[places])
+    assert long.binding(-1, "upper") == short.binding(int(places[-1]), "upper")
+
+
+def accelerations(cell, motion):
+    """A limit of yours with a term in the acceleration: of the first joint, alike in both directions."""
+    return LimitRows(
+        names=(mrts.RowName("acceleration", cell.robots[0].name, cell.robots[0].joints[0], "rad/s²"),),
+        lower=np.array([-20.0]),
+        upper=np.array([20.0]),
+        torque_matrix=np.zeros((1, motion.dq.shape[1])),
+        wrench_matrix=np.zeros((1, len(cell.robots) * len(cell.wrench_components))),
+        rate=motion.dq[:, :1],
+        square=motion.ddq[:, :1],
+    )
+
+
+def sides_at(regions, u, x):
+    """How far points of each sample are inside its half-planes, the least of all, in limits, Shape (N,)."""
+    planes = regions.planes.reshape(len(regions.lower), -1, 3)
+    return np.min(planes[:, :, 2] - planes[:, :, 0] * u[:, None] - planes[:, :, 1] * x[:, None], axis=1)
+
+
+def test_half_planes_are_those_of_the_rows(case, monkeypatch):
+    cell, motion, sharing = case
+    cell = replace(cell, reserve=0.0)  # C measures a limit by what a reserve left of it
+    if sharing is not None and np.ndim(sharing.internal_wrench) > 1:
+        sharing = replace(sharing, internal_wrench=sharing.internal_wrench[0] * 0)
+    monkeypatch.setitem(LIMITS, "accelerations", accelerations)
+    known = motion_planes(cell, motion, sharing, None)
+    assert known is not None
+    rng, length = np.random.default_rng(5), float(motion.object.time[-1])
+    compiled = regions_of_planes(*known, length)
+    given = speed_regions(build_sample_problem(cell, motion, sharing=sharing, varying=True), length)
+    assert compiled.undecided == given.undecided == ()
+    np.testing.assert_allclose(compiled.bound, given.bound, rtol=SAME)
+    np.testing.assert_allclose(compiled.upper, given.upper, rtol=SAME)
+    np.testing.assert_array_equal(compiled.start, given.start)
+    for _ in range(20):
+        u, x = rng.normal(size=motion.samples) * 5, rng.uniform(0, 5, motion.samples)
+        ours, theirs = sides_at(compiled, u, x), sides_at(given, u, x)
+        np.testing.assert_allclose(ours, theirs, rtol=SAME, atol=SAME * float(np.max(np.abs(theirs))))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_half_planes_of_an_arm_are_its_torques_by_pinocchio(seed, tmp_path):
+    cell, model, path = one_arm(seed, tmp_path)
+    cell, data = cell.without_velocity_limits(), model.createData()
+    motion, rng = along_spline(cell, path, 23), np.random.default_rng(seed)
+    known = motion_planes(cell, motion, None, None)
+    assert known is not None
+    regions = regions_of_planes(*known, 1.0)
+    limit = cell.robots[0].torque_upper
+    u, x = rng.normal(size=motion.samples) * 10, rng.uniform(0, 20, motion.samples)
+    inside = sides_at(regions, u, x)
+    for k in range(motion.samples):
+        velocity, acceleration = motion.dq[k] * np.sqrt(x[k]), motion.ddq[k] * x[k] + motion.dq[k] * u[k]
+        torque = pin.rnea(model, data, configuration(model, motion.q[k]), velocity, acceleration)
+        assert inside[k] == pytest.approx(float(np.min(1 - np.abs(torque) / limit)), abs=BY_PINOCCHIO)
+
+
+def test_friction_in_proportion_to_speed_is_left_to_the_intervals(tmp_path):
+    cell, path = arm_and_path(tmp_path)
+    cell = equipped(cell, viscous=3.0)
+    motion = along_spline(cell, path, 31)
+    assert motion_planes(cell, motion, None, None) is None
+    found, known = (motion_ranges(cell, motion, "wrench", None, solver) for solver in ("kernel", "qpsol:qpoases"))
+    np.testing.assert_allclose(found.upper, known.upper, rtol=1e-9)
+
+
+def test_what_is_no_number_is_left_to_the_rows(tmp_path, monkeypatch):
+    """The C says so rather than take it for no limit."""
+    cell, path = arm_and_path(tmp_path)
+    motion = along_spline(cell, path, 9)
+    poor = motion.inputs(cell.load)
+    poor["ddq"] = np.where(np.arange(9)[:, None] == 4, np.nan, motion.ddq)
+    monkeypatch.setattr(type(motion), "inputs", lambda _self, _load: poor)
+    assert motion_planes(cell, motion, None, None) is None

@@ -1,0 +1,138 @@
+"""The kernel's widening of limits along a motion against HiGHS, and its motion between samples against Python's."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from one_arm import one_arm
+from random_motors import drawn_motors
+
+import mrts
+from mrts.following.coordinated_motion import carried_by_first
+from mrts.following.denser_motion import velocity_polynomials
+from mrts.kernel import foreign_arrays
+from mrts.program.motion_widening import motion_widening
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.widening import widening_at
+from mrts.timing.path_pieces import PLACES, path_pieces
+from mrts.timing.retimed_motion import TimedPiece, between_path_samples
+
+SHIPPED = {
+    "planar_dual_arm": "lift.yaml",
+    "dual_ur5": "lift_and_turn.yaml",
+    "squeeze": "lift_and_turn.yaml",
+}
+AGREES = 1e-8  # both solve the same programs, each to 1e-9 of a limit
+SAME_MOTION = 1e-10  # of the largest entry: a place in its segment is a difference of parameters in one of them
+SAMPLES = 300  # more than a chunk of the kernel, so that two threads have something to share
+
+
+def shipped(name, samples=SAMPLES):
+    cell = mrts.load_cell(DATA.parent / name / "cell.yaml")
+    given = yaml.safe_load((DATA.parent / name / SHIPPED[name]).read_text()) | {"samples": samples}
+    return cell, mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
+
+
+def by_highs(cell, motion, c2, load=None):
+    problem = build_sample_problem(cell, motion, load=load)
+    return widening_at(problem, c2[:, None], "scipy:highs", "the widening")
+
+
+def changed(cell, how, rng):
+    return {
+        "given": lambda: cell,
+        "velocities apart": cell.without_velocity_limits,
+        "motors": lambda: drawn_motors(rng, cell),
+        "reserve": lambda: cell.with_reserve(0.1),
+        "heavier": lambda: replace(cell, load=cell.load * 3),
+    }[how]()
+
+
+@pytest.mark.parametrize("how", ["given", "velocities apart", "motors", "reserve", "heavier"])
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_widening_is_the_one_of_highs(name, how):
+    """At c² that samples admit with room, hardly, and not at all, one after the other."""
+    rng = np.random.default_rng([5, len(how), len(name)])
+    given, motion = shipped(name)
+    cell = changed(given, how, rng)
+    ranges = motion_ranges(cell, motion, "wrench", None, "kernel")
+    most = float(np.min(ranges.upper, where=ranges.upper > 0, initial=100.0))
+    c2 = most * rng.choice([0.3, 0.999, 1.0, 1.001, 1.5, 4.0], size=motion.samples)
+    c2[: motion.samples // 3] = most
+    found, theirs = motion_widening(cell, motion, c2), by_highs(cell, motion, c2)
+    np.testing.assert_allclose(found, theirs, atol=AGREES, rtol=AGREES)
+    assert np.max(theirs) > 0.1
+    assert how in {"motors", "heavier"} or np.min(theirs) < AGREES
+
+
+def test_some_samples_with_a_load_each_are_those_of_highs():
+    rng = np.random.default_rng(17)
+    cell, motion = shipped("dual_ur5")
+    places = np.sort(rng.choice(motion.samples, 90, replace=False))
+    loads = cell.load * rng.uniform(0.5, 2.0, (90, 1))
+    c2 = rng.uniform(10, 30, 90)
+    everywhere, all_c2 = np.tile(cell.load, (motion.samples, 1)), np.ones(motion.samples)
+    everywhere[places], all_c2[places] = loads, c2
+    found = motion_widening(cell, motion, c2, load=loads, samples=places)
+    np.testing.assert_allclose(found, by_highs(cell, motion, all_c2, everywhere)[places], atol=AGREES, rtol=AGREES)
+    assert np.count_nonzero(found > AGREES) > 10
+    assert motion_widening(cell, motion, np.zeros(0), samples=np.zeros(0, dtype=np.intp)).shape == (0,)
+
+
+def test_one_arm_leaves_nothing_to_choose(tmp_path):
+    cell, _, path = one_arm(3, tmp_path)
+    grid = np.linspace(0, 1, 101)
+    motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
+    for c2 in (0.5, 2.0, 20.0):
+        each = np.full(101, c2)
+        np.testing.assert_allclose(motion_widening(cell, motion, each), by_highs(cell, motion, each), rtol=AGREES)
+
+
+def timed(motion):
+    """A piece of the path with a speed and a rate that change along it."""
+    (piece,) = path_pieces(motion)
+    n = len(piece.speed)
+    x = 1 + np.sin(np.linspace(0, 3, n))
+    return TimedPiece(piece=piece, x=x, rates=np.column_stack([np.linspace(-1, 1, n - 1), np.linspace(0, 2, n - 1)]))
+
+
+def places_in_numpy(cell, part):
+    """On polynomials of q' along the path, played at x and x'/2, which is linear inside a segment; eq. (10)."""
+    path, step = part.piece.path, part.piece.step[:, None]
+    s = (path.object.time[:-1, None] + step * PLACES).ravel()
+    rate = (part.rates[:, :1] + np.diff(part.rates, axis=1) * PLACES).ravel()[:, None]
+    start = part.x[:-1, None] + step * PLACES * part.rates[:, :1]
+    x = (start + step * PLACES * rate.reshape(step.shape[0], -1)).ravel()[:, None]
+    q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
+    return carried_by_first(cell, s - s[0], q, dq * np.sqrt(x), ddq * x + dq * rate, smooth=False)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_places_between_samples_are_those_of_numpy(name):
+    """Joints, and the object that the first arm carries."""
+    cell, motion = shipped(name, 41)
+    part = timed(motion)
+    found = between_path_samples(cell, part, PLACES)
+    theirs = places_in_numpy(cell, part)
+    for ours, other in (
+        *((getattr(found, of), getattr(theirs, of)) for of in ("q", "dq", "ddq")),
+        *((getattr(found.object, of), getattr(theirs.object, of)) for of in ("time", "position", "rotation")),
+        *((getattr(found.object, of), getattr(theirs.object, of)) for of in ("twist", "acceleration")),
+    ):
+        np.testing.assert_allclose(ours, other, atol=SAME_MOTION * np.max(np.abs(other)), rtol=0)
+
+
+@pytest.mark.quick
+def test_threads_change_no_bit(monkeypatch):
+    cell, motion = shipped("dual_ur5", 600)
+    part, c2 = timed(motion), np.full(600, 22.0)
+    answers = []
+    for threads in (1, 2, 3):
+        monkeypatch.setattr(foreign_arrays, "MOST_THREADS", threads)
+        monkeypatch.setattr(foreign_arrays, "_processors", lambda: 3)
+        there = between_path_samples(cell, part, PLACES)
+        answers.append((motion_widening(cell, motion, c2).tobytes(), there.ddq.tobytes(), there.object.twist.tobytes()))
+    assert answers[0] == answers[1] == answers[2]

@@ -1,0 +1,89 @@
+"""What motors add along a motion: signs of friction, and the same torques from the kernel as from numpy."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import DATA
+
+import mrts
+from mrts.cell.motors.joint_motors import JointMotors
+from mrts.program.motor_terms import motor_terms, travel_directions
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.torque_distribution import distribute_torques
+from mrts.program.trajectory_programs import motion_torques
+
+SAME = 1e-6
+"""Torques of two solvers of one quadratic program, relative to their size."""
+
+
+def with_motors(cell, **given):
+    """The same cell with the same motors at every arm; curves as one a joint."""
+    robots = []
+    for robot in cell.robots:
+        n = len(robot.joints)
+        values = {
+            name: np.broadcast_to(values, n) if name != "torque_speed" else (np.array(values),) * n
+            for name, values in given.items()
+        }
+        known = JointMotors.unknown(n)
+        kept = {name: getattr(known, name) for name in JointMotors.__dataclass_fields__}
+        robots.append(replace(robot, motors=JointMotors(**(kept | values))))
+    return replace(cell, robots=tuple(robots))
+
+
+def test_friction_points_along_the_travel_and_is_one_sided_at_rest():
+    t = np.linspace(0, 2 * np.pi, 9)
+    dq = np.column_stack([np.sin(t / 2), np.sin(t), -np.sin(t / 2), np.zeros(9)])
+    ddq = np.column_stack([np.cos(t / 2) / 2, np.cos(t), -np.cos(t / 2) / 2, np.zeros(9)])
+    before, after = travel_directions(dq, ddq)
+    assert np.array_equal(before[:, 0], np.ones(9))
+    assert np.array_equal(after[:, 0], np.ones(9))
+    assert np.array_equal(before[:, 1], [1, 1, 1, 1, 1, -1, -1, -1, -1])
+    assert np.array_equal(after[:, 1], [1, 1, 1, 1, -1, -1, -1, -1, -1])
+    assert np.array_equal(before[:, 2], -np.ones(9))
+    assert not before[:, 3].any()
+    assert not after[:, 3].any()
+
+
+@pytest.mark.quick
+def test_at_a_turning_point_limits_move_inward_by_the_dry_friction(planar_cell, lift):
+    motion = mrts.follow_object(planar_cell, lift)
+    dq, ddq = motion.dq.copy(), motion.ddq.copy()
+    dq[4, 1], ddq[4, 1] = 0.0, -3.0
+    turning = replace(motion, dq=dq, ddq=ddq)
+    cell = with_motors(planar_cell, coulomb=2.0)
+    terms = motor_terms(cell, turning)
+    assert np.array_equal(np.argwhere(terms.turning), [[4, 1]])
+    assert terms.dry[4, 1] == 0
+    given, narrowed = (build_sample_problem(of, turning) for of in (planar_cell, cell))
+    unit = given.unit[1]
+    torque = 2.0 * np.sign(dq) / given.unit[: dq.shape[1]]
+    assert narrowed.upper[4, 1] == pytest.approx(given.upper[4, 1] - 2.0 / unit)
+    assert narrowed.lower[4, 1] == pytest.approx(given.lower[4, 1] + 2.0 / unit)
+    moving = np.abs(dq) > 1e-6
+    moving[4, 1] = False
+    shift = given.upper[:, : dq.shape[1]] - narrowed.upper[:, : dq.shape[1]]
+    np.testing.assert_allclose(shift[moving], torque[moving], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("fixture", "file"), [("planar_cell", "lift.yaml"), ("dual_ur5", "../dual_ur5/lift_and_turn.yaml")]
+)
+def test_the_kernel_distributes_the_same_motor_torques_as_numpy(fixture, file, request):
+    cell = request.getfixturevalue(fixture)
+    motion = mrts.follow_object(cell, mrts.load_motion(DATA / file))
+    curve = [[0, 400.0], [2.0, 400.0], [30.0, 100.0]]
+    cell = with_motors(cell, armature=0.1, coulomb=1.5, viscous=0.7, torque_speed=curve)
+    c2, W = 0.05, np.eye(motion.q.shape[1])
+    torque, wrench, fallbacks = motion_torques(cell, motion, "wrench", None, "kernel", c2, W)
+    assert fallbacks == 0
+    problem = build_sample_problem(cell, motion)
+    x, _ = distribute_torques(problem, c2, W, "scipy:highs")
+    np.testing.assert_allclose(torque, problem.torque(x), atol=SAME * np.max(np.abs(torque)))
+    np.testing.assert_allclose(wrench, problem.wrench(x), atol=SAME * np.max(np.abs(wrench)))
+    terms = motor_terms(cell, motion)
+    plain = problem.torque(x) - terms.torque(np.sqrt(c2))
+    np.testing.assert_allclose(
+        plain + 0.1 * motion.ddq * c2 + 0.7 * motion.dq * np.sqrt(c2) + terms.dry, problem.torque(x), atol=1e-12
+    )

@@ -1,0 +1,190 @@
+"""The highest interval of c² where friction and torque-speed curves stand beside inertia."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cell_bank import random_planar_cell, random_spatial_cell
+from draws import draws
+from reference import ReferenceCell
+from speed_scan import Motors, SpeedScan
+
+import mrts
+from mrts.cell.motors.joint_motors import JointMotors
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import sample_ranges
+from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.widening import widening_at
+
+FIRST, CELLS = 20, draws(20)
+"""Seeds: those before draw cells that take five times as long to scan."""
+
+END_TOLERANCE = 2e-6
+"""Of c: HiGHS admits what misses a limit by 1e-9 of it, and c moves far for it where inertia balances friction."""
+
+SAME = 1e-9
+"""Ends of c from different solvers and paths, relative."""
+
+SOLVERS = ("kernel", "qpsol:qpoases", "scipy:highs")
+
+OUTSIDE = 1e-4
+"""Just outside of an end, relative: there limits must move by more than rounding."""
+
+
+def speeds(found, sample):
+    """The interval of c of one sample, in a list; an empty one where it has none."""
+    low, high = found.lower[sample], found.upper[sample]
+    return [(np.sqrt(low), np.sqrt(high))] if low <= high else []
+
+
+def motored(rng, cell, motion):
+    """The cell with random motors, of which some joints have inertia that helps against their friction at a sample."""
+    sample = int(rng.integers(motion.samples // 2 + 1, motion.samples - 1))
+    robots = []
+    for robot in cell.robots:
+        n, part = len(robot.joints), cell.joint_slices[robot.name]
+        torque = np.minimum(-robot.torque_lower, robot.torque_upper)
+        dq, ddq = np.abs(motion.dq[sample, part]) + 1e-3, np.abs(motion.ddq[sample, part]) + 1e-3
+        scale, friction = rng.uniform(0.3, 1.2), rng.uniform(2.5, 8, n)
+        helps, has = rng.random(n) < 0.25, rng.random(n) < 0.5
+        curves = []
+        for j in range(n):
+            ends = np.array([0.0, 1.0, 2.5]) * rng.uniform(0.4, 3) * dq[j]
+            given = np.column_stack([ends, torque[j] * np.array([1, 1, 0.3])])
+            curves.append(given if rng.random() < 0.3 else None)
+        motors = replace(
+            JointMotors.unknown(n),
+            armature=np.where(helps, (scale * friction) ** 2 / rng.uniform(4.2, 9, n) / ddq, 0.02 * has) * torque,
+            coulomb=rng.uniform(0, 0.1, n) * torque * has,
+            viscous=np.where(helps, friction * torque / dq * scale, rng.uniform(0, 0.5) * torque * has),
+            torque_speed=tuple(curves),
+        )
+        robots.append(replace(robot, motors=motors))
+    return replace(cell, robots=tuple(robots))
+
+
+def random_case(seed, folder):
+    rng = np.random.default_rng([15, seed])
+    make, arms = (random_planar_cell, random_spatial_cell)[seed % 2], 1 + seed % 3
+    case = make(rng, folder, arms)
+    motion = mrts.follow_object(case.cell, case.motion)
+    return case, motored(rng, case.cell, motion), motion, rng
+
+
+def compared(seed, folder, seen):
+    case, cell, motion, rng = random_case(seed, folder)
+    found = motion_ranges(cell, motion, "wrench", None, "kernel")
+    reference = ReferenceCell(case.cell_file)
+    _, samples = reference.object_motion(case.motion_file)
+    joints = reference.joint_motion(samples)
+    motors = [
+        Motors(robot.motors.armature, robot.motors.coulomb, robot.motors.viscous, list(robot.motors.torque_speed))
+        for robot in cell.robots
+    ]
+    below = motion_ranges(cell, motion, "wrench", None, "kernel", high=0.0)
+    several = np.flatnonzero(below.lower < found.lower)
+    chosen = {
+        int(rng.integers(1, motion.samples - 1)),
+        *several[(several > 0) & (several < motion.samples - 1)][:1].tolist(),
+    }
+    for sample in sorted(chosen):
+        scan = SpeedScan(reference, motors, samples[sample], [arm[sample] for arm in joints])
+        ours = speeds(found, sample)
+        lowest = speeds(below, sample)
+        ours = [*lowest, *ours] if lowest and ours and lowest[-1][1] < ours[0][0] else ours
+        largest = max((end for pair in ours for end in pair if np.isfinite(end)), default=3.0)
+        ends = np.array([end for pair in ours for end in pair if np.isfinite(end)])
+        middles = (ends[1:] + ends[:-1]) / 2
+        theirs = scan.intervals(np.concatenate([np.linspace(0, 1.3 * largest, 14), middles]))
+        where = f"seed {seed}, sample {sample}: {ours}, {theirs}"
+        seen["samples"] += 1
+        seen["infeasible"] += not ours
+        seen["several"] += len(ours) > 1
+        seen["minimum"] += bool(ours) and ours[0][0] > 0
+        wide = [pair for pair in ours if pair[1] > pair[0] * (1 + END_TOLERANCE)]
+        assert len(theirs) == len(wide), where
+        np.testing.assert_allclose(theirs, wide, rtol=END_TOLERANCE, atol=END_TOLERANCE * 1e-2, err_msg=where)
+
+
+@pytest.mark.parametrize("first", range(FIRST, FIRST + CELLS, 20))
+def test_unions_equal_the_scan_of_the_reference(first, tmp_path):
+    seen = Counter()
+    for seed in range(first, first + 20):
+        compared(seed, tmp_path / str(seed), seen)
+    assert seen["several"] >= 2
+    assert seen["samples"] >= 20
+
+
+def checked_ends(problem, found, sample):
+    """Ends hold by substitution, and just outside limits must move; rows are named at every end within the caps."""
+    one, cap = problem.at(np.array([sample])), problem.cap()[sample]
+    for low, high in speeds(found, sample):
+        for end, outward in ((low, -1), (high, 1)):
+            if not np.isfinite(end):
+                continue
+            assert widening_at(one, end**2, "kernel", "the end")[0] < 2e-9
+            outside = (end * (1 + outward * OUTSIDE)) ** 2
+            if end > 0 and outside < cap:
+                assert widening_at(one, outside, "kernel", "outside")[0] > 1e-9
+    for side in ("lower", "upper"):
+        end = getattr(found, side)[sample]
+        assert not np.isfinite(end) or found.binding(sample, side) or sample in (0, len(found.time) - 1)
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [pytest.param(1, marks=pytest.mark.quick), 5, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (10, 22))],
+)
+def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
+    _, cell, motion, _ = random_case(seed, tmp_path)
+    fast = motion_ranges(cell, motion, "wrench", None, "kernel")
+    problem = build_sample_problem(cell, motion)
+    solvers = SOLVERS if seed == 1 else SOLVERS[:2]
+    others = {name: motion_ranges(cell, motion, "wrench", None, name) for name in solvers}
+    size = len(cell.wrench_components)
+    if all(len(robot.joints) == size for robot in cell.robots):
+        others["torque form"] = motion_ranges(cell, motion, "torque", None, "kernel")
+    for sample in range(motion.samples):
+        ours = speeds(fast, sample)
+        for name, other in others.items():
+            np.testing.assert_allclose(speeds(other, sample), ours, rtol=SAME, atol=1e-9, err_msg=f"{name} {sample}")
+        checked_ends(problem, fast, sample)
+    assert all(found.status == fast.status for found in others.values())
+    lowest = [motion_ranges(cell, motion, "wrench", None, name, high=0.0) for name in ("kernel", solvers[0])]
+    for sample in range(motion.samples):
+        np.testing.assert_allclose(*(speeds(found, sample) for found in lowest), rtol=SAME, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", [1, pytest.param(5, marks=pytest.mark.slow)])
+def test_shared_loads_have_the_ends_of_their_rows(seed, tmp_path):
+    _, cell, motion, _ = random_case(seed, tmp_path)
+    found = motion_ranges(cell, motion, "wrench", mrts.LoadSharing(), "kernel")
+    below = motion_ranges(cell, motion, "wrench", mrts.LoadSharing(), "kernel", high=0.0)
+    problem = build_sample_problem(cell, motion, sharing=mrts.LoadSharing())
+    for sample in range(motion.samples):
+        ours, one = {*speeds(found, sample), *speeds(below, sample)}, problem.at(np.array([sample]))
+        tried = np.linspace(0, 1.3 * max((end for pair in ours for end in pair if np.isfinite(end)), default=3.0), 400)
+        missing = np.array([widening_at(one, c**2, "kernel", "a scan")[0] for c in tried])
+        for c, share in zip(tried, missing, strict=True):
+            inside = any(low * (1 - SAME) <= c <= high * (1 + SAME) for low, high in ours)
+            assert inside == (share < 1e-9), (sample, c, share, ours)
+
+
+def test_a_sample_without_any_speed_names_the_closest_and_what_conflicts_there(tmp_path):
+    """At rest gravity is too much, and at every speed friction or inertia."""
+    seen = Counter()
+    for seed in range(16):
+        _, cell, motion, _ = random_case(seed, tmp_path / str(seed))
+        problem = build_sample_problem(cell, motion)
+        for conflict in sample_ranges(problem, motion.object.time, "kernel").conflicts[:2]:
+            one = problem.at(np.array([conflict.sample]))
+            seen["found"] += 1
+            there = widening_at(one, conflict.c2, "kernel", "the closest")[0]
+            assert there == pytest.approx(conflict.widening, rel=1e-6)
+            near = conflict.c2 * np.linspace(0.5, 1.5, 11)
+            assert min(widening_at(one, c2, "kernel", "near")[0] for c2 in near) >= there * (1 - 1e-6)
+            assert f"c² = {conflict.c2:.4g}" in str(conflict)
+            seen["moving"] += conflict.c2 > 1e-6
+    assert seen["found"] > 4
+    assert seen["moving"] > 0

@@ -1,0 +1,122 @@
+"""The quadratic program against HiGHS in all wrenches, the effect of W and of limits, and samples side by side."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA
+from random_motors import equipped
+from reference import ReferenceCell, highs_cost
+
+import mrts
+from mrts.base.manifest import GEOMETRY
+from mrts.kernel.programs import OPTIMAL, STOPPED
+from mrts.program.torque_distribution import TORQUE_WIDENING
+from mrts.program.trajectory_programs import compiled_trajectory
+
+pytestmark = pytest.mark.quick
+
+COST_TOLERANCE = 1e-6  # HiGHS's active-set solver stops near 1e-7
+
+SAME = 1e-8
+"""Of the largest torque: at the end of a range the programs' widening of 1e-9 is all that is left to choose from."""
+
+SAMPLES = 261
+"""Two chunks, and a last group of four that is not full."""
+
+
+@pytest.mark.parametrize("weights", [None, [1, 2, 3, 4, 5, 6]])
+def test_cost_equals_highs_in_full_unknowns(planar_cell, lift, weights):
+    c2 = 2.5
+    result = mrts.scale(planar_cell, lift, c2, weights=None if weights is None else np.array(weights, float))
+    W = np.diag(np.ones(6) if weights is None else weights).astype(float)
+    reference = ReferenceCell(DATA / "cell.yaml")
+    _, samples = reference.object_motion(DATA / "lift.yaml")
+    joints = reference.joint_motion(samples)
+    for k in range(0, len(samples), 20):
+        terms = reference.terms(samples[k], [arm[k] for arm in joints])
+        A, lower, upper, x_lower, x_upper = reference.program(terms, even=False)
+        given = A[:, -1] * c2
+        T = np.zeros((6, 6))
+        T[:3, :3], T[3:, 3:] = terms.J[0].T, terms.J[1].T
+        offset = np.concatenate(terms.E) * c2 + np.concatenate(terms.G)
+        cost = highs_cost(
+            A[:, :-1], lower - given, upper - given, x_lower[:-1], x_upper[:-1], 2 * T.T @ W @ T, 2 * T.T @ W @ offset
+        )
+        tau = result.trajectory.torque[k]
+        assert tau @ W @ tau == pytest.approx(cost + offset @ W @ offset, rel=COST_TOLERANCE)
+
+
+def test_a_heavier_weight_spares_its_joint(planar_cell, lift):
+    free = planar_cell.without_wrench_limits()
+    even = mrts.scale(free, lift, "nominal").trajectory.torque
+    spared = mrts.scale(free, lift, "nominal", weights=np.array([1, 50, 1, 1, 1, 1.0])).trajectory.torque
+    assert np.sum(spared[:, 1] ** 2) < 0.7 * np.sum(even[:, 1] ** 2)
+
+
+def test_wrench_limits_have_an_effect(planar_cell, lift):
+    limited = mrts.scale(planar_cell, lift, "nominal").wrench["left"]
+    free = mrts.scale(planar_cell.without_wrench_limits(), lift, "nominal").wrench["left"]
+    assert np.max(np.abs(free[:, 0])) > 2.5
+    assert np.max(np.abs(limited[:, 0])) <= 2 + 1e-8
+
+
+@pytest.mark.parametrize("weights", [[1, 1], [1, 1, 1, 1, 1, 0], [1, 1, 1, 1, 1, np.nan], -np.eye(6), [[1, 2], [3, 4]]])
+def test_weights_must_be_positive_definite(planar_cell, lift, weights):
+    with pytest.raises(mrts.InputError, match="weights"):
+        mrts.scale(planar_cell, lift, weights=np.array(weights, dtype=float))
+
+
+def with_given_force(cell):
+    """The cell with a force of the first arm that both limits fix, which is then active at every sample."""
+    robot = cell.robots[0]
+    lower, upper = robot.wrench_lower.copy(), robot.wrench_upper.copy()
+    lower[0] = upper[0] = 5.0
+    return replace(cell, robots=(replace(robot, wrench_lower=lower, wrench_upper=upper), *cell.robots[1:]))
+
+
+CELLS = {
+    "as it is": lambda cell: cell,
+    "with motors": lambda cell: equipped(cell, armature=0.3, coulomb=2.0),
+    "with a given force": with_given_force,
+}
+
+
+@pytest.mark.parametrize("kind", CELLS)
+def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
+    """Alone a sample starts cold; beside others it has the rows of the one before. Some of these cannot be played."""
+    rng = np.random.default_rng([19, list(CELLS).index(kind)])
+    cell = CELLS[kind](dual_ur5).without_velocity_limits()
+    given = yaml.safe_load((DATA.parent / "dual_ur5" / "lift_and_turn.yaml").read_text()) | {"samples": SAMPLES}
+    motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
+    fast, inputs = compiled_trajectory(cell, motion, "wrench", None, "kernel"), motion.inputs(cell.load)
+    ends = fast.compiled.ranges(
+        SAMPLES, inputs | {GEOMETRY: cell.geometry}, fast.sparse(), fast.terms(1.0), np.full(SAMPLES, np.inf)
+    )
+    share = rng.choice([0.9, 1.0, 1.2], p=[0.8, 0.1, 0.1], size=SAMPLES)
+    c2 = ends.lower + share * (np.minimum(ends.upper, 10 * np.median(ends.upper)) - ends.lower)
+    no_number = rng.choice(SAMPLES, size=6, replace=False)
+    inputs["ddq"] = inputs["ddq"].copy()
+    inputs["ddq"][no_number, 3] = np.nan
+    G = rng.normal(size=(12, 12))
+    W = G @ G.T + np.eye(12)
+
+    def least(samples):
+        some = {name: value[samples] if value.ndim > 1 else value for name, value in inputs.items()}
+        here = some | {GEOMETRY: cell.geometry}
+        terms = fast.terms(1.0).at(samples)
+        return fast.compiled.torques(len(samples), here, fast.sparse(), terms, c2[samples], W, TORQUE_WIDENING)
+
+    every = np.arange(SAMPLES)
+    torque, wrench, status = least(every)
+    alone = [np.concatenate(parts) for parts in zip(*(least(every[[n]]) for n in every), strict=True)]
+    np.testing.assert_array_equal(status, alone[2])
+    assert np.all(status[no_number] == STOPPED)
+    assert 10 < np.count_nonzero(status != OPTIMAL) < SAMPLES / 3
+    found = status == OPTIMAL
+    for ours, theirs in ((torque, alone[0]), (wrench, alone[1])):
+        np.testing.assert_allclose(ours[found], theirs[found], rtol=0, atol=SAME * np.max(np.abs(theirs[found])))
+    for count in (1, 2, 3, 5, 257):
+        for part, whole in zip(least(every[:count]), (torque, wrench, status), strict=True):
+            np.testing.assert_array_equal(part[status[:count] == OPTIMAL], whole[:count][status[:count] == OPTIMAL])

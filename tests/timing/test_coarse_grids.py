@@ -1,0 +1,172 @@
+"""Few samples: parameters in which turns are even, and accelerations that rise along a segment, beside toppra."""
+
+import numpy as np
+import pytest
+from cases import model_with_box
+from cases import one_arm as shipped_arm
+from coarse_grids import POINTS, compared, spline_path, table
+from draws import seeds
+from one_arm import duration, one_arm
+from scipy.integrate import solve_ivp
+
+import mrts
+from mrts.following.coordinated_motion import carried_by_first
+from mrts.motion.velocity_profile import PROFILES
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.trajectory_programs import motion_ranges
+from mrts.timing.fastest_profile import SpeedProfile, fastest_profile, rising_profile, segment_times
+from mrts.timing.path_pieces import EVEN, STEADY, by_turns, path_pieces
+from mrts.timing.retimed_motion import at_segment_ends
+from mrts.timing.speed_regions import speed_regions
+
+PATHS = 4
+KEPT = 1e-6  # of c²: limits at both ends of a segment are kept to rounding, which a small effect of ṙ² widens
+COSTLY = 0.02  # of the optimal duration
+NEARER = 0.9  # of what a constant acceleration on each segment costs, at most so much is left
+LONGER = 1.02  # a single path may take so much longer than toppra's, which oversteps limits
+CLOSE = 20001  # samples with small turns from one to the next
+EVEN_GRID = np.linspace(0, 1, POINTS)
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    cell = shipped_arm(tmp_path_factory.mktemp("arm"))
+    return cell, model_with_box(cell)
+
+
+@pytest.mark.parametrize("law", ["own", "quintic"])
+def test_coarse_tables_are_timed_no_worse_than_by_toppra(arm, law):
+    """On the same samples: what is overstepped between them, and how long it takes."""
+    grid = EVEN_GRID if law == "own" else PROFILES["quintic"](EVEN_GRID)[0]
+    found = []
+    for seed in range(PATHS):
+        path = spline_path(*arm, seed)
+        found.append(compared(path, table(path, grid), grid))
+    assert np.median([one.ours for one in found]) <= np.median([one.theirs for one in found])
+    assert max(one.refined for one in found) <= 1e-4
+    ratios = [(1 + longer) / (1 + one.longer[0]) for one in found for longer in one.longer[1:]]
+    assert np.median(ratios) < 1 < LONGER
+    assert max(ratios) < LONGER
+
+
+@pytest.mark.parametrize("seed", seeds(1, 1))
+def test_limits_hold_at_both_ends_of_every_segment(arm, seed):
+    """With a rising acceleration, in a parameter by turns: c² = 1 is within the range at each end."""
+    path = spline_path(*arm, seed)
+    found = mrts.retime(path.cell, table(path, EVEN_GRID), between=None)
+    (part,) = found.pieces
+    assert np.any(part.profile.rise)
+    assert np.ptp(part.piece.arc_speed) > 0
+    for motion in at_segment_ends(part):
+        assert np.min(motion_ranges(path.cell, motion, "wrench", None, DEFAULT_SOLVER).upper) >= 1 - KEPT
+
+
+@pytest.mark.parametrize("seed", seeds(4, 4))
+def test_rising_accelerations_are_never_slower(seed, tmp_path):
+    """With friction, which jumps, and velocity limits."""
+    cell, _, path = one_arm(seed, tmp_path)
+    grid = np.linspace(0, 1, 101)
+    constant, rising = both_profiles(cell, carried_by_first(cell, grid, *(path(grid, order) for order in range(3))))
+    if constant is not None:
+        assert rising <= constant
+
+
+@pytest.mark.parametrize("seed", seeds(1, 1))
+def test_rising_accelerations_come_near_a_fine_grid(arm, seed):
+    path = spline_path(*arm, seed)
+    fine = np.linspace(0, 1, 2001)
+    least = duration(np.diff(fine), path.by_toppra(fine))
+    constant, rising = both_profiles(path.cell, sampled(path, EVEN_GRID))
+    assert least * (1 - KEPT) <= rising <= constant
+    if constant > least * (1 + COSTLY):
+        assert rising - least < NEARER * (constant - least)
+
+
+@pytest.mark.parametrize("seed", seeds(1, 1))
+def test_a_path_with_added_samples_is_timed_by_its_arc_length(arm, seed):
+    """By turns, steps that differ make an uneven parameter, which asks for more samples than it saves."""
+    path = spline_path(*arm, seed)
+    given = table(path, EVEN_GRID)
+    (first,) = mrts.retime(path.cell, given, between=None).pieces
+    assert np.ptp(first.piece.arc_speed) > 0
+    found = mrts.retime(path.cell, given)
+    assert found.status is mrts.RetimingStatus.OPTIMAL
+    assert found.motion.samples > POINTS
+    assert all(np.ptp(part.piece.arc_speed) == 0 for part in found.pieces)
+    assert found.what_if(share=0.01).before.duration == pytest.approx(found.duration, rel=KEPT)
+
+
+def both_profiles(cell, motion):
+    """Durations of the fastest profile with a constant acceleration on each segment, and with rising ones."""
+    regions, step = speed_regions(build_sample_problem(cell, motion, varying=True), 1.0), np.diff(motion.object.time)
+    constant = fastest_profile(step, regions, (0.0, 0.0))
+    if not isinstance(constant, SpeedProfile):
+        return None, None
+    rising = rising_profile(constant, step, regions, (0.0, 0.0))
+    return tuple(float(np.sum(segment_times(step, one))) for one in (constant, rising))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_times_of_segments_are_those_of_the_differential_equation(seed):
+    rng = np.random.default_rng([180, seed])
+    step, start, rate, rise = rng.uniform(0.1, 1), rng.uniform(0.2, 2), rng.uniform(0, 3), rng.uniform(-1, 1)
+    rise *= 0.3 if seed else 0.0
+    end = start + 2 * step * rate
+    found = segment_times(
+        np.array([step]), SpeedProfile(np.array([start, end]), np.zeros(2), np.zeros(2), np.array([rise]))
+    )
+    first = rate - rise / 2
+
+    def arrives(_time, state):
+        return state[0] - step
+
+    arrives.terminal = True
+    played = solve_ivp(
+        lambda _time, state: [state[1], first + rise * state[0] / step],
+        (0, 100),
+        [0.0, np.sqrt(start)],
+        events=arrives,
+        rtol=1e-11,
+        atol=1e-13,
+    )
+    assert found[0] == pytest.approx(played.t_events[0][0], rel=1e-8)
+    assert played.y_events[0][0][1] ** 2 == pytest.approx(end, rel=1e-8)
+
+
+def test_a_parabola_is_timed_by_its_own_parameter(planar_cell):
+    """Affine arc length, but for the share that keeps straight paths at their arc length."""
+    own = np.linspace(-1, 1, 201)
+    q = np.zeros((len(own), 6))
+    rates, changes = np.zeros_like(q), np.zeros_like(q)
+    q[:, 0], q[:, 1], rates[:, 0], rates[:, 1], changes[:, 1] = 0.1 * own, own**2, 0.1, 2 * own, 2.0
+    motion = carried_by_first(planar_cell, own + 1, q, rates, changes, smooth=False)
+    (arc,) = path_pieces(motion)
+    piece = by_turns(arc)
+    turns = np.linalg.norm(np.diff(arc.path.dq, axis=0), axis=1) / np.sqrt(6)
+    assert np.max(turns) > EVEN
+    assert np.ptp(np.log(arc.step)) > 2
+    inner = slice(60, 140)
+    assert np.ptp(np.log(piece.step[inner])) < 0.4 * np.ptp(np.log(arc.step[inner]))
+    assert np.max(np.abs(np.diff(np.log(piece.arc_speed)))) < STEADY * np.max(turns) * 1.5
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_path_by_its_turns_is_the_same_path(arm, seed):
+    """Its derivatives are those of the same positions, and its arc is that of before."""
+    path = spline_path(*arm, seed)
+    (arc,) = path_pieces(sampled(path, EVEN_GRID))
+    piece = by_turns(arc)
+    np.testing.assert_array_equal(piece.arc, arc.arc)
+    np.testing.assert_allclose(np.sqrt(np.mean(piece.path.dq**2, axis=1)), piece.arc_speed, rtol=1e-12)
+    normal = (
+        piece.path.ddq
+        - piece.path.dq * (np.sum(piece.path.ddq * piece.path.dq, axis=1) / np.sum(piece.path.dq**2, axis=1))[:, None]
+    )
+    np.testing.assert_allclose(normal, arc.path.ddq * piece.arc_speed[:, None] ** 2, atol=1e-9 * np.max(np.abs(normal)))
+    (fine,) = path_pieces(sampled(path, np.linspace(0, 1, CLOSE)))
+    assert by_turns(fine) is fine
+
+
+def sampled(path, grid):
+    return carried_by_first(path.cell, grid, *(path.spline(grid, order) for order in range(3)), smooth=False)

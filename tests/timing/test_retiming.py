@@ -1,0 +1,256 @@
+"""The fastest timing, against toppra, a direct transcription, closed forms and its own constraints."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from cell_bank import drawn_until, random_planar_cell
+from conftest import DATA
+from draws import seeds
+from gantries import along_x, gantries
+from one_arm import by_toppra, duration, one_arm
+from scipy.optimize import linprog
+from transcription import transcription
+
+import mrts
+from mrts.following.coordinated_motion import carried_by_first
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.trajectory_programs import motion_planes, motion_ranges
+from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
+from mrts.timing.path_pieces import path_pieces
+from mrts.timing.speed_regions import regions_of_planes, speed_regions
+
+UR5 = DATA.parent / "dual_ur5"
+TOPPRA_TOLERANCE = 1e-4  # seidel keeps limits to 1e-6 of their size; a thin region turns that into more of x
+DURATION_TOLERANCE = 1e-3
+TRANSCRIPTION_TOLERANCE = 1e-3
+EXCESS_GOAL = 1e-3
+PATHS = 15
+
+
+@pytest.mark.parametrize("seed", seeds(5, PATHS - 5))
+def test_one_arm_equals_toppra_pointwise(seed, tmp_path):
+    """On the same parameter, grid and scheme."""
+    grid = np.linspace(0, 1, 101)
+    cell, model, path = one_arm(seed, tmp_path)
+    theirs = by_toppra(cell, model, path, grid)
+    motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
+    planes = motion_planes(cell, motion, None, None)
+    assert planes is not None
+    rows = build_sample_problem(cell, motion, varying=True)
+    for regions in (speed_regions(rows, 1.0), regions_of_planes(*planes, 1.0)):
+        ours = fastest_profile(np.diff(grid), regions, (0.0, 0.0))
+        assert (theirs is None) == isinstance(ours, Obstacle)
+        if theirs is None:
+            continue
+        assert isinstance(ours, SpeedProfile)
+        np.testing.assert_allclose(ours.x, theirs, atol=TOPPRA_TOLERANCE * np.max(theirs))
+        assert duration(np.diff(grid), ours.x) == pytest.approx(duration(np.diff(grid), theirs), rel=1e-5)
+
+
+@pytest.mark.slow
+def test_most_random_paths_can_be_followed(tmp_path):
+    grid = np.linspace(0, 1, 101)
+    assert sum(by_toppra(*one_arm(seed, tmp_path), grid) is not None for seed in range(PATHS)) >= 0.8 * PATHS
+
+
+@pytest.mark.parametrize("seed", seeds(1, 1))
+@pytest.mark.parametrize("fast", [False, True])
+def test_one_arm_equals_toppra_as_a_user_calls_it(seed, fast, tmp_path):
+    """On the arc length instead of the spline's parameter: both converge to the same duration."""
+    grid = np.linspace(0, 1, 2001)
+    cell, model, path = one_arm(seed, tmp_path)
+    strong = cell if fast else cell.without_velocity_limits()
+    speed = cell.robots[0].velocity_limit if fast else np.full(6, 1e6)
+    limited = replace(cell, robots=(replace(cell.robots[0], velocity_limit=speed),))
+    theirs = by_toppra(limited, model, path, grid)
+    motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
+    found = mrts.retime(strong, motion)
+    assert (theirs is not None) == found.status.admits_motion
+    if theirs is not None:
+        assert found.duration == pytest.approx(duration(np.diff(grid), theirs), rel=DURATION_TOLERANCE)
+        assert found.excess.share < EXCESS_GOAL
+
+
+@pytest.mark.parametrize("name", ["planar", "spatial"])
+def test_two_arms_equal_a_direct_transcription(name, planar_cell, dual_ur5):
+    cell, file = (planar_cell, DATA / "lift.yaml") if name == "planar" else (dual_ur5, UR5 / "lift_and_turn.yaml")
+    cell = cell.without_velocity_limits()
+    motion = mrts.follow_object(cell, sampled(file, 41))
+    assert mrts.retime(cell, motion).duration == pytest.approx(transcription(cell, motion), rel=TRANSCRIPTION_TOLERANCE)
+
+
+def sampled(file, samples):
+    return mrts.sample_motion(
+        mrts.MotionDescription.model_validate(yaml.safe_load(file.read_text()) | {"samples": samples})
+    )
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("limits", "acceleration", "velocity"),
+    [
+        ({}, 40 / 11, np.inf),  # both motors push 2 * 4 + 3 kg
+        ({"wrench": 3.0}, 2 * 3.0 / 3, np.inf),  # each contact may push 3 N on 3 kg
+        ({"velocity": 1.5}, 40 / 11, 1.5),
+        ({"object_velocity": {"linear": 1.2}}, 40 / 11, 1.2),
+        ({"variation": {"mass": [0.5, 3.0]}}, 40 / 17, np.inf),  # 9 kg at most
+    ],
+)
+@pytest.mark.parametrize("profile", ["cubic", "quintic", "trapezoid", "sinusoid"])
+def test_bang_bang_in_closed_form(limits, acceleration, velocity, profile, tmp_path):
+    """t = 2 √(L / a), or with a velocity limit L / v + v / a, however the motion was given."""
+    cell = gantries(tmp_path, **limits)
+    found = mrts.retime(cell, along_x(profile=profile))
+    reached = min(velocity, np.sqrt(acceleration * 2))
+    # with a velocity limit the corner of the speed falls between two samples
+    tolerance = 1e-8 if np.isinf(velocity) else 1e-3
+    assert found.duration == pytest.approx(2 / reached + reached / acceleration, rel=tolerance), found.summary()
+    assert found.excess.share < EXCESS_GOAL
+    done = found.retimed.trajectory
+    speed = np.sqrt(np.sum(done.motion.object.twist[:, :3] ** 2, axis=1))
+    assert np.max(speed) == pytest.approx(reached, rel=1e-2)
+
+
+def test_limits_hold_between_samples(planar_cell, dual_ur5):
+    for cell, file in ((planar_cell, DATA / "lift.yaml"), (dual_ur5, UR5 / "lift_and_turn.yaml")):
+        for limited in (cell, cell.without_velocity_limits()):
+            found = mrts.retime(limited, sampled(file, 200))
+            assert 0 < found.excess.share < EXCESS_GOAL
+            assert 0.15 < found.saving < 0.5
+            assert found.retimed.residuals().limits <= 1e-8
+            assert "stops" not in found.summary()
+
+
+def best_constant_speed(case):
+    """The case played at it, if that is more than standing still."""
+    constant = mrts.scale(case.cell, case.motion)
+    found = constant.status.value == "feasible" and constant.trajectory.c2 >= 1e-9
+    return constant.trajectory if found else None
+
+
+@pytest.mark.parametrize("seed", seeds(3, 3))
+def test_it_is_never_slower_than_the_best_constant_speed(seed, tmp_path):
+    rng = np.random.default_rng([31, seed])
+    case, constant = drawn_until(
+        best_constant_speed, lambda: random_planar_cell(rng, tmp_path, 2 + seed % 3, samples=101)
+    )
+    found = mrts.retime(case.cell, case.motion)
+    assert found.status.admits_motion, found.summary()
+    assert found.duration <= constant.duration * (1 + DURATION_TOLERANCE)
+    assert found.saving >= -DURATION_TOLERANCE
+
+
+def test_every_load_of_a_box_follows_the_guaranteed_profile(planar_cell, lift):
+    box = {"mass": (0.5, 1.5), "izz": (0.5, 2.0), "mx": (-0.05, 0.05)}
+    cell = planar_cell.with_variation(**box)
+    found = mrts.retime(cell, lift)
+    assert len(found.loads) == 4  # nothing turns, so izz has no effect
+    assert found.duration > mrts.retime(planar_cell, lift).duration
+    played = found.retimed.motion
+    for point in cell.load_box.draw(np.random.default_rng(8), 1000):
+        samples = motion_ranges(cell, played, "wrench", None, "kernel", point.load)
+        assert np.max(samples.lower) <= 1 + 1e-9
+        assert np.min(samples.upper) >= 1 - 1e-9
+    ends = [
+        np.min(motion_ranges(cell, played, "wrench", None, "kernel", point.load).upper)
+        for point in cell.load_box.corners()
+    ]
+    assert min(ends) == pytest.approx(1, abs=1e-6)  # some corner leaves no room
+
+
+@pytest.mark.quick
+def test_a_fixed_distribution_is_slower_than_a_free_one(planar_cell, lift):
+    free, even = mrts.retime(planar_cell, lift), mrts.retime(planar_cell, lift, sharing=mrts.LoadSharing())
+    assert even.duration > free.duration
+    assert even.excess.share < EXCESS_GOAL
+    assert even.retimed.residuals().limits <= 1e-8
+    halves = [even.retimed.wrench[name][:, 1] for name in ("left", "right")]
+    np.testing.assert_allclose(halves[0], halves[1], atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", seeds(1, 3))
+def test_regions_reach_as_far_as_highs_finds(seed, tmp_path):
+    """In every direction, for arms some of whose wrench components have no limits."""
+    case = random_planar_cell(np.random.default_rng([99, seed]), tmp_path, 3, samples=11)
+    cell = case.cell.without_velocity_limits()
+    (piece,) = path_pieces(mrts.follow_object(cell, case.motion))
+    problem = build_sample_problem(cell, piece.path, varying=True)
+    regions = speed_regions(problem, float(np.sum(piece.step)))
+    unit, compared = 1 / np.max(np.abs(problem.A), axis=1)[:, -2:], 0
+    for sample in set(range(0, 11, 2)) - set(regions.undecided):
+        bounds = [(None, None)] * (problem.unknowns - 1) + [(0, None)]
+        rows = np.concatenate([problem.A[sample], -problem.A[sample]])
+        limits = np.concatenate([problem.upper[sample], -problem.lower[sample]])
+        kept = np.isfinite(limits)
+        planes = regions.planes[regions.start[sample] : regions.start[sample + 1]]
+        for angle in np.linspace(0, 2 * np.pi, 12, endpoint=False):
+            cost = np.zeros(problem.unknowns)
+            cost[-2:] = -np.array([np.cos(angle), np.sin(angle)]) / unit[sample]
+            theirs = linprog(cost, rows[kept], limits[kept], bounds=bounds)
+            ours = linprog(
+                cost[-2:],
+                planes[:, :2],
+                planes[:, 2],
+                bounds=[(None, None), (regions.lower[sample], regions.upper[sample])],
+            )
+            assert (ours.status, theirs.status) in {(0, 0), (3, 3)}, (sample, angle)
+            if ours.status == 0:
+                assert ours.fun == pytest.approx(theirs.fun, rel=1e-5, abs=1e-5), (sample, angle)
+                compared += 1
+    assert compared > 20
+
+
+@pytest.mark.parametrize("profile", ["cubic", "quintic", "trapezoid", "sinusoid"])
+@pytest.mark.parametrize("sharing", [None, mrts.LoadSharing()])
+def test_a_constant_factor_keeps_velocities_where_nothing_else_depends_on_it(profile, sharing, tmp_path):
+    cell = gantries(tmp_path, velocity=1.5)
+    found = mrts.scale(cell, along_x(profile=profile), sharing=sharing)
+    assert np.max(np.abs(found.trajectory.dq)) == pytest.approx(1.5, rel=1e-9)
+    assert found.range.upper.rows[0].name.kind == "velocity"
+    for other in ("torque",) if sharing is None else ():
+        again = mrts.scale(cell, along_x(profile=profile), formulation=other)
+        assert again.range.upper.c2 == pytest.approx(found.range.upper.c2, rel=1e-9)
+    box = cell.with_variation(mass=(0.5, 1.0))
+    for load in ("guaranteed", "possible", "grid:3"):
+        loaded = mrts.scale(box, along_x(profile=profile), load=load, sharing=sharing)
+        assert loaded.range.upper.c2 == pytest.approx(found.range.upper.c2, rel=1e-7)
+
+
+def test_what_a_reviewer_broke(tmp_path):
+    """A straight path whose ṡ² has no effect but rounding; many samples from rest; one slow joint."""
+    cell = gantries(tmp_path)
+    pushed = [
+        replace(robot, wrench_lower=np.array([2.0, -np.inf, -np.inf]), wrench_upper=np.array([10.0, np.inf, np.inf]))
+        for robot in cell.robots
+    ]
+    time = np.linspace(0, 1, 101)
+    columns = np.zeros((3, 101, 6))
+    columns[0, :, 0], columns[1, :, 0], columns[2, :, 0] = time + time**2 / 2, 1 + time, 1.0
+    eye = np.broadcast_to(np.eye(3), (101, 3, 3))
+    motion = mrts.ObjectMotion(time, columns[0, :, :3], eye, columns[1], columns[2])
+    found = mrts.retime(replace(cell, robots=tuple(pushed)), motion, start_speed=0.1, end_speed=1.5)
+    assert found.status.admits_motion, found.summary()
+    many = mrts.retime(cell, along_x(samples=30_001, profile="quintic"))
+    assert many.duration == pytest.approx(2 * np.sqrt(2 * 11 / 40), rel=1e-6)
+    assert many.excess.share < EXCESS_GOAL
+    assert mrts.retime(replace(cell, robots=slowed(cell, 1e-4)), along_x()).status.admits_motion
+
+
+def slowed(cell, limit):
+    """The same arms with a turning joint that may hardly move."""
+    return tuple(replace(robot, velocity_limit=np.array([np.inf, np.inf, limit])) for robot in cell.robots)
+
+
+@pytest.mark.parametrize("name", ["planar_dual_arm", "dual_ur5"])
+def test_the_constant_factor_is_that_of_scale(name):
+    """Its torques are distributed when they are asked for, and are the same."""
+    folder = DATA.parent / name
+    cell = mrts.load_cell(folder / "cell.yaml")
+    motion = mrts.load_motion(next(folder.glob("lift*.yaml")))
+    found, best = mrts.retime(cell, motion), mrts.scale(cell, motion)
+    assert found.saving == 1 - found.duration / best.trajectory.duration
+    np.testing.assert_array_equal(found.constant.trajectory.torque, best.trajectory.torque)
+    assert found.constant.warnings == best.warnings
+    assert found.constant is found.factor.whole

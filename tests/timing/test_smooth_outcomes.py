@@ -1,0 +1,262 @@
+"""Smooth timings: limits put to the test by other code, what is least, every outcome by its name, wrong arguments."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from gantries import along_x, gantries, there_and_back, uphill_gantries
+
+import mrts
+from mrts.program.motor_terms import motor_terms
+from mrts.program.path_program import START
+
+RATES = 11.5
+KEPT = 1e-6
+"""Share of a limit: the solver's own tolerance is less, differences of a table add rounding."""
+
+SAME_PATH = 1e-5
+"""Share of the duration: the path of the same motion given faster or slower has nodes that rounding moves."""
+
+NEAR_FASTEST = 5e-3
+"""Share of the duration by which nodes in σ and samples by arc length differ: the fastest timing has its own."""
+
+
+def rates_of(found):
+    """Changes of torque per second between the rows of a plan, Shape (n - 1, m)."""
+    done = found.retimed.trajectory
+    return np.diff(done.torque, axis=0) / np.diff(done.time)[:, None]
+
+
+def energy_of(found):
+    """∫ τᵀτ dt by the trapezoidal rule over the rows of a plan."""
+    done = found.retimed.trajectory
+    squares = np.sum(done.torque**2, axis=1)
+    return float(np.sum(np.diff(done.time) * (squares[1:] + squares[:-1]) / 2))
+
+
+@pytest.fixture(scope="module")
+def smooth(planar_cell, lift):
+    return mrts.retime(planar_cell, lift, rates=RATES)
+
+
+@pytest.mark.quick
+def test_a_plan_keeps_all_limits_and_starts_and_ends_holding_still(planar_cell, smooth):
+    done = smooth.retimed.trajectory
+    limit = RATES * np.concatenate([robot.torque_upper for robot in planar_cell.robots])
+    np.testing.assert_allclose(smooth.smooth.rates.torque, limit)
+    share = np.max(np.abs(rates_of(smooth)) / limit)
+    assert 1 - 1e-3 < share <= 1 + KEPT  # the rate binds: less of it would be slower
+    for robot in planar_cell.robots:
+        assert np.all(smooth.retimed.torque[robot.name] <= robot.torque_upper * (1 + KEPT))
+        assert np.all(smooth.retimed.torque[robot.name] >= robot.torque_lower * (1 + KEPT))
+    residuals = smooth.retimed.residuals()
+    assert residuals.limits < KEPT
+    assert max(residuals.arms, residuals.object) < 1e-6  # N m, N
+    still = mrts.retime(planar_cell, smooth.motion, rates=RATES, start_torque=done.torque[0])
+    assert still.status.admits_motion  # what it starts with holds still
+    np.testing.assert_allclose(done.dq[[0, -1]], 0, atol=1e-9)
+    np.testing.assert_allclose(done.ddq[[0, -1]], 0, atol=1e-6)
+
+
+def test_more_rate_is_faster_down_to_the_fastest_timing(planar_cell, lift, smooth):
+    fastest = mrts.retime(planar_cell, lift).duration
+    assert smooth.smooth.bound == pytest.approx(fastest)
+    durations = [mrts.retime(planar_cell, lift, rates=rates).duration for rates in (1e-3, 0.1, 3.0, RATES, 100.0, 1e6)]
+    assert durations == sorted(durations, reverse=True)
+    assert durations[-1] == pytest.approx(fastest, rel=NEAR_FASTEST)
+    assert durations[0] > 60  # s, of 5 cm: a minute, not an error
+
+
+def test_least_energy_falls_as_the_motion_may_take_longer(planar_cell, lift, smooth):
+    longest = (smooth.duration * 1.001, 0.4, 0.5)
+    found = [mrts.retime(planar_cell, lift, rates=RATES, least_energy_in=seconds) for seconds in longest]
+    energies = [energy_of(one) for one in (smooth, *found)]
+    assert energies == sorted(energies, reverse=True)
+    for seconds, one in zip(longest, found, strict=True):
+        assert one.duration == pytest.approx(seconds, rel=1e-6)  # here less time would take more energy
+        assert f"of least energy within {seconds:g} s" in one.summary()
+    whenever = mrts.retime(planar_cell, lift, rates=RATES, least_energy_in=100.0)
+    assert whenever.duration < 1  # to hold the object takes energy too, so the best one does not last for ever
+    assert energy_of(whenever) < energies[-1]
+
+
+def test_weights_trade_duration_for_energy(planar_cell, lift, smooth):
+    weighed = [
+        mrts.retime(planar_cell, lift, rates=RATES, weigh={"time": 1.0, "energy": weight})
+        for weight in (0.0, 1e-5, 1e-4, 1e-3)
+    ]
+    assert weighed[0].duration == pytest.approx(smooth.duration, rel=1e-4)
+    durations, energies = [one.duration for one in weighed], [energy_of(one) for one in weighed]
+    assert durations == sorted(durations)
+    assert energies == sorted(energies, reverse=True)
+    for one, weight in zip(weighed[2:], (1e-4, 1e-3), strict=True):  # each beats the others by its own measure
+        own = one.duration + weight * energy_of(one)
+        assert all(own < other.duration + weight * energy_of(other) for other in weighed if other is not one)
+
+
+@pytest.mark.quick
+def test_too_short_a_duration_is_an_outcome_with_the_least(planar_cell, lift, smooth):
+    found = mrts.retime(planar_cell, lift, rates=RATES, least_energy_in=0.1)
+    assert found.status.value == "duration too short"
+    assert (found.retimed, found.pieces, found.duration) == (None, (), None)
+    assert f"takes {smooth.duration:.4g}"[:-1] in found.explanation
+    assert json.loads(found.json_text())["status"] == "duration too short"
+    assert any(warning.code == "step-at-ends" for warning in found.constant.warnings)
+    assert found.warnings == ()  # it is no step of a timing that there is not
+
+
+@pytest.mark.quick
+def test_a_plan_may_start_with_the_torques_of_another(planar_cell, lift, smooth):
+    given = np.array(smooth.retimed.trajectory.torque[0])
+    given_end = np.array(smooth.retimed.trajectory.torque[-1])
+    again = mrts.retime(planar_cell, lift, rates=RATES, start_torque=given, end_torque=given_end)
+    np.testing.assert_allclose(again.retimed.trajectory.torque[0], given, atol=1e-4 * np.max(np.abs(given)))
+    np.testing.assert_allclose(again.retimed.trajectory.torque[-1], given_end, atol=1e-4 * np.max(np.abs(given_end)))
+    assert again.duration >= smooth.duration * (1 - 1e-4)
+    wrong = mrts.retime(planar_cell, lift, rates=RATES, start_torque=np.zeros(6))
+    assert wrong.status.value == "infeasible holding torque"
+    assert "do not hold the cell still" in wrong.explanation
+    assert re.search(r"balances the others by [0-9.]+ N m\. Take", wrong.explanation)
+
+
+def test_a_motion_stops_on_its_way_with_torques_that_hold_still(tmp_path):
+    cell = gantries(tmp_path)
+    found = mrts.retime(cell, there_and_back(0.5), rates=RATES)
+    assert len(found.pieces) == 2
+    assert "It stops at t = 0.5 s" in found.summary()
+    halves = [np.sum(piece.segment_times) for piece in found.pieces]
+    assert halves[0] == pytest.approx(halves[1], rel=1e-3)
+    assert sum(halves) == pytest.approx(found.duration, rel=1e-9)
+    assert np.max(np.abs(rates_of(found))) <= RATES * 20 * (1 + KEPT)  # across the stop too
+    place = int(np.argmin(np.abs(found.retimed.trajectory.time - halves[0])))
+    np.testing.assert_allclose(found.retimed.trajectory.torque[place], 0, atol=1e-4)  # no gravity: nothing to hold
+
+
+def test_at_a_stop_where_joints_turn_back_all_but_dry_friction_changes_within_the_rates(tmp_path):
+    cell = gantries(tmp_path)
+    rough = tuple(
+        replace(robot, motors=replace(robot.motors, coulomb=np.array([3.0, 0, 0])))  # N of 20
+        for robot in cell.robots
+    )
+    found = mrts.retime(replace(cell, robots=rough), there_and_back(0.5), rates=RATES)
+    assert len(found.pieces) == 2
+    done = found.retimed.trajectory
+    dry = motor_terms(done.cell, done.motion).dry
+    change = np.diff(done.torque - dry, axis=0) / np.diff(done.time)[:, None]
+    assert np.max(np.abs(change)) <= RATES * 20 * (1 + KEPT)
+    residuals = found.retimed.residuals()
+    assert max(residuals.arms, residuals.object) < 1e-6  # N m, N
+
+
+@pytest.mark.parametrize("value", ["left", "right"])
+def test_a_fixed_sharing_is_kept_at_every_node(planar_cell, lift, smooth, value):
+    found = mrts.retime(planar_cell, lift, rates=RATES, sharing=mrts.LoadSharing())
+    assert found.duration > smooth.duration
+    shared = found.retimed.wrench[value][:, :2]  # forces: both bases have the axes of the world
+    np.testing.assert_allclose(shared, sum(found.retimed.wrench.values())[:, :2] / 2, atol=1e-6)
+
+
+def test_what_has_no_timing_without_rates_has_none_with_them(planar_cell, lift):
+    heavy = mrts.retime(planar_cell.with_mass(100.0), lift, rates=RATES)
+    assert heavy.status.value == "start speed not admissible"
+    still = {"duration": 1.0, "profile": "cubic", "start": {"xyz": [1.25, 1.0, 0]}, "end": {"xyz": [1.25, 1.0, 0]}}
+    nowhere = mrts.sample_motion(mrts.MotionDescription.model_validate(still))
+    assert mrts.retime(planar_cell, nowhere, rates=RATES).status.value == "zero length"
+
+
+def test_a_motion_that_moves_at_its_ends_is_timed_from_and_to_any_speed(planar_cell, lift):
+    part = slice(20, 81)
+    columns = (lift.position, lift.rotation, lift.twist, lift.acceleration)
+    moving = mrts.ObjectMotion(lift.time[part] - lift.time[20], *(column[part] for column in columns))
+    resting = mrts.retime(planar_cell, moving, rates=RATES)
+    assert resting.saving is None  # the constant factor starts and ends moving
+    np.testing.assert_allclose(resting.retimed.trajectory.dq[[0, -1]], 0, atol=1e-9)
+    np.testing.assert_allclose(resting.retimed.trajectory.ddq[[0, -1]], 0, atol=1e-6)
+    rolling = mrts.retime(planar_cell, moving, rates=RATES, start_speed=1.0, end_speed=0.5)
+    given = mrts.scale(planar_cell, moving, 1.0).trajectory.dq
+    np.testing.assert_allclose(rolling.retimed.trajectory.dq[0], given[0], rtol=1e-6)
+    np.testing.assert_allclose(rolling.retimed.trajectory.dq[-1], given[-1] / 2, rtol=1e-6)
+    assert rolling.duration < resting.duration
+    with pytest.raises(mrts.InputError, match="end_torque: is what holds still, but the motion is not to be at rest"):
+        mrts.retime(planar_cell, moving, rates=RATES, end_speed=0.5, end_torque=np.zeros(6))
+    braking = mrts.retime(planar_cell, moving, rates=1e-4, start_speed=0.5)  # torques cannot follow it to rest
+    assert braking.status.value == "rates too small"
+    assert "passes them by" in braking.explanation
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"rates": 0}, "rates = 0: must be True, or a number > 0 and at most 1e+12. Give a robot of the cell file"),
+        ({"rates": "a"}, "rates = 'a': must be True, or a number > 0"),
+        ({"rates": float("nan")}, "rates = nan: must be True, or a number > 0"),
+        ({"rates": -1}, "rates = -1: must be True, or a number > 0"),
+        ({"rates": float("inf")}, "rates = inf: must be True, or a number > 0"),
+        ({"rates": True}, "rates = True: the cell 'planar_dual_arm' limits no rate. Give a robot of the cell file"),
+        ({"weigh": {"time": 1}}, "weigh = {'time': 1}: needs limits of rates: give rates too."),
+        ({"least_energy_in": 1.0}, "least_energy_in = 1.0: needs limits of rates"),
+        ({"start_torque": np.zeros(6)}, "start_torque = array([0., 0., 0., 0., 0., 0.]): needs limits of rates"),
+        ({"rates": 1, "weigh": {"tim": 1}}, "weigh = 'tim': may have the keys time and energy only."),
+        ({"rates": 1, "weigh": {"time": -1}}, "weigh: time = -1: must be >= 0"),
+        ({"rates": 1, "weigh": {"energy": 1}}, "weigh: time = 0.0: must be > 0: with the energy alone"),
+        ({"rates": 1, "weigh": "time"}, "weigh = 'time': must be a dictionary"),
+        ({"rates": 1, "least_energy_in": 0}, "least_energy_in = 0: must be a duration > 0 [s]."),
+        ({"rates": 1, "least_energy_in": float("inf")}, "least_energy_in = inf: must be a duration > 0 [s]."),
+        ({"rates": 1, "least_energy_in": 1, "weigh": {"time": 1}}, "weigh: does not go with least_energy_in"),
+        ({"rates": 1, "distribute": "reserve"}, "distribute = 'reserve': does not go with rates"),
+        ({"rates": 1, "start_torque": [1, 2]}, "start_torque = [1, 2]: must be finite with Shape (6,), one a joint."),
+        ({"rates": 1, "end_torque": [np.nan] * 6}, "end_torque = [nan, nan, nan, nan, nan, nan]: must be finite"),
+        ({"rates": 1, "start_speed": 1.0}, "start_speed = 1.0: the given motion is at rest there"),
+    ],
+)
+def test_wrong_arguments_are_refused_by_name(planar_cell, lift, arguments, message):
+    with pytest.raises(mrts.InputError) as refused:
+        mrts.retime(planar_cell, lift, **arguments)
+    assert str(refused.value).startswith(message)
+
+
+def test_a_joint_without_a_torque_limit_needs_a_rate(tmp_path):
+    cell = gantries(tmp_path)
+    endless = replace(cell.robots[0], torque_upper=np.full(3, np.inf), torque_lower=np.full(3, -np.inf))
+    with pytest.raises(mrts.InputError, match=r"joint 'slide_x' of robot 'near' has none"):
+        mrts.retime(replace(cell, robots=(endless, cell.robots[1])), along_x(), rates=RATES)
+
+
+def test_the_given_duration_is_no_matter(planar_cell, lift):
+    """It only says how the samples are spaced: the timing is the same for the path in a day and in a microsecond."""
+    best = mrts.retime(planar_cell, lift, rates=RATES, between=None)
+    for slower in (1e6, 1e-5):
+        given = replace(
+            lift, time=slower * lift.time, twist=lift.twist / slower, acceleration=lift.acceleration / slower**2
+        )
+        again = mrts.retime(planar_cell, given, rates=RATES, between=None)
+        assert again.duration == pytest.approx(best.duration, rel=SAME_PATH), again.explanation
+
+
+def test_the_speed_is_positive_between_nodes(planar_cell, lift):
+    """Rows at nodes alone would let σ̇² fall below 0 between two of them."""
+    part = mrts.retime(planar_cell, lift, rates=RATES, between=None).pieces[0]
+    x, u, middle = part.x.copy(), np.zeros(len(part.x)), len(part.x) // 2
+    free, h = part.steps.profile.free, part.program.step[middle]
+    u[middle] = -1.01 * x[middle] / h
+    names = part.program.names
+    row = max(place for place, name in enumerate(names) if name == START)
+    over = part.program.values(x, u, free) - part.program.upper
+    assert over[middle, row] > 0
+    assert np.all(np.delete(over[:, row], middle) <= 0)
+
+
+def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
+    """It steps at any speed: were it counted from node to node, more nodes would allow less speed."""
+    cell = uphill_gantries(tmp_path, viscous=0.0, coulomb=np.array([0.5, 0, 0]))
+    coarse, fine = (mrts.scale(cell, along_x(n, profile="quintic"), rates=3.0, between=None) for n in (101, 801))
+    assert fine.trajectory.c == pytest.approx(coarse.trajectory.c, rel=1e-2)
+    there = mrts.retime(cell, there_and_back(0.5), rates=3.0)
+    done, stop = there.retimed.trajectory, there.pieces[1].piece.first
+    np.testing.assert_allclose(done.torque[stop, [0, 3]], 18.0, rtol=1e-6)  # what holds still
+    friction = 0.5 * np.sign(done.dq)
+    friction[[0, -1]] = friction[[1, -2]]
+    change = np.diff(done.torque - friction, axis=0)[:, [0, 3]] / np.diff(done.time)[:, None]
+    assert np.max(np.abs(change)) <= 3.0 * 20 * (1 + KEPT)

@@ -1,0 +1,94 @@
+"""What a smooth result carries beside its timing, and how it says it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import mrts
+from mrts.program.sample_problem import build_sample_problem
+from mrts.timing.result import RetimingStatus
+from mrts.timing.retimed_motion import FastestPiece
+
+
+@pytest.fixture(scope="module")
+def smooth(planar_cell, lift):
+    return mrts.retime(planar_cell, lift, rates=11.0)
+
+
+def test_a_smooth_result_carries_the_fastest_timing_that_it_is_measured_against(smooth, planar_cell, lift):
+    fastest = mrts.retime(planar_cell, lift)
+    (own,), (bare,) = smooth.smooth.fastest, fastest.pieces
+    assert isinstance(own, FastestPiece)
+    np.testing.assert_array_equal(own.x, bare.x)
+    assert np.sum(own.segment_times) == pytest.approx(smooth.smooth.bound, rel=1e-12)
+    assert smooth.smooth.bound == fastest.duration < smooth.duration
+    (piece,) = smooth.pieces
+    np.testing.assert_allclose(piece.arc[[0, -1]], own.arc[[0, -1]], rtol=1e-9)
+    assert np.max(piece.arc_speed) < np.max(own.arc_speed)
+
+
+def test_the_retimed_motion_says_what_it_keeps_and_how_far(smooth):
+    played = smooth.retimed
+    assert played.rule.rates is smooth.smooth.rates
+    assert played.excess.share == smooth.excess.share
+    assert played.excess.row == smooth.excess.row
+    assert played.sentence().startswith(
+        f"smooth timing of a path that was given 0.5236 s: {smooth.duration:.4g} s. It is"
+    )
+    assert "; as it is now, rates apart, c² ∈ [0, " in played.sentence()  # its range is that of the other limits
+
+
+def test_what_passes_between_nodes_is_told_at_the_time_that_it_is_played(planar_cell, lift):
+    bare = mrts.retime(planar_cell, lift, rates=11.0, between=None)
+    assert bare.status is RetimingStatus.LOCALLY_AT_SAMPLES
+    given, own = bare.motion.object.time, bare.retimed.motion.object.time
+    assert bare.retimed.excess.time == np.interp(bare.excess.time, given, own)
+    assert bare.retimed.excess.time < bare.duration < given[-1]
+
+
+def test_why_there_is_no_smooth_timing_has_its_limits_in_json(planar_cell, lift):
+    found = mrts.retime(planar_cell, lift, rates=11.0, least_energy_in=0.1)
+    assert not found.status.admits_motion
+    said = found.to_json()
+    assert said["smooth"]["goal"] == {"time": 0.0, "energy": 1.0, "longest": 0.1}
+    assert said["kept_rates"]["torque"] == [1100, 880, 550] * 2
+    assert "profile" not in said
+
+
+def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, planar_cell):
+    (part,) = smooth.pieces
+    segment, share, x, u = part.between()
+    problem = build_sample_problem(planar_cell, part.piece.fine.at(part.piece.inside), varying=True)
+    plan = part.plan[segment] * (1 - share[:, None]) + part.plan[segment + 1] * share[:, None]
+    values = np.einsum("nrk,nk->nr", problem.A, np.column_stack([plan, u, x]))
+    excess = np.max(np.maximum(values - problem.upper, problem.lower - values))
+    assert smooth.excess.share == pytest.approx(max(excess, 0.0), abs=1e-12)
+    assert excess < 1e-4  # 4 % at a quarter of the nodes, where other wrenches than the plan's keep this
+
+
+def test_a_jerk_that_passes_between_nodes_is_told_by_name(planar_cell, lift):
+    motors = [replace(robot.motors, jerk=np.full(3, 200.0)) for robot in planar_cell.robots]
+    robots = tuple(replace(robot, motors=of) for robot, of in zip(planar_cell.robots, motors, strict=True))
+    free = replace(planar_cell, robots=robots).without_wrench_limits()
+    found = mrts.retime(free, lift, rates=True, between=None)
+    assert found.excess.row.name.kind == "jerk"
+    assert "jerk" in found.sentence()
+
+
+def test_given_torques_of_a_load_that_varies_are_refused_before_any_work(planar_cell, lift):
+    boxed = planar_cell.with_variation(mass=(0.9, 1.1))
+    for name in ("start_torque", "end_torque"):
+        with pytest.raises(mrts.InputError, match=f"{name}: holds one load, but the cell's varies"):
+            mrts.retime(boxed, lift, rates=11.0, **{name: np.zeros(6)})
+    assert mrts.retime(boxed, lift, rates=11.0, load="nominal", start_torque=np.zeros(6)).status.value == (
+        "infeasible holding torque"
+    )
+
+
+def test_the_sentence_does_not_contradict_itself(smooth):
+    said = str(smooth.smooth)
+    assert said.endswith(f"no timing takes less than {smooth.smooth.bound:.4g} s, the fastest without limits of rates")
+    below = str(replace(smooth.smooth, bound=smooth.duration * (1 + 1e-3)))  # both are as exact as their samples
+    assert below.endswith("to within its samples that is as long as the fastest without limits of rates takes")
+    assert ", whose torques jump at its ends." in smooth.sentence()  # why a constant factor may take less

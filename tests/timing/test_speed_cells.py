@@ -1,0 +1,101 @@
+"""The first profile with terms in the speed where slow ones are none, and why there is none at all."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from gantries import along_x, gantries
+from one_arm import duration
+from random_motors import equipped
+
+import mrts
+from mrts.program.sample_problem import build_sample_problem
+from mrts.timing import successive_profiles as successive
+from mrts.timing.fastest_profile import Obstacle
+from mrts.timing.path_pieces import path_pieces
+from mrts.timing.speed_cells import profile_through_cells
+
+SAME = 2e-6
+"""Durations of two searches that each stop at 1e-6."""
+
+
+def on_an_arc(folder, **motors):
+    """Two gantries on an arc of radius 2 that may only push towards its centre, by 1 to 5 N each: 3 kg need speed."""
+    cell = equipped(gantries(folder), **motors)
+    push = {"wrench_lower": np.array([-np.inf, 1.0, -np.inf]), "wrench_upper": np.array([np.inf, 5.0, np.inf])}
+    cell = replace(cell, robots=tuple(replace(robot, **push) for robot in cell.robots))
+    time = np.linspace(-0.35, 0.35, 61)
+    zero, s, c = np.zeros(61), np.sin(time), np.cos(time)
+    position, velocity = np.column_stack([2 * s, -2 * c, zero]), np.column_stack([2 * c, 2 * s, zero])
+    turn = np.zeros((61, 3))
+    motion = mrts.ObjectMotion(
+        time + 0.35,
+        position,
+        np.tile(np.eye(3), (61, 1, 1)),
+        np.concatenate([velocity, turn], axis=1),
+        np.concatenate([-position, turn], axis=1),
+    )
+    return cell, motion
+
+
+def rows(cell, motion):
+    (piece,) = path_pieces(mrts.follow_object(cell, motion))
+    return build_sample_problem(cell, piece.path, varying=True), piece
+
+
+@pytest.mark.quick
+def test_a_path_that_needs_speed_everywhere_is_timed(tmp_path):
+    cell, motion = on_an_arc(tmp_path, viscous=1.0, coulomb=1.0)
+    found = mrts.retime(cell, motion, start_speed=1.0, end_speed=1.0)
+    assert found.status.admits_motion, found.summary()
+    x = found.pieces[0].profile.x / found.pieces[0].piece.speed ** 2
+    assert np.min(x) > 1 / 3  # 2 N at least
+    assert np.max(x) <= 5 / 3 / np.cos(0.35) + 1e-9  # 10 N at most
+    assert found.retimed.residuals().limits <= 1e-8
+    slow = mrts.retime(cell, motion, start_speed=0.3, end_speed=1.0)
+    assert slow.status.value == "start speed not admissible"
+    assert "these conflict" in slow.explanation, slow.explanation
+
+
+def test_the_search_through_all_speeds_ends_at_the_same_profile(tmp_path, monkeypatch, planar_cell, lift):
+    shipped = equipped(planar_cell, viscous=8.0, coulomb=5.0), lift
+    bent = on_an_arc(tmp_path, viscous=1.0, coulomb=1.0)
+    for (cell, motion), ends in ((shipped, (0.0, 0.0)), (bent, (2.0, 2.0))):
+        problem, piece = rows(cell, motion)
+        known = successive.successive_profiles([problem], piece.step, ends)
+        monkeypatch.setattr(successive, "STARTS", ())
+        searched = successive.successive_profiles([problem], piece.step, ends)
+        monkeypatch.undo()
+        assert isinstance(known, list)
+        assert isinstance(searched, list)
+        times = [duration(piece.step, steps[-1].profile.x) for steps in (known, searched)]
+        assert times[0] == pytest.approx(times[1], rel=SAME)
+        assert duration(piece.step, searched[0].profile.x) > times[1]
+
+
+@pytest.mark.quick
+def test_what_cannot_be_timed_says_which_limits_conflict(planar_cell, lift, tmp_path):
+    load = np.array([50.0, 0, 0, 0, 1, 1, 1, 0, 0, 0])
+    heavy, ideal = (mrts.retime(equipped(planar_cell.with_load(load), viscous=b), lift) for b in (8.0, 0.0))
+    assert heavy.status is ideal.status
+    assert heavy.conflict is not None
+    limits = [row for row in ideal.conflict.rows if row.name.kind != "speed"]
+    assert heavy.conflict.rows == tuple(limits)  # at rest viscous friction has no effect
+    one_way = gantries(tmp_path, wrench=3.0)
+    most = np.array([-1.0, np.inf, np.inf])
+    one_way = equipped(
+        replace(one_way, robots=tuple(replace(r, wrench_upper=most) for r in one_way.robots)),
+        viscous=1.0,
+    )
+    found = mrts.retime(one_way, along_x())
+    assert found.status.value == "start speed not admissible", found.summary()
+    assert "cannot start from rest" in found.explanation
+    assert "fx contact wrench" in found.explanation
+
+
+def test_a_search_that_finds_nothing_says_where(tmp_path):
+    cell, motion = on_an_arc(tmp_path, viscous=1.0)
+    problem, piece = rows(cell, motion)
+    found = profile_through_cells([problem], piece.step, (0.04, 0.04))
+    assert isinstance(found, Obstacle)
+    assert found.kind == "segment"

@@ -1,0 +1,235 @@
+"""The fastest timing with motors, against toppra, a nonlinear program, closed forms and its own rows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cell_bank import random_planar_cell, random_spatial_cell
+from draws import seeds
+from gantries import along_x, gantries
+from motor_transcription import motor_transcription
+from one_arm import by_toppra, duration, one_arm
+from random_motors import drawn_motors, equipped
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, linprog
+
+import mrts
+from mrts.following.coordinated_motion import carried_by_first
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.trajectory_programs import motion_ranges
+from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
+from mrts.timing.path_pieces import path_pieces
+from mrts.timing.speed_regions import speed_regions
+from mrts.timing.successive_profiles import successive_profiles
+
+TOPPRA_TOLERANCE = 1e-4  # as without motors
+TRANSCRIPTION_TOLERANCE = 1e-5
+DISCRETE = 2e-3  # limits hold at samples, closed forms everywhere
+FEASIBLE = 1e-8  # of a limit: projections are exact to 1e-9
+FALLING = 1e-12  # rounding of a sum of times
+
+CELLS = 12
+
+
+@pytest.mark.parametrize("seed", seeds(2, 3))
+def test_one_arm_with_inertia_and_dry_friction_equals_toppra(seed, tmp_path):
+    grid = np.linspace(0, 1, 101)
+    cell, model, path = one_arm(seed, tmp_path)
+    rng = np.random.default_rng([151, seed])
+    motors = replace(
+        cell.robots[0].motors,
+        armature=rng.uniform(0, 2, 6),
+        coulomb=rng.uniform(0, 0.2, 6) * cell.robots[0].torque_upper,
+    )
+    cell = replace(cell, robots=(replace(cell.robots[0], motors=motors),))
+    theirs = by_toppra(cell, model, path, grid)
+    motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
+    problem = build_sample_problem(cell, motion, varying=True)
+    assert problem.speed is None
+    ours = fastest_profile(np.diff(grid), speed_regions(problem, 1.0), (0.0, 0.0))
+    assert (theirs is None) == isinstance(ours, Obstacle)
+    if theirs is not None:
+        assert isinstance(ours, SpeedProfile)
+        np.testing.assert_allclose(ours.x, theirs, atol=TOPPRA_TOLERANCE * np.max(theirs))
+
+
+def drawn_case(seed, folder, samples=21):
+    """Rows over [F, u, x] and √x of a random cell with motors, its path, and the cell."""
+    rng = np.random.default_rng([15, seed])
+    draw, arms = (random_spatial_cell, 2) if seed % 3 == 0 else (random_planar_cell, 1 + seed % 3)
+    case = draw(rng, folder, arms, samples=samples)
+    cell = drawn_motors(rng, case.cell.without_velocity_limits())
+    motion = mrts.follow_object(cell, case.motion)
+    (piece,) = path_pieces(motion)
+    return build_sample_problem(cell, piece.path, varying=True), piece, cell, motion
+
+
+@pytest.mark.parametrize("seed", seeds(3, CELLS - 3))
+def test_random_cells_equal_a_nonlinear_program_and_every_step_is_faster(seed, tmp_path):
+    problem, piece, cell, motion = drawn_case(seed, tmp_path)
+    steps = successive_profiles([problem], piece.step, (0.0, 0.0))
+    if isinstance(steps, Obstacle):
+        slow = np.minimum(np.arange(21), np.arange(21)[::-1]) * 1e-3
+        assert not motor_transcription(cell, motion, slow)[0]
+        return
+    durations = np.array([duration(piece.step, one.profile.x) for one in steps])
+    assert np.all(np.diff(durations) <= FALLING * durations[0])
+    found, theirs = motor_transcription(cell, motion, 0.3 * steps[0].profile.x)
+    assert found
+    assert durations[-1] == pytest.approx(duration(piece.step, theirs), rel=TRANSCRIPTION_TOLERANCE)
+
+
+@pytest.mark.slow
+def test_most_random_cells_have_a_timing(tmp_path):
+    found = [successive_profiles([problem], piece.step, (0.0, 0.0)) for problem, piece, *_ in cases(tmp_path)]
+    assert sum(isinstance(one, list) for one in found) >= 0.75 * CELLS
+
+
+def cases(folder):
+    return [drawn_case(seed, folder / str(seed)) for seed in range(CELLS)]
+
+
+def widening(problem, sample, u, x):
+    """By how many limits rows must move outward at a speed, with √x as it is, by HiGHS."""
+    A, free = problem.A[sample], problem.unknowns - 2
+    given = A[:, -2] * u + A[:, -1] * x + problem.speed[sample] * np.sqrt(x)
+    rows = np.concatenate([A[:, :free], -A[:, :free]])
+    limit = np.concatenate([problem.upper[sample] - given, given - problem.lower[sample]])
+    kept = np.isfinite(limit)
+    outward = np.column_stack([rows[kept], -np.ones(np.sum(kept))])
+    found = linprog(np.append(np.zeros(free), 1.0), outward, limit[kept], bounds=[(None, None)] * free + [(0, None)])
+    assert found.status == 0
+    return found.fun
+
+
+@pytest.mark.parametrize("seed", [1, pytest.param(0, marks=pytest.mark.slow)])
+def test_every_step_keeps_all_limits_with_its_root_as_it_is(seed, tmp_path):
+    problem, piece, *_ = drawn_case(seed, tmp_path)
+    steps = successive_profiles([problem], piece.step, (0.0, 0.0))
+    assert len(steps) > 2
+    for one in steps:
+        x = one.profile.x
+        u = np.diff(x) / (2 * piece.step)
+        excess = [widening(problem, place + end, u[place], x[place + end]) for place in range(len(u)) for end in (0, 1)]
+        assert max(excess) <= FEASIBLE
+
+
+def gantry_time(drive, brake, viscous, mass, length):
+    """Time from rest to rest: all motors drive, then brake, against viscous friction."""
+
+    def stretch(force, span, speed):
+        """Speed and time after a span from a speed."""
+        ran = solve_ivp(
+            lambda _t, s: [s[1], (force - viscous * s[1]) / mass],
+            [0, 100],
+            [0.0, speed],
+            events=[event(lambda _t, s: s[0] - span), event(lambda _t, s: s[1] + 1e-9)],
+            rtol=1e-10,
+            atol=1e-12,
+        )
+        return ran.y[0][-1], ran.y[1][-1], ran.t[-1]
+
+    def missing(switch):
+        _, speed, _ = stretch(drive, switch, 0.0)
+        return stretch(-brake, 10 * length, speed)[0] - (length - switch)
+
+    switch = brentq(missing, 1e-3 * length, (1 - 1e-6) * length, xtol=1e-12)
+    _, speed, first = stretch(drive, switch, 0.0)
+    return first + stretch(-brake, 10 * length, speed)[2]
+
+
+def event(function):
+    function.terminal = True
+    function.direction = 1 if function(0, [0.0, 0.0]) < 0 else -1
+    return function
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("motors", "drive", "brake", "viscous", "mass"),
+    [
+        ({"coulomb": 3.0}, 34, 46, 0, 11),
+        ({"armature": 1.5}, 40, 40, 0, 14),
+        ({"viscous": 2.0}, 40, 40, 4, 11),
+        ({"viscous": 2.0, "coulomb": 3.0, "armature": 0.5}, 34, 46, 4, 12),
+        ({"torque_speed": [[0, 20], [10, 0]]}, 40, 40, 4, 11),
+    ],
+)
+def test_gantries_equal_closed_forms(motors, drive, brake, viscous, mass, tmp_path):
+    """Two motors of 20 N move 11 kg by 2 m; a curve that falls by 2 N s/m is friction while it drives."""
+    cell = equipped(gantries(tmp_path), **motors)
+    found = mrts.retime(cell, along_x(samples=201))
+    assert found.status.admits_motion, found.summary()
+    expected = gantry_time(drive, brake, viscous if "viscous" in motors else 0, mass, 2.0)
+    if "torque_speed" in motors:
+        expected = driven_by_curve()
+    assert found.duration == pytest.approx(expected, rel=DISCRETE)
+
+
+def driven_by_curve():
+    """40 N less 4 N s/m while it drives 11 kg, 40 N while it brakes; m v dv = (40 - 4 v) dx by quadrature."""
+    v = np.linspace(0, 9.9, 200_001)
+    force = 40 - 4 * v
+    x = np.concatenate([[0], np.cumsum((11 * v / force)[1:] + (11 * v / force)[:-1]) * np.diff(v)[0] / 2])
+    t = np.concatenate([[0], np.cumsum((11 / force)[1:] + (11 / force)[:-1]) * np.diff(v)[0] / 2])
+    place = int(np.argmin(np.abs(x + 11 * v**2 / 80 - 2)))
+    return t[place] + 11 * v[place] / 40
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(("back", "profile"), [(-1.0, "cubic"), (1.0, "quintic")])
+def test_friction_at_a_stop_points_along_the_travel(back, profile, tmp_path):
+    """There and back, or on: each way takes the time that it takes by itself, and torques at the stop keep limits."""
+    cell = equipped(gantries(tmp_path), coulomb=8.0, viscous=0.5)
+    one = mrts.follow_object(cell, along_x(samples=101, profile=profile))
+    way = one.object
+    time = np.concatenate([way.time, 1 + way.time[1:]])
+    q, dq, ddq = (
+        np.concatenate([first, second[1:]])
+        for first, second in (
+            (one.q, one.q[::-1] if back < 0 else one.q + one.q[-1] - one.q[0]),
+            (one.dq, back * one.dq),
+            (one.ddq, back * one.ddq),
+        )
+    )
+    motion = carried_by_first(cell, time, q, dq, ddq, smooth=False)
+    there, both = mrts.retime(cell, one), mrts.retime(cell, motion)
+    assert both.status.admits_motion, both.summary()
+    assert len(both.stops) == 1
+    assert both.duration == pytest.approx(2 * there.duration, rel=1e-6)
+    done = both.retimed.trajectory
+    assert done.friction[0, 0] == pytest.approx(8)
+    assert done.friction[100, 0] == pytest.approx(0 if back < 0 else 8)
+    assert done.friction[-1, 0] == pytest.approx(8 * back)
+    assert both.retimed.residuals().limits <= FEASIBLE
+    mrts.save_result(both.retimed, tmp_path / "stop.npz")
+    assert np.array_equal(mrts.load_result(tmp_path / "stop.npz").trajectory.friction, done.friction)
+
+
+@pytest.mark.parametrize("seed", seeds(2, 2))
+def test_the_best_constant_factor_is_never_faster(seed, tmp_path):
+    rng = np.random.default_rng([152, seed])
+    case = random_planar_cell(rng, tmp_path, 2 + seed % 2, samples=101)
+    cell = drawn_motors(rng, case.cell)
+    found = mrts.retime(cell, case.motion)
+    best = found.constant.trajectory
+    if best is None:
+        assert not found.status.admits_motion or not found.constant.status.admits_motion
+    else:
+        assert found.duration <= best.duration * (1 + DISCRETE)
+        assert found.retimed.residuals().limits <= FEASIBLE
+        assert np.sum([share for _, share in found.limits]) > 0.9  # something binds nearly everywhere
+
+
+def test_every_load_of_a_box_follows_the_guaranteed_profile(planar_cell, lift):
+    cell = equipped(planar_cell.with_variation(mass=(0.5, 1.5), mx=(-0.05, 0.05)), viscous=8.0, coulomb=3.0)
+    found = mrts.retime(cell, lift)
+    assert len(found.loads) == 4
+    assert found.duration > mrts.retime(cell, lift, load="nominal").duration
+    for point in cell.load_box.draw(np.random.default_rng(8), 100):
+        samples = motion_ranges(cell, found.retimed.motion, "wrench", None, "kernel", point.load)
+        assert np.max(samples.lower) <= 1 + FEASIBLE
+        assert np.min(samples.upper) >= 1 - FEASIBLE
+    even = mrts.retime(cell, lift, sharing=mrts.LoadSharing())
+    assert even.duration > found.duration
+    assert even.retimed.residuals().limits <= FEASIBLE
