@@ -53,13 +53,12 @@ if TYPE_CHECKING:
     from mrts.program.reserve import PlanReserve, Reserve
     from mrts.program.sample_ranges import SampleRanges
     from mrts.report import write_report
-    from mrts.scaling.holding_torques import Holding
-    from mrts.scaling.known_load import torques_for_load
-    from mrts.scaling.load_study import LoadStudy
+    from mrts.scaling.loads import LoadStudy
+    from mrts.scaling.options import Options
     from mrts.scaling.range import RangeEnd, ScalingRange
-    from mrts.scaling.result import DistributionRule, Residuals, ScalingResult
-    from mrts.scaling.scale import SelectionError, scale
-    from mrts.scaling.scaled_trajectory import ScaledTrajectory
+    from mrts.scaling.result import Residuals, ScalingResult
+    from mrts.scaling.scale import SelectionError, scale, torques_for_load
+    from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
     from mrts.scaling.what_if import ChangedAnswer, SpeedAnswer, WhatIf
     from mrts.starting.hold import hold_here
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
@@ -90,9 +89,8 @@ _HOMES = {
     "Conflict": "program.infeasibility",
     "Contact": "cell.hands.contact",
     "CoordinatedMotion": "following.coordinated_motion",
-    "DistributionRule": "scaling.result",
     "Excess": "program.excess",
-    "Holding": "scaling.holding_torques",
+    "Holding": "scaling.scaled_trajectory",
     "InputError": "base.errors",
     "JointDuty": "cell.motors.joint_duty",
     "JointMotors": "cell.motors.joint_motors",
@@ -102,7 +100,7 @@ _HOMES = {
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
     "LoadSharing": "program.load_sharing",
-    "LoadStudy": "scaling.load_study",
+    "LoadStudy": "scaling.loads",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
     "MotorIdentification": "identification.identified_motors",
@@ -110,6 +108,7 @@ _HOMES = {
     "MrtsError": "base.errors",
     "NearestHold": "diagnosis.nearest_hold",
     "ObjectMotion": "motion.object_motion",
+    "Options": "scaling.options",
     "Placement": "layout.placement",
     "PlanReserve": "program.reserve",
     "PlayedLayout": "layout.placement",
@@ -160,7 +159,7 @@ _HOMES = {
     "scale": "scaling.scale",
     "suction_contact": "cell.hands.suction",
     "sweep": "sweeps.sweep",
-    "torques_for_load": "scaling.known_load",
+    "torques_for_load": "scaling.scale",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
     "write_trajectory_csv": "output.trajectory_table",
@@ -184,7 +183,6 @@ __all__ = [
     "Conflict",
     "Contact",
     "CoordinatedMotion",
-    "DistributionRule",
     "Excess",
     "Holding",
     "InputError",
@@ -204,6 +202,7 @@ __all__ = [
     "MrtsError",
     "NearestHold",
     "ObjectMotion",
+    "Options",
     "Placement",
     "PlanReserve",
     "PlayedLayout",

@@ -184,7 +184,7 @@ class RatedEntry(_Record):
 
 
 class RuleEntry(_Record):
-    """How torques are distributed, as `mrts.scaling.result.DistributionRule`."""
+    """How torques are distributed, as `mrts.scaling.options.Options`."""
 
     sharing: SharingEntry | None
     formulation: FormulationName

@@ -167,7 +167,7 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
         SolverError: If no solver answers.
     """
     cell, motion, pieces, loads = timed.cell, timed.motion, timed.pieces, timed.loads
-    sharing = timed.rule.sharing
+    sharing = timed.options.sharing
     worst, shares, time = Excess(0.0, tolerance), np.zeros(motion.samples - 1), motion.object.time
     for part in pieces:
         played = between_path_samples(cell, part, PLACES)

@@ -33,7 +33,7 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
         raise InputError("what if", rule)
     asked = found.compared
     refined = found.motion.samples > asked.motion.samples
-    asked = replace(asked, rule=replace(asked.rule, rates=None), tolerance=None)
+    asked = replace(asked, options=replace(asked.options, rates=None, between=None))
 
     def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         compared = replace(asked, cell=changed, motion=motion)

@@ -14,8 +14,8 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import Conflict
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.trajectory_programs import motion_planes
-from mrts.scaling.guaranteed_range import effective_parameters
-from mrts.scaling.scale import FactorQuestion
+from mrts.scaling.loads import effective_parameters
+from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus
@@ -32,7 +32,7 @@ STUCK = 1e6
 
 
 def fastest_timing(
-    compared: FactorQuestion,
+    compared: ConstantFactor,
     motion: CoordinatedMotion,
     end_speeds: tuple[float, float],
     progress: Progress,
@@ -51,7 +51,7 @@ def fastest_timing(
     """
     cell, (start_speed, end_speed) = compared.cell, end_speeds
     points: tuple[LoadPoint | None, ...] = (None,)
-    if compared.question == "guaranteed" and cell.load_box is not None:
+    if compared.options.load == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
     loads = tuple(cell.load if point is None else point.load for point in points)
     answer = partial(RetimingResult, cell=cell, motion=motion, compared=compared, loads=loads, end_speeds=end_speeds)
@@ -107,7 +107,7 @@ class _Failure:
 class _Search:
     """The search for the profile of one piece, and for the reason if there is none."""
 
-    compared: FactorQuestion
+    compared: ConstantFactor
     time: Array
     piece: PathPiece
     points: tuple[LoadPoint | None, ...]
@@ -119,7 +119,7 @@ class _Search:
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
             length = float(np.sum(self.piece.step))
-            load, sharing = None if point is None else point.load, self.compared.rule.sharing
+            load, sharing = None if point is None else point.load, self.compared.options.sharing
             known = motion_planes(self.compared.cell, self.piece.path, sharing, load)
             if known is not None:
                 parts.append(regions_of_planes(*known, length, self.ends))
@@ -168,7 +168,7 @@ class _Search:
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
-        upper = self.compared.factor.bare.range.upper
+        upper = self.compared.factor.range.upper
         why += "." if upper is None or upper.time is None else f"; c² is limited {upper.place()}."
         return _Failure((RetimingStatus.STANDSTILL, why))
 
@@ -210,7 +210,7 @@ class _Search:
 
     def _problem(self, point: LoadPoint | None) -> SampleProblem:
         load = None if point is None else point.load
-        cell, sharing = self.compared.cell, self.compared.rule.sharing
+        cell, sharing = self.compared.cell, self.compared.options.sharing
         return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True)
 
     def _conflict(

@@ -2,24 +2,22 @@
 """A retimed motion with its torques, as a result of its own at c² = 1."""
 
 from collections.abc import Sequence
-from functools import partial
+from dataclasses import replace
 
 from mrts.base.arrays import Array
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.trajectory_programs import motion_ranges
-from mrts.scaling.range import ScalingRange, common_range
-from mrts.scaling.result import DistributionRule, ScalingResult
-from mrts.scaling.with_torques import with_torques
+from mrts.scaling.options import Options
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.torques import with_torques
 from mrts.timing.retimed_motion import TimedPiece, retimed_motion
 
 
 def played_result(
     cell: Cell,
     given: CoordinatedMotion,
-    rule: DistributionRule,
+    options: Options,
     pieces: Sequence[TimedPiece],
     what: str,
     *,
@@ -33,7 +31,7 @@ def played_result(
     Args:
         cell: The cell.
         given: The given motion.
-        rule: How torques are distributed.
+        options: What was asked.
         pieces: Its path with the timing.
         what: The timing is, for people.
         warnings: What to know of cell and motion.
@@ -47,16 +45,12 @@ def played_result(
     played = ScalingResult(
         cell=cell,
         motion=motion,
-        found=partial(_range, cell, motion, rule),
+        found=None,
+        c2=1.0,
         trajectory=None,
         fallbacks=0,
-        load=None,
-        rule=rule,
+        options=replace(options, load="nominal"),
         origin=f"{what} of a path that was given {whole:.4g} s: {duration:.4g} s",
         warnings=warnings,
     )
-    return with_torques(played, 1.0, None, DEFAULT_SOLVER, torques)
-
-
-def _range(cell: Cell, motion: CoordinatedMotion, rule: DistributionRule) -> ScalingRange:
-    return common_range(partial(motion_ranges, cell, motion, rule.formulation, rule.sharing, DEFAULT_SOLVER, None))
+    return with_torques(played, torques)

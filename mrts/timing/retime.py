@@ -13,6 +13,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
+from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
@@ -23,12 +24,10 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import Goal
-from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.scaling.load_study import load_question
 from mrts.scaling.motion_remarks import interpolated_timing, timing_remarks
-from mrts.scaling.result import DistributionRule
-from mrts.scaling.scale import FactorQuestion, factor_question
+from mrts.scaling.options import Options
 from mrts.timing.between_samples import check_held_between, excess_by_segment, refined_timing
+from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.held_wrenches import GivenTorques
 from mrts.timing.played_result import played_result
@@ -96,18 +95,20 @@ def retime(
         MotionError: If the arms cannot follow the object.
         SolverError: If no solver answers.
     """
-    question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
-    rule = DistributionRule(sharing, "wrench", weights, distribute)
+    _check_arguments(cell, sharing, start_speed, end_speed, progress)
+    cell = cell if reserve is None else cell.with_reserve(reserve)
+    options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between)
+    options = options.checked(cell)
+    if options.load not in {"guaranteed", "nominal"}:
+        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
     asked = _smooth_request(
         cell, rates, distribute, weigh=weigh, least_energy_in=least_energy_in,
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
-    _check_held(cell, asked, question)
-    compared = factor_question(
-        cell, motion, "auto", rule, solver=DEFAULT_SOLVER, load=question, reserve=reserve, closure=closure,
-        between=between, rates=rates,
-    )  # fmt: skip
-    speeds, kept = (start_speed, end_speed), compared.tolerance
+    _check_held(cell, asked, options.load)
+    options = replace(options, rates=None if asked is None else asked.rates)
+    compared = ConstantFactor(cell, coordinate(cell, motion, closure), options)
+    speeds, kept = (start_speed, end_speed), options.between
     adds, tolerance = kept is not None, BETWEEN if kept is None else kept
     fastest = _fastest(compared, speeds, tolerance, progress, adds=adds)
     if asked is None:
@@ -126,19 +127,19 @@ def retime(
 
 
 def _fastest(
-    compared: FactorQuestion, speeds: tuple[float, float], tolerance: float, progress: Progress, *, adds: bool
+    compared: ConstantFactor, speeds: tuple[float, float], tolerance: float, progress: Progress, *, adds: bool
 ) -> RetimingResult:
     """The fastest timing without limits of rates, with its torques."""
-    cell, given, rule = compared.cell, compared.motion, replace(compared.rule, rates=None)
+    cell, given, options = compared.cell, compared.motion, replace(compared.options, rates=None)
     if adds:
         check_held_between(cell, given)
-    remarks = timing_remarks(cell, given, lambda: compared.factor.bare.range)
+    remarks = timing_remarks(cell, given, lambda: compared.factor.range)
 
     def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
         found = fastest_timing(compared, path, speeds, progress, refined=refined)
         if not found.pieces:
             return found
-        played = played_result(cell, path, rule, found.pieces, "fastest timing", warnings=remarks)
+        played = played_result(cell, path, options, found.pieces, "fastest timing", warnings=remarks)
         return replace(found, retimed=played)
 
     first = timed(given, refined=False)
@@ -194,10 +195,9 @@ def _check_held(cell: Cell, asked: _SmoothRequest | None, question: str) -> None
             raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
 
 
-def _checked_question(
-    cell: Cell, sharing: LoadSharing | None, load: str, start_speed: float, end_speed: float, progress: Progress
-) -> str:
-    """The question asked of the load, if all arguments keep their rules."""
+def _check_arguments(
+    cell: Cell, sharing: LoadSharing | None, start_speed: float, end_speed: float, progress: Progress
+) -> None:
     check_type("cell", cell, Cell)
     check_type("sharing", sharing, LoadSharing, NoneType)
     check_callable("progress", progress)
@@ -207,7 +207,3 @@ def _checked_question(
             raise InputError(name, rule, value=speed)
     if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
         raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
-    question = load_question(cell, load, "auto")
-    if question not in {"guaranteed", "nominal"}:
-        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
-    return question

@@ -25,7 +25,7 @@ def smooth_excess(timed: RetimingResult, tolerance: float) -> SegmentExcess:
         timed: A smooth timing with its plan.
         tolerance: Share of a limit by which it may be overstepped.
     """
-    cell, motion, sharing = timed.cell, timed.motion, timed.rule.sharing
+    cell, motion, sharing = timed.cell, timed.motion, timed.options.sharing
     worst, shares = Excess(0.0, tolerance), np.zeros(motion.samples - 1)
     limited = np.zeros(0, dtype=int) if timed.smooth is None else np.flatnonzero(np.isfinite(timed.smooth.rates.jerk))
     for part in smooth_pieces(timed.pieces):

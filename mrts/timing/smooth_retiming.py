@@ -99,7 +99,7 @@ def smooth_retiming(
         return found
     plan = torque_plan(question, found.pieces)
     answer, constant = _answer(question, fastest, found), question.constant
-    kept = replace(constant.rule, rates=question.rates)
+    kept = replace(constant.options, rates=question.rates)
     played = played_result(
         constant.cell, found.motion, kept, found.pieces, answer.what, warnings=lasting(constant.warnings), torques=plan
     )

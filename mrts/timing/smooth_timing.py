@@ -19,7 +19,7 @@ from mrts.program.smooth_program import Goal, SmoothProgram
 from mrts.program.successive_steps import RatesTooSmall, TooLong, successive_steps
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.scale import FactorQuestion
+from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.held_wrenches import GivenTorques, given_wrenches, stopped_wrenches, unheld
 from mrts.timing.path_pieces import NoPath, closed_piece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus
@@ -55,7 +55,7 @@ class SmoothQuestion:
         solver: Solves the programs.
     """
 
-    compared: FactorQuestion
+    compared: ConstantFactor
     loads: tuple[Array, ...]
     rates: RateLimits
     goal: Goal
@@ -67,7 +67,7 @@ class SmoothQuestion:
     @property
     def constant(self) -> ScalingResult:
         """The best constant factor with its torques."""
-        return self.compared.factor.whole
+        return self.compared.whole
 
     @property
     def usual(self) -> float:
@@ -80,7 +80,7 @@ class SmoothQuestion:
     @property
     def weights(self) -> Array:
         """W of the effort, Shape (m, m)."""
-        return torque_weights(self.constant.rule.weights, self.constant.motion.q.shape[1])
+        return torque_weights(self.constant.options.weights, self.constant.motion.q.shape[1])
 
     def problem(self, path: SmoothPath, load: Array) -> SampleProblem:
         """Rows at the nodes of a path.
@@ -89,7 +89,7 @@ class SmoothQuestion:
             path: The path, n nodes.
             load: Load vector, Shape (10,).
         """
-        sharing = self.constant.rule.sharing
+        sharing = self.constant.options.sharing
         return build_sample_problem(self.constant.cell, path.path, sharing=sharing, load=load, varying=True)
 
 
