@@ -16,7 +16,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProgram
-from mrts.program.successive_steps import RatesTooSmall, TooLong, successive_steps
+from mrts.program.successive_steps import NoProfile, successive_steps
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import FactorQuestion
@@ -101,9 +101,9 @@ class _Part:
     program: SmoothProgram
     likely: Array
 
-    def timed(self, goal: Goal, solver: KernelSolver, progress: Progress) -> "SmoothPiece | RatesTooSmall | TooLong":
+    def timed(self, goal: Goal, solver: KernelSolver, progress: Progress) -> "SmoothPiece | NoProfile":
         found = successive_steps(self.program, self.likely, goal, solver, lambda step, _cost: progress(step, step + 1))
-        if isinstance(found, RatesTooSmall | TooLong):
+        if isinstance(found, NoProfile):
             return found
         rates = np.column_stack([found.profile.u[:-1], found.profile.u[1:]])
         return SmoothPiece(piece=self.piece, x=found.profile.x, rates=rates, program=self.program, steps=found)
@@ -128,7 +128,7 @@ def smooth_timing(
     if isinstance(parts, str):
         return _none(question, motion, RetimingStatus.HOLDING, parts)
     timed = _timed(question, parts, progress)
-    if isinstance(timed, RatesTooSmall | TooLong):
+    if isinstance(timed, NoProfile):
         return _none(question, motion, *_why(question, timed))
     if sum(_duration(one) for one in timed) < UNBOUNDED * question.usual:
         why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
@@ -216,9 +216,7 @@ def _likely(question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram,
     return x
 
 
-def _timed(
-    question: SmoothQuestion, parts: Sequence[_Part], progress: Progress
-) -> "list[SmoothPiece] | RatesTooSmall | TooLong":
+def _timed(question: SmoothQuestion, parts: Sequence[_Part], progress: Progress) -> "list[SmoothPiece] | NoProfile":
     goal, solver = question.goal, question.solver
     if goal.longest is not None and len(parts) > 1:
         return _within(question, parts, goal.longest, progress)
@@ -233,10 +231,10 @@ def _timed(
 
 def _within(
     question: SmoothQuestion, parts: Sequence[_Part], longest: float, progress: Progress
-) -> "list[SmoothPiece] | RatesTooSmall | TooLong":
+) -> "list[SmoothPiece] | NoProfile":
     """The least effort of several pieces within a duration: one weight of time for all, which is searched."""
 
-    def weighed(time: float) -> "list[SmoothPiece] | RatesTooSmall | TooLong":
+    def weighed(time: float) -> "list[SmoothPiece] | NoProfile":
         goal = Goal(time, question.goal.effort) if np.isfinite(time) else Goal()
         return _timed(replace(question, goal=goal), parts, progress)
 
@@ -245,7 +243,7 @@ def _within(
         return found
     fastest = sum(_duration(one) for one in found)
     if fastest > longest:
-        return TooLong(fastest)
+        return NoProfile(duration=fastest)
     spent = sum(one.program.effort(one.x, one.rate, one.steps.profile.free) for one in found)
     low, high = 0.0, np.inf
     weight = question.goal.effort * spent / fastest
@@ -268,8 +266,8 @@ def _duration(part: SmoothPiece) -> float:
     return float(np.sum(part.segment_times))
 
 
-def _why(question: SmoothQuestion, found: RatesTooSmall | TooLong) -> tuple[RetimingStatus, str]:
-    if isinstance(found, TooLong):
+def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, str]:
+    if found.duration is not None:
         return RetimingStatus.TOO_SHORT, (
             f"the motion cannot be done in {question.goal.longest:.6g} s; the fastest timing within the limits of "
             f"rates takes {found.duration:.6g} s. Allow that long at least."
