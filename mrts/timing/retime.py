@@ -149,7 +149,7 @@ def _fastest(compared: FactorQuestion, end_speeds: tuple[float, float], progress
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     """The best timing within limits of rates, with its torques."""
-    constant, before = question.constant, list[TimedPiece]()
+    constant, before = question.bare.factor.bare, list[TimedPiece]()
     nodes = smooth_nodes(constant.cell, constant.motion, question.bare.end_speeds)
     if isinstance(nodes, NoPath):
         return question.bare

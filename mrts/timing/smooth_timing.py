@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -18,7 +19,6 @@ from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProgram
 from mrts.program.successive_steps import NoProfile, StepsTaken, successive_steps
 from mrts.program.torque_distribution import torque_weights
-from mrts.scaling.result import ScalingResult
 from mrts.timing.held_wrenches import GivenTorques, given_wrenches, stopped_wrenches, unheld
 from mrts.timing.path_pieces import NoPath, closed_piece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus
@@ -39,10 +39,10 @@ MOST_WEIGHTS = 30
 """Weights of time that are tried for it."""
 
 
-_Part = tuple[SmoothPath, SmoothProgram, Array]
-"""A piece that is to be timed, with its limits and x around which the first step is taken."""
+_Part = tuple[SmoothPath, SampleProblem, SmoothProgram, Array]
+"""A piece that is to be timed: its rows for the cell's load, its limits for all loads, and x for the first step."""
 
-_Timed = tuple[SmoothPath, SmoothProgram, StepsTaken]
+_Timed = tuple[SmoothPath, SampleProblem, SmoothProgram, StepsTaken]
 
 
 @dataclass(frozen=True)
@@ -63,28 +63,22 @@ class SmoothQuestion:
     end_torques: GivenTorques
     solver: KernelSolver
 
-    @property
-    def constant(self) -> ScalingResult:
-        """The best constant factor with its torques."""
-        return self.bare.constant
-
-    @property
+    @cached_property
     def usual(self) -> float:
         """A duration of the size of the answer, whatever the given one is: what σ is measured in [s]."""
-        best, given = self.constant.trajectory, float(self.constant.motion.object.time[-1])
-        if best is None or self.constant.status is RangeStatus.UNBOUNDED:
+        best, given = self.bare.factor, float(self.bare.motion.object.time[-1])
+        if best.duration is None or best.bare.status is RangeStatus.UNBOUNDED:
             return given if self.bare.duration is None else self.bare.duration
         return best.duration
 
     @property
     def weights(self) -> Array:
         """W of the effort, Shape (m, m)."""
-        return torque_weights(self.constant.rule.weights, self.constant.motion.q.shape[1])
+        return torque_weights(self.bare.rule.weights, self.bare.motion.q.shape[1])
 
     def problem(self, path: SmoothPath, load: Array) -> SampleProblem:
         """Rows of [F, u, x] at the nodes of a path."""
-        sharing = self.constant.rule.sharing
-        return build_sample_problem(self.constant.cell, path.path, sharing=sharing, load=load, varying=True)
+        return build_sample_problem(self.bare.cell, path.path, sharing=self.bare.rule.sharing, load=load, varying=True)
 
     def program(
         self,
@@ -96,7 +90,7 @@ class SmoothQuestion:
         """Limits of a piece for some loads, with the wrenches that are given at its ends."""
         ends = _end_squares(piece, self.bare.end_speeds)
         third = piece.third_at_nodes
-        return path_program(self.constant.cell, piece.path, problems, self.rates, weights, ends, held, third)
+        return path_program(self.bare.cell, piece.path, problems, self.rates, weights, ends, held, third)
 
 
 def smooth_timing(
@@ -115,9 +109,7 @@ def smooth_timing(
         SolverError: If no solver answers.
     """
     bare = question.bare
-    untimed = RetimingResult(
-        question.constant.cell, motion, RetimingStatus.LOCALLY_OPTIMAL, "", bare.compared, bare.loads
-    )
+    untimed = RetimingResult(bare.cell, motion, RetimingStatus.LOCALLY_OPTIMAL, "", bare.compared, bare.loads)
     parts = _parts(question, motion, smooth_pieces(before))
     if isinstance(parts, str):
         return replace(untimed, status=RetimingStatus.HOLDING, explanation=parts)
@@ -133,7 +125,7 @@ def smooth_timing(
 
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:
     """The pieces of a path with their programs, or why given torques do not hold still."""
-    cell, end_speeds = question.constant.cell, question.bare.end_speeds
+    cell, end_speeds = question.bare.cell, question.bare.end_speeds
     found = path_pieces(fine_motion(cell, motion))
     if isinstance(found, NoPath):
         raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
@@ -153,7 +145,8 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
         weights = question.weights if question.goal.effort > 0 else None
         program = question.program(piece, problems, (start, held), weights)
         likely = _likely(question, piece, program, before[number] if before else None)
-        parts.append((piece, program.narrowed(NARROWING), likely))
+        own = problems[0] if len(problems) == 1 else question.problem(piece, cell.load)
+        parts.append((piece, own, program.narrowed(NARROWING), likely))
     return parts
 
 
@@ -203,11 +196,11 @@ def _timed(question: SmoothQuestion, parts: Sequence[_Part], progress: Progress)
     goal, timed = question.goal, []
     if goal.longest is not None and len(parts) > 1:
         return _within(question, parts, goal.longest, progress)
-    for piece, program, likely in parts:
+    for piece, problem, program, likely in parts:
         found = successive_steps(program, likely, goal, question.solver, lambda step, _cost: progress(step, step + 1))
         if isinstance(found, NoProfile):
             return found
-        timed.append((piece, program, found))
+        timed.append((piece, problem, program, found))
     return timed
 
 
@@ -226,7 +219,7 @@ def _within(
     fastest = _duration(found)
     if fastest > longest:
         return NoProfile(duration=fastest)
-    spent = sum(program.effort(taken.profile.x, taken.profile.u, taken.profile.free) for _, program, taken in found)
+    spent = sum(program.effort(taken.profile.x, taken.profile.u, taken.profile.free) for *_, program, taken in found)
     low, high = 0.0, np.inf
     weight = question.goal.effort * spent / fastest
     for _ in range(MOST_WEIGHTS):
@@ -245,7 +238,7 @@ def _within(
 
 
 def _duration(timed: Sequence[_Timed]) -> float:
-    return sum(float(np.sum(program.times(taken.profile.x))) for _, program, taken in timed)
+    return sum(float(np.sum(program.times(taken.profile.x))) for *_, program, taken in timed)
 
 
 def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, str]:
@@ -271,9 +264,8 @@ def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothP
     """The pieces with the wrenches of the least ∫ τᵀWτ dt within all limits, coupled by rates over each of them."""
     planned: list[SmoothPiece] = []
     held: Array | None = None
-    for number, (piece, program, steps) in enumerate(timed):
+    for number, (piece, problem, program, steps) in enumerate(timed):
         x, u = steps.profile.x, steps.profile.u
-        problem = question.problem(piece, question.constant.cell.load)
         start, held = _held(question, [problem], held, first=number == 0, last=number == len(timed) - 1)
         plan = question.solver.torques(question.program(piece, [problem], (start, held), question.weights), x, u)
         if plan is None:
