@@ -30,9 +30,9 @@ from mrts.scaling.result import ScalingResult, kept_text
 from mrts.scaling.torques import OF_TORQUES, STEPS
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.constant_factor import ConstantFactor
-from mrts.timing.profile_limits import binding_limits, profile_limits
+from mrts.timing.profile_limits import profile_limits
 from mrts.timing.retimed_motion import TimedPiece
-from mrts.timing.smooth_piece import SmoothAnswer, smooth_pieces
+from mrts.timing.smooth_piece import SmoothAnswer
 
 
 class RetimingStatus(Enum):
@@ -194,8 +194,6 @@ class RetimingResult(InNotebooks):
     @cached_property
     def limits(self) -> list[tuple[str, float]]:
         """What limits the speed, for which share of the duration, most first."""
-        if self.smooth is not None:
-            return binding_limits(smooth_pieces(self.pieces))
         return profile_limits(self.cell, self.pieces, self.options.sharing, self.loads)
 
     @property
@@ -227,7 +225,7 @@ class RetimingResult(InNotebooks):
             InputError: If a step breaks a rule, or the timing is one with limits of rates.
             SolverError: If no solver answers.
         """
-        from mrts.timing.changed_timing import timing_what_if  # noqa: PLC0415 (it times, which makes results)
+        from mrts.timing.fastest_timing import timing_what_if  # noqa: PLC0415 (it times, which makes results)
 
         check_callable("progress", progress)
         return timing_what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), progress)
