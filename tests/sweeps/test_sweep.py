@@ -225,8 +225,8 @@ def test_wrong_arguments_are_named(arguments, said, study):
 
 def test_a_limit_given_in_python_is_kept_by_workers_or_refused(tmp_path):
     own = planar_study(tmp_path, "vary: {object.mass: [0.4, 0.5]}")
-    assert mrts.sweep(own, workers=1)["status"] == ["feasible", "feasible"]
-    assert mrts.sweep(own.with_limits(tenth), workers=1)["status"] == ["infeasible", "infeasible"]
+    assert mrts.sweep(own, workers=1)["status"].to_pylist() == ["feasible", "feasible"]
+    assert mrts.sweep(own.with_limits(tenth), workers=1)["status"].to_pylist() == ["infeasible", "infeasible"]
     with pytest.raises(mrts.InputError, match="study: limits: must be functions of a module that workers can import"):
         mrts.sweep(own.with_limits(lambda _cell, _motion: None), workers=1)
 
