@@ -23,7 +23,7 @@ from mrts.cell.cell_text import manifest_of
 from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.loading import cell_from_manifest
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import LIMITS
+from mrts.limits.row_check import limit_name
 from mrts.motion.object_motion import ObjectMotion
 from mrts.output.npz_file import open_arrays
 from mrts.output.saved_json import (
@@ -123,8 +123,8 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
 
     Args:
         path: The file.
-        cell: The same cell from `load_cell`: its functions are then at hand. Its limits, postures and load do not
-            count; the result keeps those that it was found with.
+        cell: The same cell from `load_cell`: its functions are then at hand, and limits that it was given in Python.
+            Those of its file, postures and load do not count; the result keeps those that it was found with.
 
     Raises:
         InputError: If the file is no saved result, not whole, of a newer version, or of another cell.
@@ -144,6 +144,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
             load_box=load_box,
             enforces_velocity_limits=said.enforces_velocity_limits,
             reserve=said.kept_reserve,
+            limits=() if cell is None else cell.limits,
         )
         time, position, rotation, twist, acceleration = (arrays[name] for name in MOTION)
         carried = ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)  # it may be a retimed one
@@ -168,7 +169,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"], held)
         done = done.with_internal_wrench(arrays["internal_wrench"])
     told = (Remark(one.code, one.text, one.sample, one.severity) for one in said.warnings)
-    warnings = (*told, *_other_limits(said.limits))
+    warnings = (*told, *_other_limits(said.limits, known))
     result = ScalingResult(
         cell=known,
         motion=motion,
@@ -197,13 +198,15 @@ def _excess(path: Path, said: Description) -> Excess | None:
     return Excess(left.share, left.tolerance, left.time, row)
 
 
-def _other_limits(found_with: list[str]) -> tuple[Remark, ...]:
-    """What to know where other limits are registered now than when the result was found."""
-    if found_with == list(LIMITS):
+def _other_limits(found_with: list[str], cell: Cell) -> tuple[Remark, ...]:
+    """That a cell was given other limits than the one that the result was found with."""
+    given = list(map(limit_name, cell.limits))
+    if found_with == given:
         return ()
     text = (
-        f"the result was found with the limits {', '.join(found_with)}; registered now are {', '.join(LIMITS)}, and of "
-        "these it is told how far they are used. Register what it was found with, or scale again."
+        f"the result was found with a cell with the limits {', '.join(found_with) or 'of its file alone'}, and is read "
+        f"with {', '.join(given) or 'no others than those of its file'}: of these it is told how far they are used. "
+        "Read it with `cell=` that has the same."
     )
     return (Remark("other-limits", text),)
 
@@ -261,7 +264,7 @@ def _description(result: ScalingResult, ranges: list[ScalingRange], tables: Tabl
         origin=result.origin,
         warnings=[WarningEntry.model_validate(warning.to_json()) for warning in result.warnings],
         rows=tables.row_entries(),
-        limits=list(LIMITS),
+        limits=list(map(limit_name, cell.limits)),
         loads=tables.load_entries(),
         conflicts=conflicts,
         kept_reserve=cell.reserve,

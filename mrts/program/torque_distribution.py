@@ -9,10 +9,11 @@ from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.one_unknown import known_values
-from mrts.program.convex_program import ConvexPrograms, require_verified, solve_programs
+from mrts.program.convex_program import ConvexPrograms
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motor_terms import motor_terms
 from mrts.program.sample_problem import SampleProblem
+from mrts.program.solvers import require_verified, solve_programs
 
 TORQUE_WIDENING = 1e-9
 """Of each limit, as a share of it: at c = √c²⁺ the feasible set is a point, which rounding may miss."""

@@ -137,7 +137,7 @@ def solved_row(study: Study, point: Array) -> Row:
     """
     try:
         keys, motion_keys = study.descriptions(point)
-        cell = Cell.from_description(keys, folder=study.folder)
+        cell = Cell.from_description(keys, folder=study.folder).with_limits(*study.limits)
         motion = study.table if study.table is not None else sample_motion(MotionDescription(**motion_keys))
         return _answer(study, cell, motion)
     except InputError as error:

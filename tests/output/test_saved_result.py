@@ -17,7 +17,7 @@ from saved_files import contents
 import mrts
 from mrts.cli import main
 from mrts.figures import range_figure, trajectory_figure, write_figure
-from mrts.limits import LIMITS
+from mrts.limits.torque_limits import torque_limits
 from mrts.output.saved_json import Description
 from mrts.output.summary_lines import scaling_lines
 from mrts.output.trajectory_table import trajectory_csv
@@ -269,17 +269,19 @@ def test_the_command_line_saves(tmp_path, capsys):
     assert mrts.load_result(tmp_path / "deep" / "r.npz").trajectory is None
 
 
-def test_other_limits_than_it_was_found_with_are_told(planar_cell, lift, lifted, tmp_path, monkeypatch):
-    mrts.save_result(lifted, tmp_path / "usual.npz")
-    monkeypatch.setitem(LIMITS, "mine", LIMITS["torque_limits"])
-    mrts.save_result(mrts.scale(planar_cell, lift), tmp_path / "mine.npz")
-    assert mrts.load_result(tmp_path / "mine.npz").warnings == ()
-    (told,) = mrts.load_result(tmp_path / "usual.npz").warnings
-    assert told.code == "other-limits"
-    monkeypatch.delitem(LIMITS, "mine")
-    assert mrts.load_result(tmp_path / "usual.npz").warnings == ()
-    (told,) = mrts.load_result(tmp_path / "mine.npz").warnings
-    assert f"found with the limits {', '.join([*LIMITS, 'mine'])}; registered now" in told.text
+def test_other_limits_than_it_was_found_with_are_told(planar_cell, lift, lifted, tmp_path):
+    usual, own = tmp_path / "usual.npz", tmp_path / "own.npz"
+    mrts.save_result(lifted, usual)
+    limited = planar_cell.with_limits(torque_limits)
+    mrts.save_result(mrts.scale(limited, lift), own)
+    for path, cell, codes in (
+        (usual, None, []),
+        (usual, planar_cell, []),
+        (usual, limited, ["other-limits"]),
+        (own, None, ["other-limits"]),
+        (own, limited, []),
+    ):
+        assert [remark.code for remark in mrts.load_result(path, cell=cell).warnings] == codes
 
 
 def test_every_name_in_a_file_is_documented(planar_cell, lift, tmp_path):
