@@ -15,11 +15,12 @@ from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 from mrts.base.load_box import LoadBox
-from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS, ShapeRecord
+from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
 from mrts.cell.cell_check import check_generated, check_placement
 from mrts.cell.functions import CellFunctions
+from mrts.cell.record import ShapeRecord
 from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.cell.robot_changes import Bounds, Numbers, posed, torque_limited, vector, wrench_limited
 from mrts.kernel.cell_library import CellLibrary
