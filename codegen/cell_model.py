@@ -35,8 +35,8 @@ from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, WRENCH_UNITS, ChainsRe
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import multiply
 from mrts.base.version import __version__
-from mrts.cell.hands.wrench_limits import given_wrench_limits
-from mrts.cell.motors.torque_limits import given_torque_limits
+from mrts.cell.hands.kinds import wrench_bounds
+from mrts.cell.motors.joint_motors import given_torque_limits
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot, RobotSource
 
@@ -211,9 +211,7 @@ def build_robot(
         torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
         motors, of_motors = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     with mistakes.noted():
-        wrench_lower, wrench_upper = given_wrench_limits(
-            path, f"{key}.wrench", bounds.lower, bounds.upper, len(components)
-        )
+        wrench_lower, wrench_upper = wrench_bounds(path, f"{key}.wrench", bounds.lower, bounds.upper, components)
     with mistakes.noted():
         if plane is not None:
             rotation_keys = robot.base.rotation_key, robot.grasp.rotation_key
