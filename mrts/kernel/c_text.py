@@ -11,7 +11,7 @@ from mrts.base.manifest import GEOMETRY, Manifest
 
 PROGRAM_FILES = (
     *("linear_programs.c", "quadratic_programs.c", "batch.c"),
-    *(f"reachability/{name}.c" for name in ("corners", "projection", "lane_corners", "regions")),
+    *(f"reachability/{name}.c" for name in ("projection", "lane_corners", "regions")),
 )
 """The programs, which need no cell."""
 
