@@ -70,14 +70,14 @@ class DistributionRule(InNotebooks):
     Attributes:
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         formulation: Unknowns of the programs.
-        weights: W of the quadratic program, None for the identity.
+        weights: W of the quadratic program, as in `mrts.scale`.
         distribute: "least-torque" is the quadratic program alone, "reserve" keeps most of every limit free before it.
         rates: Limits of rates that they keep; None where they may change as fast as they like.
     """
 
     sharing: LoadSharing | None = None
     formulation: FormulationName = "wrench"
-    weights: Array | None = None
+    weights: Array | float | None = None
     distribute: DistributionName = "least-torque"
     rates: RateLimits | None = None
 

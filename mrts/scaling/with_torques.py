@@ -111,7 +111,7 @@ def with_torques(
         SolverError: If no solver answers, or the torques overstep a limit.
     """
     cell, motion, rule = result.cell, result.motion, result.rule
-    W = torque_weights(rule.weights, motion.q.shape[1])
+    W = torque_weights(rule.weights, cell)
     if given is not None:
         torque, wrench, fallbacks = *given, 0
     elif rule.rates is None:

@@ -80,7 +80,7 @@ class SmoothQuestion:
     @property
     def weights(self) -> Array:
         """W of the effort, Shape (m, m)."""
-        return torque_weights(self.constant.rule.weights, self.constant.motion.q.shape[1])
+        return torque_weights(self.constant.rule.weights, self.constant.cell)
 
     def problem(self, path: SmoothPath, load: Array) -> SampleProblem:
         """Rows at the nodes of a path.

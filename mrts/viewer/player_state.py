@@ -305,7 +305,7 @@ class PlayerState:
             assert result.trajectory is not None  # noqa: S101 (a timing has torques)
             torque, wrench = result.trajectory.torque, result.trajectory.wrench
         elif self._admits(c2):
-            W = torque_weights(rule.weights, motion.q.shape[1])
+            W = torque_weights(rule.weights, cell)
             distribute = TORQUES[rule.distribute]
             torque, wrench, _ = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
         else:
