@@ -16,12 +16,8 @@ if TYPE_CHECKING:
     from mrts.base.rigid_transform import RigidTransform
     from mrts.cell.cell import Cell
     from mrts.cell.cell_change import CellChange, ChangeSteps
-    from mrts.cell.hands.box import box_contact
     from mrts.cell.hands.contact import Contact
-    from mrts.cell.hands.gripper import gripper_contact
-    from mrts.cell.hands.pad import pad_contact
-    from mrts.cell.hands.polytope import rows_contact
-    from mrts.cell.hands.suction import suction_contact
+    from mrts.cell.hands.kinds import box_contact, gripper_contact, pad_contact, rows_contact, suction_contact
     from mrts.cell.loading import load_cell
     from mrts.cell.motors.joint_duty import JointDuty
     from mrts.cell.motors.joint_motors import JointMotors
@@ -137,27 +133,27 @@ _HOMES = {
     "Study": "studies.study",
     "StudyFolder": "studies.study_folder",
     "SweepProgress": "sweeps.sweep_progress",
-    "box_contact": "cell.hands.box",
+    "box_contact": "cell.hands.kinds",
     "check": "diagnosis.check",
     "follow_object": "following.coordinated_motion",
-    "gripper_contact": "cell.hands.gripper",
+    "gripper_contact": "cell.hands.kinds",
     "hold_here": "starting.hold",
     "identify": "identification.identify",
     "load_cell": "cell.loading",
     "load_motion": "motion.motion_file",
     "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
-    "pad_contact": "cell.hands.pad",
+    "pad_contact": "cell.hands.kinds",
     "place": "layout.place",
     "rank_configurations": "studies.configurations",
     "retime": "timing.retime",
     "read_study": "studies.study_file",
     "read_study_folder": "studies.study_folder",
-    "rows_contact": "cell.hands.polytope",
+    "rows_contact": "cell.hands.kinds",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
     "scale": "scaling.scale",
-    "suction_contact": "cell.hands.suction",
+    "suction_contact": "cell.hands.kinds",
     "sweep": "sweeps.sweep",
     "torques_for_load": "scaling.scale",
     "write_report": "report",

@@ -15,13 +15,13 @@ from mrts.base.arrays import with_infinity
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadPoint
-from mrts.base.manifest import Manifest
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
 from mrts.cell.cell_text import manifest_of
 from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.loading import cell_from_manifest
+from mrts.cell.record import CellManifest
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.row_check import limit_name
 from mrts.motion.object_motion import ObjectMotion
@@ -299,7 +299,7 @@ def _options(entry: RuleEntry) -> Options:
     )
 
 
-def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:
+def _functions_of(cell: Cell, saved: CellManifest, path: Path) -> CellFunctions:
     """The functions of a cell if they are those that a result was found with."""
     made = cell.functions.manifest
     ours, theirs = (_made_from(manifest, baked=made.is_baked) for manifest in (made, saved))
@@ -314,13 +314,18 @@ def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:
     return cell.functions
 
 
-def _made_from(manifest: Manifest, *, baked: bool) -> dict[str, Any]:
+def _made_from(manifest: CellManifest, *, baked: bool) -> dict[str, Any]:
     """What a cell's functions depend on: not its limits and load, nor, unless it is folded in, its geometry."""
-    geometry = (("gravity",), ("world_base", "object_tip")) if baked else ((), ())
-    made: dict[str, Any] = {name: getattr(manifest, name) for name in ("plane", "wrench_components", *geometry[0])}
+    made: dict[str, Any] = {"plane": manifest.plane, "wrench_components": manifest.wrench_components}
+    if baked:
+        made["gravity"] = manifest.gravity.tolist()
     for number, robot in enumerate(manifest.robots):
-        for name in ("urdf_sha256", "base_link", "tip_link", "held", "name", *geometry[1]):
-            made[f"robots[{number}].{name}"] = getattr(robot, name)
+        source = robot.source
+        own: dict[str, Any] = {"urdf": source.sha256, "base_link": source.base_link, "tip_link": source.tip_link}
+        own |= {"held": dict(robot.held), "name": robot.name}
+        if baked:
+            own |= {"base": robot.T_world_base.numbers.tolist(), "grasp": robot.T_object_tip.numbers.tolist()}
+        made |= {f"robots[{number}].{key}": value for key, value in own.items()}
     return made | {"name": manifest.name}
 
 

@@ -10,7 +10,7 @@ import pytest
 from conftest import ROOT
 
 import mrts
-from mrts.base.manifest import read_generated
+from mrts.cell.record import read_generated
 
 pytestmark = pytest.mark.quick
 
