@@ -120,9 +120,6 @@ class FactorProgram:
     def asked(self, c: float) -> FactorAsked:
         """The least w at a factor that the rows admit.
 
-        Args:
-            c: The factor.
-
         Raises:
             SolverError: If HiGHS finds no answer.
         """
@@ -242,10 +239,6 @@ class RatedFactors:
     def slowest(self, lower: float, upper: float) -> tuple[float, RatesAtEnd | None]:
         """The least c² that rates admit, likewise: `lower` and None if they do not bind, above `upper` if none is.
 
-        Args:
-            lower: As in `fastest`.
-            upper: Likewise.
-
         Raises:
             SolverError: If HiGHS finds no answer.
         """
@@ -256,9 +249,6 @@ class RatedFactors:
 
     def refused(self, c2: float) -> RatesAtEnd | None:
         """What binds where rates do not admit a c² > 0 that all other limits admit; None if they admit it.
-
-        Args:
-            c2: The c².
 
         Raises:
             SolverError: If HiGHS finds no answer.
