@@ -20,6 +20,7 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.excess import Excess
 from mrts.program.infeasibility import Conflict
 from mrts.program.range_status import RangeStatus
@@ -27,11 +28,10 @@ from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult, kept_text
-from mrts.scaling.torques import OF_TORQUES, STEPS
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.profile_limits import profile_limits
-from mrts.timing.retimed_motion import TimedPiece
+from mrts.timing.retimed_motion import TimedPiece, new_times
 from mrts.timing.smooth_piece import SmoothAnswer
 
 
@@ -163,16 +163,15 @@ class RetimingResult(InNotebooks):
     @property
     def duration(self) -> float | None:
         """Of the fastest timing [s]; None without one."""
-        done = None if self.retimed is None else self.retimed.trajectory
-        return None if done is None else done.duration
+        return float(new_times(self.pieces)[-1]) if self.pieces else None
 
     @property
     def effort(self) -> float | None:
-        """∫ τᵀWτ dt of the motion at the timing [s; N² m² s with W = 1]; None without one."""
+        """∫ τᵀWτ dt of the motion at the timing [N² m² s with W = 1]; None without one."""
         done = None if self.retimed is None else self.retimed.trajectory
         if done is None:
             return None
-        W = torque_weights(self.options.weights, self.cell)
+        W = torque_weights(self.options.weights, done.torque.shape[1])
         squares = np.einsum("ni,ij,nj->n", done.torque, W, done.torque)
         return float(np.sum(np.diff(done.time) * (squares[1:] + squares[:-1]) / 2))
 
@@ -201,7 +200,7 @@ class RetimingResult(InNotebooks):
         """What to know of the cell and the motion before trusting the answer."""
         if self.retimed is not None:
             return self.retimed.warnings
-        return tuple(remark for remark in lasting(self.constant.warnings) if remark.code not in OF_TORQUES)
+        return lasting(self.factor.warnings)
 
     def what_if(
         self,
@@ -246,7 +245,7 @@ class RetimingResult(InNotebooks):
             less = "less" if self.saving >= 0 else "more"
             text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
             text += f"{best.c2:.4g}"
-            if self.options.rates is not None and any(remark.code == STEPS for remark in self.constant.warnings):
+            if self.options.rates is not None and any(pushing_ends(best.motion.dq, best.motion.ddq)):
                 text += ", whose torques jump at its ends"
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
