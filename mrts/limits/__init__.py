@@ -48,7 +48,7 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    rows = stack_rows([piece.bounded() for piece in rows_by_limit(cell, motion).values()])
+    rows = stack_rows(list(rows_by_limit(cell, motion).values())).bounded()
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 
@@ -62,7 +62,7 @@ def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    return squared(limit_rows(cell, motion))
+    return squared(limit_rows(cell, motion), motion.samples)
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

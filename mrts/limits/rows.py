@@ -3,8 +3,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from typing import Any, Literal
+from functools import lru_cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -238,7 +238,7 @@ class LimitRows:
         """
         return np.asarray(np.maximum(self.lower - value, value - self.upper) / self.units(), dtype=np.float64)
 
-    @cached_property
+    @property
     def alike_speeds(self) -> NDArray[np.bool_]:
         """Speeds that are limited alike in both directions: they are always at their upper limit, Shape (r,)."""
         if self.speed is None:
@@ -259,10 +259,6 @@ class LimitRows:
         object_axes = None if self.object_axes is None else self.object_axes.at(samples)
         return replace(self, object_axes=object_axes, rate=rate, speed=speed, square=square)
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name != "sparse"}  # it holds addresses
-
-    @cached_property
     def sparse(self) -> SparseLimits:
         """The rows as C reads them."""
         turned = self.object_axes

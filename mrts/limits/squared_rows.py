@@ -2,7 +2,6 @@
 """Limits as the programs take them: what bounds the speed alone in ṙ², and which rows do nothing but that."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +27,8 @@ class SquaredRows:
         unit: What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,).
         is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
             Shape (r,).
+        cap_share: What each of these s caps is of its limit at ṙ = 1, Shape (N, s).
+        cap_code: The side on which it bounds ṙ²: 1 + row by its upper limit, -1 - row by its lower one, Shape (N, s).
     """
 
     given: LimitRows
@@ -35,51 +36,28 @@ class SquaredRows:
     size: Array
     unit: Array
     is_cap: NDArray[np.bool_]
+    cap_share: Array
+    cap_code: NDArray[np.int_]
 
-    @cached_property
-    def kept(self) -> NDArray[np.intp]:
-        """Those that are no caps, Shape (k,)."""
-        return np.flatnonzero(~self.is_cap)
-
-    @cached_property
+    @property
     def crosses(self) -> bool:
         """Whether the sides of some row cross, as a reserve leaves them: it admits nothing."""
         return bool(np.any(self.rows.lower > self.rows.upper))
 
-    @cached_property
-    def uncapped(self) -> LimitRows:
-        """The rows that are no caps."""
-        return self.rows.only(~self.is_cap)
-
-    def caps(self, samples: int) -> "SpeedCaps":
-        """The caps by themselves.
-
-        Args:
-            samples: N.
-        """
-        lower, upper, square = self.rows.lower[self.is_cap], self.rows.upper[self.is_cap], self.rows.square
-        square = np.zeros((samples, len(lower))) if square is None else square[:, self.is_cap]
-        return SpeedCaps(np.flatnonzero(self.is_cap), side_share(square, lower, upper), square > 0)
+    @property
+    def most(self) -> Array:
+        """Largest ṙ² that keeps all caps, Shape (N,)."""
+        return largest_square(self.cap_share)
 
 
-@dataclass(frozen=True)
-class SpeedCaps:
-    """Rows that do nothing but bound ṙ² from above.
+def largest_square(cap_share: Array) -> Array:
+    """Largest ṙ² that keeps all caps, infinity where none moves, Shape (N,).
 
-    Attributes:
-        places: Which of all rows these are, Shape (s,).
-        share: What each is of its limit at ṙ = 1, Shape (N, s).
-        upper: Whether that is its upper limit, Shape (N, s).
+    Args:
+        cap_share: As in `SquaredRows`.
     """
-
-    places: NDArray[np.int_]
-    share: Array
-    upper: NDArray[np.bool_]
-
-    def largest(self) -> Array:
-        """Largest ṙ² that keeps all of them, infinity where nothing moves, Shape (N,)."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(1 / np.max(self.share, axis=1, initial=0.0), dtype=np.float64)
+    with np.errstate(divide="ignore"):
+        return np.asarray(1 / np.max(cap_share, axis=1, initial=0.0), dtype=np.float64)
 
 
 def side_share(square: Array, lower: Array, upper: Array) -> Array:
@@ -93,13 +71,13 @@ def binds(share: Array) -> NDArray[np.bool_]:
     """Which caps bound ṙ², none at rest.
 
     Args:
-        share: As in `SpeedCaps`, of one sample, Shape (s,), or of all, Shape (N, s).
+        share: As `SquaredRows.cap_share`, of one sample, Shape (s,), or of all, Shape (N, s).
     """
     most = np.max(share, axis=-1, initial=0.0, keepdims=True)
     return np.asarray((share >= (1 - CAPS_TIE) * most) & (most > 0))
 
 
-def squared(given: LimitRows) -> SquaredRows:
+def squared(given: LimitRows, samples: int) -> SquaredRows:
     """Bring rows that nothing but ṙ moves into a form that is linear in ṙ².
 
     A row b ṙ becomes b |b| ṙ² between l |l| and u |u|: as ṙ >= 0, squares with their sign keep the order. Where the
@@ -107,41 +85,45 @@ def squared(given: LimitRows) -> SquaredRows:
 
     Args:
         given: Rows along a motion.
+        samples: N.
     """
-    unit = given.units()
-    column = given.speed if given.speed is not None else given.square
-    if column is None:
-        return SquaredRows(given=given, rows=given, size=unit, unit=unit, is_cap=np.zeros(len(unit), dtype=bool))
-    count, alone = len(unit), given.is_of_speed
-    by_speed = moved(given.speed, count)
-    mixed = by_speed & (~alone if given.square is None else moved(given.square, count) | ~alone)
-    by_speed &= ~mixed
-    places = np.flatnonzero(alone & ~mixed)
-    size, least, most = unit[places], given.lower[places] / unit[places], given.upper[places] / unit[places]
-    part = np.zeros((len(column), 1)) if given.square is None else given.square[:, places] / size
-    if np.any(by_speed) and given.speed is not None:
-        of_speed = by_speed[places]
-        share, alike = given.speed[:, places] / size, of_speed & (least == -most)
-        part = part + share * (share if np.all(alike) else np.where(alike, share, np.abs(share)))
+    size = given.units()
+    rows, unit, is_cap, square = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))
+    if given.speed is not None or given.square is not None:
+        alone, by_speed = given.is_of_speed, moved(given.speed, len(size))
+        mixed = by_speed & (~alone | moved(given.square, len(size)))
+        places = np.flatnonzero(alone & ~mixed)
+        rows, square = _in_squares(given, size, places)
+        if np.any(mixed) and given.speed is not None:
+            rows = replace(rows, speed=given.speed * mixed)
+        unit = np.where(by_speed & ~mixed, size / 2, size)
+        least, most = rows.lower[places], rows.upper[places]
+        passed = np.any((square > 0) & (most <= 0) | (square < 0) & (least >= 0), axis=0)
+        caps = (least <= 0) & (most >= 0) & ~passed
+        is_cap[places], square = caps, square[:, caps]
+    places = np.flatnonzero(is_cap)
+    share = side_share(square, rows.lower[places], rows.upper[places])
+    code = np.where(square > 0, 1 + places, -1 - places)
+    return SquaredRows(given=given, rows=rows, size=size, unit=unit, is_cap=is_cap, cap_share=share, cap_code=code)
+
+
+def _in_squares(given: LimitRows, size: Array, places: NDArray[np.int_]) -> tuple[LimitRows, Array]:
+    """The rows with ṙ² for ṙ in those of the speed alone, and the column of ṙ² of these, Shape (N, s)."""
+    size, least, most = size[places], given.lower[places] / size[places], given.upper[places] / size[places]
+    columns = [column for column in (given.square, given.speed) if column is not None]
+    square = np.zeros((len(given.names), len(columns[0]))).T
+    part = np.zeros((len(square), 1))
+    if given.square is not None:
+        square[:] = given.square
+        part = given.square[:, places] / size
+    if given.speed is not None:
+        share, of_speed = given.speed[:, places] / size, moved(given.speed, len(given.names))[places]
+        alike = of_speed & (least == -most)
+        part = part + share * np.where(alike, share, np.abs(share))
         least = np.where(alike, -np.inf, np.where(of_speed, least * np.abs(least), least))
         most = np.where(of_speed, most * np.abs(most), most)
     magnitude = np.abs(part)
     part[magnitude <= SQUARE_AT_REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
-    rows = _with_squares(given, places, size * part, size * least, size * most)
-    if np.any(mixed) and given.speed is not None:
-        rows = replace(rows, speed=given.speed * mixed)
-    stays = (least <= 0) & (most >= 0)
-    is_cap = np.zeros(count, dtype=bool)
-    is_cap[places] = stays & ~np.any((part > 0) & (most <= 0) | (part < 0) & (least >= 0), axis=0)
-    return SquaredRows(given=given, rows=rows, size=unit, unit=np.where(by_speed, unit / 2, unit), is_cap=is_cap)
-
-
-def _with_squares(given: LimitRows, places: NDArray[np.int_], square: Array, lower: Array, upper: Array) -> LimitRows:
-    """The rows without ṙ, some of them with another term in ṙ², Shape (N, s), and other limits, Shape (s,)."""
-    whole = np.zeros((len(given.names), len(square))).T
-    if given.square is not None:
-        whole[:] = given.square
-    whole[:, places] = square
-    limits = given.lower.copy(), given.upper.copy()
-    limits[0][places], limits[1][places] = lower, upper
-    return replace(given, lower=limits[0], upper=limits[1], speed=None, square=whole)
+    lower, upper = given.lower.copy(), given.upper.copy()
+    square[:, places], lower[places], upper[places] = size * part, size * least, size * most
+    return replace(given, lower=lower, upper=upper, speed=None, square=square), square[:, places]

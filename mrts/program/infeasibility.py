@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow
 from mrts.program.elastic_program import least_widening
 from mrts.program.sample_problem import SampleProblem
@@ -194,8 +195,10 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
     for _ in range(SEARCH_ROUNDS):
         part = problem.at(open_ones)
         level = least[open_ones, None] * (1 - CLOSEST) * part.is_limit
-        found = highest_intervals(replace(part, lower=part.lower - level, upper=part.upper + level))
-        admitted, open_ones = ~found.undecided, open_ones[~found.undecided]
+        wider = replace(part, lower=part.lower - level, upper=part.upper + level)
+        found = highest_intervals(wider, np.full(part.samples, np.inf))
+        admitted = found.status[0] == OPTIMAL
+        open_ones = open_ones[admitted]
         if not open_ones.size:
             break
         low, high = np.sqrt(found.lower[admitted]), np.sqrt(found.upper[admitted])

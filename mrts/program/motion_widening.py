@@ -10,6 +10,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.motion_rows import widenings
 from mrts.kernel.programs import OPTIMAL
+from mrts.limits.squared_rows import SquaredRows
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.sample_problem import build_sample_problem
@@ -85,6 +86,15 @@ def _compiled_widening(
         inputs = {name: value if value.ndim == 1 else value[places] for name, value in inputs.items()}
         terms = terms.at(places)
     inputs |= {GEOMETRY: cell.geometry, "load": cell.load if load is None else load}
-    units = fast.form.size[fast.form.kept]
-    share, status = widenings(fast.compiled, len(places), inputs, fast.sparse(), units, terms, c2)
-    return np.maximum(share, fast.passed_caps(c2, places)), status != OPTIMAL
+    units = fast.form.size[~fast.form.is_cap]
+    share, status = widenings(fast.compiled, len(places), inputs, fast.limits, units, terms, c2)
+    return np.maximum(share, _passed_caps(fast.form, c2, places)), status != OPTIMAL
+
+
+def _passed_caps(form: SquaredRows, c2: Array, samples: NDArray[np.intp]) -> Array:
+    """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,)."""
+    if form.rows.square is None or not np.any(form.is_cap):
+        return np.zeros(len(samples))
+    lower, upper, size = form.rows.lower[form.is_cap], form.rows.upper[form.is_cap], form.size[form.is_cap]
+    value = form.rows.square[np.ix_(samples, form.is_cap)] * c2[:, None]
+    return np.asarray(np.max(np.maximum(value - upper, lower - value) / size, axis=1, initial=0.0))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import LimitRows
 from mrts.motion.rows_at_rest import REST
 
 
@@ -48,6 +49,10 @@ class MotorTerms:
             speed: ṙ.
         """
         return self.square * speed**2 + self.friction(speed)
+
+    def margin(self, rows: LimitRows) -> Array | None:
+        """By how much limits move inward where friction may act in both directions, Shape (N, r); None if none does."""
+        return None if self.turning is None else self.turning @ np.abs(rows.torque_matrix).T
 
     def friction(self, speed: float | Array) -> Array:
         """The part of τ that friction is at ṙ, Shape (N, m) [N m or N].

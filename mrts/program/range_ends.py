@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
-from mrts.limits.rows import STANDSTILL, ActiveRow, LimitRows, RowName, Side
-from mrts.limits.squared_rows import SpeedCaps, binds
+from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
+from mrts.limits.squared_rows import SquaredRows, binds
 from mrts.program.sample_problem import SampleProblem
 
 BINDING_TOLERANCE = 1e-7
@@ -92,19 +92,16 @@ def codes_of_sides(sides: NDArray[np.int8]) -> NDArray[np.int32]:
     return np.asarray(sides * np.arange(1, sides.shape[-1] + 1), dtype=np.int32)
 
 
-def kernel_rows(
-    given: LimitRows, kept: NDArray[np.int_], caps: SpeedCaps, basis: NDArray[np.int16], dual: NDArray[np.float32]
-) -> BindingRows:
+def kernel_rows(form: SquaredRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> BindingRows:
     """The rows of the kernel's bases.
 
     Args:
-        given: The rows of a motion.
-        kept: Those that the kernel has, Shape (r,); row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its
-            upper one.
-        caps: The rows that bound c² alone.
+        form: The rows of a motion, of which the kernel has the r that are no caps; row r + k - 1 of a basis is c² >= 0
+            at its lower side, a cap at its upper one.
         basis: As the kernel gives them, Shape (2, N, k).
         dual: Their multipliers, likewise.
     """
+    given, kept = form.given, np.flatnonzero(~form.is_cap)
     size = np.abs(dual)
     order = np.argsort(-size, axis=2, kind="stable")
     sides, size = np.take_along_axis(basis, order, axis=2).astype(np.int32), np.take_along_axis(size, order, axis=2)
@@ -115,14 +112,9 @@ def kernel_rows(
     code = np.where((sides > 0) | alike[place], 1 + place, -1 - place)
     code[of_c2 & (sides > 0)] = 0
     capped = np.any(strong & of_c2 & (sides > 0), axis=2)
-    of_caps = np.where(capped[:, :, None] & binds(caps.share), cap_codes(given, caps), 0)
+    of_caps = np.where(capped[:, :, None] & binds(form.cap_share), form.cap_code, 0)
     codes = np.concatenate([of_caps, np.where(strong, code, 0)], axis=2).astype(np.int32)
     return BindingRows(given.names, np.stack([given.lower, given.upper]), codes)
-
-
-def cap_codes(given: LimitRows, caps: SpeedCaps) -> NDArray[np.int_]:
-    """Code of each cap at the side on which it bounds c², Shape (N, s)."""
-    return np.where(caps.upper | given.alike_speeds[caps.places], 1 + caps.places, -1 - caps.places)
 
 
 @dataclass
@@ -146,10 +138,10 @@ class RangeEnds:
     several: bool = False
 
     def replace(self, samples: NDArray[np.int_], other: "RangeEnds") -> None:
-        """Take some samples from another batch, which must have found them."""
-        require_decided(samples, other.undecided)
-        self.lower[samples], self.upper[samples] = np.minimum(other.lower, other.upper), other.upper
+        """Take some samples from another batch."""
+        self.lower[samples], self.upper[samples] = other.lower, other.upper
         self.rows = self.rows.with_samples(samples, other.rows.codes)
+        self.undecided[samples] = other.undecided
         self.fallbacks += other.fallbacks
         self.several |= other.several
 

@@ -17,7 +17,7 @@ from mrts.kernel.motion_rows import path_rows
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow, LimitRows, RowName
-from mrts.limits.squared_rows import SquaredRows, side_share
+from mrts.limits.squared_rows import SquaredRows, largest_square, side_share
 from mrts.program.formulation import FORMULATIONS, FormulationName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motor_terms import MotorTerms, motor_terms
@@ -113,8 +113,7 @@ class SampleProblem:
 
     def cap(self) -> Array:
         """Largest value of the last unknown that the caps allow, infinity where they do not bound it, Shape (N,)."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(1 / np.max(self.cap_share, axis=1, initial=0.0), dtype=np.float64)
+        return largest_square(self.cap_share)
 
     def torque(self, x: Array) -> Array:
         """Torques of unknowns x, Shape (N, k), as Shape (N, m) [N m]."""
@@ -300,7 +299,7 @@ def _problem(
         A[:, :, -1] += rows.square
     if rows.rate is not None and varying:
         A[:, :, -2] += rows.rate
-    inward = _margin(motors, rows)
+    inward = None if motors is None else motors.margin(rows)
     margin = np.zeros(1) if inward is None else inward
     lower, upper = (rows.lower + margin - offset) / size, (rows.upper - margin - offset) / size
     return _with_rows(form, motors, rows, maps, A=A / size[:, None], lower=lower, upper=upper)
@@ -313,18 +312,13 @@ def _path_problem(
     library, rows = cell.library, form.rows
     terms, rate = SampleTerms(square=rows.square), np.zeros((count, library.joints))
     if motors is not None:
-        rate, margin = motors.rate, _margin(motors, rows)
+        rate, margin = motors.rate, motors.margin(rows)
         terms = replace(terms, torque_square=motors.square, torque_offset=motors.dry, margin=margin)
-    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse, form.size, terms, rate)
+    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse(), form.size, terms, rate)
     if rows.rate is not None:
         found.A[:, :, -2] += rows.rate / form.size
     maps = {name: getattr(found, name) for name in ("torque_map", "torque_offset", "wrench_map", "wrench_offset")}
     return _with_rows(form, motors, rows, maps, A=found.A, lower=found.lower, upper=found.upper)
-
-
-def _margin(motors: MotorTerms | None, rows: LimitRows) -> Array | None:
-    """By how much limits move inward where friction may act in both directions, Shape (N, r); None where none does."""
-    return None if motors is None or motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T
 
 
 def _with_rows(

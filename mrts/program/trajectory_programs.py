@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,28 +13,21 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import CellLibrary, KernelRanges, SparseLimits
 from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, KnownWrenches
-from mrts.kernel.programs import INFEASIBLE, OPTIMAL
+from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import squared_limits
 from mrts.limits.rows import LimitRows, Side
-from mrts.limits.squared_rows import SpeedCaps, SquaredRows, binds
+from mrts.limits.squared_rows import SquaredRows, binds
 from mrts.program.closed_form import tied_codes, tied_sides
 from mrts.program.formulation import FormulationName
-from mrts.program.infeasibility import Conflict, find_conflicts
+from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motor_terms import MotorTerms, motor_terms
-from mrts.program.range_ends import BindingRows, cap_codes, kernel_rows, no_codes, rows_of_problem
+from mrts.program.range_ends import BindingRows, kernel_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import (
-    MOST_INTERVALS,
-    REST_TOLERANCE,
-    SampleRanges,
-    sample_ranges,
-    statuses,
-    with_end_problem,
-    without_speed_at_rest,
-)
+from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, with_end_problem
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
+from mrts.program.speed_intervals import intervals_below
 from mrts.program.torque_distribution import TORQUE_WIDENING, distribute_torques, known_torques
 
 BLOCK = 4096
@@ -70,7 +62,7 @@ def motion_ranges(
         SolverError: If no solver answers.
     """
     fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
-    if fast is not None and not fast.quadratic:
+    if fast is not None and not (fast.one_unknown and fast.has_speed_terms):
         found = _compiled_ranges(cell, motion, fast, solver, load, high)
     else:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
@@ -88,19 +80,20 @@ def _compiled_ranges(
     cell: Cell, motion: CoordinatedMotion, fast: "CompiledTrajectory", solver: str, load: Array | None, high: float
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
-    most, several = fast.caps.largest(), False
+    most, several, time = fast.form.most, False, motion.object.time
     found: KnownRanges | KernelRanges
     if fast.one_unknown:
         found = fast.known(cell, motion, load).ranges(fast.terms(), most)
         undecided = found.lower > found.upper
     else:
-        given = motion.samples, _inputs(cell, motion, load), fast.sparse(), fast.terms()
+        given = motion.samples, _inputs(cell, motion, load), fast.limits, fast.terms()
         if fast.has_speed_terms:
-            found, several = _intervals_below(partial(fast.compiled.speed_ranges, *given), most, high)
+            found, several = intervals_below(partial(fast.compiled.speed_ranges, *given), most, high)
         else:
             found = fast.compiled.ranges(*given, most)
         undecided = np.any(found.status != OPTIMAL, axis=0)
-    at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
+    effect = float(np.max(found.effect, initial=0.0))
+    at_rest = found.effect <= REST_TOLERANCE * effect
     lower, upper = found.lower + 0.0, np.where(at_rest, most, found.upper) + 0.0  # 0 has no sign
     suspects = np.flatnonzero(undecided | (at_rest & (lower > 0)))
     rows = fast.rows_at_ends(found, (lower, upper), at_rest)
@@ -108,14 +101,15 @@ def _compiled_ranges(
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
-        part = _settle(cell, motion, fast.sharing, load, block, float(np.max(found.effect)), solver, high)
+        problem = build_sample_problem(cell, motion, sharing=fast.sharing, load=load, samples=block)
+        part = sample_ranges(problem, time[block], solver, high, doubtful=True, effect=effect)
         lower[block], upper[block] = part.lower, part.upper
         rows = rows.with_samples(block, part.rows.codes)
         conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
         fallbacks += part.fallbacks
         several |= part.several
     return SampleRanges(
-        time=motion.object.time,
+        time=time,
         status=statuses(lower, upper, conflicts),
         lower=lower,
         upper=upper,
@@ -124,31 +118,6 @@ def _compiled_ranges(
         fallbacks=fallbacks,
         several=several,
     )
-
-
-def _intervals_below(find: Callable[[Array], KernelRanges], most: Array, high: float) -> tuple[KernelRanges, bool]:
-    """The highest intervals of c² that do not begin above a c², and whether some sample has others.
-
-    Args:
-        find: Highest intervals below a c² of each sample, Shape (N,).
-        most: Largest c² of each sample, Shape (N,).
-        high: The c².
-    """
-    found, lowest = find(most), np.zeros(len(most), dtype=bool)
-    assert found.gap is not None  # noqa: S101 (rows have terms in c)
-    several = bool(np.any(found.gap > 0))
-    for _ in range(MOST_INTERVALS):
-        gap = np.asarray(found.gap)
-        above = (gap > 0) & (found.lower > high) & ~lowest
-        if not np.any(above):
-            break
-        tried = np.where(above, gap, most)
-        below = find(tried)
-        nothing = above & (below.status[0] == INFEASIBLE)
-        lowest |= nothing
-        if not np.any(nothing):
-            most, found = tried, below
-    return found, several
 
 
 def motion_torques(
@@ -186,7 +155,7 @@ def motion_torques(
     torque, wrench, status = fast.compiled.torques(
         motion.samples,
         _inputs(cell, motion, None),
-        fast.sparse(),
+        fast.limits,
         fast.terms(float(np.sqrt(c2))),
         np.full(motion.samples, c2),
         weights,
@@ -217,81 +186,44 @@ def motion_planes(
         Half-planes, and Shape (N,); None where the compiled path does not answer.
     """
     fast = compiled_trajectory(cell, motion, "wrench", sharing, DEFAULT_SOLVER)
-    if fast is None or not fast.one_unknown or fast.quadratic:
+    if fast is None or not fast.one_unknown or fast.has_speed_terms:
         return None
     motors = fast.motors
     by_rate = SampleTerms(torque_square=None if motors is None else motors.rate, square=fast.rows.rate)
     planes = fast.known(cell, motion, load).planes(fast.terms(), by_rate)
-    return None if planes is None else (planes, fast.caps.largest())
+    return None if planes is None else (planes, fast.form.most)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CompiledTrajectory:
     """What the compiled path takes.
 
     Attributes:
         compiled: The cell's library.
         form: All rows.
-        samples: N.
+        rows: Those that are no caps.
+        limits: The same as C reads them.
         motors: What motors add.
         sharing: A fixed distribution of the load.
+        one_unknown: Whether c² is the only unknown.
+        has_speed_terms: Whether a row has a term in ṙ beside others.
     """
 
     compiled: CellLibrary
     form: SquaredRows
-    samples: int
+    rows: LimitRows
+    limits: SparseLimits
     motors: MotorTerms | None
     sharing: LoadSharing | None
-
-    @cached_property
-    def caps(self) -> SpeedCaps:
-        """The rows that only bound c²."""
-        return self.form.caps(self.samples)
-
-    @property
-    def one_unknown(self) -> bool:
-        """Whether c² is the only unknown."""
-        return self.sharing is not None or self.compiled.robots == 1
-
-    @property
-    def has_speed_terms(self) -> bool:
-        """Whether a row has a term in ṙ beside others."""
-        return self.form.rows.speed is not None or (self.motors is not None and self.motors.speed is not None)
-
-    @property
-    def quadratic(self) -> bool:
-        """Whether rows are quadratic in c, the only unknown: their intervals are found in numpy."""
-        return self.one_unknown and self.has_speed_terms
-
-    @property
-    def rows(self) -> LimitRows:
-        """The rows that it takes."""
-        return self.form.uncapped
-
-    def passed_caps(self, c2: Array, samples: NDArray[np.intp]) -> Array:
-        """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,).
-
-        Args:
-            c2: Shape (k,).
-            samples: Shape (k,).
-        """
-        form = self.form
-        if form.rows.square is None or not np.any(form.is_cap):
-            return np.zeros(len(samples))
-        lower, upper, size = form.rows.lower[form.is_cap], form.rows.upper[form.is_cap], form.size[form.is_cap]
-        value = form.rows.square[np.ix_(samples, form.is_cap)] * c2[:, None]
-        return np.asarray(np.max(np.maximum(value - upper, lower - value) / size, axis=1, initial=0.0))
-
-    def sparse(self) -> SparseLimits:
-        """The rows that it takes, as C reads them."""
-        return self.rows.sparse
+    one_unknown: bool
+    has_speed_terms: bool
 
     def known(self, cell: Cell, motion: CoordinatedMotion, load: Array | None) -> KnownWrenches:
         """The samples of a motion where c² is the only unknown."""
         inputs, function = _inputs(cell, motion, load), "wrench_form"
         if self.sharing is not None:
             inputs, function = inputs | self.sharing.inputs(cell, motion), "fixed_distribution"
-        return KnownWrenches(self.compiled, function, motion.samples, inputs, self.sparse())
+        return KnownWrenches(self.compiled, function, motion.samples, inputs, self.limits)
 
     def rows_at_ends(
         self, found: KnownRanges | KernelRanges, ends: tuple[Array, Array], at_rest: NDArray[np.bool_]
@@ -303,19 +235,18 @@ class CompiledTrajectory:
             ends: Lower and upper end of every sample, each Shape (N,).
             at_rest: Samples at which c² moves nothing but caps, Shape (N,).
         """
-        given, caps = self.form.given, self.caps
+        form, given = self.form, self.form.given
         if isinstance(found, KnownRanges):
             sides = np.zeros((2, len(at_rest), len(given.names)), dtype=np.int8)
-            sides[:, :, self.form.kept] = found.tied
+            sides[:, :, ~form.is_cap] = found.tied
             sides[1, at_rest] = 0
-            if caps.places.size:
-                with np.errstate(divide="ignore"):
-                    sides[1][:, caps.places] = tied_sides(1 / caps.share, ends[1], caps.upper)
+            with np.errstate(divide="ignore"):
+                sides[1][:, form.is_cap] = tied_sides(1 / form.cap_share, ends[1], form.cap_code > 0)
             return BindingRows(given.names, np.stack([given.lower, given.upper]), tied_codes(sides, ends[0]))
-        rows = kernel_rows(given, self.form.kept, caps, found.basis, found.dual)
-        still = np.flatnonzero(at_rest & np.isfinite(ends[1]))
+        rows = kernel_rows(form, found.basis, found.dual)
+        still, caps = np.flatnonzero(at_rest & np.isfinite(ends[1])), form.cap_code.shape[1]
         rows.codes[1, still] = 0
-        rows.codes[1, still, : len(caps.places)] = np.where(binds(caps.share), cap_codes(given, caps), 0)[still]
+        rows.codes[1, still, :caps] = np.where(binds(form.cap_share), form.cap_code, 0)[still]
         return rows
 
     def terms(self, speed: float | Array | None = None) -> SampleTerms:
@@ -336,7 +267,7 @@ class CompiledTrajectory:
             torque_square=motors.square,
             torque_offset=motors.friction(0.0 if speed is None else speed),
             torque_speed=motors.speed if speed is None else None,
-            margin=None if motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T,
+            margin=motors.margin(rows),
         )
 
 
@@ -359,46 +290,21 @@ def compiled_trajectory(
     compiled = cell.library
     if solver != "kernel" or formulation != "wrench":
         return None
-    form = squared_limits(cell, motion)
-    if len(form.kept) + compiled.unknowns > MOST_ROWS or form.crosses:
+    form, motors = squared_limits(cell, motion), motor_terms(cell, motion)
+    rows = form.rows.only(~form.is_cap)
+    if len(rows.names) + compiled.unknowns > MOST_ROWS or form.crosses:
         return None
-    return CompiledTrajectory(compiled, form, motion.samples, motor_terms(cell, motion), sharing)
+    return CompiledTrajectory(
+        compiled=compiled,
+        form=form,
+        rows=rows,
+        limits=rows.sparse(),
+        motors=motors,
+        sharing=sharing,
+        one_unknown=sharing is not None or compiled.robots == 1,
+        has_speed_terms=rows.speed is not None or (motors is not None and motors.speed is not None),
+    )
 
 
 def _inputs(cell: Cell, motion: CoordinatedMotion, load: Array | None) -> dict[str, Array]:
     return motion.inputs(cell.load if load is None else load) | {GEOMETRY: cell.geometry}
-
-
-def _settle(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    sharing: LoadSharing | None,
-    load: Array | None,
-    samples: NDArray[np.int_],
-    speed: float,
-    solver: str,
-    high: float,
-) -> SampleRanges:
-    """Ranges of samples that the kernel found infeasible or could not decide."""
-    given = build_sample_problem(cell, motion, sharing=sharing, load=load, samples=samples)
-    problem = without_speed_at_rest(given, speed)
-    time = motion.object.time[samples]
-    found = find_conflicts(problem, time, np.arange(len(samples)), solver)
-    conflicts = tuple(conflict for conflict in found if conflict is not None)
-    still = np.array([index for index, conflict in enumerate(found) if conflict is None], dtype=int)
-    lower, upper = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
-    rows, fallbacks, several = rows_of_problem(problem, no_codes(len(samples))), 0, False
-    if still.size:
-        part = sample_ranges(problem.at(still), time[still], solver, high)
-        lower[still], upper[still], fallbacks, several = part.lower, part.upper, part.fallbacks, part.several
-        rows = rows.with_samples(still, part.rows.codes)
-    return SampleRanges(
-        time=time,
-        status=statuses(lower, upper, conflicts),
-        lower=lower,
-        upper=upper,
-        rows=rows,
-        conflicts=conflicts,
-        fallbacks=fallbacks,
-        several=several,
-    )

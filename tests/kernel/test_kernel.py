@@ -250,7 +250,7 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         ends = cell.library.ranges(
             motion.samples,
             motion.inputs(cell.load) | {"geometry": cell.geometry},
-            fast.sparse(),
+            fast.limits,
             fast.terms(),
             np.full(motion.samples, np.inf),
         )

@@ -92,7 +92,7 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
     motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
     fast, inputs = compiled_trajectory(cell, motion, "wrench", None, "kernel"), motion.inputs(cell.load)
     ends = fast.compiled.ranges(
-        SAMPLES, inputs | {GEOMETRY: cell.geometry}, fast.sparse(), fast.terms(1.0), np.full(SAMPLES, np.inf)
+        SAMPLES, inputs | {GEOMETRY: cell.geometry}, fast.limits, fast.terms(1.0), np.full(SAMPLES, np.inf)
     )
     share = rng.choice([0.9, 1.0, 1.2], p=[0.8, 0.1, 0.1], size=SAMPLES)
     c2 = ends.lower + share * (np.minimum(ends.upper, 10 * np.median(ends.upper)) - ends.lower)
@@ -106,7 +106,7 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
         some = {name: value[samples] if value.ndim > 1 else value for name, value in inputs.items()}
         here = some | {GEOMETRY: cell.geometry}
         terms = fast.terms(1.0).at(samples)
-        return fast.compiled.torques(len(samples), here, fast.sparse(), terms, c2[samples], W, TORQUE_WIDENING)
+        return fast.compiled.torques(len(samples), here, fast.limits, terms, c2[samples], W, TORQUE_WIDENING)
 
     every = np.arange(SAMPLES)
     torque, wrench, status = least(every)
