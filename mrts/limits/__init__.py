@@ -9,14 +9,10 @@ from dataclasses import replace
 
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.contact_limits import contact_limits
-from mrts.limits.motor_limits import motor_limits
+from mrts.limits.cell_limits import contact_limits, motor_limits, torque_limits, velocity_limits, wrench_limits
 from mrts.limits.row_check import checked_rows
 from mrts.limits.rows import LimitRows, stack_rows
 from mrts.limits.squared_rows import SquaredRows, squared
-from mrts.limits.torque_limits import torque_limits
-from mrts.limits.velocity_limits import velocity_limits
-from mrts.limits.wrench_limits import wrench_limits
 
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
 

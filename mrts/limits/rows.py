@@ -4,13 +4,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.cell.cell import Cell
 from mrts.kernel.cell_library import SparseLimits
 from mrts.limits.object_axes import ObjectAxes
 
@@ -152,6 +153,23 @@ class LimitRows:
     speed: Array | None = None
     square: Array | None = None
     size: Array | None = None
+
+    @classmethod
+    def of(cls, cell: Cell, *, names: Sequence[RowName], lower: Array, upper: Array, **terms: Any) -> Self:
+        """Rows of a cell, with zeros for the matrices that are not given.
+
+        Args:
+            cell: The cell.
+            names: One a row.
+            lower: Shape (r,).
+            upper: Shape (r,).
+            **terms: The other attributes.
+        """
+        matrices = {
+            "torque_matrix": np.zeros((len(names), sum(len(robot.joints) for robot in cell.robots))),
+            "wrench_matrix": np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),
+        }
+        return cls(names=tuple(names), lower=lower, upper=upper, **matrices | terms)
 
     def units(self) -> Array:
         """What 100 % of each limit is, Shape (r,): its larger side; for a zero, the largest of its group, or 1."""
@@ -300,8 +318,6 @@ class LimitRows:
 
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""
-        if not self.names:
-            return self
         return self.only(np.isfinite(self.lower) | np.isfinite(self.upper))
 
     @property
@@ -354,21 +370,22 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
     pieces = [piece for piece in given if piece.names] or given[:1]
 
     def column(parts: list[Array | None]) -> Array | None:
-        there = [part for part in parts if part is not None]
-        if not there:
+        samples = [len(part) for part in parts if part is not None]
+        if not samples:
             return None
-        whole = np.zeros((sum(len(piece.names) for piece in pieces), len(there[0])))
+        whole = np.zeros((len(names), samples[0]))  # row by row in memory: rows without the term cost nothing
         start = 0
         for piece, part in zip(pieces, parts, strict=True):
-            stop = start + len(piece.names)
             if part is not None:
-                whole[start:stop] = part.T
-            start = stop
-        return whole.T  # row by row in memory: rows without the term cost nothing
+                whole[start : start + len(piece.names)] = part.T
+            start += len(piece.names)
+        return whole.T
 
+    names = tuple(name for piece in pieces for name in piece.names)
     turned = [piece for piece in pieces if piece.object_matrix is not None]
+    sized = any(piece.size is not None for piece in pieces)
     return LimitRows(
-        names=tuple(name for piece in pieces for name in piece.names),
+        names=names,
         lower=np.concatenate([piece.lower for piece in pieces]),
         upper=np.concatenate([piece.upper for piece in pieces]),
         torque_matrix=np.concatenate([piece.torque_matrix for piece in pieces]),
@@ -378,7 +395,5 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
         rate=column([piece.rate for piece in pieces]),
         speed=column([piece.speed for piece in pieces]),
         square=column([piece.square for piece in pieces]),
-        size=None
-        if all(piece.size is None for piece in pieces)
-        else np.concatenate([piece.units() for piece in pieces]),
+        size=np.concatenate([piece.units() for piece in pieces]) if sized else None,
     )

@@ -98,7 +98,7 @@ def squared(given: LimitRows, samples: int) -> SquaredRows:
             rows = replace(rows, speed=given.speed * mixed)
         unit = np.where(by_speed & ~mixed, size / 2, size)
         least, most = rows.lower[places], rows.upper[places]
-        passed = np.any((square > 0) & (most <= 0) | (square < 0) & (least >= 0), axis=0)
+        passed = np.any(square > 0, axis=0) & (most <= 0) | np.any(square < 0, axis=0) & (least >= 0)
         caps = (least <= 0) & (most >= 0) & ~passed
         is_cap[places], square = caps, square[:, caps]
     places = np.flatnonzero(is_cap)
