@@ -27,7 +27,7 @@ from mrts_codegen.model_c import model_c
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError
-from mrts.base.manifest import Manifest
+from mrts.cell.record import CellManifest
 
 GENERATED = ("include/*.h", "src/*.[ch]", "src/parts/*.c", "tests/*.[ch]", "examples/*.c")
 """Where an export writes files that start with its notice."""
@@ -37,7 +37,7 @@ LONGEST_START = 100
 
 
 def export_library(
-    manifest: Manifest,
+    manifest: CellManifest,
     functions: dict[str, ca.Function],
     *,
     limits: EmbeddedLimits,
@@ -50,7 +50,7 @@ def export_library(
     """Texts of all files of the library, by path inside its folder.
 
     Args:
-        manifest: Manifest of the cell; its name is that of the library.
+        manifest: CellManifest of the cell; its name is that of the library.
         functions: Its generated functions, as CasADi has them.
         limits: What the cell must keep.
         vectors: Test vectors.

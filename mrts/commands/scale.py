@@ -38,8 +38,8 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.program.load_sharing import LoadSharing
+    from mrts.scaling.options import Selection
     from mrts.scaling.result import ScalingResult
-    from mrts.scaling.scale import Selection
     from mrts.timing.result import RetimingResult
 
 EXAMPLES = """\
@@ -148,8 +148,7 @@ def _scale(
 ) -> int:
     from mrts.output.summary_lines import scaling_lines
     from mrts.program.solvers import DEFAULT_SOLVER
-    from mrts.scaling.known_load import torques_for_load
-    from mrts.scaling.scale import SelectionError, scale
+    from mrts.scaling.scale import SelectionError, scale, torques_for_load
 
     outputs = Outputs()
     select: Selection = "auto" if options.select is None else options.select
@@ -218,7 +217,7 @@ def _retime(
     closure: "ClosureBound | None",
 ) -> int:
     from mrts.output.summary_lines import retiming_lines
-    from mrts.scaling.known_load import torques_for_load
+    from mrts.scaling.scale import torques_for_load
     from mrts.timing.retime import retime
 
     outputs, further = Outputs(), smooth_arguments(options, cell)

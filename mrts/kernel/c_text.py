@@ -11,7 +11,7 @@ from mrts.base.manifest import GEOMETRY, Manifest
 
 PROGRAM_FILES = (
     *("linear_programs.c", "quadratic_programs.c", "basis/kept_basis.c", "speed_intervals.c", "batch.c"),
-    *(f"reachability/{name}.c" for name in ("corners", "projection", "lane_corners", "regions")),
+    *(f"reachability/{name}.c" for name in ("projection", "lane_corners", "regions")),
 )
 """The programs, which need no cell."""
 
@@ -22,7 +22,7 @@ CELL_FILES = (
     *(*PROGRAM_FILES, "lanes/forms.c", "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
     *("trajectory.c", "one_unknown/one_unknown.c"),
     *(*TRACKING_FILES, "tracking/closure.c"),
-    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "lane_widening", "widening")),
+    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
     *(f"variants/{name}.c" for name in ("end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""

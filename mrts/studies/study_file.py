@@ -27,7 +27,7 @@ from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, l
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.program.excess import checked_tolerance
-from mrts.scaling.uncertain_load import mass_grid
+from mrts.scaling.loads import mass_grid
 from mrts.studies.knobs import read_parameters
 from mrts.studies.sampling import MOST_HYPERCUBE_NUMBERS, MOST_VARIANTS, SampleName, grid_size
 from mrts.studies.study import Parameter, Study, StudyFile, StudyQuestion

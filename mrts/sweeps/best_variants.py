@@ -43,7 +43,7 @@ class BestVariant:
     @property
     def constant(self) -> ScalingResult:
         """The result of the constant factor, for its range."""
-        return self.result.factor.bare if isinstance(self.result, RetimingResult) else self.result
+        return self.result.factor if isinstance(self.result, RetimingResult) else self.result
 
     @property
     def duration(self) -> float | None:

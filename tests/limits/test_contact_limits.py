@@ -9,12 +9,8 @@ from conftest import DATA
 from contact_forces import least_pressing
 
 import mrts
-from mrts.cell.hands.box import box_contact
-from mrts.cell.hands.contact import Contact
-from mrts.cell.hands.contact_axes import tip_components
-from mrts.cell.hands.gripper import gripper_contact
-from mrts.cell.hands.pad import pad_contact
-from mrts.cell.hands.suction import suction_contact
+from mrts.cell.hands.contact import Contact, tip_components
+from mrts.cell.hands.kinds import box_contact, gripper_contact, pad_contact, suction_contact
 from mrts.limits import limit_rows
 from mrts.limits.object_axes import object_axes
 from mrts.output.saved_result import load_result, save_result

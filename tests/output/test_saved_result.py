@@ -95,7 +95,6 @@ def result(request, planar_cell, lift):
 
 
 FOUND_WHEN_READ = {
-    "find": ("torque", "wrench"),
     "Excess.named": ("row",),
     "RangeEnd.named": ("rows",),
     "ScalingResult.found": ("range",),
@@ -129,8 +128,8 @@ def differences(one, other, path="result"):
 def test_everything_comes_back(result, tmp_path):
     mrts.save_result(result, tmp_path / "result.npz")
     again = mrts.load_result(tmp_path / "result.npz")
-    given = replace(result, rule=replace(result.rule, sharing=None, weights=None))  # may be lists; compared below
-    assert differences(given, replace(again, rule=given.rule)) == []
+    given = replace(result, options=replace(result.options, sharing=None, weights=None))  # may be lists; compared below
+    assert differences(given, replace(again, options=given.options)) == []
     assert again.json_text() == result.json_text()
     assert again.to_json() == result.to_json()
     assert list(scaling_lines(again)) == list(scaling_lines(result))
@@ -143,14 +142,14 @@ def test_the_rule_comes_back(planar_cell, lift, tmp_path):
     inner = np.linalg.svd(B)[2][:, -1]  # B inner = 0 at every sample
     sharing = mrts.LoadSharing(np.array([0.3, 0.7]), inner)
     mrts.save_result(mrts.scale(planar_cell, lift, 0.5, sharing=sharing), tmp_path / "result.npz")
-    again = mrts.load_result(tmp_path / "result.npz").rule
+    again = mrts.load_result(tmp_path / "result.npz").options
     np.testing.assert_array_equal(again.sharing.shares, [0.3, 0.7])
     np.testing.assert_array_equal(again.sharing.internal_wrench, inner)
     W = np.diag(np.arange(1.0, 7.0))
     for formulation, weights in (("torque", W), ("wrench", np.diag(W))):
         chosen = mrts.scale(planar_cell, lift, 0.5, formulation=formulation, weights=weights)
         mrts.save_result(chosen, tmp_path / "result.npz")
-        again = mrts.load_result(tmp_path / "result.npz").rule
+        again = mrts.load_result(tmp_path / "result.npz").options
         assert (again.sharing, again.formulation) == (None, formulation)
         np.testing.assert_array_equal(again.weights, weights)
 

@@ -116,8 +116,8 @@ def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift
 
 def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, turning):
     state = PlayerState(dual_ur5, turning)
-    end, rule = state.trajectory, state.result.rule
-    torque, wrench = widened_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7), "kernel")
+    end, rule = state.trajectory, state.result.options
+    torque, wrench = widened_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7))
     np.testing.assert_allclose(torque, end.torque, atol=0.01)
     np.testing.assert_allclose(wrench, end.wrench, atol=0.01)
 
