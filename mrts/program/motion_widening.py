@@ -10,6 +10,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.motion_rows import widenings
 from mrts.kernel.programs import OPTIMAL
+from mrts.limits import squared_limits
 from mrts.limits.squared_rows import SquaredRows
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
@@ -31,6 +32,7 @@ def motion_widening(
     sharing: LoadSharing | None = None,
     load: Array | None = None,
     samples: NDArray[np.intp] | None = None,
+    rows: SquaredRows | None = None,
 ) -> Array:
     """By how much all limits must move outward before a motion keeps them, in shares of each: Shape (k,).
 
@@ -42,6 +44,7 @@ def motion_widening(
         sharing: Likewise.
         load: Load vector instead of the cell's, Shape (10,), or one a sample asked for, Shape (k, 10).
         samples: Indices of those that are asked for, Shape (k,); None takes all N.
+        rows: As in `motion_ranges`.
 
     Raises:
         InputError: If an argument breaks a rule.
@@ -50,7 +53,8 @@ def motion_widening(
     places = np.arange(motion.samples) if samples is None else samples
     if not len(places):
         return np.zeros(0)
-    fast = compiled_trajectory(cell, motion, formulation, None, DEFAULT_SOLVER) if sharing is None else None
+    rows = squared_limits(cell, motion) if rows is None else rows
+    fast = compiled_trajectory(cell, motion, formulation, None, DEFAULT_SOLVER, rows) if sharing is None else None
     share, missing = np.zeros(len(places)), np.ones(len(places), dtype=bool)
     if fast is not None:
         share, missing = _compiled_widening(cell, motion, fast, c2, load, places)
@@ -58,7 +62,7 @@ def motion_widening(
     if left.size:
         carried = load if load is None or load.ndim == 1 else _of_samples(load[left], places[left], motion.samples)
         problem = build_sample_problem(
-            cell, motion, formulation=formulation, sharing=sharing, load=carried, samples=places[left]
+            cell, motion, formulation=formulation, sharing=sharing, load=carried, samples=places[left], rows=rows
         )
         share[left] = widening_at(problem, c2[left, None], DEFAULT_SOLVER, WHAT)
     return share

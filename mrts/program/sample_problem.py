@@ -192,6 +192,7 @@ def build_sample_problem(
     load: Array | None = None,
     samples: NDArray[np.int_] | None = None,
     varying: bool = False,
+    rows: SquaredRows | None = None,
 ) -> SampleProblem:
     """Evaluate the generated formulation along the motion and put every limit into rows.
 
@@ -205,6 +206,7 @@ def build_sample_problem(
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         samples: Indices of the samples to take; None takes all.
         varying: Whether the speed varies.
+        rows: From `squared_limits`, where they are at hand; None puts them together.
 
     Raises:
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
@@ -217,7 +219,7 @@ def build_sample_problem(
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":
         _check_invertible(cell, motion)
-    limits, motors = squared_limits(cell, motion), motor_terms(cell, motion)
+    limits, motors = squared_limits(cell, motion) if rows is None else rows, motor_terms(cell, motion)
     if varying and samples is None and sharing is None and formulation == "wrench" and not limits.crosses:
         return _path_problem(cell, motion.samples, inputs, limits, motors)
     count = motion.samples

@@ -11,7 +11,9 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples, denser
+from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.squared_rows import SquaredRows
 from mrts.program.doubtful_gaps import doubtful_gaps, turning
 from mrts.program.excess import Excess
 from mrts.program.sample_ranges import SampleRanges
@@ -42,7 +44,7 @@ SIDES: tuple[Side, Side] = ("lower", "upper")
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked along any motion of a cell.
+    """What is asked along any motion of a cell, with its rows.
 
     Attributes:
         ranges: The ranges of c² along a motion, of intervals that do not begin above the end of the range.
@@ -50,8 +52,8 @@ class Asked:
             or None for the cell's, and a c², Shape (k,).
     """
 
-    ranges: Callable[[CoordinatedMotion], SampleRanges]
-    widening: Callable[[CoordinatedMotion, NDArray[np.intp], Array | None, Array], Array]
+    ranges: Callable[[CoordinatedMotion, SquaredRows], SampleRanges]
+    widening: Callable[[CoordinatedMotion, SquaredRows, NDArray[np.intp], Array | None, Array], Array]
 
 
 @dataclass(frozen=True)
@@ -129,10 +131,12 @@ class Looked:
 
     Attributes:
         motion: There, and at both ends of the motion.
+        rows: Its limits.
         ends: Of the ranges at the places alone.
     """
 
     motion: CoordinatedMotion
+    rows: SquaredRows
     ends: Ends
 
     def overstepped(self, asked: Asked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
@@ -142,7 +146,7 @@ class Looked:
         if not len(places):
             return places, np.zeros(0)
         loads = self.ends.loads(places, side)
-        return places, asked.widening(self.motion, places + 1, loads, np.full(len(places), c2))
+        return places, asked.widening(self.motion, self.rows, places + 1, loads, np.full(len(places), c2))
 
 
 @dataclass(frozen=True)
@@ -176,7 +180,7 @@ class Refinement:
 
 def refine(
     cell: Cell,
-    motion: CoordinatedMotion,
+    given: tuple[CoordinatedMotion, SquaredRows],
     found: SampleRanges,
     whole: tuple[float, float],
     asked: Asked,
@@ -190,7 +194,7 @@ def refine(
 
     Args:
         cell: The cell.
-        motion: Its motion.
+        given: Its motion, and its limits along it.
         found: The ranges at its samples, which have a c² in common.
         whole: c²⁻ and c²⁺, the ends of the interval of the largest speeds that they have in common.
         asked: How ranges and rows are found at other places.
@@ -200,12 +204,13 @@ def refine(
         MotionError: If the arms cannot hold the object between the samples.
         SolverError: If no solver answers.
     """
+    motion, rows = given
     known = Ends.of(found)
     none = Excess(0.0, tolerance)
     if whole[1] <= 0:
         return Refinement(motion, None, asked, none, whole)
     looked: Looked | None = None
-    allowed, left = _allowed(motion, known, asked, tolerance), none
+    allowed, left = _allowed(motion, rows, known, asked, tolerance), none
     for turn in range(MOST_ROUNDS):
         everywhere = turn == 0 and (motion.samples < COARSE or allowed is None or found.several)
         gaps = _doubtful(known, allowed, everywhere=everywhere)
@@ -217,13 +222,18 @@ def refine(
             break
         at = (known.time[gaps][:, None] + np.diff(known.time)[gaps][:, None] * inside).ravel()
         there = between_samples(cell, motion, at)
-        new = Looked(there, Ends.of(asked.ranges(there), slice(1, -1)))
+        rows = squared_limits(cell, there)
+        new = Looked(there, rows, Ends.of(asked.ranges(there, rows), slice(1, -1)))
         known = known.joined(new.ends)
         inner = np.arange(1, there.samples - 1, dtype=np.intp)
-        looked = new if looked is None else Looked(denser(looked.motion, there, inner), looked.ends.joined(new.ends))
+        if looked is None:
+            looked = new
+        else:
+            joined = denser(looked.motion, there, inner)
+            looked = Looked(joined, squared_limits(cell, joined), looked.ends.joined(new.ends))
         if not np.all(new.ends.upper > 0):
             break  # nothing moves there: that settles the outcome
-        allowed = allowed or _allowed(there, new.ends, asked, tolerance, first=1)
+        allowed = allowed or _allowed(there, rows, new.ends, asked, tolerance, first=1)
     if looked is None:
         return Refinement(motion, None, asked, left, whole)
     added, left = _needed(looked, asked, whole, left)
@@ -242,7 +252,7 @@ def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, si
 
 
 def _allowed(
-    motion: CoordinatedMotion, known: Ends, asked: Asked, tolerance: float, first: int = 0
+    motion: CoordinatedMotion, rows: SquaredRows, known: Ends, asked: Asked, tolerance: float, first: int = 0
 ) -> tuple[float, float] | None:
     """By how much 1 / c²⁺ and c²⁻ may rise before a limit is overstepped by the tolerance; None without a c²⁺."""
     low, high = known.whole()
@@ -252,7 +262,7 @@ def _allowed(
     loads = [known.loads(places[[end]], side) for end, side in enumerate(SIDES)]
     carried = None if loads[0] is None or loads[1] is None else np.concatenate([loads[0], loads[1]])
     c2 = np.array([low * (1 - NUDGE), high * (1 + NUDGE)])
-    slow, fast = asked.widening(motion, places + first, carried, c2) / NUDGE
+    slow, fast = asked.widening(motion, rows, places + first, carried, c2) / NUDGE
     rise = tolerance / fast if fast > 0 else np.inf
     return float(rise / high), float(tolerance / slow * low if slow > 0 else tolerance * high)
 

@@ -45,6 +45,7 @@ def motion_ranges(
     solver: str,
     load: Array | None = None,
     high: float = np.inf,
+    rows: SquaredRows | None = None,
 ) -> SampleRanges:
     """Least and largest c² at every sample (step 1 of MMTSF).
 
@@ -56,16 +57,17 @@ def motion_ranges(
         solver: Name in the registry; "kernel" takes the compiled path where it applies.
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         high: Of several intervals the highest is found that does not begin above this c².
+        rows: From `squared_limits`, where they are at hand; None puts them together.
 
     Raises:
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
+    fast = compiled_trajectory(cell, motion, formulation, sharing, solver, rows)
     if fast is not None and not (fast.one_unknown and fast.has_speed_terms):
         found = _compiled_ranges(cell, motion, fast, solver, load, high)
     else:
-        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
+        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load, rows=rows)
         found = sample_ranges(problem, motion.object.time, solver, high)
     if sharing is not None:
         return found
@@ -101,7 +103,7 @@ def _compiled_ranges(
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
-        problem = build_sample_problem(cell, motion, sharing=fast.sharing, load=load, samples=block)
+        problem = build_sample_problem(cell, motion, sharing=fast.sharing, load=load, samples=block, rows=fast.form)
         part = sample_ranges(problem, time[block], solver, high, doubtful=True, effect=effect)
         lower[block], upper[block] = part.lower, part.upper
         rows = rows.with_samples(block, part.rows.codes)
@@ -272,7 +274,12 @@ class CompiledTrajectory:
 
 
 def compiled_trajectory(
-    cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
+    cell: Cell,
+    motion: CoordinatedMotion,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    rows: SquaredRows | None = None,
 ) -> CompiledTrajectory | None:
     """The compiled path where it answers: wrench form, no sides that cross.
 
@@ -282,6 +289,7 @@ def compiled_trajectory(
         formulation: As in `motion_ranges`.
         sharing: Likewise.
         solver: Likewise.
+        rows: Likewise.
 
     Raises:
         InputError: If there is no such solver.
@@ -290,19 +298,19 @@ def compiled_trajectory(
     compiled = cell.library
     if solver != "kernel" or formulation != "wrench":
         return None
-    form, motors = squared_limits(cell, motion), motor_terms(cell, motion)
-    rows = form.rows.only(~form.is_cap)
-    if len(rows.names) + compiled.unknowns > MOST_ROWS or form.crosses:
+    form, motors = squared_limits(cell, motion) if rows is None else rows, motor_terms(cell, motion)
+    kept = form.rows.only(~form.is_cap)
+    if len(kept.names) + compiled.unknowns > MOST_ROWS or form.crosses:
         return None
     return CompiledTrajectory(
         compiled=compiled,
         form=form,
-        rows=rows,
-        limits=rows.sparse(),
+        rows=kept,
+        limits=kept.sparse(),
         motors=motors,
         sharing=sharing,
         one_unknown=sharing is not None or compiled.robots == 1,
-        has_speed_terms=rows.speed is not None or (motors is not None and motors.speed is not None),
+        has_speed_terms=kept.speed is not None or (motors is not None and motors.speed is not None),
     )
 
 

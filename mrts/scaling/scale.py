@@ -17,6 +17,8 @@ from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
+from mrts.limits import squared_limits
+from mrts.limits.squared_rows import SquaredRows
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
@@ -187,8 +189,8 @@ def admissible_range(
     """
     sharing, formulation, tolerance = options.sharing, options.formulation, options.between
 
-    def result(path: CoordinatedMotion) -> ScalingResult:
-        found, study = range_at_samples(cell, path, options, progress)
+    def result(path: CoordinatedMotion, rows: SquaredRows) -> ScalingResult:
+        found, study = range_at_samples(cell, path, options, progress, rows=rows)
         return ScalingResult(
             cell=cell,
             motion=path,
@@ -200,7 +202,8 @@ def admissible_range(
             options=options,
         )
 
-    first = result(motion)
+    rows = squared_limits(cell, motion)
+    first = result(motion, rows)
     given = first.range
     prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
     if tolerance is None or options.load == "possible" or prescribed or not given.status.admits_motion:
@@ -209,18 +212,22 @@ def admissible_range(
     assert given.lower is not None and given.upper is not None  # noqa: S101, PT018 (the range admits motion)
     high = given.upper.c2
 
-    def ranges(path: CoordinatedMotion) -> SampleRanges:
+    def ranges(path: CoordinatedMotion, there: SquaredRows) -> SampleRanges:
         if options.load == "nominal":
-            return ranges_of_load(cell, path, options, None, high)
-        return range_at_samples(cell, path, options, high=high)[0].samples
+            return ranges_of_load(cell, path, options, None, high, there)
+        return range_at_samples(cell, path, options, high=high, rows=there)[0].samples
 
-    def widening(path: CoordinatedMotion, places: NDArray[np.intp], loads: Array | None, c2: Array) -> Array:
-        return motion_widening(cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places)
+    def widening(
+        path: CoordinatedMotion, there: SquaredRows, places: NDArray[np.intp], loads: Array | None, c2: Array
+    ) -> Array:
+        return motion_widening(
+            cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places, rows=there
+        )
 
-    refined = refine(cell, motion, given.samples, (given.lower.c2, high), Asked(ranges, widening), tolerance)
+    refined = refine(cell, (motion, rows), given.samples, (given.lower.c2, high), Asked(ranges, widening), tolerance)
     if refined.motion is motion:
         return first, refined
-    finer = result(refined.motion)
+    finer = result(refined.motion, squared_limits(cell, refined.motion))
     return replace(finer, warnings=interpolated(motion, given, finer.range)), refined
 
 
