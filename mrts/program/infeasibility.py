@@ -12,10 +12,9 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow
-from mrts.program.elastic_program import least_widening
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.speed_intervals import highest_intervals, speed_unit
-from mrts.program.widening import widening_at
+from mrts.program.widening import least_widening, widening_at
 
 CERTIFICATE_TOLERANCE = 1e-9
 """A certificate must separate the limits by more than this share of their size, or nothing is proved."""

@@ -14,7 +14,6 @@ from mrts.following.denser_motion import between_samples, denser
 from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow, Side
 from mrts.limits.squared_rows import SquaredRows
-from mrts.program.doubtful_gaps import doubtful_gaps, turning
 from mrts.program.excess import Excess
 from mrts.program.sample_ranges import SampleRanges
 
@@ -28,7 +27,10 @@ COARSE = 64
 """Motions of fewer samples are looked at in every gap: neighbours may not show what happens in one."""
 
 MOST_ROUNDS = 24
-"""A gap is then 4⁻²⁴ of what it was, beyond `mrts.program.doubtful_gaps.RESOLUTION`."""
+"""A gap is then 4⁻²⁴ of what it was, beyond `RESOLUTION`."""
+
+RESOLUTION = 1e-6
+"""Share of the duration below which no two samples are told apart: what jumps there has been seen on both sides."""
 
 MOST_PLACES = 8
 """Places that are looked at for each sample of the motion, at most."""
@@ -305,6 +307,41 @@ def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Exce
         else:
             left = _worse(left, looked.ends, places, share, side)
     return _distinct(map(int, added)), left
+
+
+def doubtful_gaps(time: Array, value: Array, allowed: float) -> NDArray[np.intp]:
+    """Gaps between samples in which a quantity may exceed its largest sample by more than is allowed.
+
+    A quantity that turns inside a gap, smoothly or at a corner, lies above its samples by at most a quarter of the gap
+    times the change of slope around it.
+
+    Args:
+        time: Of N >= 2 samples, Shape (N,) [s].
+        value: Shape (N,), finite.
+        allowed: By how much.
+
+    Returns:
+        Indices of the samples before the gaps.
+    """
+    step = np.diff(time)
+    above = np.maximum(value[:-1], value[1:]) + turning(step, value) > np.max(value) + allowed
+    return np.flatnonzero(above & (step > RESOLUTION * time[-1]))
+
+
+def turning(step: Array, value: Array) -> Array:
+    """By how much a quantity may exceed its samples in each gap, Shape (N - 1,).
+
+    Args:
+        step: Widths of the gaps, Shape (N - 1,) [s].
+        value: At the samples, Shape (N,).
+    """
+    slope = np.diff(value) / step
+    change = np.abs(np.diff(slope))
+    if not len(change):
+        return np.full(len(step), np.inf)
+    before, after = np.concatenate([change[:1], change]), np.concatenate([change, change[-1:]])
+    bump: Array = step * (before + after) / 4
+    return bump
 
 
 def _distinct(places: Iterable[int]) -> NDArray[np.intp]:
