@@ -23,10 +23,6 @@ CELL_LIMITS: tuple[Limit, ...] = (torque_limits, wrench_limits, contact_limits, 
 def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> dict[Limit, LimitRows]:
     """The rows of each limit of a cell.
 
-    Args:
-        cell: The cell.
-        motion: Its motion.
-
     Raises:
         InputError: If a limit that the cell was given gives no rows of this cell along this motion; it names the limit.
     """
@@ -51,10 +47,6 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
 def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
     """`limit_rows` as the programs take them.
 
-    Args:
-        cell: The cell.
-        motion: Its motion.
-
     Raises:
         InputError: As `rows_by_limit`.
     """
@@ -62,11 +54,6 @@ def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
-    """The rows of all that can be limited along a motion, velocities enforced or not, with limits or without.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-    """
+    """The rows of all that can be limited along a motion, velocities enforced or not, with limits or without."""
     enforced = replace(cell, enforces_velocity_limits=True)
     return stack_rows(list(rows_by_limit(enforced, motion).values()))

@@ -41,12 +41,7 @@ def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
 
 
 def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
-    """Rows lower <= A F_i <= upper of every contact of every robot, in base axes or in those that turn with the object.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-    """
+    """Rows lower <= A F_i <= upper of every contact of every robot, in base axes or in those of the object."""
     contacts = [(robot, contact) for robot in cell.robots for contact in robot.contacts]
     names = tuple(
         RowName("contact", robot.name, f"{contact.name} {row}", unit)
@@ -77,12 +72,7 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
 
 
 def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
-    """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity; no rows if they are not enforced.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-    """
+    """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity; no rows if they are not enforced."""
     if not cell.enforces_velocity_limits:
         return LimitRows.of(cell, names=(), lower=NONE, upper=NONE)
     names = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
@@ -117,11 +107,7 @@ class CurveRow(NamedTuple):
 
 
 def curve_rows(cell: Cell) -> tuple[CurveRow, ...]:
-    """The rows of all torque-speed curves of a cell, joint by joint: falling lines, then the curve's end.
-
-    Args:
-        cell: The cell.
-    """
+    """The rows of all torque-speed curves of a cell, joint by joint: falling lines, then the curve's end."""
     rows = []
     for robot, part in zip(cell.robots, cell.joint_slices.values(), strict=True):
         for j, curve in enumerate(robot.motors.torque_speed):
@@ -139,10 +125,6 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
 
     A line holds while the motor drives, where τ and q̇ have one sign: -a <= τ + m q' ṙ <= a. Where it brakes that
     leaves more than the plain limit of the torque, which is a limit of its own.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
     """
     rows = curve_rows(cell)
     if not rows:

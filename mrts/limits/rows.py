@@ -234,11 +234,7 @@ class LimitRows:
         return np.where(lines, self.speed * np.reshape(np.asarray(speed, dtype=np.float64), (-1, 1)), 0.0)
 
     def share(self, value: Array) -> Array:
-        """The share of its limit that each value uses, Shape (N, r): 1 is at the limit, the nearer of both sides.
-
-        Args:
-            value: From `value`.
-        """
+        """The share of its limit that each value uses, Shape (N, r): 1 is at the limit, the nearer of both sides."""
         used = []
         low, high = self.side_sizes()
         for limit, size, distance in ((self.lower, low, value - self.lower), (self.upper, high, self.upper - value)):
@@ -249,11 +245,7 @@ class LimitRows:
         return np.asarray(np.maximum(*used), dtype=np.float64)
 
     def excess(self, value: Array) -> Array:
-        """How far each value is beyond its limits in `units`, below 0 within them, Shape (N, r).
-
-        Args:
-            value: From `value`.
-        """
+        """How far each value is beyond its limits in `units`, below 0 within them, Shape (N, r)."""
         return np.asarray(np.maximum(self.lower - value, value - self.upper) / self.units(), dtype=np.float64)
 
     @property

@@ -51,11 +51,7 @@ class SquaredRows:
 
 
 def largest_square(cap_share: Array) -> Array:
-    """Largest ṙ² that keeps all caps, infinity where none moves, Shape (N,).
-
-    Args:
-        cap_share: As in `SquaredRows`.
-    """
+    """Largest ṙ² that keeps all caps, infinity where none moves, Shape (N,)."""
     with np.errstate(divide="ignore"):
         return np.asarray(1 / np.max(cap_share, axis=1, initial=0.0), dtype=np.float64)
 

@@ -64,12 +64,7 @@ class MotorTerms:
 
 
 def motor_terms(cell: Cell, motion: CoordinatedMotion) -> MotorTerms | None:
-    """Rotor inertia and friction of a cell along a motion; None where its motors are ideal.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-    """
+    """Rotor inertia and friction of a cell along a motion; None where its motors are ideal."""
     motors = [robot.motors for robot in cell.robots]
     if not any(motor.has_effect for motor in motors):
         return None

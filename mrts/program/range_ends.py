@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import SolverError
 from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
 from mrts.limits.squared_rows import SquaredRows, binds
 from mrts.program.sample_problem import SampleProblem
@@ -87,11 +86,6 @@ def rows_of_problem(problem: SampleProblem, codes: NDArray[np.int32]) -> Binding
     return BindingRows(problem.names, np.stack([problem.limit_lower, problem.limit_upper]), codes)
 
 
-def codes_of_sides(sides: NDArray[np.int8]) -> NDArray[np.int32]:
-    """Codes of rows that bind in their order: 1 at their upper, -1 at their lower limit, 0 for none, Shape (…, r)."""
-    return np.asarray(sides * np.arange(1, sides.shape[-1] + 1), dtype=np.int32)
-
-
 def kernel_rows(form: SquaredRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> BindingRows:
     """The rows of the kernel's bases.
 
@@ -144,24 +138,6 @@ class RangeEnds:
         self.undecided[samples] = other.undecided
         self.fallbacks += other.fallbacks
         self.several |= other.several
-
-
-def require_decided(samples: NDArray[np.int_], undecided: NDArray[np.bool_]) -> None:
-    """Refuse to go on where limits hold together but no range was found.
-
-    Args:
-        samples: Indices of the samples.
-        undecided: Which of them have no range.
-
-    Raises:
-        SolverError: If one has none.
-    """
-    if np.any(undecided):
-        sample = int(samples[int(np.argmax(undecided))])
-        raise SolverError(
-            f"no solver found the range of c² at sample {sample}, although its limits hold together. This is a defect "
-            "of mrts or of extremely scaled data: please report the cell and the motion."
-        )
 
 
 def codes_of_duals(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
@@ -20,7 +21,7 @@ from mrts.program.closed_form import ends_in_closed_form
 from mrts.program.end_rows import rows_at_end, tight_codes
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
 from mrts.program.linear_programs import ends_by_linear_programs
-from mrts.program.range_ends import BindingRows, RangeEnds, codes_of_duals, no_codes, require_decided, rows_of_problem
+from mrts.program.range_ends import BindingRows, RangeEnds, codes_of_duals, no_codes, rows_of_problem
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.speed_intervals import highest_intervals, intervals_below
@@ -130,12 +131,17 @@ def sample_ranges(
     infeasible = np.array([conflict.sample for conflict in conflicts], dtype=int)
     ends.lower[infeasible], ends.upper[infeasible], ends.undecided[infeasible] = np.inf, -np.inf, False
     ends.rows = ends.rows.with_samples(infeasible, no_codes(len(infeasible)))
-    for tried in [problem] * doubtful + [_widened(problem)]:
+    for widen in (False, True) if doubtful else (True,):
         left = np.flatnonzero(ends.undecided)
         if left.size:
-            ends.replace(left, _ends(tried.at(left), solver, high))
+            part = problem.at(left)
+            ends.replace(left, _ends(_widened(part) if widen else part, solver, high))
             ends.lower[left] = np.minimum(ends.lower[left], ends.upper[left])
-    require_decided(samples, ends.undecided)
+    if np.any(ends.undecided):
+        raise SolverError(
+            f"no solver found the range of c² at t = {time[np.argmax(ends.undecided)]:.6g} s, although its limits hold "
+            "together. This is a defect of mrts or of extremely scaled data: please report the cell and the motion."
+        )
     return SampleRanges(
         time=time,
         status=statuses(ends.lower, ends.upper, conflicts),

@@ -44,18 +44,12 @@ NUDGE = 1e-3
 SIDES: tuple[Side, Side] = ("lower", "upper")
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What is asked along any motion of a cell, with its rows.
+Ranges = Callable[[CoordinatedMotion, SquaredRows], SampleRanges]
+"""The ranges of c² along a motion with its limits, of intervals that do not begin above the end of the range."""
 
-    Attributes:
-        ranges: The ranges of c² along a motion, of intervals that do not begin above the end of the range.
-        widening: By how much all limits must move outward at some samples of a motion, each with a load, Shape (k, 10),
-            or None for the cell's, and a c², Shape (k,).
-    """
-
-    ranges: Callable[[CoordinatedMotion, SquaredRows], SampleRanges]
-    widening: Callable[[CoordinatedMotion, SquaredRows, NDArray[np.intp], Array | None, Array], Array]
+Needed = Callable[[CoordinatedMotion, SquaredRows, NDArray[np.intp], Array | None, Array], Array]
+"""By how much all limits must move outward at some samples of a motion, each with a load, Shape (k, 10), or None for
+the cell's, and a c², Shape (k,)."""
 
 
 @dataclass(frozen=True)
@@ -141,14 +135,14 @@ class Looked:
     rows: SquaredRows
     ends: Ends
 
-    def overstepped(self, asked: Asked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
+    def overstepped(self, widening: Needed, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
         """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
         beyond = (self.ends.upper < c2 if side == "upper" else self.ends.lower > c2) | self.ends.outside(c2)
         places = np.flatnonzero(beyond)
         if not len(places):
             return places, np.zeros(0)
         loads = self.ends.loads(places, side)
-        return places, asked.widening(self.motion, self.rows, places + 1, loads, np.full(len(places), c2))
+        return places, widening(self.motion, self.rows, places + 1, loads, np.full(len(places), c2))
 
 
 @dataclass(frozen=True)
@@ -158,14 +152,14 @@ class Refinement:
     Attributes:
         motion: The motion with the samples that had to be added; the given one where none had to.
         looked: All places that were looked at; None if none had to be.
-        asked: What was asked there.
+        widening: What is needed there.
         left: What is left between the samples, at the ends of the range.
         ends: c²⁻ and c²⁺ at the given samples.
     """
 
     motion: CoordinatedMotion
     looked: Looked | None
-    asked: Asked
+    widening: Needed
     left: Excess
     ends: tuple[float, float]
 
@@ -175,7 +169,7 @@ class Refinement:
             return self.left
         worst = self.left if self.left.passes else Excess(0.0, self.left.tolerance)
         for side in SIDES:
-            places, share = self.looked.overstepped(self.asked, c2, side)
+            places, share = self.looked.overstepped(self.widening, c2, side)
             worst = _worse(worst, self.looked.ends, places, share, side)
         return worst
 
@@ -185,7 +179,8 @@ def refine(
     given: tuple[CoordinatedMotion, SquaredRows],
     found: SampleRanges,
     whole: tuple[float, float],
-    asked: Asked,
+    ranges: Ranges,
+    widening: Needed,
     tolerance: float,
 ) -> Refinement:
     """Look between the samples of a motion wherever its range of c² may be narrower, and add what samples that takes.
@@ -199,7 +194,8 @@ def refine(
         given: Its motion, and its limits along it.
         found: The ranges at its samples, which have a c² in common.
         whole: c²⁻ and c²⁺, the ends of the interval of the largest speeds that they have in common.
-        asked: How ranges and rows are found at other places.
+        ranges: Finds them at other places.
+        widening: Finds what is needed there.
         tolerance: Share of a limit by which it may be overstepped.
 
     Raises:
@@ -210,9 +206,9 @@ def refine(
     known = Ends.of(found)
     none = Excess(0.0, tolerance)
     if whole[1] <= 0:
-        return Refinement(motion, None, asked, none, whole)
+        return Refinement(motion, None, widening, none, whole)
     looked: Looked | None = None
-    allowed, left = _allowed(motion, rows, known, asked, tolerance), none
+    allowed, left = _allowed(motion, rows, known, widening, tolerance), none
     for turn in range(MOST_ROUNDS):
         everywhere = turn == 0 and (motion.samples < COARSE or allowed is None or found.several)
         gaps = _doubtful(known, allowed, everywhere=everywhere)
@@ -225,7 +221,7 @@ def refine(
         at = (known.time[gaps][:, None] + np.diff(known.time)[gaps][:, None] * inside).ravel()
         there = between_samples(cell, motion, at)
         rows = squared_limits(cell, there)
-        new = Looked(there, rows, Ends.of(asked.ranges(there, rows), slice(1, -1)))
+        new = Looked(there, rows, Ends.of(ranges(there, rows), slice(1, -1)))
         known = known.joined(new.ends)
         inner = np.arange(1, there.samples - 1, dtype=np.intp)
         if looked is None:
@@ -235,13 +231,13 @@ def refine(
             looked = Looked(joined, squared_limits(cell, joined), looked.ends.joined(new.ends))
         if not np.all(new.ends.upper > 0):
             break  # nothing moves there: that settles the outcome
-        allowed = allowed or _allowed(there, rows, new.ends, asked, tolerance, first=1)
+        allowed = allowed or _allowed(there, rows, new.ends, widening, tolerance, first=1)
     if looked is None:
-        return Refinement(motion, None, asked, left, whole)
-    added, left = _needed(looked, asked, whole, left)
+        return Refinement(motion, None, widening, left, whole)
+    added, left = _needed(looked, widening, whole, left)
     if len(added):
         motion = denser(motion, looked.motion, added + 1)
-    return Refinement(motion, looked, asked, left, whole)
+    return Refinement(motion, looked, widening, left, whole)
 
 
 def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, side: Side) -> Excess:
@@ -254,7 +250,7 @@ def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, si
 
 
 def _allowed(
-    motion: CoordinatedMotion, rows: SquaredRows, known: Ends, asked: Asked, tolerance: float, first: int = 0
+    motion: CoordinatedMotion, rows: SquaredRows, known: Ends, widening: Needed, tolerance: float, first: int = 0
 ) -> tuple[float, float] | None:
     """By how much 1 / c²⁺ and c²⁻ may rise before a limit is overstepped by the tolerance; None without a c²⁺."""
     low, high = known.whole()
@@ -264,7 +260,7 @@ def _allowed(
     loads = [known.loads(places[[end]], side) for end, side in enumerate(SIDES)]
     carried = None if loads[0] is None or loads[1] is None else np.concatenate([loads[0], loads[1]])
     c2 = np.array([low * (1 - NUDGE), high * (1 + NUDGE)])
-    slow, fast = asked.widening(motion, rows, places + first, carried, c2) / NUDGE
+    slow, fast = widening(motion, rows, places + first, carried, c2) / NUDGE
     rise = tolerance / fast if fast > 0 else np.inf
     return float(rise / high), float(tolerance / slow * low if slow > 0 else tolerance * high)
 
@@ -291,7 +287,9 @@ def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Ex
     return worst
 
 
-def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Excess) -> tuple[NDArray[np.intp], Excess]:
+def _needed(
+    looked: Looked, widening: Needed, whole: tuple[float, float], left: Excess
+) -> tuple[NDArray[np.intp], Excess]:
     """Places that must join the samples, the worst where an end oversteps limits too far, and what is left then."""
     added = []
     for side, c2 in zip(SIDES, whole, strict=True):
@@ -299,7 +297,7 @@ def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Exce
         if not np.isfinite(c2):
             added += [np.argmin(order)] if np.isfinite(np.min(order)) else []
             continue
-        places, share = looked.overstepped(asked, c2, side)
+        places, share = looked.overstepped(widening, c2, side)
         if len(places) and np.max(share) > left.tolerance:
             added.append(places[np.argmin(order[places])])
             if np.any(looked.ends.outside(c2)):

@@ -283,14 +283,6 @@ def compiled_trajectory(
 ) -> CompiledTrajectory | None:
     """The compiled path where it answers: wrench form, no sides that cross.
 
-    Args:
-        cell: The cell.
-        motion: Its motion.
-        formulation: As in `motion_ranges`.
-        sharing: Likewise.
-        solver: Likewise.
-        rows: Likewise.
-
     Raises:
         InputError: If there is no such solver.
     """

@@ -30,7 +30,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
-from mrts.program.search import Asked, Refinement, refine
+from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.loads import range_at_samples, ranges_of_load
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
@@ -224,7 +224,7 @@ def admissible_range(
             cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places, rows=there
         )
 
-    refined = refine(cell, (motion, rows), given.samples, (given.lower.c2, high), Asked(ranges, widening), tolerance)
+    refined = refine(cell, (motion, rows), given.samples, (given.lower.c2, high), ranges, widening, tolerance)
     if refined.motion is motion:
         return first, refined
     finer = result(refined.motion, squared_limits(cell, refined.motion))
