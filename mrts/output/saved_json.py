@@ -188,7 +188,7 @@ class RuleEntry(_Record):
 
     sharing: SharingEntry | None
     formulation: FormulationName
-    weights: list[float] | Matrix | None
+    weights: float | list[float] | Matrix | None
     distribute: DistributionName = "least-torque"
     rates: RatesEntry | None = None
 

@@ -31,7 +31,7 @@ class Options(InNotebooks):
         select: Which c² of the range is chosen.
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         formulation: Unknowns of the programs.
-        weights: W of the quadratic program, None for the identity.
+        weights: W of the quadratic program, as in `mrts.scale`.
         solver: Name in the registry.
         load: "nominal", "guaranteed", "possible" or "grid:N"; "auto" until it is checked.
         distribute: "least-torque" is the quadratic program alone, "reserve" keeps most of every limit free before it.
@@ -42,7 +42,7 @@ class Options(InNotebooks):
     select: Selection = "auto"
     sharing: LoadSharing | None = None
     formulation: FormulationName = "wrench"
-    weights: Array | None = None
+    weights: Array | float | None = None
     solver: str = DEFAULT_SOLVER
     load: str = "auto"
     distribute: DistributionName = "least-torque"
@@ -75,7 +75,7 @@ class Options(InNotebooks):
         check_type("formulation", self.formulation, str)
         check_solver(self.solver)
         load = self._question(cell)
-        torque_weights(self.weights, sum(len(robot.joints) for robot in cell.robots))
+        torque_weights(self.weights, cell)
         if self.rates is not None:
             for name, value, only in (
                 ("distribute", self.distribute, "least-torque"),

@@ -65,7 +65,7 @@ def scale(
     *,
     sharing: LoadSharing | None = None,
     formulation: FormulationName = "wrench",
-    weights: Array | None = None,
+    weights: Array | float | None = None,
     solver: str = DEFAULT_SOLVER,
     load: str = "auto",
     distribute: DistributionName = "least-torque",
@@ -84,7 +84,8 @@ def scale(
             where nothing limits the speed.
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         formulation: "wrench", or the paper's "torque".
-        weights: W of the quadratic program: None for the identity, diagonal, Shape (m,), or Shape (m, m).
+        weights: W of the quadratic program: None weighs each torque by its limit, diag(1 / τ̂²), so that weak joints are
+            spared; 1 weighs all alike, as in the paper; else the diagonal, Shape (m,), or the matrix, Shape (m, m).
         solver: Name in the registry of solvers.
         load: Which range is asked for where the load varies: "guaranteed" (for every load), "possible" (for some
             load), "grid:N" (for N masses), or "nominal". "auto" is "guaranteed" if the cell has a load box. Torques

@@ -53,7 +53,7 @@ def with_torques(result: ScalingResult, given: tuple[Array, Array] | None = None
     cell, motion, options, c2 = result.cell, result.motion, result.options, result.c2
     if c2 is None:
         return result
-    W = torque_weights(options.weights, motion.q.shape[1])
+    W = torque_weights(options.weights, cell)
     if given is not None:
         torque, wrench, fallbacks = *given, 0
     elif options.rates is None:
@@ -88,7 +88,7 @@ def distributed_torques(cell: Cell, motion: CoordinatedMotion, options: Options,
     Raises:
         SolverError: If no solver answers.
     """
-    W = torque_weights(options.weights, motion.q.shape[1])
+    W = torque_weights(options.weights, cell)
     distribute = TORQUES[options.distribute]
     return distribute(cell, motion, options.formulation, options.sharing, options.solver, c2, W)
 

@@ -168,11 +168,11 @@ class RetimingResult(InNotebooks):
 
     @property
     def effort(self) -> float | None:
-        """∫ τᵀWτ dt of the motion at the timing [N² m² s with W = 1]; None without one."""
+        """∫ τᵀWτ dt of the motion at the timing [s; N² m² s with W = 1]; None without one."""
         done = None if self.retimed is None else self.retimed.trajectory
         if done is None:
             return None
-        W = torque_weights(self.options.weights, done.torque.shape[1])
+        W = torque_weights(self.options.weights, self.cell)
         squares = np.einsum("ni,ij,nj->n", done.torque, W, done.torque)
         return float(np.sum(np.diff(done.time) * (squares[1:] + squares[:-1]) / 2))
 

@@ -74,7 +74,7 @@ class SmoothQuestion:
     @property
     def weights(self) -> Array:
         """W of the effort, Shape (m, m)."""
-        return torque_weights(self.bare.options.weights, self.bare.motion.q.shape[1])
+        return torque_weights(self.bare.options.weights, self.bare.cell)
 
     def problem(self, path: SmoothPath, load: Array) -> SampleProblem:
         """Rows of [F, u, x] at the nodes of a path."""

@@ -38,7 +38,7 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
     """
     solver, by_reserve = options.solver, options.distribute == "reserve"
     cell = cell.with_reserve(0.0) if by_reserve else cell  # it is of the limits as they are given
-    W = torque_weights(options.weights, motion.q.shape[1])
+    W = torque_weights(options.weights, cell)
     torques, wrenches = [], []
     for start in range(0, motion.samples, BLOCK):
         block = np.arange(start, min(start + BLOCK, motion.samples))

@@ -12,6 +12,7 @@ import mrts
 from mrts.limits import limit_rows
 from mrts.program.range_ends import BindingRows, no_codes
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.torque_distribution import torque_weights
 from mrts.program.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
 from mrts.viewer.offered_speeds import offered_speeds
@@ -47,7 +48,7 @@ def test_torques_inside_the_range_are_those_of_mrts(dual_ur5, turning, share):
     c2 = share**2 * state.result.range.upper.c2
     state.choose_speed(share * state.trajectory.c)
     assert state.admissible
-    motion, W = state.result.motion, np.eye(12)
+    motion, W = state.result.motion, torque_weights(None, dual_ur5)
     torque, wrench, _ = motion_torques(dual_ur5, motion, "wrench", None, "kernel", c2, W)
     np.testing.assert_allclose(state.trajectory.torque, torque, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(state.trajectory.wrench, wrench, rtol=1e-9, atol=1e-9)
