@@ -12,7 +12,6 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.cell_limits import contact_limits, motor_limits, torque_limits, velocity_limits, wrench_limits
 from mrts.limits.row_check import checked_rows
 from mrts.limits.rows import LimitRows, stack_rows
-from mrts.limits.squared_rows import SquaredRows, squared
 
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
 
@@ -42,15 +41,6 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """
     rows = stack_rows(list(rows_by_limit(cell, motion).values())).bounded()
     return rows.shrunk(cell.reserve) if cell.reserve else rows
-
-
-def squared_limits(cell: Cell, motion: CoordinatedMotion) -> SquaredRows:
-    """`limit_rows` as the programs take them.
-
-    Raises:
-        InputError: As `rows_by_limit`.
-    """
-    return squared(limit_rows(cell, motion), motion.samples)
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
-from mrts.limits.squared_rows import SquaredRows, binds
+from mrts.program.motion_rows import MotionRows, binds
 from mrts.program.sample_problem import SampleProblem
 
 BINDING_TOLERANCE = 1e-7
@@ -86,7 +86,7 @@ def rows_of_problem(problem: SampleProblem, codes: NDArray[np.int32]) -> Binding
     return BindingRows(problem.names, np.stack([problem.limit_lower, problem.limit_upper]), codes)
 
 
-def kernel_rows(form: SquaredRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> BindingRows:
+def kernel_rows(form: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> BindingRows:
     """The rows of the kernel's bases.
 
     Args:

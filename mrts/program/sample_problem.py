@@ -15,12 +15,11 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.motion_rows import path_rows
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow, LimitRows, RowName
-from mrts.limits.squared_rows import SquaredRows, largest_square, side_share
 from mrts.program.formulation import FORMULATIONS, FormulationName
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.motor_terms import MotorTerms, motor_terms
+from mrts.program.motion_rows import MotionRows, largest_square, motion_rows, side_share
+from mrts.program.motor_terms import MotorTerms
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
@@ -192,7 +191,7 @@ def build_sample_problem(
     load: Array | None = None,
     samples: NDArray[np.int_] | None = None,
     varying: bool = False,
-    rows: SquaredRows | None = None,
+    rows: MotionRows | None = None,
 ) -> SampleProblem:
     """Evaluate the generated formulation along the motion and put every limit into rows.
 
@@ -206,7 +205,7 @@ def build_sample_problem(
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         samples: Indices of the samples to take; None takes all.
         varying: Whether the speed varies.
-        rows: From `squared_limits`, where they are at hand; None puts them together.
+        rows: From `motion_rows`, where they are at hand; None puts them together.
 
     Raises:
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
@@ -219,14 +218,14 @@ def build_sample_problem(
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":
         _check_invertible(cell, motion)
-    form, motors = squared_limits(cell, motion) if rows is None else rows, motor_terms(cell, motion)
-    of_kernel = varying and samples is None and sharing is None and formulation == "wrench" and not form.crosses
-    count, limits = motion.samples, form.rows
+    form = motion_rows(cell, motion) if rows is None else rows
+    of_kernel = varying and samples is None and sharing is None and formulation == "wrench" and form.sparse is not None
+    count, limits, motors = motion.samples, form.rows, form.motors
     if samples is not None:
         inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
         count, limits, motors = len(samples), limits.at(samples), None if motors is None else motors.at(samples)
     if of_kernel:
-        found = _kernel_rows(cell, count, inputs, form, motors)
+        found = _kernel_rows(cell, count, inputs, form)
     else:
         found = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
         found |= _rows_of_maps(limits, form.size, found, motors, varying=varying)
@@ -314,11 +313,9 @@ def _rows_of_maps(
     return {"A": A / size[:, None], "lower": lower, "upper": upper}
 
 
-def _kernel_rows(
-    cell: Cell, count: int, inputs: dict[str, Array], form: SquaredRows, motors: MotorTerms | None
-) -> dict[str, Array]:
+def _kernel_rows(cell: Cell, count: int, inputs: dict[str, Array], form: MotionRows) -> dict[str, Array]:
     """Maps and rows of the wrench form where the speed varies, by the kernel in one call."""
-    library, rows = cell.library, form.rows
+    library, rows, motors = cell.library, form.rows, form.motors
     terms, rate = SampleTerms(square=rows.square), np.zeros((count, library.joints))
     if motors is not None:
         rate, margin = motors.rate, motors.margin(rows)

@@ -16,11 +16,11 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow, Side
-from mrts.limits.squared_rows import binds
 from mrts.program.closed_form import ends_in_closed_form
 from mrts.program.end_rows import rows_at_end, tight_codes
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
 from mrts.program.linear_programs import ends_by_linear_programs
+from mrts.program.motion_rows import binds
 from mrts.program.range_ends import BindingRows, RangeEnds, codes_of_duals, no_codes, rows_of_problem
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import SampleProblem, build_sample_problem

@@ -11,10 +11,9 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples, denser
-from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow, Side
-from mrts.limits.squared_rows import SquaredRows
 from mrts.program.excess import Excess
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_ranges import SampleRanges
 
 WIDE, CLOSE = np.arange(1, 4) / 4, np.arange(1, 8) / 8
@@ -44,10 +43,10 @@ NUDGE = 1e-3
 SIDES: tuple[Side, Side] = ("lower", "upper")
 
 
-Ranges = Callable[[CoordinatedMotion, SquaredRows], SampleRanges]
+Ranges = Callable[[CoordinatedMotion, MotionRows], SampleRanges]
 """The ranges of c² along a motion with its limits, of intervals that do not begin above the end of the range."""
 
-Needed = Callable[[CoordinatedMotion, SquaredRows, NDArray[np.intp], Array | None, Array], Array]
+Needed = Callable[[CoordinatedMotion, MotionRows, NDArray[np.intp], Array | None, Array], Array]
 """By how much all limits must move outward at some samples of a motion, each with a load, Shape (k, 10), or None for
 the cell's, and a c², Shape (k,)."""
 
@@ -132,7 +131,7 @@ class Looked:
     """
 
     motion: CoordinatedMotion
-    rows: SquaredRows
+    rows: MotionRows
     ends: Ends
 
     def overstepped(self, widening: Needed, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
@@ -176,7 +175,7 @@ class Refinement:
 
 def refine(
     cell: Cell,
-    given: tuple[CoordinatedMotion, SquaredRows],
+    given: tuple[CoordinatedMotion, MotionRows],
     found: SampleRanges,
     whole: tuple[float, float],
     ranges: Ranges,
@@ -220,7 +219,7 @@ def refine(
             break
         at = (known.time[gaps][:, None] + np.diff(known.time)[gaps][:, None] * inside).ravel()
         there = between_samples(cell, motion, at)
-        rows = squared_limits(cell, there)
+        rows = motion_rows(cell, there)
         new = Looked(there, rows, Ends.of(ranges(there, rows), slice(1, -1)))
         known = known.joined(new.ends)
         inner = np.arange(1, there.samples - 1, dtype=np.intp)
@@ -228,7 +227,7 @@ def refine(
             looked = new
         else:
             joined = denser(looked.motion, there, inner)
-            looked = Looked(joined, squared_limits(cell, joined), looked.ends.joined(new.ends))
+            looked = Looked(joined, motion_rows(cell, joined), looked.ends.joined(new.ends))
         if not np.all(new.ends.upper > 0):
             break  # nothing moves there: that settles the outcome
         allowed = allowed or _allowed(there, rows, new.ends, widening, tolerance, first=1)
@@ -250,7 +249,7 @@ def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, si
 
 
 def _allowed(
-    motion: CoordinatedMotion, rows: SquaredRows, known: Ends, widening: Needed, tolerance: float, first: int = 0
+    motion: CoordinatedMotion, rows: MotionRows, known: Ends, widening: Needed, tolerance: float, first: int = 0
 ) -> tuple[float, float] | None:
     """By how much 1 / c²⁺ and c²⁻ may rise before a limit is overstepped by the tolerance; None without a c²⁺."""
     low, high = known.whole()

@@ -24,11 +24,10 @@ from mrts.base.load_box import OFFSETS, LoadBox, LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import squared_limits
 from mrts.limits.rows import Side
-from mrts.limits.squared_rows import SquaredRows
 from mrts.program.closed_form import LoadSensitivity, ends_in_closed_form, load_sensitivity, worst_parameters
 from mrts.program.infeasibility import Conflict
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.range_ends import chosen_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import SampleRanges, first_least, statuses, with_end_problem, without_speed_at_rest
@@ -103,7 +102,7 @@ def range_at_samples(
     options: Options,
     progress: Progress = lambda _done, _total: None,
     high: float = np.inf,
-    rows: SquaredRows | None = None,
+    rows: MotionRows | None = None,
 ) -> tuple[ScalingRange, LoadStudy | None]:
     """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was found of an uncertain load.
 
@@ -153,7 +152,7 @@ def ranges_of_load(
     options: Options,
     load: Array | None,
     high: float,
-    rows: SquaredRows | None = None,
+    rows: MotionRows | None = None,
 ) -> SampleRanges:
     """Ranges of c² at all samples.
 
@@ -180,7 +179,7 @@ def ranges_of_loads(
     high: float,
 ) -> tuple[ScalingRange, ...]:
     """The range over the motion of each load; arguments as in `range_at_samples`."""
-    found, rows = [], squared_limits(cell, motion)
+    found, rows = [], motion_rows(cell, motion)
     for number, point in enumerate(points):
         progress(number, len(points))
         found.append(common_range(partial(ranges_of_load, cell, motion, options, point.load, rows=rows), high))

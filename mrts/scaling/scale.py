@@ -17,14 +17,13 @@ from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
-from mrts.limits import squared_limits
-from mrts.limits.squared_rows import SquaredRows
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict, conflicts_at
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.motion_widening import motion_widening
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
@@ -190,7 +189,7 @@ def admissible_range(
     """
     sharing, formulation, tolerance = options.sharing, options.formulation, options.between
 
-    def result(path: CoordinatedMotion, rows: SquaredRows) -> ScalingResult:
+    def result(path: CoordinatedMotion, rows: MotionRows) -> ScalingResult:
         found, study = range_at_samples(cell, path, options, progress, rows=rows)
         return ScalingResult(
             cell=cell,
@@ -203,7 +202,7 @@ def admissible_range(
             options=options,
         )
 
-    rows = squared_limits(cell, motion)
+    rows = motion_rows(cell, motion)
     first = result(motion, rows)
     given = first.range
     prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
@@ -213,13 +212,13 @@ def admissible_range(
     assert given.lower is not None and given.upper is not None  # noqa: S101, PT018 (the range admits motion)
     high = given.upper.c2
 
-    def ranges(path: CoordinatedMotion, there: SquaredRows) -> SampleRanges:
+    def ranges(path: CoordinatedMotion, there: MotionRows) -> SampleRanges:
         if options.load == "nominal":
             return ranges_of_load(cell, path, options, None, high, there)
         return range_at_samples(cell, path, options, high=high, rows=there)[0].samples
 
     def widening(
-        path: CoordinatedMotion, there: SquaredRows, places: NDArray[np.intp], loads: Array | None, c2: Array
+        path: CoordinatedMotion, there: MotionRows, places: NDArray[np.intp], loads: Array | None, c2: Array
     ) -> Array:
         return motion_widening(
             cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places, rows=there
@@ -228,7 +227,7 @@ def admissible_range(
     refined = refine(cell, (motion, rows), given.samples, (given.lower.c2, high), ranges, widening, tolerance)
     if refined.motion is motion:
         return first, refined
-    finer = result(refined.motion, squared_limits(cell, refined.motion))
+    finer = result(refined.motion, motion_rows(cell, refined.motion))
     return replace(finer, warnings=interpolated(motion, given, finer.range)), refined
 
 

@@ -9,9 +9,9 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits.rows import LimitRows
-from mrts.limits.squared_rows import binds, squared
 from mrts.output.embedded_limits import embedded_limits
 from mrts.output.summary_lines import scaling_lines
+from mrts.program.motion_rows import binds, squared
 from mrts.report.page import report_html
 from mrts.scaling.limit_use import limit_uses
 from mrts.viewer.player_state import PlayerState

@@ -7,7 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.kernel.cell_library import SparseLimits
+from mrts.kernel.sample_terms import SampleTerms
+from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows, moved
+from mrts.program.motor_terms import MotorTerms, motor_terms
 
 CAPS_TIE = 2e-7
 """Caps that bound ṙ² this closely to the one that bounds it most bind with it."""
@@ -17,8 +23,10 @@ SQUARE_AT_REST = 1e-24
 
 
 @dataclass(frozen=True, kw_only=True)
-class SquaredRows:
-    """Rows lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper of which none has ṙ for its only term.
+class MotionRows:
+    """All limits of a cell along a motion of N samples, and what its motors add, as every program takes them.
+
+    Of the rows lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper none has ṙ for its only term.
 
     Attributes:
         given: The r rows as they were given.
@@ -29,6 +37,9 @@ class SquaredRows:
             Shape (r,).
         cap_share: What each of these s caps is of its limit at ṙ = 1, Shape (N, s).
         cap_code: The side on which it bounds ṙ²: 1 + row by its upper limit, -1 - row by its lower one, Shape (N, s).
+        kept: The rows that are no caps.
+        sparse: The same as C reads them; None where sides cross, as a reserve leaves them: such rows admit nothing.
+        motors: What motors add; None where they are ideal.
     """
 
     given: LimitRows
@@ -38,16 +49,49 @@ class SquaredRows:
     is_cap: NDArray[np.bool_]
     cap_share: Array
     cap_code: NDArray[np.int_]
-
-    @property
-    def crosses(self) -> bool:
-        """Whether the sides of some row cross, as a reserve leaves them: it admits nothing."""
-        return bool(np.any(self.rows.lower > self.rows.upper))
+    kept: LimitRows
+    sparse: SparseLimits | None
+    motors: MotorTerms | None
 
     @property
     def most(self) -> Array:
         """Largest ṙ² that keeps all caps, Shape (N,)."""
         return largest_square(self.cap_share)
+
+    @property
+    def has_speed_terms(self) -> bool:
+        """Whether a row has a term in ṙ beside others."""
+        return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
+
+    def terms(self, speed: float | Array | None = None) -> SampleTerms:
+        """What is added at every sample to the kept rows, with terms in ṙ put in, or left as they are.
+
+        Args:
+            speed: ṙ, one for all samples, or Shape (N, 1); None where it is to be found.
+        """
+        kept, motors = self.kept, self.motors
+        if kept.speed is None or speed is None:
+            of_rows = SampleTerms(square=kept.square, speed=kept.speed)
+        else:
+            of_rows = SampleTerms(square=kept.square, offset=kept.speed * speed)
+        if motors is None:
+            return of_rows
+        return replace(
+            of_rows,
+            torque_square=motors.square,
+            torque_offset=motors.friction(0.0 if speed is None else speed),
+            torque_speed=motors.speed if speed is None else None,
+            margin=motors.margin(kept),
+        )
+
+
+def motion_rows(cell: Cell, motion: CoordinatedMotion) -> MotionRows:
+    """The limits of a cell along a motion, and what its motors add.
+
+    Raises:
+        InputError: If a limit that the cell was given gives no rows of this cell along this motion.
+    """
+    return squared(limit_rows(cell, motion), motion.samples, motor_terms(cell, motion))
 
 
 def largest_square(cap_share: Array) -> Array:
@@ -67,13 +111,13 @@ def binds(share: Array) -> NDArray[np.bool_]:
     """Which caps bound ṙ², none at rest.
 
     Args:
-        share: As `SquaredRows.cap_share`, of one sample, Shape (s,), or of all, Shape (N, s).
+        share: As `MotionRows.cap_share`, of one sample, Shape (s,), or of all, Shape (N, s).
     """
     most = np.max(share, axis=-1, initial=0.0, keepdims=True)
     return np.asarray((share >= (1 - CAPS_TIE) * most) & (most > 0))
 
 
-def squared(given: LimitRows, samples: int) -> SquaredRows:
+def squared(given: LimitRows, samples: int, motors: MotorTerms | None = None) -> MotionRows:
     """Bring rows that nothing but ṙ moves into a form that is linear in ṙ².
 
     A row b ṙ becomes b |b| ṙ² between l |l| and u |u|: as ṙ >= 0, squares with their sign keep the order. Where the
@@ -82,6 +126,7 @@ def squared(given: LimitRows, samples: int) -> SquaredRows:
     Args:
         given: Rows along a motion.
         samples: N.
+        motors: What motors add.
     """
     size = given.units()
     rows, unit, is_cap, square = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))
@@ -100,7 +145,19 @@ def squared(given: LimitRows, samples: int) -> SquaredRows:
     places = np.flatnonzero(is_cap)
     share = side_share(square, rows.lower[places], rows.upper[places])
     code = np.where(square > 0, 1 + places, -1 - places)
-    return SquaredRows(given=given, rows=rows, size=size, unit=unit, is_cap=is_cap, cap_share=share, cap_code=code)
+    kept, crosses = rows.only(~is_cap), np.any(rows.lower > rows.upper)
+    return MotionRows(
+        given=given,
+        rows=rows,
+        size=size,
+        unit=unit,
+        is_cap=is_cap,
+        cap_share=share,
+        cap_code=code,
+        kept=kept,
+        sparse=None if crosses else kept.sparse(),
+        motors=motors,
+    )
 
 
 def _in_squares(given: LimitRows, size: Array, places: NDArray[np.int_]) -> tuple[LimitRows, Array]:
