@@ -49,13 +49,12 @@ if TYPE_CHECKING:
     from mrts.program.reserve import PlanReserve, Reserve
     from mrts.program.sample_ranges import SampleRanges
     from mrts.report import write_report
-    from mrts.scaling.holding_torques import Holding
-    from mrts.scaling.known_load import torques_for_load
-    from mrts.scaling.load_study import LoadStudy
+    from mrts.scaling.loads import LoadStudy
+    from mrts.scaling.options import Options
     from mrts.scaling.range import RangeEnd, ScalingRange
-    from mrts.scaling.result import DistributionRule, Residuals, ScalingResult
-    from mrts.scaling.scale import SelectionError, scale
-    from mrts.scaling.scaled_trajectory import ScaledTrajectory
+    from mrts.scaling.result import Residuals, ScalingResult
+    from mrts.scaling.scale import SelectionError, scale, torques_for_load
+    from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
     from mrts.scaling.what_if import ChangedAnswer, SpeedAnswer, WhatIf
     from mrts.starting.hold import hold_here
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
@@ -86,9 +85,8 @@ _HOMES = {
     "Conflict": "program.infeasibility",
     "Contact": "cell.hands.contact",
     "CoordinatedMotion": "following.coordinated_motion",
-    "DistributionRule": "scaling.result",
     "Excess": "program.excess",
-    "Holding": "scaling.holding_torques",
+    "Holding": "scaling.scaled_trajectory",
     "InputError": "base.errors",
     "JointDuty": "cell.motors.joint_duty",
     "JointMotors": "cell.motors.joint_motors",
@@ -98,7 +96,7 @@ _HOMES = {
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
     "LoadSharing": "program.load_sharing",
-    "LoadStudy": "scaling.load_study",
+    "LoadStudy": "scaling.loads",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
     "MotorIdentification": "identification.identified_motors",
@@ -106,6 +104,7 @@ _HOMES = {
     "MrtsError": "base.errors",
     "NearestHold": "diagnosis.nearest_hold",
     "ObjectMotion": "motion.object_motion",
+    "Options": "scaling.options",
     "Placement": "layout.placement",
     "PlanReserve": "program.reserve",
     "PlayedLayout": "layout.placement",
@@ -156,7 +155,7 @@ _HOMES = {
     "scale": "scaling.scale",
     "suction_contact": "cell.hands.kinds",
     "sweep": "sweeps.sweep",
-    "torques_for_load": "scaling.known_load",
+    "torques_for_load": "scaling.scale",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
     "write_trajectory_csv": "output.trajectory_table",
@@ -180,7 +179,6 @@ __all__ = [
     "Conflict",
     "Contact",
     "CoordinatedMotion",
-    "DistributionRule",
     "Excess",
     "Holding",
     "InputError",
@@ -200,6 +198,7 @@ __all__ = [
     "MrtsError",
     "NearestHold",
     "ObjectMotion",
+    "Options",
     "Placement",
     "PlanReserve",
     "PlayedLayout",

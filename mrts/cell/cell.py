@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A cell ready to be asked: its data and its bound functions."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +10,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_list, check_type, is_number
+from mrts.base.argument_types import check_callable, check_list, check_type, is_number
 from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.broken_record import BrokenRecordError, broken_record
@@ -51,6 +51,7 @@ class Cell(InNotebooks):
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
         remarks: What was noticed as its files were read.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
+        limits: Functions of a cell and its motion that give further limits; docs/extending.md.
         folder: That the URDFs of its cell file are relative to; None where that is not known.
         object_shape: What the object looks like, None where that is not known; for pictures alone.
 
@@ -73,6 +74,7 @@ class Cell(InNotebooks):
     enforces_velocity_limits: bool = True
     remarks: tuple[Remark, ...] = ()
     reserve: float = 0.0
+    limits: tuple[Callable[..., Any], ...] = ()
     folder: Path | None = None
     object_shape: ShapeRecord | None = None
 
@@ -82,6 +84,8 @@ class Cell(InNotebooks):
         check_type("cell: folder", self.folder, Path, NoneType)
         check_type("cell: object_shape", self.object_shape, ShapeRecord, NoneType)
         check_type("cell: enforces_velocity_limits", self.enforces_velocity_limits, bool)
+        for limit in self.limits:
+            check_callable("cell: limits", limit)
         for key, kind in (("wrench_components", str), ("robots", Robot), ("remarks", Remark)):
             check_list(f"cell: {key}", getattr(self, key), kind)
             object.__setattr__(self, key, tuple(getattr(self, key)))
@@ -277,6 +281,17 @@ class Cell(InNotebooks):
         """
         _check_reserve(reserve)
         return self if reserve == self.reserve else replace(self, reserve=reserve)
+
+    def with_limits(self, *limits: Callable[..., Any]) -> Self:
+        """The same cell with further limits beside those of its file, in the place of any that it was given before.
+
+        Args:
+            *limits: Functions of a cell and its motion that give `mrts.limits.rows.LimitRows`; docs/extending.md.
+
+        Raises:
+            InputError: If one is no function.
+        """
+        return replace(self, limits=limits)
 
     def with_robots(self, changes: Mapping[str, Mapping[str, Any]]) -> Self:
         """The same cell with other attributes of its robots.

@@ -16,7 +16,6 @@ from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Matrix, Matrix3, Vector3
 from mrts.base.remark import Severity
 from mrts.cell.cell_change import ChangeKind
 from mrts.cell.record import CellManifest
-from mrts.limits import OWN_LIMITS
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.range_status import RangeStatus
@@ -185,11 +184,11 @@ class RatedEntry(_Record):
 
 
 class RuleEntry(_Record):
-    """How torques are distributed, as `mrts.scaling.result.DistributionRule`."""
+    """How torques are distributed, as `mrts.scaling.options.Options`."""
 
     sharing: SharingEntry | None
     formulation: FormulationName
-    weights: list[float] | Matrix | None
+    weights: float | list[float] | Matrix | None
     distribute: DistributionName = "least-torque"
     rates: RatesEntry | None = None
 
@@ -278,7 +277,7 @@ class Description(_Record):
     origin: str
     warnings: Annotated[list[WarningEntry], FailFast()]
     rows: Annotated[list[RowEntry], FailFast()]
-    limits: Annotated[list[str], FailFast()] = list(OWN_LIMITS)
+    limits: Annotated[list[str], FailFast()] = []
     kept_reserve: Annotated[float, Field(ge=0, lt=1)] = 0.0
     reserve: PlanReserveEntry | None = None
     loads: Annotated[list[LoadEntry], FailFast()]
@@ -289,7 +288,7 @@ class Description(_Record):
 
     def text(self) -> str:
         """As JSON."""
-        usual = {"limits"} if self.limits == list(OWN_LIMITS) else set()
+        usual = set() if self.limits else {"limits"}
         return json.dumps(self.model_dump(mode="json", exclude=usual), allow_nan=False, ensure_ascii=False)
 
 
