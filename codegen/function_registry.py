@@ -105,7 +105,7 @@ def _torques_of_wrenches(sample: Sample) -> tuple[Any, list[Any]] | None:
     """Symbols of the wrenches F, and JᵀF of every arm; None if no arm is redundant."""
     cell, geometry = sample.cell, sample.geometry
     size = len(cell.components)
-    if all(len(robot.model.joints) <= size for robot in cell.robots):
+    if all(len(model.joints) <= size for model in cell.models):
         return None
     rows, joints = list(cell.components), split_joints(cell, sample.symbols.q)
     J = [ca.densify(frame_jacobian(model, q)[rows, :]) for model, q in zip(geometry.models, joints, strict=True)]
@@ -141,7 +141,7 @@ def _torque_form(sample: Sample) -> tuple[Named, Named] | None:
 
 
 def _fixed_distribution(sample: Sample) -> tuple[Named, Named]:
-    count = len(sample.cell.robots)
+    count = len(sample.cell.models)
     shares = ca.SX.sym("shares", count)
     internal = ca.SX.sym("internal_wrench", count * len(sample.cell.components))
     form = fixed_distribution(sample.cell, sample.geometry, sample.terms, shares, internal)

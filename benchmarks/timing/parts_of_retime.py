@@ -33,8 +33,8 @@ PARTS = {
     "mrts.timing.fastest_timing:regions_of_planes": "regions",
     "mrts.timing.fastest_timing:fastest_profile": "profile",
     "mrts.timing.fastest_timing:rising_profile": "profile",
-    "mrts.timing.retime:played_result": "plan: motion and its torques",
-    "mrts.timing.retime:excess_by_segment": "check between the samples",
+    "mrts.timing.retime:_played": "plan: motion and its torques",
+    "mrts.timing.between_samples:excess_by_segment": "check between the samples",
 }
 """Where the whole call calls what; a function that moves must be named anew here."""
 

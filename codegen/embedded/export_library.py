@@ -15,7 +15,7 @@ from mrts_codegen.model_c import model_c
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError
-from mrts.base.manifest import Manifest
+from mrts.cell.record import CellManifest
 
 PARTS = ("terms", "range", "share", "torques")
 """What `--functions` chooses from."""
@@ -40,7 +40,7 @@ OURS = "exported/"
 
 
 def export_library(
-    manifest: Manifest,
+    manifest: CellManifest,
     functions: dict[str, ca.Function],
     *,
     limits: EmbeddedLimits,
@@ -53,7 +53,7 @@ def export_library(
     """Texts of all files of the library, by path inside its folder.
 
     Args:
-        manifest: Manifest of the cell; its name is that of the library.
+        manifest: CellManifest of the cell; its name is that of the library.
         functions: Its generated functions, as CasADi has them.
         limits: What the cell must keep.
         vectors: Test vectors.

@@ -70,7 +70,7 @@ class CooperativeTerms:
 
 def sample_symbols(cell: CellModel) -> SampleSymbols:
     """Fresh symbols for one sample of a cell."""
-    count = sum(len(robot.model.joints) for robot in cell.robots)
+    count = sum(len(model.joints) for model in cell.models)
     return SampleSymbols(
         q=ca.SX.sym("q", count),
         dq=ca.SX.sym("dq", count),
@@ -85,8 +85,8 @@ def sample_symbols(cell: CellModel) -> SampleSymbols:
 def split_joints(cell: CellModel, stacked: Any) -> list[Any]:
     """Cut a vector over all joints, Shape (m,), into one piece an arm."""
     pieces, start = [], 0
-    for robot in cell.robots:
-        stop = start + len(robot.model.joints)
+    for model in cell.models:
+        stop = start + len(model.joints)
         pieces.append(stacked[start:stop])
         start = stop
     return pieces

@@ -9,14 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.manifest import (
-    CHAINS_NAME,
-    MANIFEST_NAME,
-    ChainsRecord,
-    Manifest,
-    read_generated,
-    verified_manifest,
-)
+from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord
+from mrts.cell.record import CellManifest, read_generated, verified_manifest
 from mrts.cell.sound_files import if_sound, is_source
 from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder
@@ -28,7 +22,7 @@ CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
 
 
-def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
+def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
     """Manifest and C file of a cell, made unless the cache holds them.
 
     All cells with the same chains share one C file, whatever the numbers in their cell files.
@@ -55,7 +49,7 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     return manifest, _source_in_cache(manifest)
 
 
-def _manifest_as_made(path: Path, described: Path) -> Manifest | None:
+def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     """The manifest of a cell file in the cache; None unless the files it names are as then, and its C file is whole.
 
     Args:
@@ -81,7 +75,7 @@ def _content_key(path: Path) -> str:
     return content_key(path, read_cell_description(path).references)
 
 
-def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Path]:
+def described_in_cache(description: object, folder: Path) -> tuple[CellManifest, Path]:
     """Manifest of a cell that a dictionary describes, and its C file; chains are cached.
 
     Args:
@@ -107,9 +101,9 @@ def described_model(description: object, folder: Path) -> Any:
     return build_cell_model(DESCRIBED, cell_description(description), folder)
 
 
-def _manifest(cell: Any) -> Manifest:
+def _manifest(cell: Any) -> CellManifest:
     """The manifest of a cell with its URDFs, its C file in the cache."""
-    from mrts_codegen.cell_manifest import cell_manifest  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_model import cell_manifest  # noqa: PLC0415 (build time, on demand)
 
     folder, chains = _chains_in_cache(cell)
     if chains is None:
@@ -130,7 +124,7 @@ def _chains_in_cache(cell: Any) -> tuple[Path, ChainsRecord | None]:
     return folder, chains if chains is not None and is_source(folder / chains.source, chains) else None
 
 
-def _source_in_cache(manifest: Manifest) -> Path:
+def _source_in_cache(manifest: CellManifest) -> Path:
     return _chains_folder(manifest.chains) / manifest.source
 
 
@@ -141,7 +135,7 @@ def _chains_folder(key: str) -> Path:
     return cache_folder("chains", key, emitter_key())
 
 
-def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple[Manifest, Path]:
+def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple[CellManifest, Path]:
     """Generate a cell and keep it.
 
     Args:
@@ -260,12 +254,12 @@ def cell_model(path: Path) -> Any:
 @lru_cache(maxsize=1)
 def _model(path: Path, _key: str) -> Any:
     """The same, read from files of this content."""
-    from mrts_codegen.cell_manifest import read_cell_model  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_model import read_cell_model  # noqa: PLC0415 (build time, on demand)
 
     return read_cell_model(path)
 
 
-def motion_functions_of(cell: Any) -> tuple[Manifest, dict[str, Any]]:
+def motion_functions_of(cell: Any) -> tuple[CellManifest, dict[str, Any]]:
     """CasADi's functions of the motion of a cell's joints, and the manifest: nothing is compiled.
 
     Args:

@@ -5,18 +5,12 @@ from os import PathLike
 from pathlib import Path
 from types import NoneType
 
-import numpy as np
-
 from mrts.base.argument_types import as_path, check_type
-from mrts.base.arrays import with_infinity
-from mrts.base.load_box import LoadBox, load_vector
-from mrts.base.manifest import Manifest, read_generated
 from mrts.base.regular_file import is_folder
-from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.functions import CellFunctions, compiled_functions
 from mrts.cell.generation import described_in_cache, generated_in_cache
-from mrts.cell.robot import robot_from_record
+from mrts.cell.record import CellManifest, CellRecord, read_generated
 from mrts.cell.source_files import is_generated
 
 
@@ -51,7 +45,7 @@ def described_cell(description: object, folder: Path | str | None) -> Cell:
     return cell_from_manifest(manifest, compiled_functions(manifest, source), here)
 
 
-def cell_from_manifest(manifest: Manifest, functions: CellFunctions, folder: Path | None = None) -> Cell:
+def cell_from_manifest(manifest: CellManifest, functions: CellFunctions, folder: Path | None = None) -> Cell:
     """The cell that a manifest describes.
 
     Args:
@@ -59,19 +53,5 @@ def cell_from_manifest(manifest: Manifest, functions: CellFunctions, folder: Pat
         functions: The generated functions.
         folder: That its URDFs are relative to; None where that is not known.
     """
-    carried = manifest.object
-    inertia = np.array(carried.inertia)
-    return Cell(
-        name=manifest.name,
-        plane=manifest.plane,
-        wrench_components=tuple(manifest.wrench_components),
-        gravity=np.array(manifest.gravity),
-        load=load_vector(carried.mass, np.zeros(3), inertia),
-        load_box=LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
-        object_velocity_limit=with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
-        object_shape=carried.shape,
-        robots=functions.robots if manifest is functions.manifest else tuple(map(robot_from_record, manifest.robots)),
-        functions=functions,
-        remarks=tuple(Remark(record.code, record.text, severity=record.severity) for record in manifest.remarks),
-        folder=folder,
-    )
+    record = {name: getattr(manifest, name) for name in CellRecord.model_fields}
+    return Cell(**record, functions=functions, folder=folder)

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_xacro
-from mrts.base.manifest import MANIFEST_NAME, Manifest
+from mrts.base.manifest import MANIFEST_NAME
 from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
+from mrts.cell.record import CellManifest
 from mrts.kernel.cache_folder import cache_folder
 
 if TYPE_CHECKING:
@@ -156,7 +157,7 @@ def urdf_with_mistakes(path: Path, args: Mapping[str, str]) -> UrdfReading:
     return UrdfReading(path, tree, partial(arm_chain, path, read), mistakes, remarks, meshes)
 
 
-def cell_file_in(manifest: Manifest, folder: Path, beside: Path | None) -> str:
+def cell_file_in(manifest: CellManifest, folder: Path, beside: Path | None) -> str:
     """Text of a cell file that reads back to the cell of a manifest.
 
     Args:
@@ -205,6 +206,4 @@ def arms_alone_of(cell: Any) -> tuple[Any, ...]:
     Args:
         cell: With its URDFs, as from `read_without_generating`.
     """
-    from mrts_codegen.cell_reading import arms_alone  # noqa: PLC0415 (build time, on demand)
-
-    return tuple(arms_alone(cell))
+    return tuple(cell.arms_alone())

@@ -103,8 +103,7 @@ def _speeds(kind: CurveKind, label: str, pieces: Sequence[TimedPiece]) -> PhaseC
 
 def _most(pieces: Sequence[FastestPiece]) -> PhaseCurve:
     top = HEADROOM * max(float(np.max(part.arc_speed)) for part in pieces)
-    speeds = tuple(
-        part.along_arc(np.where(np.isfinite(part.regions.upper), part.regions.upper, np.nan)) for part in pieces
-    )
+    bounds = [(part, part.profile.regions.upper) for part in pieces]
+    speeds = tuple(part.along_arc(np.where(np.isfinite(most), most, np.nan)) for part, most in bounds)
     seen = any(bool(np.any(speed <= top)) for speed in speeds)
     return PhaseCurve("most", "maximum velocity curve" if seen else "", way(pieces), speeds)

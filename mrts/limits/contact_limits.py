@@ -4,7 +4,7 @@
 import numpy as np
 
 from mrts.cell.cell import Cell
-from mrts.cell.hands.contact_axes import in_object_axes
+from mrts.cell.hands.contact import in_object_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.object_axes import object_axes
 from mrts.limits.rows import LimitRows, RowName

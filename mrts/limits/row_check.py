@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What a limit gives is rows of this cell and this motion, or an error that names the limit and what is wrong."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mrts.base.arrays import Array
@@ -10,19 +12,18 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows, RowName
 
 
-def checked_rows(limit: str, rows: object, cell: Cell, motion: CoordinatedMotion) -> LimitRows:
-    """The rows as they are.
+def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+    """The rows of a limit as they are.
 
     Args:
-        limit: Its name in `LIMITS`.
-        rows: What it gave.
+        limit: A function of a cell and its motion.
         cell: The cell.
         motion: Its motion.
 
     Raises:
         InputError: If they are no rows of this cell along this motion: other shapes, no numbers, reversed limits.
     """
-    where = f"limit '{limit}'"
+    where, rows = f"limit '{limit_name(limit)}'", limit(cell, motion)
     if not isinstance(rows, LimitRows):
         raise InputError(where, f"must give LimitRows, not {type(rows).__name__}.")
     if not all(isinstance(name, RowName) for name in rows.names):
@@ -80,3 +81,8 @@ def _check_numbers(where: str, field: str, values: Array, rows: LimitRows) -> No
     place = f" at sample {int(wrong[0][0])}" if along_motion else ""
     rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
     raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=field)
+
+
+def limit_name(limit: Callable[..., object]) -> str:
+    """What a limit is called in messages and files."""
+    return str(getattr(limit, "__name__", repr(limit)))

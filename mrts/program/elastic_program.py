@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.program.convex_program import ConvexPrograms, require_verified, solve_programs
+from mrts.program.convex_program import ConvexPrograms
+from mrts.program.solvers import require_verified, solve_programs
 
 
 @dataclass(frozen=True)

@@ -194,11 +194,11 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
     for _ in range(SEARCH_ROUNDS):
         part = problem.at(open_ones)
         level = least[open_ones, None] * (1 - CLOSEST) * part.is_limit
-        found = highest_intervals(replace(part, lower=part.lower - level, upper=part.upper + level), solver)
+        found = highest_intervals(replace(part, lower=part.lower - level, upper=part.upper + level))
         admitted, open_ones = ~found.undecided, open_ones[~found.undecided]
         if not open_ones.size:
             break
-        low, high = found.lower[admitted], found.upper[admitted]
+        low, high = np.sqrt(found.lower[admitted]), np.sqrt(found.upper[admitted])
         best[open_ones] = np.where(np.isfinite(high), (low + high) / 2, low)
         least[open_ones] = widening_at(problem.at(open_ones), best[open_ones, None] ** 2, solver, what)
     return best

@@ -112,7 +112,7 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float 
 
     def find(part: SampleProblem) -> RangeEnds:
         if part.speed is not None:
-            return _ends_of_intervals(part, solver, high)
+            return _ends_of_intervals(part, high)
         return ends_in_closed_form(part) if part.unknowns == 1 else ends_by_linear_programs(part, solver)
 
     ends = find(problem)
@@ -138,27 +138,26 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float 
     )
 
 
-def _ends_of_intervals(problem: SampleProblem, solver: str, high: float) -> RangeEnds:
+def _ends_of_intervals(problem: SampleProblem, high: float) -> RangeEnds:
     """The ends where rows have a term in ṙ: of the highest interval that does not begin above a c²."""
-    found = highest_intervals(problem, solver)
+    found = highest_intervals(problem)
     several = bool(np.any(found.gap > 0))
     for _ in range(MOST_INTERVALS):
-        above = np.flatnonzero((found.lower**2 > high) & (found.gap > 0))
+        above = np.flatnonzero((found.lower > high) & (found.gap > 0))
         if not above.size:
             break
-        below = highest_intervals(problem.at(above), solver, found.gap[above])
+        below = highest_intervals(problem.at(above), found.gap[above])
         found.gap[above] = 0.0
-        found.fallbacks += below.fallbacks
         lowered = np.flatnonzero(~below.undecided)
         found.put(above[lowered], below, lowered)
-    lower, upper = found.lower**2, np.where(found.upper > 0, found.upper**2, found.upper)
+    lower, upper = found.lower, found.upper
     if problem.unknowns == 1:
         codes = tight_codes(problem, lower, upper)
     else:
         caps, capped = problem.is_cap, upper >= problem.cap() * (1 - POINT_TOLERANCE)
         found.dual[1][:, caps] = capped[:, None] * binds(problem.cap_share) * np.sign(problem.square[:, caps])
         codes = np.stack([codes_of_duals(problem, found.dual[0], lower == 0), codes_of_duals(problem, found.dual[1])])
-    return RangeEnds(lower, upper, rows_of_problem(problem, codes), found.undecided, found.fallbacks, several)
+    return RangeEnds(lower, upper, rows_of_problem(problem, codes), found.undecided, 0, several)
 
 
 def statuses(lower: Array, upper: Array, conflicts: Iterable[Conflict]) -> tuple[RangeStatus, ...]:

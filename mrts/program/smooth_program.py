@@ -76,24 +76,6 @@ class SmoothProgram:
         """ω of the trapezoidal rule over the nodes, Shape (n,)."""
         return np.concatenate([self.step[:1], self.step[:-1] + self.step[1:], self.step[-1:]]) / 2
 
-    def in_units_of(self, unit: float) -> Self:
-        """The same program with x and u in multiples of a unit, and times in multiples of 1/√unit.
-
-        Args:
-            unit: > 0 [1/s²].
-        """
-        root = float(np.sqrt(unit))
-        first, last = (None if x is None else x / unit for x in self.ends)
-        return replace(
-            self,
-            square=self.square * unit,
-            rate=self.rate * unit,
-            root=self.root * root,
-            change=self.change / root,
-            jerk=self.jerk / (unit * root),
-            ends=(first, last),
-        )
-
     def narrowed(self, share: float) -> Self:
         """The same program with all limits of rows and rates further in.
 
@@ -182,6 +164,18 @@ class SmoothProgram:
         ]
         return max(float(np.max(part, initial=-1.0)) for part in parts)
 
+    def keeps(self, profile: "SmoothProfile", tolerance: float) -> bool:
+        """Whether a profile moves and passes no limit by more than a share of it."""
+        return bool(np.all(profile.x > 0)) and self.excess(profile.x, profile.u, profile.free) <= tolerance
+
+    def given_free(self) -> Array:
+        """F that is given at the ends, else 0, Shape (n, f)."""
+        free = np.zeros((self.nodes, self.free.shape[2]))
+        for place, given in zip((0, -1), self.end_free, strict=True):
+            if given is not None:
+                free[place] = given
+        return free
+
 
 @dataclass(frozen=True)
 class Goal:
@@ -198,24 +192,6 @@ class Goal:
     effort: float = 0.0
     longest: float | None = None
     uneven: float = 0.0
-
-    def evened(self, uneven: float) -> "Goal":
-        """The same goal with another weight of the jumps of u.
-
-        Args:
-            uneven: The weight.
-        """
-        return replace(self, uneven=uneven)
-
-    def in_units_of(self, unit: float) -> "Goal":
-        """The same goal for a program in other units; see `SmoothProgram.in_units_of`.
-
-        Args:
-            unit: > 0 [1/s²].
-        """
-        root = float(np.sqrt(unit))
-        longest = None if self.longest is None else self.longest * root
-        return Goal(self.time / root, self.effort / root, longest, self.uneven * unit**2)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 """The best profile within limits of rates, which are not convex: convex programs one after the other, each inside."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,26 +48,17 @@ class StepsTaken:
 
 
 @dataclass(frozen=True)
-class RatesTooSmall:
-    """No profile was found within the limits of rates.
+class NoProfile:
+    """No profile was found within the limits of rates, or none within the longest duration.
 
     Attributes:
         share: By how much rates pass their limits in the nearest one, as a share of them; infinity if none keeps the
             other limits.
+        duration: Of the fastest that was found, where it is too long [s].
     """
 
-    share: float
-
-
-@dataclass(frozen=True)
-class TooLong:
-    """No profile was found within the longest duration.
-
-    Attributes:
-        duration: Of the fastest that was found [s].
-    """
-
-    duration: float
+    share: float = np.inf
+    duration: float | None = None
 
 
 def successive_steps(
@@ -76,7 +67,7 @@ def successive_steps(
     goal: Goal,
     solver: KernelSolver,
     told: Callable[[int, float], None] = lambda _step, _cost: None,
-) -> StepsTaken | RatesTooSmall | TooLong:
+) -> StepsTaken | NoProfile:
     """Profiles within all limits, each better than the one before.
 
     In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
@@ -90,17 +81,17 @@ def successive_steps(
         told: Told the number of each step and its cost.
     """
     found = _first(program, likely, goal if goal.longest is None else Goal(), solver)
-    if isinstance(found, RatesTooSmall):
+    if isinstance(found, NoProfile):
         return found
     if goal.longest is not None:
         fast = _descent(program, found, Goal(), solver, told, enough=goal.longest)
         duration = cost(program, fast.profile, Goal())
         if duration > goal.longest:
-            return TooLong(duration)
+            return NoProfile(duration=duration)
         found = solver.step(program, fast.profile.x, goal) or fast.profile
     best = _descent(program, found, goal, solver, told)
     uneven = EVEN * best.costs[-1] / max(_jumps(program, best.profile), np.finfo(float).tiny)
-    even = _descent(program, best.profile, goal.evened(uneven), solver, told)
+    even = _descent(program, best.profile, replace(goal, uneven=uneven), solver, told)
     return StepsTaken(even.profile, (*best.costs, *even.costs[1:]), best.gain)
 
 
@@ -127,34 +118,34 @@ def _descent(
     return StepsTaken(found, tuple(costs), gain)
 
 
-def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver) -> SmoothProfile | RatesTooSmall:
+def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver) -> SmoothProfile | NoProfile:
     """Any profile within all limits, a fast one: where steps lead, if it can be foreseen, or by relaxed rates."""
-    found: SmoothProfile | RatesTooSmall | None = solver.near(program, likely, goal)
+    found: SmoothProfile | NoProfile | None = solver.step(program, likely, goal, moving=True)
     if found is not None:
         return found
     least = np.inf
     for slower in range(STARTS):
         found = _by_relaxation(program, likely / SLOWER**slower, solver)
-        if not isinstance(found, RatesTooSmall):
+        if not isinstance(found, NoProfile):
             return found
         least = min(least, found.share)
-    return RatesTooSmall(least)
+    return NoProfile(least)
 
 
-def _by_relaxation(program: SmoothProgram, likely: Array, solver: KernelSolver) -> SmoothProfile | RatesTooSmall:
+def _by_relaxation(program: SmoothProgram, likely: Array, solver: KernelSolver) -> SmoothProfile | NoProfile:
     """An admissible profile, by ever less relaxed limits of rates."""
     x, before = likely, np.inf
     for _ in range(RELAXED_STEPS):
         found = solver.nearest(program, x)
         if found is None:
-            return RatesTooSmall(before)
+            return NoProfile(before)
         profile, share = found
-        if np.all(profile.x > 0) and program.excess(profile.x, profile.u, profile.free) <= KEPT:
+        if program.keeps(profile, KEPT):
             return profile
         if not np.all(profile.x > 0) or share > before * (1 - STALLED):
-            return RatesTooSmall(min(share, before))
+            return NoProfile(min(share, before))
         x, before = profile.x, share
-    return RatesTooSmall(before)
+    return NoProfile(before)
 
 
 def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:

@@ -248,7 +248,7 @@ def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuan
         raise ValueError("there is no trajectory to draw")
     found = {
         names[0].kind: (names, values, limits)
-        for names, values, limits in _rate_quantities(result.trajectory, result.rule.rates)
+        for names, values, limits in _rate_quantities(result.trajectory, result.options.rates)
     }
     names, values, limits = found[kind]
     rates = _steps(result.trajectory, values)
@@ -268,7 +268,7 @@ def limited_rate_kinds(result: "ScalingResult") -> list[str]:
     """
     if result.trajectory is None:
         return []
-    quantities = _rate_quantities(result.trajectory, result.rule.rates)
+    quantities = _rate_quantities(result.trajectory, result.options.rates)
     return list(dict.fromkeys(names[0].kind for names, _, limits in quantities if np.any(np.isfinite(limits))))
 
 

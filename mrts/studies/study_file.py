@@ -22,13 +22,12 @@ from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
 from mrts.cell.robot import Robot
 from mrts.cell.source_files import all_cell_keys, named_files, urdf_files
-from mrts.limits import LIMITS
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.program.excess import checked_tolerance
-from mrts.scaling.uncertain_load import mass_grid
+from mrts.scaling.loads import mass_grid
 from mrts.studies.knobs import read_parameters
 from mrts.studies.sampling import MOST_HYPERCUBE_NUMBERS, MOST_VARIANTS, SampleName, grid_size
 from mrts.studies.study import Parameter, Study, StudyFile, StudyQuestion
@@ -106,7 +105,7 @@ def read_study(path: Path | str) -> Study:
     urdfs, mesh = _study_files(cell_path, given["cell"])
     question = StudyQuestion(described.profile, described.load, described.torques, described.reserve, described.between)
     variants, seed = _variants(path, described, parameters), described.seed or 0
-    asked = [__version__, repr((parameters, described.sample, variants, seed, question, tuple(LIMITS)))]
+    asked = [__version__, repr((parameters, described.sample, variants, seed, question))]
     asked += [json.dumps(given["cell"])]
     where = {"file", "joints"}  # what such a table says is hashed
     asked += [json.dumps({key: value for key, value in given["motion"].items() if key not in where})]

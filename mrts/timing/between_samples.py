@@ -2,25 +2,29 @@
 """How far a retimed motion oversteps limits between the samples at which they were kept, and samples against that."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, apply
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.denser_motion import between_samples, denser, moved_remarks
+from mrts.following.denser_motion import between_samples, moved_remarks
 from mrts.limits.rows import ActiveRow
 from mrts.motion.object_courses import Geodesic, PoseSplines, WaypointPath
-from mrts.program.excess import Excess
+from mrts.program.excess import BETWEEN, Excess
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_widening import motion_widening
+from mrts.program.rate_limits import rate_names
+from mrts.program.sample_problem import build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.trajectory_programs import motion_ranges
-from mrts.timing.path_pieces import PLACES
+from mrts.timing.path_pieces import PLACES, with_samples
 from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import between_path_samples
+from mrts.timing.retimed_motion import TimedPiece, between_path_samples
+from mrts.timing.smooth_piece import SmoothPiece
 
 MOST_ROUNDS = 12
 """Times that a path is timed again: a segment is then 4096 times shorter."""
@@ -39,26 +43,11 @@ BENT = 0.05
 """Largest part of a joint's step that velocities and accelerations at its ends may miss: a change of branch is all."""
 
 
-@dataclass(frozen=True)
-class SegmentExcess:
-    """Excess over limits inside the segments of a retimed path.
-
-    Attributes:
-        share: The worst of each segment, Shape (N - 1,).
-        worst: Of all.
-    """
-
-    share: Array
-    worst: Excess
-
-
 def refined_timing(
     timed: RetimingResult,
     again: Callable[[CoordinatedMotion], RetimingResult],
-    excess: Callable[[RetimingResult], SegmentExcess],
-    tolerance: float,
+    tolerance: float | None,
     *,
-    adds: bool,
     near: float = 1.0,
 ) -> RetimingResult:
     """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
@@ -69,9 +58,7 @@ def refined_timing(
     Args:
         timed: The fastest timing of a motion.
         again: Times the same motion with more samples.
-        excess: Finds by how much a timing oversteps limits between samples.
-        tolerance: Share of a limit by which it may be overstepped.
-        adds: Whether samples are added at all.
+        tolerance: Share of a limit by which it may be overstepped; None adds no samples.
         near: Share of the tolerance from which a segment gets a sample once one passes it: less than 1 takes fewer
             rounds and more samples.
 
@@ -80,26 +67,25 @@ def refined_timing(
         SolverError: If no solver answers.
     """
     most = max(MOST_SAMPLES, MOST_TIMES * timed.motion.samples)
+    adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
     best, stalled = timed, 0
     for turn in range(MOST_ROUNDS + 1):
         if not timed.pieces:
             return timed
-        found = excess(timed)
-        timed = with_excess(timed, found.worst)
-        if best.excess is None or found.worst.share < best.excess.share:
+        share, worst = excess_by_segment(timed, tolerance)
+        timed = with_excess(timed, worst)
+        if best.excess is None or worst.share < best.excess.share:
             best, stalled = timed, 0
         else:
             stalled += 1
-        passing = np.flatnonzero(found.share > (near * tolerance if np.any(found.share > tolerance) else tolerance))
+        passing = np.flatnonzero(share > (near * tolerance if np.any(share > tolerance) else tolerance))
         if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not len(passing):
             break
         if timed.motion.samples + len(passing) > most:
             break
         time = timed.motion.object.time
         middles = (time[passing] + time[passing + 1]) / 2
-        more = between_samples(timed.cell, timed.motion, middles)
-        motion = denser(timed.motion, more, np.arange(1, len(middles) + 1, dtype=np.intp))
-        timed = _as_before(again(motion), timed, middles)
+        timed = _as_before(again(with_samples(timed.cell, timed.motion, middles)), timed, middles)
     if best.excess is None or not best.excess.passes:
         return best
     return replace(best, status=best.status.at_samples)
@@ -156,8 +142,8 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
         between_samples(cell, motion, (time[doubtful] + time[doubtful + 1]) / 2)
 
 
-def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
-    """The largest excess inside each segment, where wrenches are free to do their best; its row is named when read.
+def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, Excess]:
+    """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all.
 
     Args:
         timed: A timing.
@@ -166,30 +152,37 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> SegmentExcess:
     Raises:
         SolverError: If no solver answers.
     """
-    cell, motion, pieces, loads = timed.cell, timed.motion, timed.pieces, timed.loads
-    sharing = timed.rule.sharing
-    worst, shares, time = Excess(0.0, tolerance), np.zeros(motion.samples - 1), motion.object.time
-    for part in pieces:
-        played = between_path_samples(cell, part, PLACES)
-        for load in loads:
-            share = motion_widening(cell, played, np.ones(played.samples), sharing=sharing, load=load)
-            segments = slice(part.piece.first, part.piece.first + len(part.piece.step))
-            shares[segments] = np.maximum(shares[segments], _worst_of_each(share))
-            most = int(np.argmax(share))
-            if share[most] > worst.share:
-                segment, place = divmod(most, len(PLACES))
-                start, end = time[part.piece.first + segment :][:2]
-                at = float(start + PLACES[place] * (end - start))
-                named = partial(_overstepped, cell, played.at(np.array([most, most])), sharing, load)
-                worst = Excess(float(share[most]), tolerance, at, named)
-    return SegmentExcess(shares, worst)
+    worst, shares, time = Excess(0.0, tolerance), np.zeros(timed.motion.samples - 1), timed.motion.object.time
+    for part in timed.pieces:
+        share, named = _smooth_excess(timed, part) if isinstance(part, SmoothPiece) else _least_excess(timed, part)
+        by_place = np.ascontiguousarray(share.reshape(-1, len(PLACES)).T)  # faster by places than by segments
+        first = part.piece.first
+        shares[first : first + len(part.piece.step)] = np.maximum(np.max(by_place, axis=0), 0.0)
+        most = int(np.argmax(share))
+        if share[most] > worst.share:
+            segment, place = divmod(most, len(PLACES))
+            start, end = time[first + segment :][:2]
+            at = float(start + PLACES[place] * (end - start))
+            worst = Excess(float(share[most]), tolerance, at, named(most))
+    return shares, worst
 
 
-def _worst_of_each(share: Array) -> Array:
-    """The largest of the places of each segment, Shape (n - 1,): faster by places than by segments."""
-    by_place = np.ascontiguousarray(share.reshape(-1, len(PLACES)).T)
-    worst: Array = np.max(by_place, axis=0)
-    return worst
+Named = Callable[[int], ActiveRow | Callable[[], ActiveRow | None]]
+"""The limit that is overstepped most at a place inside the segments of a piece, or what finds it."""
+
+
+def _least_excess(timed: RetimingResult, part: TimedPiece) -> tuple[Array, Named]:
+    """The excess at all places of a piece, Shape (k,), where wrenches are free to do their best."""
+    cell, sharing, played = timed.cell, timed.options.sharing, between_path_samples(timed.cell, part, PLACES)
+    shares = np.stack(
+        [motion_widening(cell, played, np.ones(played.samples), sharing=sharing, load=load) for load in timed.loads]
+    )
+
+    def named(place: int) -> Callable[[], ActiveRow | None]:
+        load = timed.loads[int(np.argmax(shares[:, place]))]
+        return partial(_overstepped, cell, played.at(np.array([place, place])), sharing, load)
+
+    return np.max(shares, axis=0), named
 
 
 def _overstepped(
@@ -198,3 +191,53 @@ def _overstepped(
     """The row that a motion oversteps first as it gets faster, at its first sample."""
     rows = motion_ranges(cell, there, "wrench", sharing, DEFAULT_SOLVER, load, 1.0).binding(0, "upper")
     return rows[0] if rows else None
+
+
+def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Named]:
+    """The excess over rows and limits of jerk at all places of a smooth piece, Shape (k,).
+
+    Torques are commanded linear in time between nodes, so their rates are constant there and kept; what the motion
+    needs differs from that by the square of the step. So it is looked at with wrenches that are linear too: those of
+    the plan, and where the load varies those that carry each of its corners.
+    """
+    segment, place, x, u = part.between()
+    path, loads, carried = part.piece.fine.at(part.piece.inside), [timed.cell.load], [part.plan]
+    if len(timed.loads) > 1:
+        loads += timed.loads
+        carried += np.split(part.steps.profile.free, len(timed.loads), axis=1)
+    over: list[Array] = []
+    row_at: list[Callable[..., ActiveRow]] = []
+    limited = np.zeros(0, dtype=int) if timed.smooth is None else np.flatnonzero(np.isfinite(timed.smooth.rates.jerk))
+    if limited.size:
+        jerk = _jerk_excess(part, limited, segment, x, u)
+        over.append(np.stack([jerk, np.full_like(jerk, -np.inf)]))
+        names = [rate_names(timed.cell)[2][joint] for joint in limited.tolist()]
+        row_at.append(lambda row, upper: ActiveRow(names[row], "upper", float(part.program.jerk[row])))  # noqa: ARG005
+    for load, free in zip(loads, carried, strict=True):
+        between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]
+        problem = build_sample_problem(timed.cell, path, sharing=timed.options.sharing, load=load, varying=True)
+        values = apply(problem.A, np.column_stack([between, u, x]))
+        if problem.speed is not None:
+            values += problem.speed * np.sqrt(x[:, None])
+        over.append(np.stack([values - problem.upper, problem.lower - values]))
+        row_at.append(problem.active_row)
+    shares = np.stack([np.max(sides, axis=(0, 2)) for sides in over])
+
+    def named(place: int) -> ActiveRow:
+        source = int(np.argmax(shares[:, place]))
+        above, below = over[source][:, place]
+        row = int(np.argmax(np.maximum(above, below)))
+        return row_at[source](row, upper=bool(above[row] >= below[row]))
+
+    return np.max(shares, axis=0), named
+
+
+def _jerk_excess(part: SmoothPiece, limited: NDArray[np.int_], segment: NDArray[np.int_], x: Array, u: Array) -> Array:
+    """By how much limits of jerk are passed between the nodes, as a share of them, Shape (k, J)."""
+    path, at = part.piece, part.piece.inside
+    slope = np.diff(part.rates, axis=1)[segment] / path.step[segment, None]
+    first, second = path.fine.dq[at][:, limited], path.fine.ddq[at][:, limited]
+    thirds = np.stack([path.third[at - 1, 1], path.third[at, 0]])[:, :, limited]
+    jerk = np.max(np.abs(first * slope + 3 * second * u[:, None] + thirds * x[:, None]), axis=0) * np.sqrt(x)[:, None]
+    share: Array = jerk / part.program.jerk - 1
+    return share

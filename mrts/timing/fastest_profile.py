@@ -32,12 +32,14 @@ class SpeedProfile:
     """x = ṡ² along a path of n samples; s̈ is linear on each segment, and mostly constant.
 
     Attributes:
+        regions: In which it is the fastest.
         x: The fastest, Shape (n,).
         lower: Least controllable x, Shape (n,).
         upper: Largest controllable x, Shape (n,).
         rise: By how much s̈ rises along each segment, Shape (n - 1,).
     """
 
+    regions: SpeedRegions
     x: Array
     lower: Array
     upper: Array
@@ -87,11 +89,12 @@ def fastest_profile(
     if not _within(ends[0], lower[0], upper[0]):
         return Obstacle("start", 0, (float(lower[0]), float(upper[0])), (float(lower[1]), float(upper[1])))
     first = min(max(ends[0], lower[0]), upper[0])
-    return SpeedProfile(kernel.forward(steps, rise, regions.start, planes, lower, upper, first), lower, upper, rise)
+    x = kernel.forward(steps, rise, regions.start, planes, lower, upper, first)
+    return SpeedProfile(regions, x, lower, upper, rise)
 
 
 def rising_profile(
-    found: SpeedProfile, step: Array, regions: SpeedRegions, ends: tuple[float, float], times: Array | None = None
+    found: SpeedProfile, step: Array, ends: tuple[float, float], times: Array | None = None
 ) -> SpeedProfile:
     """A profile that is faster than another, as s̈ rises on its segments as it did from one to the next.
 
@@ -103,20 +106,19 @@ def rising_profile(
     Args:
         found: The fastest profile with a constant s̈ on each segment.
         step: Length of each segment, Shape (n - 1,).
-        regions: Regions of the n samples.
         ends: x at the first and the last sample.
         times: Durations of the segments with that profile, Shape (n - 1,) [s], where they are known.
     """
-    times, rise = segment_times(step, found) if times is None else times, _rises(step, found.x)
+    times, rise = segment_times(step, found.x, found.rise) if times is None else times, _rises(step, found.x)
     lasts = float(np.sum(times))
     lost = times * np.abs(rise) * step / (found.x[1:] + found.x[:-1])
     if SUMMED * len(step) * float(np.sum(lost)) < WORTH * lasts:
         return found
     for _ in range(MOST_PASSES):
-        faster = fastest_profile(step, regions, ends, rise)
-        if not isinstance(faster, SpeedProfile) or np.any(_stop_share(step, faster) >= 1):
+        faster = fastest_profile(step, found.regions, ends, rise)
+        if not isinstance(faster, SpeedProfile) or np.any(_stop_share(step, faster.x, rise) >= 1):
             return found
-        before, lasts = lasts, min(lasts, float(np.sum(segment_times(step, faster))))
+        before, lasts = lasts, min(lasts, float(np.sum(segment_times(step, faster.x, rise))))
         if lasts < before:
             found, rise = faster, _rises(step, faster.x)
         if lasts >= before * (1 - WORTH):
@@ -124,34 +126,31 @@ def rising_profile(
     return found
 
 
-def segment_times(step: Array, profile: SpeedProfile) -> Array:
-    """Duration of each segment, Shape (n - 1,) [s].
+def segment_times(step: Array, x: Array, rise: Array) -> Array:
+    """Duration of each segment, Shape (n - 1,) [s]; infinity where both ends stand still.
 
     With v = ṡ at its ends it is 2 Δs / (v_0 + v_1) artanh(z) / z with z² = Δs (s̈_1 - s̈_0) / (v_0 + v_1)², the time
     that s̈ = a s + b takes, and arctan where z² < 0.
 
     Args:
         step: Length of each segment, Shape (n - 1,).
-        profile: Of the n samples.
+        x: ṡ² at its ends, Shape (n,).
+        rise: By how much s̈ rises along each segment, Shape (n - 1,).
     """
-    speed = np.sqrt(profile.x)
-    if not np.any(profile.rise):
-        constant: Array = 2 * step / (speed[:-1] + speed[1:])
-        return constant
-    share = _stop_share(step, profile)
-    z = np.sqrt(np.abs(share))
-    longer = np.ones_like(z)
-    for sign, inverse in ((share > 0, np.arctanh), (share < 0, np.arctan)):
-        longer[sign] = inverse(z[sign]) / z[sign]
-    duration: Array = 2 * step / (speed[:-1] + speed[1:]) * longer
+    speed = np.sqrt(x)
+    duration: Array = 2 * step / (speed[:-1] + speed[1:])
+    if np.any(rise):
+        share = _stop_share(step, x, rise)
+        z = np.sqrt(np.abs(share))
+        for sign, inverse in ((share > 0, np.arctanh), (share < 0, np.arctan)):
+            duration[sign] *= inverse(z[sign]) / z[sign]
     return duration
 
 
-def _stop_share(step: Array, profile: SpeedProfile) -> Array:
+def _stop_share(step: Array, x: Array, rise: Array) -> Array:
     """The rise of s̈ on each segment as a share of that with which it would come to rest inside, Shape (n - 1,)."""
-    speed, share = np.sqrt(profile.x), np.zeros_like(step)
-    rising = profile.rise != 0
-    share[rising] = (step * profile.rise)[rising] / np.square(speed[:-1] + speed[1:])[rising]
+    speed, share, rising = np.sqrt(x), np.zeros_like(step), rise != 0
+    share[rising] = (step * rise)[rising] / np.square(speed[:-1] + speed[1:])[rising]
     return share
 
 

@@ -2,7 +2,7 @@
 """The fastest timing with limits kept at the samples of a path, piece by piece, and why there is none."""
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property
 
 import numpy as np
 
@@ -10,12 +10,16 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array, median
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
+from mrts.cell.cell import Cell
+from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.following_again import following_again
 from mrts.program.infeasibility import Conflict
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.trajectory_programs import motion_planes
-from mrts.scaling.guaranteed_range import effective_parameters
-from mrts.scaling.scale import FactorQuestion
+from mrts.scaling.loads import effective_parameters
+from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
+from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus
@@ -32,7 +36,7 @@ STUCK = 1e6
 
 
 def fastest_timing(
-    compared: FactorQuestion,
+    compared: ConstantFactor,
     motion: CoordinatedMotion,
     end_speeds: tuple[float, float],
     progress: Progress,
@@ -49,34 +53,30 @@ def fastest_timing(
         refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
             parameter by turns would be another one each round, uneven where samples were added.
     """
-    cell, (start_speed, end_speed) = compared.cell, end_speeds
+    cell = compared.cell
     points: tuple[LoadPoint | None, ...] = (None,)
-    if compared.question == "guaranteed" and cell.load_box is not None:
+    if compared.options.load == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
     loads = tuple(cell.load if point is None else point.load for point in points)
-    answer = partial(RetimingResult, cell=cell, motion=motion, compared=compared, loads=loads, end_speeds=end_speeds)
+    untimed = RetimingResult(cell, motion, RetimingStatus.OPTIMAL, "", compared, loads, end_speeds=end_speeds)
     pieces = path_pieces(motion)
     if isinstance(pieces, NoPath):
         status, why = _no_path(pieces, motion.object.time)
-        return answer(status=status, explanation=why)
-    given = (("start_speed", start_speed, pieces[0].rests[0]), ("end_speed", end_speed, pieces[-1].rests[1]))
-    for name, speed, rests in given:
-        if speed > 0 and rests:
+        return replace(untimed, status=status, explanation=why)
+    rests = (pieces[0].rests[0], pieces[-1].rests[1])
+    for name, speed, at_rest in zip(("start_speed", "end_speed"), end_speeds, rests, strict=True):
+        if speed > 0 and at_rest:
             raise InputError(name, "the given motion is at rest there, so no other speed is possible.", value=speed)
     timed: list[FastestPiece] = []
     by_arc = [closed_piece(cell, part) for part in pieces]
     for number, piece in enumerate(by_arc if refined else map(by_turns, by_arc)):
-        ends = tuple(
-            0.0 if rests else (speed * float(piece.given_rate[place])) ** 2
-            for rests, speed, place in zip(piece.rests, (start_speed, end_speed), (0, -1), strict=True)
-        )
-        search = _Search(compared, motion.object.time, piece, points, (ends[0], ends[1]))
         progress(number, len(pieces))
+        search = _Search(untimed, piece, points)
         found = search.run(progress if len(pieces) == 1 else lambda _done, _total: None)
-        if isinstance(found, _Failure):
-            return answer(status=found.reason[0], explanation=found.reason[1], conflict=found.conflict)
+        if isinstance(found, RetimingResult):
+            return found
         timed.append(found)
-    return answer(status=RetimingStatus.OPTIMAL, explanation="", pieces=tuple(timed))
+    return replace(untimed, pieces=tuple(timed))
 
 
 def _no_path(found: NoPath, time: Array) -> tuple[RetimingStatus, str]:
@@ -96,31 +96,30 @@ def _no_path(found: NoPath, time: Array) -> tuple[RetimingStatus, str]:
 
 
 @dataclass(frozen=True)
-class _Failure:
-    """Why a piece of a path has no profile: outcome and explanation, and the limits that conflict if they do."""
-
-    reason: tuple[RetimingStatus, str]
-    conflict: Conflict | None = None
-
-
-@dataclass(frozen=True)
 class _Search:
     """The search for the profile of one piece, and for the reason if there is none."""
 
-    compared: FactorQuestion
-    time: Array
+    untimed: RetimingResult
     piece: PathPiece
     points: tuple[LoadPoint | None, ...]
-    ends: tuple[float, float]
 
-    def run(self, progress: Progress) -> FastestPiece | _Failure:
-        """The fastest profile, or why there is none."""
-        parts, with_root = [], []
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """σ̇² at both ends."""
+        start, end = (
+            0.0 if rests else (speed * float(self.piece.given_rate[place])) ** 2
+            for rests, speed, place in zip(self.piece.rests, self.untimed.end_speeds, (0, -1), strict=True)
+        )
+        return start, end
+
+    def run(self, progress: Progress) -> FastestPiece | RetimingResult:
+        """The fastest profile, or the outcome without one."""
+        parts, with_root, step = [], [], self.piece.step
+        length = float(np.sum(step))
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
-            length = float(np.sum(self.piece.step))
-            load, sharing = None if point is None else point.load, self.compared.rule.sharing
-            known = motion_planes(self.compared.cell, self.piece.path, sharing, load)
+            load, sharing = None if point is None else point.load, self.untimed.options.sharing
+            known = motion_planes(self.untimed.cell, self.piece.path, sharing, load)
             if known is not None:
                 parts.append(regions_of_planes(*known, length, self.ends))
                 continue
@@ -129,15 +128,14 @@ class _Search:
                 parts.append(speed_regions(problem, length, self.ends))
             else:
                 with_root.append(problem)
+        progress(len(self.points), len(self.points))
         if with_root:
-            steps = successive_profiles(with_root, self.piece.step, self.ends)
-            progress(len(self.points), len(self.points))
+            steps = successive_profiles(with_root, step, self.ends)
             if isinstance(steps, Obstacle):
                 return self._explained(steps)
-            last = fastest_piece(self.piece, steps[-1].regions, steps[-1].profile)
+            last = fastest_piece(self.piece, steps[-1])
             return self._unusual(last) or last
-        progress(len(self.points), len(self.points))
-        regions = parts[0] if len(parts) == 1 else intersect_regions(parts)
+        regions = intersect_regions(parts)
         for sample in regions.undecided:
             conflict = self._conflict(sample)
             if conflict is None:
@@ -145,39 +143,42 @@ class _Search:
                     f"the admissible speeds at {self._place(sample)} were not found, although its limits hold "
                     "together. This is a defect of mrts or of extremely scaled data: please report cell and motion."
                 )
-            return _Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
-        found = fastest_profile(self.piece.step, regions, self.ends)
+            return self._none(RetimingStatus.INFEASIBLE, f"{conflict}.", conflict)
+        found = fastest_profile(step, regions, self.ends)
         if isinstance(found, Obstacle):
             return self._explained(found)
-        timed = fastest_piece(self.piece, regions, found)
+        timed = fastest_piece(self.piece, found)
         unusual = self._unusual(timed)
         if unusual is not None:
             return unusual
-        faster = rising_profile(found, self.piece.step, regions, self.ends, timed.segment_times)
-        return timed if faster is found else fastest_piece(self.piece, regions, faster)
+        faster = rising_profile(found, step, self.ends, timed.segment_times)
+        return timed if faster is found else fastest_piece(self.piece, faster)
 
-    def _unusual(self, timed: FastestPiece) -> _Failure | None:
-        """A profile that takes no time, or for ever."""
+    def _none(self, status: RetimingStatus, why: str, conflict: Conflict | None = None) -> RetimingResult:
+        return replace(self.untimed, status=status, explanation=why, conflict=conflict)
+
+    def _unusual(self, timed: FastestPiece) -> RetimingResult | None:
+        """The outcome of a profile that takes no time, or for ever."""
         fastest = int(np.argmax(timed.x))
-        if timed.x[fastest] >= UNBOUNDED_SHARE * timed.regions.bound:
+        if timed.x[fastest] >= UNBOUNDED_SHARE * timed.profile.regions.bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
-            return _Failure((RetimingStatus.UNBOUNDED, why))
+            return self._none(RetimingStatus.UNBOUNDED, why)
         with np.errstate(divide="ignore"):
             times = timed.segment_times
         stuck = ~(times <= STUCK * median(times)) | np.isinf(times)
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
-        upper = self.compared.factor.bare.range.upper
+        upper = self.untimed.factor.range.upper
         why += "." if upper is None or upper.time is None else f"; c² is limited {upper.place()}."
-        return _Failure((RetimingStatus.STANDSTILL, why))
+        return self._none(RetimingStatus.STANDSTILL, why)
 
-    def _explained(self, obstacle: Obstacle) -> _Failure:
+    def _explained(self, obstacle: Obstacle) -> RetimingResult:
         k, reach = obstacle.sample, obstacle.reach
         for sample in (k, k + 1) if obstacle.kind == "segment" else (k,):
             conflict = self._conflict(sample)
             if conflict is not None:
-                return _Failure((RetimingStatus.INFEASIBLE, f"{conflict}."), conflict)
+                return self._none(RetimingStatus.INFEASIBLE, f"{conflict}.", conflict)
         if obstacle.kind != "segment":
             return self._wrong_end(obstacle)
         conflict = self._conflict(k, reach)
@@ -186,38 +187,38 @@ class _Search:
             f"no speed at {self._place(k)} leads on to where the end can still be reached, ṙ in [{low:.6g}, "
             f"{high:.6g}] at the next sample{_rows(conflict)}. Change the path or its end speeds, or raise a limit."
         )
-        return _Failure((RetimingStatus.NOT_CONTROLLABLE, why), conflict)
+        return self._none(RetimingStatus.NOT_CONTROLLABLE, why, conflict)
 
-    def _wrong_end(self, obstacle: Obstacle) -> _Failure:
+    def _wrong_end(self, obstacle: Obstacle) -> RetimingResult:
         start = obstacle.kind == "start"
         speed, given = self.piece.given_rate[obstacle.sample], self.ends[0 if start else 1]
         place, status = self._place(obstacle.sample), RetimingStatus.START_SPEED if start else RetimingStatus.END_SPEED
         conflict = self._conflict(obstacle.sample, obstacle.next_reach, given)
         if given == 0:
             why = f"the motion cannot {'start from' if start else 'come to'} rest at {place}{_rows(conflict)}."
-            return _Failure((status, why), conflict)
+            return self._none(status, why, conflict)
         low, high = (np.sqrt(x) / speed for x in obstacle.reach)
         why = (
             f"at {place} the motion may {obstacle.kind} with ṙ in [{low:.6g}, {high:.6g}], but "
             f"{np.sqrt(given) / speed:.6g} is asked for{_rows(conflict)}. Give another {obstacle.kind} speed, "
             "or a motion that is at rest there."
         )
-        return _Failure((status, why), conflict)
+        return self._none(status, why, conflict)
 
     def _place(self, sample: int) -> str:
         sample += self.piece.first
-        return f"t = {self.time[sample]:.6g} s (sample {sample})"
+        return f"t = {self.untimed.motion.object.time[sample]:.6g} s (sample {sample})"
 
     def _problem(self, point: LoadPoint | None) -> SampleProblem:
         load = None if point is None else point.load
-        cell, sharing = self.compared.cell, self.compared.rule.sharing
+        cell, sharing = self.untimed.cell, self.untimed.options.sharing
         return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True)
 
     def _conflict(
         self, sample: int, reach: tuple[float, float] | None = None, x: float | None = None
     ) -> Conflict | None:
         """The limits that conflict at a sample, or on the segment from it into the reach, with the worst load."""
-        time = self.time[self.piece.first :]
+        time = self.untimed.motion.object.time[self.piece.first :]
         worst: Conflict | None = None
         for point in self.points:
             if reach is None:
@@ -236,3 +237,41 @@ def _rows(conflict: Conflict | None) -> str:
         return ""
     load = "" if conflict.load is None else f" with {conflict.load}"
     return f"; these conflict{load}: {'; '.join(str(row) for row in conflict.rows)}"
+
+
+def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress) -> WhatIf:
+    """What changes would do to the duration of the fastest timing, at its samples.
+
+    Args:
+        found: What `mrts.retime` found without limits of rates.
+        steps: How far numbers are changed.
+        progress: Told how many of how many changes are done.
+
+    Raises:
+        InputError: If rates were limited: such a timing takes seconds.
+        SolverError: If no solver answers for the cell as it is.
+    """
+    if found.smooth is not None:
+        rule = "within limits of rates it would be timed again for every change, seconds each. Ask without rates."
+        raise InputError("what if", rule)
+    asked = found.compared
+    refined = found.motion.samples > asked.motion.samples
+    asked = replace(asked, options=replace(asked.options, rates=None, between=None))
+
+    def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
+        compared = replace(asked, cell=changed, motion=motion)
+        again = fastest_timing(compared, motion, found.end_speeds, lambda _done, _total: None, refined=refined)
+        return _of_timing(again)
+
+    followed = following_again(found.cell, found.motion)
+    before = answer(found.cell, followed.motion)
+    return ask_changes(found.cell, followed, before, steps, answer, progress)
+
+
+def _of_timing(timed: RetimingResult) -> SpeedAnswer:
+    """The answer of a timing: what limits it for the longest time binds."""
+    if not timed.status.admits_motion:
+        return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
+    duration = sum(float(np.sum(part.segment_times)) for part in timed.pieces)
+    limits = tuple(dict.fromkeys(name.rpartition(" (")[0] or name for name, _ in timed.limits))  # without its value
+    return SpeedAnswer(status="feasible", duration=duration, limits=limits)

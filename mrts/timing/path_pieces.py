@@ -14,6 +14,7 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.following.closed_chain import nearest_rates
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
+from mrts.following.denser_motion import between_samples, denser
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.motor_terms import travel_directions
@@ -116,6 +117,15 @@ def path_pieces(motion: CoordinatedMotion) -> list[PathPiece] | NoPath:
             return piece
         pieces.append(piece)
     return pieces
+
+
+def with_samples(cell: Cell, motion: CoordinatedMotion, added: Array) -> CoordinatedMotion:
+    """A motion with samples at further times, Shape (k,) [s]; its own stay exactly as they are.
+
+    Raises:
+        MotionError: If the arms cannot hold the object there.
+    """
+    return denser(motion, between_samples(cell, motion, added), np.arange(1, len(added) + 1, dtype=np.intp))
 
 
 def _piece(

@@ -2,7 +2,7 @@
 """The fastest admissible r(t): a speed that varies along the path, where `mrts.scale` keeps its factor constant."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import NoneType
 from typing import Any
 
@@ -12,7 +12,9 @@ from mrts.base.argument_types import Progress, check_callable, check_type, is_nu
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
+from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
@@ -23,18 +25,27 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import Goal
-from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.scaling.load_study import load_question
-from mrts.scaling.motion_remarks import interpolated_timing, timing_remarks
-from mrts.scaling.result import DistributionRule
-from mrts.scaling.scale import FactorQuestion, factor_question
-from mrts.timing.between_samples import check_held_between, excess_by_segment, refined_timing
+from mrts.program.successive_steps import CONVERGED
+from mrts.scaling.motion_remarks import interpolated_timing, lasting, timing_remarks
+from mrts.scaling.options import Options
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.torques import with_torques
+from mrts.timing.between_samples import check_held_between, refined_timing, with_excess
+from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.held_wrenches import GivenTorques
-from mrts.timing.played_result import played_result
-from mrts.timing.result import RetimingResult
-from mrts.timing.smooth_retiming import smooth_goal, smooth_retiming
-from mrts.timing.smooth_timing import SmoothQuestion
+from mrts.timing.path_pieces import NoPath
+from mrts.timing.result import RetimingResult, RetimingStatus
+from mrts.timing.retimed_motion import TimedPiece, retimed_motion
+from mrts.timing.smooth_path import smooth_nodes
+from mrts.timing.smooth_piece import SmoothAnswer, fastest_pieces, smooth_pieces
+from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
+
+NEAR = 0.3
+"""Share of the tolerance from which a segment gets a node once one passes it: each round solves all programs anew."""
+
+WEIGHTS = ("time", "energy")
+"""What `weigh` may weigh."""
 
 
 def retime(
@@ -42,7 +53,7 @@ def retime(
     motion: ObjectMotion | JointTable | CoordinatedMotion,
     *,
     sharing: LoadSharing | None = None,
-    weights: Array | None = None,
+    weights: Array | float | None = None,
     load: str = "auto",
     distribute: DistributionName = "least-torque",
     reserve: float | None = None,
@@ -80,7 +91,8 @@ def retime(
         rates: Whether torques, accelerations and contact wrenches may only change at limited rates: True for the limits
             of the cell, a number for the torque rate of the joints that have none, as a multiple of their torque limit
             [1/s]; docs/smooth.md.
-        weigh: With rates: weights of what is to be least, the "time" [1/s] and the "energy" ∫ τᵀWτ dt [1/(N² m² s)];
+        weigh: With rates: weights of what is to be least, the "time" [1/s] and the "energy" ∫ τᵀWτ dt [1/s; with W = 1
+            1/(N² m² s)];
             None is the time alone.
         least_energy_in: With rates: the longest duration, within which the energy is to be least [s].
         start_torque: With rates: torques that hold still where the motion begins, Shape (m,); None leaves them free
@@ -96,76 +108,126 @@ def retime(
         MotionError: If the arms cannot follow the object.
         SolverError: If no solver answers.
     """
-    question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
-    rule = DistributionRule(sharing, "wrench", weights, distribute)
-    asked = _smooth_request(
-        cell, rates, distribute, weigh=weigh, least_energy_in=least_energy_in,
+    _check_arguments(cell, sharing, start_speed, end_speed, progress)
+    cell = cell if reserve is None else cell.with_reserve(reserve)
+    options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between)
+    options = options.checked(cell)
+    if options.load not in {"guaranteed", "nominal"}:
+        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
+    smooth = _smooth_options(
+        cell, rates, distribute, options.load, weigh=weigh, least_energy_in=least_energy_in,
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
-    _check_held(cell, asked, question)
-    compared = factor_question(
-        cell, motion, "auto", rule, solver=DEFAULT_SOLVER, load=question, reserve=reserve, closure=closure,
-        between=between, rates=rates,
-    )  # fmt: skip
-    speeds, kept = (start_speed, end_speed), compared.tolerance
-    adds, tolerance = kept is not None, BETWEEN if kept is None else kept
-    fastest = _fastest(compared, speeds, tolerance, progress, adds=adds)
-    if asked is None:
+    options = options if smooth is None else replace(options, rates=smooth[0])
+    compared = ConstantFactor(cell, coordinate(cell, motion, closure), options)
+    fastest = _fastest(compared, (start_speed, end_speed), progress)
+    if smooth is None or not (fastest.status.admits_motion or fastest.status is RetimingStatus.UNBOUNDED):
         return fastest
-    whole = SmoothQuestion(
-        compared=compared,
-        loads=fastest.loads,
-        rates=asked.rates,
-        goal=asked.goal,
-        end_speeds=speeds,
-        end_torques=asked.held,
-        fastest=fastest.duration,
-        solver=KernelSolver(),
-    )
-    return smooth_retiming(fastest, whole, tolerance, progress, adds=adds)
+    return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
 
 
-def _fastest(
-    compared: FactorQuestion, speeds: tuple[float, float], tolerance: float, progress: Progress, *, adds: bool
-) -> RetimingResult:
+def _fastest(compared: ConstantFactor, end_speeds: tuple[float, float], progress: Progress) -> RetimingResult:
     """The fastest timing without limits of rates, with its torques."""
-    cell, given, rule = compared.cell, compared.motion, replace(compared.rule, rates=None)
-    if adds:
+    cell, given, options = compared.cell, compared.motion, replace(compared.options, rates=None)
+    if options.between is not None:
         check_held_between(cell, given)
-    remarks = timing_remarks(cell, given, lambda: compared.factor.bare.range)
+    remarks = timing_remarks(cell, given, lambda: compared.factor.range)
 
     def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
-        found = fastest_timing(compared, path, speeds, progress, refined=refined)
+        found = fastest_timing(compared, path, end_speeds, progress, refined=refined)
         if not found.pieces:
             return found
-        played = played_result(cell, path, rule, found.pieces, "fastest timing", warnings=remarks)
-        return replace(found, retimed=played)
+        return replace(found, retimed=_played(found, options, "fastest timing", remarks))
 
     first = timed(given, refined=False)
-    fastest = refined_timing(first, timed, lambda one: excess_by_segment(one, tolerance), tolerance, adds=adds)
+    fastest = refined_timing(first, timed, options.between)
     if fastest.retimed is None or first.duration is None or fastest.duration is None:
         return fastest
     added = interpolated_timing(given, first.duration, fastest.duration)
     return replace(fastest, retimed=replace(fastest.retimed, warnings=fastest.retimed.warnings + added))
 
 
-@dataclass(frozen=True)
-class _SmoothRequest:
-    """What is asked with limits of rates.
+def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
+    """The best timing within limits of rates, with its torques."""
+    constant, before = question.bare.factor, list[TimedPiece]()
+    nodes = smooth_nodes(constant.cell, constant.motion, question.bare.end_speeds)
+    if isinstance(nodes, NoPath):
+        return question.bare
 
-    Attributes:
-        rates: The limits.
-        goal: What is to be least.
-        held: Torques that hold still at both ends, where they are given.
+    def timed(motion: CoordinatedMotion) -> RetimingResult:
+        found = smooth_timing(question, motion, before, progress)
+        before[:] = found.pieces
+        return replace(found, smooth=_answer(question, found))
+
+    found = refined_timing(timed(nodes), timed, question.bare.options.between, near=NEAR)
+    if not found.pieces or found.excess is None:
+        return found
+    answer, pieces = _answer(question, found), smooth_pieces(found.pieces)
+    torque, wrench = ([getattr(part, name) for part in pieces] for name in ("torque", "wrench"))
+    plan = tuple(np.concatenate([of[0], *(part[1:] for part in of[1:])]) for of in (torque, wrench))
+    remarks = lasting(constant.warnings)
+    played = _played(found, constant.options, answer.what, remarks, (plan[0], plan[1]))
+    played = replace(played, origin=f"{played.origin}. {answer}", warnings=played.warnings + _stopped(answer, found))
+    return with_excess(replace(found, retimed=played, smooth=answer), found.excess)
+
+
+def _answer(question: SmoothQuestion, found: RetimingResult) -> SmoothAnswer:
+    pieces = smooth_pieces(found.pieces)
+    gains = [part.steps.gain for part in pieces]
+    return SmoothAnswer(
+        rates=question.rates,
+        goal=question.goal,
+        duration=sum(float(np.sum(part.segment_times)) for part in pieces) if pieces else None,
+        bound=question.bare.duration,
+        steps=question.solver.steps,
+        gain=None if None in gains else max((gain for gain in gains if gain is not None), default=0.0),
+        fastest=fastest_pieces(question.bare.pieces),
+    )
+
+
+def _played(
+    timed: RetimingResult,
+    options: Options,
+    what: str,
+    warnings: tuple[Remark, ...],
+    torques: tuple[Array, Array] | None = None,
+) -> ScalingResult:
+    """The retimed motion with the torques of the quadratic program (31) to (34), or with given ones.
+
+    Its range of c², which only says what faster or slower would be, is found when it is read.
     """
+    motion = retimed_motion(timed.motion, timed.pieces)
+    whole, duration = timed.motion.object.time[-1], motion.object.time[-1]
+    played = ScalingResult(
+        cell=timed.cell,
+        motion=motion,
+        found=None,
+        c2=1.0,
+        trajectory=None,
+        fallbacks=0,
+        options=replace(options, load="nominal"),
+        origin=f"{what} of a path that was given {whole:.4g} s: {duration:.4g} s",
+        warnings=warnings,
+    )
+    return with_torques(played, torques)
 
-    rates: RateLimits
-    goal: Goal
-    held: GivenTorques
+
+def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
+    """What a search that met its bounds leaves; nothing where it came to its end."""
+    left = []
+    if answer.gain is None or answer.gain >= CONVERGED:
+        left.append("a faster profile may be near")
+    if found.excess is not None and found.excess.passes:
+        left.append(f"between {found.motion.samples} nodes limits are overstepped by {100 * found.excess.share:.2g} %")
+    if not left:
+        return ()
+    return (Remark("search-stopped", f"this is the best timing found in {answer.steps} steps: {', and '.join(left)}."),)
 
 
-def _smooth_request(cell: Cell, rates: Rates, distribute: DistributionName, **given: Any) -> _SmoothRequest | None:
-    """The arguments that go with rates, checked; None without rates."""
+def _smooth_options(
+    cell: Cell, rates: Rates, distribute: DistributionName, question: str, **given: Any
+) -> tuple[RateLimits, Goal, GivenTorques] | None:
+    """Limits of rates, what is to be least, and torques that hold still at both ends; None without rates."""
     if rates is False:
         for name, value in given.items():
             if value is not None:
@@ -182,22 +244,47 @@ def _smooth_request(cell: Cell, rates: Rates, distribute: DistributionName, **gi
         if torque is not None and (torque.shape != (joints,) or not np.all(np.isfinite(torque))):
             raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given[name])
         held.append(torque)
-    return _SmoothRequest(rate_limits(cell, rates), goal, (held[0], held[1]))
-
-
-def _check_held(cell: Cell, asked: _SmoothRequest | None, question: str) -> None:
-    """Torques that hold still are those of one load."""
-    if asked is None or question != "guaranteed" or cell.load_box is None:
-        return
-    for name, torque in zip(("start_torque", "end_torque"), asked.held, strict=True):
-        if torque is not None:
+    limits = rate_limits(cell, rates)
+    for name, torque in zip(("start_torque", "end_torque"), held, strict=True):
+        if torque is not None and question == "guaranteed" and cell.load_box is not None:
             raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
+    return limits, goal, (held[0], held[1])
 
 
-def _checked_question(
-    cell: Cell, sharing: LoadSharing | None, load: str, start_speed: float, end_speed: float, progress: Progress
-) -> str:
-    """The question asked of the load, if all arguments keep their rules."""
+def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None) -> Goal:
+    """What is to be least.
+
+    Args:
+        weigh: Weights of "time" [1/s] and "energy" [1/(N² m² s)]; None is the time alone.
+        least_energy_in: The longest duration, where the energy is to be least [s].
+
+    Raises:
+        InputError: If a name or a number breaks a rule.
+    """
+    if weigh is not None and least_energy_in is not None:
+        raise InputError("weigh", "does not go with least_energy_in, which weighs the energy alone.")
+    if least_energy_in is not None:
+        if not is_number(least_energy_in, 0, LARGEST_NUMBER) or least_energy_in == 0:
+            raise InputError("least_energy_in", "must be a duration > 0 [s].", value=least_energy_in)
+        return Goal(0.0, 1.0, float(least_energy_in))
+    if weigh is None:
+        return Goal()
+    check_type("weigh", weigh, Mapping)
+    for name, weight in weigh.items():
+        if name not in WEIGHTS:
+            raise InputError("weigh", f"may have the keys {' and '.join(WEIGHTS)} only.", value=name)
+        if not is_number(weight, 0, LARGEST_NUMBER):
+            raise InputError("weigh", f"must be >= 0 and at most {LARGEST_NUMBER:.0e}.", key=name, value=weight)
+    goal = Goal(float(weigh.get("time", 0.0)), float(weigh.get("energy", 0.0)))
+    if goal.time == 0:
+        rule = "must be > 0: with the energy alone a motion may last for ever. Or ask for the least in a duration."
+        raise InputError("weigh", rule, key="time", value=goal.time)
+    return goal
+
+
+def _check_arguments(
+    cell: Cell, sharing: LoadSharing | None, start_speed: float, end_speed: float, progress: Progress
+) -> None:
     check_type("cell", cell, Cell)
     check_type("sharing", sharing, LoadSharing, NoneType)
     check_callable("progress", progress)
@@ -207,7 +294,3 @@ def _checked_question(
             raise InputError(name, rule, value=speed)
     if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
         raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
-    question = load_question(cell, load, "auto")
-    if question not in {"guaranteed", "nominal"}:
-        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
-    return question

@@ -16,7 +16,6 @@ from mrts.motion.object_motion import unchecked_object_motion
 from mrts.program.motor_terms import travel_directions
 from mrts.timing.fastest_profile import SpeedProfile, segment_times
 from mrts.timing.path_pieces import PathPiece
-from mrts.timing.speed_regions import SpeedRegions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,17 +76,15 @@ class FastestPiece(TimedPiece):
     """A piece with its fastest speed.
 
     Attributes:
-        regions: Admissible (σ̈, σ̇²) at its samples.
-        profile: The fastest σ̇².
+        profile: The fastest σ̇², in the admissible (σ̈, σ̇²) at its samples.
     """
 
-    regions: SpeedRegions
     profile: SpeedProfile
 
     @cached_property
     def segment_times(self) -> Array:
         """Duration of each segment, Shape (n - 1,) [s]."""
-        return segment_times(self.piece.step, self.profile)
+        return segment_times(self.piece.step, self.x, self.profile.rise)
 
     def to_json(self, time: Array) -> dict[str, list[float | None]]:
         """The profile as JSON values, with the speeds that the limits leave.
@@ -95,24 +92,19 @@ class FastestPiece(TimedPiece):
         Args:
             time: Of the given motion, Shape (N,) [s].
         """
+        largest = self.along_arc(self.profile.regions.upper).tolist()
         return super().to_json(time) | {
             "least_controllable": self.along_arc(self.profile.lower).tolist(),
             "largest_controllable": self.along_arc(self.profile.upper).tolist(),
-            "largest": [speed if np.isfinite(speed) else None for speed in self.along_arc(self.regions.upper).tolist()],
+            "largest": [speed if np.isfinite(speed) else None for speed in largest],
         }
 
 
-def fastest_piece(piece: PathPiece, regions: SpeedRegions, profile: SpeedProfile) -> FastestPiece:
-    """A piece with the fastest profile in its regions.
-
-    Args:
-        piece: The piece, n samples.
-        regions: Of its samples.
-        profile: The profile.
-    """
+def fastest_piece(piece: PathPiece, profile: SpeedProfile) -> FastestPiece:
+    """A piece of n samples with its fastest profile."""
     mean, half = np.diff(profile.x) / (2 * piece.step), profile.rise / 2
     rates = np.column_stack([mean - half, mean + half])
-    return FastestPiece(piece=piece, x=profile.x, rates=rates, regions=regions, profile=profile)
+    return FastestPiece(piece=piece, x=profile.x, rates=rates, profile=profile)
 
 
 def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> CoordinatedMotion:

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.denser_motion import between_samples, denser
 from mrts.program.path_program import third_derivatives
-from mrts.timing.path_pieces import PLACES, NoPath, PathPiece, by_parameter, path_pieces
+from mrts.timing.path_pieces import PLACES, NoPath, PathPiece, by_parameter, path_pieces, with_samples
 
 LEAST_NODES = 60
 """Nodes of a piece where the given motion has fewer samples."""
@@ -25,51 +25,45 @@ MOST_TURNS = 60
 """Bisections that find σ of an arc length: more than a double has digits."""
 
 
+STRIDE = len(PLACES) + 1
+"""Samples from node to node of a motion that has places between its nodes."""
+
+QUINTICS = {
+    (True, True): Polynomial((0, 0, 0, 10, -15, 6)),
+    (True, False): Polynomial((0, 0, 0, 2, -1)),
+    (False, True): Polynomial((0, 2, 0, -2, 1)),
+    (False, False): Polynomial((0, 1)),
+}
+"""The share of the way at a share of the time, least in jerk, by whether the motion is at rest at the start and at the
+end: there the way grows with the cube of the time."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class SmoothPath(PathPiece):
     """A piece of a path whose `path` has σ for time.
 
     Attributes:
         stops: Whether its timing is at rest at its start, and at its end.
-        fine: The path at its nodes and between them, K samples.
-        nodes: Which of them are the nodes, indices of Shape (n,).
+        fine: The path at its nodes and between them, every `STRIDE`th of K samples a node.
         third: q''' at the start and at the end of each of their segments, Shape (K - 1, 2, m).
-        given_time: Of them, in the given motion, Shape (K,) [s].
     """
 
     stops: tuple[bool, bool]
     fine: CoordinatedMotion
-    nodes: NDArray[np.int_]
     third: Array
-    given_time: Array
 
     @property
     def third_at_nodes(self) -> Array:
         """Q''' at the start and at the end of every segment between nodes, Shape (n - 1, 2, m)."""
-        return np.stack([self.third[self.nodes[:-1], 0], self.third[self.nodes[1:] - 1, 1]], axis=1)
+        return np.stack([self.third[::STRIDE, 0], self.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
 
     @property
     def inside(self) -> NDArray[np.int_]:
         """Which samples of `fine` are not nodes, Shape (K - n,)."""
-        return np.setdiff1d(np.arange(self.fine.samples), self.nodes)
+        return np.flatnonzero(np.arange(self.fine.samples) % STRIDE)
 
 
-@dataclass(frozen=True)
-class FineMotion:
-    """A motion at its nodes and between them.
-
-    Attributes:
-        motion: K samples.
-        is_node: Shape (K,).
-        follows: Whether accelerations between the nodes are those of the motion, not only between those at the nodes.
-    """
-
-    motion: CoordinatedMotion
-    is_node: NDArray[np.bool_]
-    follows: bool
-
-
-def fine_motion(cell: Cell, nodes: CoordinatedMotion) -> FineMotion:
+def fine_motion(cell: Cell, nodes: CoordinatedMotion) -> CoordinatedMotion:
     """A motion with places between its nodes, where jerk and limits are looked at.
 
     Args:
@@ -80,55 +74,18 @@ def fine_motion(cell: Cell, nodes: CoordinatedMotion) -> FineMotion:
         MotionError: If the arms cannot hold the object there.
     """
     time = nodes.object.time
-    added = (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel()
-    more = between_samples(cell, nodes, added)
-    whole = denser(nodes, more, np.arange(1, len(added) + 1, dtype=np.intp))
-    follows = nodes.course is not None or nodes.object.course is not None
-    return FineMotion(whole, np.isin(whole.object.time, time), follows)
+    return with_samples(cell, nodes, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel())
 
 
-@dataclass(frozen=True)
-class _Quintic:
-    """The share of the way at the share z of the time, least in jerk, from rest or from full speed and likewise to.
-
-    Attributes:
-        coefficients: Of rising powers of z, from z⁰.
-    """
-
-    coefficients: tuple[float, ...]
-
-    def at(self, z: Array, order: int = 0) -> Array:
-        """The polynomial or one of its derivatives.
-
-        Args:
-            z: Anywhere in [0, 1].
-            order: Of the derivative.
-        """
-        polynomial = np.polynomial.Polynomial(self.coefficients)
-        return np.asarray((polynomial.deriv(order) if order else polynomial)(z))
-
-    def inverse(self, share: Array) -> Array:
-        """The z at which the share of the way is done, by bisection.
-
-        Args:
-            share: Rising from 0 to 1, Shape (n,).
-        """
-        low, high = np.zeros(len(share)), np.ones(len(share))
-        for _ in range(MOST_TURNS):
-            middle = (low + high) / 2
-            below = self.at(middle) < share
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        high[0], high[-1] = 0.0, 1.0
-        return high
-
-
-QUINTICS = {
-    (True, True): _Quintic((0, 0, 0, 10, -15, 6)),
-    (True, False): _Quintic((0, 0, 0, 2, -1)),
-    (False, True): _Quintic((0, 2, 0, -2, 1)),
-    (False, False): _Quintic((0, 1)),
-}
-"""By whether the motion is at rest at the start and at the end: there the way grows with the cube of z."""
+def _inverse(rising: Polynomial, share: Array) -> Array:
+    """Where a polynomial reaches shares that rise from 0 to 1, Shape (n,), by bisection."""
+    low, high = np.zeros(len(share)), np.ones(len(share))
+    for _ in range(MOST_TURNS):
+        middle = (low + high) / 2
+        below = rising(middle) < share
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    high[0], high[-1] = 0.0, 1.0
+    return high
 
 
 def stops(piece: PathPiece, end_speeds: tuple[float, float]) -> tuple[bool, bool]:
@@ -162,15 +119,18 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float,
         time = given[piece.first : piece.first + n]
         places = np.linspace(0, 1, max(n, LEAST_NODES))[1:-1]
         fine, way = _way(time, s, piece.speed)
-        wanted = np.interp(s[-1] * QUINTICS[stops(piece, end_speeds)].at(places), way, fine)
+        wanted = np.interp(s[-1] * QUINTICS[stops(piece, end_speeds)](places), way, fine)
         times.append(wanted[(wanted > time[0]) & (wanted < time[-1])])
         kept.append(piece.first + n - 1)
     added = np.unique(np.concatenate(times))
     added = added[~np.isin(added, given)]
-    more = between_samples(cell, motion, added)
-    whole = denser(motion, more, np.arange(1, len(added) + 1, dtype=np.intp))
+    whole = with_samples(cell, motion, added)
     chosen = np.isin(whole.object.time, np.concatenate([added, given[kept]]))
-    return _only(whole, chosen)
+    of, names = whole.object, ("time", "position", "rotation", "twist", "acceleration")
+    carried = replace(of, **{name: getattr(of, name)[chosen] for name in names}, smooth=False, remarks=())
+    travel = None if whole.travel is None else whole.travel[:, chosen]
+    joints = (whole.q[chosen], whole.dq[chosen], whole.ddq[chosen])
+    return CoordinatedMotion(carried, *joints, travel=travel, course=whole.course)
 
 
 def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
@@ -184,65 +144,45 @@ def _way(time: Array, s: Array, speed: Array) -> tuple[Array, Array]:
     return np.append(fine.ravel(), time[-1]), rising
 
 
-def _only(motion: CoordinatedMotion, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> CoordinatedMotion:
-    """Some samples of a motion, at their times."""
-    of = motion.object
-    carried = replace(
-        of,
-        time=of.time[chosen],
-        position=of.position[chosen],
-        rotation=of.rotation[chosen],
-        twist=of.twist[chosen],
-        acceleration=of.acceleration[chosen],
-        smooth=False,
-        remarks=(),
-    )
-    travel = None if motion.travel is None else motion.travel[:, chosen]
-    return CoordinatedMotion(
-        carried, motion.q[chosen], motion.dq[chosen], motion.ddq[chosen], travel=travel, course=motion.course
-    )
-
-
-def smooth_path(given: FineMotion, piece: PathPiece, end_speeds: tuple[float, float], slower: float) -> SmoothPath:
+def smooth_path(
+    motion: CoordinatedMotion, piece: PathPiece, end_speeds: tuple[float, float], slower: float
+) -> SmoothPath:
     """A piece by σ, the time in which a quintic from stop to stop goes its way.
 
     Where it is at rest q' = q'' = 0 by σ: q goes with σ³, as from rest with a limited rate it goes with t³, so that ṡ²
     by σ is finite and not zero.
 
     Args:
-        given: The motion.
-        piece: A piece of it by arc length, K samples.
+        motion: The motion at its nodes.
+        piece: A piece of its `fine_motion` by arc length, K samples.
         end_speeds: At the start and at the end of the whole motion.
         slower: The σ that the piece takes, as a multiple of the time that it is given.
     """
-    own = slice(piece.first, piece.first + len(piece.speed))
-    time, nodes = given.motion.object.time[own], np.flatnonzero(given.is_node[own])
-    at_rest, path = stops(piece, end_speeds), piece.path
-    s, duration = path.object.time, slower * float(time[-1] - time[0])
-    z = QUINTICS[at_rest].inverse(s / s[-1])
-    first, second, third = (s[-1] / duration**order * QUINTICS[at_rest].at(z, order) for order in (1, 2, 3))
+    path, at_rest, nodes = piece.path, stops(piece, end_speeds), np.arange(0, piece.path.samples, STRIDE)
+    first_node, s = piece.first // STRIDE, path.object.time
+    time = motion.object.time[first_node : first_node + len(nodes)]
+    duration, quintic = slower * float(time[-1] - time[0]), QUINTICS[at_rest]
+    z = _inverse(quintic, s / s[-1])
+    first, second, third = (s[-1] / duration**order * quintic.deriv(order)(z) for order in (1, 2, 3))
     for place, stopped in zip((0, -1), at_rest, strict=True):
         if stopped:
             first[place] = second[place] = 0.0
-    fine = by_parameter(path, z * duration, first, second)
     turns = third_derivatives(np.diff(s), path.dq, path.ddq)
-    if not given.follows:
-        turns = _between_nodes(s, nodes, third_derivatives(np.diff(s[nodes]), path.dq[nodes], path.ddq[nodes]))
+    if motion.course is None and motion.object.course is None:  # accelerations between nodes are only between theirs
+        turns = _between_nodes(s, third_derivatives(np.diff(s[nodes]), path.dq[nodes], path.ddq[nodes]))
     sides = np.stack([np.arange(len(s) - 1), np.arange(1, len(s))], axis=1)
     by, by2, by3 = (of[sides][..., None] for of in (first, second, third))
     return SmoothPath(
-        first=int(np.count_nonzero(given.is_node[: piece.first])),
-        path=_only(fine, nodes),
+        first=first_node,
+        path=by_parameter(path.at(nodes), z[nodes] * duration, first[nodes], second[nodes]),
         speed=piece.speed[nodes],
         rests=piece.rests,
         continued=np.flatnonzero(np.isin(nodes, piece.continued)),
         arc=s[nodes],
         arc_speed=first[nodes],
         stops=at_rest,
-        fine=fine,
-        nodes=nodes,
+        fine=by_parameter(path, z * duration, first, second),
         third=turns * by**3 + 3 * path.ddq[sides] * by * by2 + path.dq[sides] * by3,
-        given_time=time,
     )
 
 
@@ -262,10 +202,9 @@ def joined_at_stops(pieces: Sequence[SmoothPath]) -> list[SmoothPath]:
     ]
 
 
-def _between_nodes(s: Array, nodes: NDArray[np.int_], third: Array) -> Array:
+def _between_nodes(s: Array, third: Array) -> Array:
     """Values at both ends of segments between nodes, linear in between, at both ends of every finer segment."""
-    segment = np.searchsorted(nodes, np.arange(len(s) - 1), side="right") - 1
-    start, length = s[nodes[segment]], np.diff(s[nodes])[segment]
-    share = (np.stack([s[:-1], s[1:]], axis=1) - start[:, None]) / length[:, None]
+    segment, nodes = np.arange(len(s) - 1) // STRIDE, s[::STRIDE]
+    share = (np.stack([s[:-1], s[1:]], axis=1) - nodes[segment, None]) / np.diff(nodes)[segment, None]
     values: Array = third[segment, :1] + (third[segment, 1:] - third[segment, :1]) * share[..., None]
     return values

@@ -2,8 +2,7 @@
 """A piece of a path with a smooth timing, and what is known of how it was found."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from mrts.program.rate_limits import RateLimits
 from mrts.program.smooth_program import Goal, SmoothProgram
 from mrts.program.successive_steps import CONVERGED, StepsTaken
 from mrts.timing.retimed_motion import FastestPiece, TimedPiece
-from mrts.timing.smooth_path import SmoothPath
+from mrts.timing.smooth_path import STRIDE, SmoothPath
 
 BINDING = 1e-4
 """A limit binds where it is reached to this share: interior points come near limits, not to them."""
@@ -29,19 +28,17 @@ class SmoothPiece(TimedPiece):
         piece: The piece, n samples.
         program: All limits of it, for all loads.
         steps: How the timing was found.
-        plan: Free wrenches of the least torques that carry the cell's load within all limits and rates, Shape (n, f);
-            empty before they are found.
+        plan: Free wrenches of the least torques that carry the cell's load within all limits and rates, Shape (n, f).
+        torque: Those torques, Shape (n, m) [N m].
+        wrench: Contact wrenches with them, Shape (n, n w) [N, N m].
     """
 
     piece: SmoothPath
     program: SmoothProgram
     steps: StepsTaken
-    plan: Array = field(default_factory=partial(np.empty, (0, 0)))
-
-    @property
-    def rate(self) -> Array:
-        """σ̈ at the nodes, Shape (n,)."""
-        return np.append(self.rates[:, 0], self.rates[-1:, 1])
+    plan: Array
+    torque: Array
+    wrench: Array
 
     def to_json(self, time: Array) -> dict[str, list[float | None]]:
         """The profile as JSON values, along the arc length.
@@ -52,13 +49,13 @@ class SmoothPiece(TimedPiece):
         return super().to_json(time) | {
             "sigma": self.piece.path.object.time.tolist(),
             "sigma_speed": np.sqrt(self.x).tolist(),
-            "sigma_rate": self.rate.tolist(),
+            "sigma_rate": self.steps.profile.u.tolist(),
         }
 
     def between(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
         """The fine samples that are not nodes: segment, place in it, x and u there, each Shape (k,)."""
         path = self.piece
-        segment = np.searchsorted(path.nodes, path.inside) - 1
+        segment = path.inside // STRIDE
         after = path.fine.object.time[path.inside] - path.path.object.time[segment]
         place = after / self.piece.step[segment]
         start, change = self.rates[segment, 0], np.diff(self.rates, axis=1)[segment, 0]

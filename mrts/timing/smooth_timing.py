@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -16,10 +17,8 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProgram
-from mrts.program.successive_steps import RatesTooSmall, TooLong, successive_steps
+from mrts.program.successive_steps import NoProfile, StepsTaken, successive_steps
 from mrts.program.torque_distribution import torque_weights
-from mrts.scaling.result import ScalingResult
-from mrts.scaling.scale import FactorQuestion
 from mrts.timing.held_wrenches import GivenTorques, given_wrenches, stopped_wrenches, unheld
 from mrts.timing.path_pieces import NoPath, closed_piece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus
@@ -40,73 +39,60 @@ MOST_WEIGHTS = 30
 """Weights of time that are tried for it."""
 
 
+_Part = tuple[SmoothPath, SampleProblem, SmoothProgram, Array]
+"""A piece that is to be timed: its rows for the cell's load, its limits for all loads, and x for the first step."""
+
+_Timed = tuple[SmoothPath, SampleProblem, SmoothProgram, StepsTaken]
+
+
 @dataclass(frozen=True)
 class SmoothQuestion:
     """What is asked of a smooth timing.
 
     Attributes:
-        compared: The best constant factor, with the cell and the rule of distribution.
-        loads: Load vectors that are to be carried, each Shape (10,).
+        bare: The fastest timing without limits of rates; nothing bounds it, or it has a duration.
         rates: Limits of rates.
         goal: What is the best.
-        end_speeds: ṙ at the start and at the end, multiples of the given motion's.
         end_torques: Torques that hold still at the start and at the end, Shape (m,); None leaves them free [N m].
-        fastest: Duration of the fastest timing without limits of rates, None if nothing bounds it [s].
         solver: Solves the programs.
     """
 
-    compared: FactorQuestion
-    loads: tuple[Array, ...]
+    bare: RetimingResult
     rates: RateLimits
     goal: Goal
-    end_speeds: tuple[float, float]
     end_torques: GivenTorques
-    fastest: float | None
     solver: KernelSolver
 
-    @property
-    def constant(self) -> ScalingResult:
-        """The best constant factor with its torques."""
-        return self.compared.factor.whole
-
-    @property
+    @cached_property
     def usual(self) -> float:
         """A duration of the size of the answer, whatever the given one is: what σ is measured in [s]."""
-        best, given = self.constant.trajectory, float(self.constant.motion.object.time[-1])
-        if best is None or self.constant.status is RangeStatus.UNBOUNDED:
-            return given if self.fastest is None else self.fastest
+        best, given = self.bare.factor, float(self.bare.motion.object.time[-1])
+        if best.duration is None or best.status is RangeStatus.UNBOUNDED:
+            return given if self.bare.duration is None else self.bare.duration
         return best.duration
 
     @property
     def weights(self) -> Array:
         """W of the effort, Shape (m, m)."""
-        return torque_weights(self.constant.rule.weights, self.constant.motion.q.shape[1])
+        return torque_weights(self.bare.options.weights, self.bare.cell)
 
     def problem(self, path: SmoothPath, load: Array) -> SampleProblem:
-        """Rows at the nodes of a path.
+        """Rows of [F, u, x] at the nodes of a path."""
+        return build_sample_problem(
+            self.bare.cell, path.path, sharing=self.bare.options.sharing, load=load, varying=True
+        )
 
-        Args:
-            path: The path, n nodes.
-            load: Load vector, Shape (10,).
-        """
-        sharing = self.constant.rule.sharing
-        return build_sample_problem(self.constant.cell, path.path, sharing=sharing, load=load, varying=True)
-
-
-@dataclass(frozen=True)
-class _Part:
-    """A piece that is to be timed."""
-
-    piece: SmoothPath
-    program: SmoothProgram
-    likely: Array
-
-    def timed(self, goal: Goal, solver: KernelSolver, progress: Progress) -> "SmoothPiece | RatesTooSmall | TooLong":
-        found = successive_steps(self.program, self.likely, goal, solver, lambda step, _cost: progress(step, step + 1))
-        if isinstance(found, RatesTooSmall | TooLong):
-            return found
-        rates = np.column_stack([found.profile.u[:-1], found.profile.u[1:]])
-        return SmoothPiece(piece=self.piece, x=found.profile.x, rates=rates, program=self.program, steps=found)
+    def program(
+        self,
+        piece: SmoothPath,
+        problems: Sequence[SampleProblem],
+        held: tuple[Array | None, Array | None],
+        weights: Array | None,
+    ) -> SmoothProgram:
+        """Limits of a piece for some loads, with the wrenches that are given at its ends."""
+        ends = _end_squares(piece, self.bare.end_speeds)
+        third = piece.third_at_nodes
+        return path_program(self.bare.cell, piece.path, problems, self.rates, weights, ends, held, third)
 
 
 def smooth_timing(
@@ -124,56 +110,45 @@ def smooth_timing(
         InputError: If an end speed is asked for where the motion rests.
         SolverError: If no solver answers.
     """
+    bare = question.bare
+    untimed = RetimingResult(bare.cell, motion, RetimingStatus.LOCALLY_OPTIMAL, "", bare.compared, bare.loads)
     parts = _parts(question, motion, smooth_pieces(before))
     if isinstance(parts, str):
-        return _none(question, motion, RetimingStatus.HOLDING, parts)
+        return replace(untimed, status=RetimingStatus.HOLDING, explanation=parts)
     timed = _timed(question, parts, progress)
-    if isinstance(timed, RatesTooSmall | TooLong):
-        return _none(question, motion, *_why(question, timed))
-    if sum(_duration(one) for one in timed) < UNBOUNDED * question.usual:
+    if isinstance(timed, NoProfile):
+        status, why = _why(question, timed)
+        return replace(untimed, status=status, explanation=why)
+    if _duration(timed) < UNBOUNDED * question.usual:
         why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
-        return _none(question, motion, RetimingStatus.UNBOUNDED, why)
-    done = _none(question, motion, RetimingStatus.LOCALLY_OPTIMAL, "")
-    return replace(done, pieces=_planned(question, timed))
-
-
-def _none(question: SmoothQuestion, motion: CoordinatedMotion, status: RetimingStatus, why: str) -> RetimingResult:
-    return RetimingResult(question.constant.cell, motion, status, why, question.compared, question.loads)
+        return replace(untimed, status=RetimingStatus.UNBOUNDED, explanation=why)
+    return replace(untimed, pieces=_planned(question, timed))
 
 
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:
     """The pieces of a path with their programs, or why given torques do not hold still."""
-    fine = fine_motion(question.constant.cell, motion)
-    found = path_pieces(fine.motion)
+    cell, end_speeds = question.bare.cell, question.bare.end_speeds
+    found = path_pieces(fine_motion(cell, motion))
     if isinstance(found, NoPath):
         raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
-    pieces = [closed_piece(question.constant.cell, piece) for piece in found]
+    pieces = [closed_piece(cell, piece) for piece in found]
     _check_ends(question, (pieces[0].rests[0], pieces[-1].rests[1]))
-    time, parts = motion.object.time, []
     held: Array | None = None
-    usual = question.usual / float(time[-1])
-    paths = [smooth_path(fine, given, question.end_speeds, usual) for given in pieces]
+    usual = question.usual / float(motion.object.time[-1])
+    paths, parts = [smooth_path(motion, given, end_speeds, usual) for given in pieces], []
     for number, piece in enumerate(joined_at_stops(paths)):
         first, last = number == 0, number == len(pieces) - 1
-        problems = [question.problem(piece, load) for load in question.loads]
+        problems = [question.problem(piece, load) for load in question.bare.loads]
         start, held = _held(question, problems, held, first=first, last=last)
         for end, asked in ((0, first), (1, last)):
-            why = unheld(question.constant.cell, problems[0], question.end_torques, end) if asked else None
+            why = unheld(cell, problems[0], question.end_torques, end) if asked else None
             if why is not None:
                 return why
         weights = question.weights if question.goal.effort > 0 else None
-        program = path_program(
-            question.constant.cell,
-            piece.path,
-            problems,
-            question.rates,
-            weights,
-            _ends(piece, question.end_speeds),
-            (start, held),
-            piece.third_at_nodes,
-        )
+        program = question.program(piece, problems, (start, held), weights)
         likely = _likely(question, piece, program, before[number] if before else None)
-        parts.append(_Part(piece, program.narrowed(NARROWING), likely))
+        own = problems[0] if len(problems) == 1 else question.problem(piece, cell.load)
+        parts.append((piece, own, program.narrowed(NARROWING), likely))
     return parts
 
 
@@ -187,15 +162,17 @@ def _held(
 
 
 def _check_ends(question: SmoothQuestion, at_rest: tuple[bool, bool]) -> None:
-    for place, (name, rests) in enumerate(zip(("start", "end"), at_rest, strict=True)):
-        if rests and question.end_speeds[place] > 0:
-            rule = "the given motion is at rest there, so no other speed is possible."
-            raise InputError(f"{name}_speed", rule, value=question.end_speeds[place])
-        if question.end_speeds[place] > 0 and question.end_torques[place] is not None:
+    ends = zip(("start", "end"), at_rest, question.bare.end_speeds, question.end_torques, strict=True)
+    for name, rests, speed, torque in ends:
+        if rests and speed > 0:
+            raise InputError(
+                f"{name}_speed", "the given motion is at rest there, so no other speed is possible.", value=speed
+            )
+        if speed > 0 and torque is not None:
             raise InputError(f"{name}_torque", "is what holds still, but the motion is not to be at rest there.")
 
 
-def _ends(piece: SmoothPath, end_speeds: tuple[float, float]) -> tuple[float | None, float | None]:
+def _end_squares(piece: SmoothPath, end_speeds: tuple[float, float]) -> tuple[float | None, float | None]:
     """σ̇² at both ends where the timing does not rest there, else None."""
     first, last = (
         None if stopped else float((speed * piece.speed[place] / piece.arc_speed[place]) ** 2)
@@ -207,7 +184,8 @@ def _ends(piece: SmoothPath, end_speeds: tuple[float, float]) -> tuple[float | N
 def _likely(question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram, before: SmoothPiece | None) -> Array:
     """X around which the first step is taken."""
     if before is None:
-        x = np.full(program.nodes, 1.0 if question.fastest is None else (question.usual / question.fastest) ** 2)
+        fastest = question.bare.duration
+        x = np.full(program.nodes, 1.0 if fastest is None else (question.usual / fastest) ** 2)
     else:
         x = np.interp(piece.path.object.time, before.piece.path.object.time, before.x)
     for place, known in zip((0, -1), program.ends, strict=True):
@@ -216,44 +194,41 @@ def _likely(question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram,
     return x
 
 
-def _timed(
-    question: SmoothQuestion, parts: Sequence[_Part], progress: Progress
-) -> "list[SmoothPiece] | RatesTooSmall | TooLong":
-    goal, solver = question.goal, question.solver
+def _timed(question: SmoothQuestion, parts: Sequence[_Part], progress: Progress) -> list[_Timed] | NoProfile:
+    goal, timed = question.goal, []
     if goal.longest is not None and len(parts) > 1:
         return _within(question, parts, goal.longest, progress)
-    timed = []
-    for part in parts:
-        found = part.timed(goal, solver, progress)
-        if not isinstance(found, SmoothPiece):
+    for piece, problem, program, likely in parts:
+        found = successive_steps(program, likely, goal, question.solver, lambda step, _cost: progress(step, step + 1))
+        if isinstance(found, NoProfile):
             return found
-        timed.append(found)
+        timed.append((piece, problem, program, found))
     return timed
 
 
 def _within(
     question: SmoothQuestion, parts: Sequence[_Part], longest: float, progress: Progress
-) -> "list[SmoothPiece] | RatesTooSmall | TooLong":
+) -> list[_Timed] | NoProfile:
     """The least effort of several pieces within a duration: one weight of time for all, which is searched."""
 
-    def weighed(time: float) -> "list[SmoothPiece] | RatesTooSmall | TooLong":
+    def weighed(time: float) -> list[_Timed] | NoProfile:
         goal = Goal(time, question.goal.effort) if np.isfinite(time) else Goal()
         return _timed(replace(question, goal=goal), parts, progress)
 
     found = weighed(np.inf)
-    if not isinstance(found, list):
+    if isinstance(found, NoProfile):
         return found
-    fastest = sum(_duration(one) for one in found)
+    fastest = _duration(found)
     if fastest > longest:
-        return TooLong(fastest)
-    spent = sum(one.program.effort(one.x, one.rate, one.steps.profile.free) for one in found)
+        return NoProfile(duration=fastest)
+    spent = sum(program.effort(taken.profile.x, taken.profile.u, taken.profile.free) for *_, program, taken in found)
     low, high = 0.0, np.inf
     weight = question.goal.effort * spent / fastest
     for _ in range(MOST_WEIGHTS):
         tried = weighed(weight)
-        if not isinstance(tried, list):
+        if isinstance(tried, NoProfile):
             return tried
-        total = sum(_duration(one) for one in tried)
+        total = _duration(tried)
         if total <= longest:
             found, high = tried, weight
             if total >= longest * (1 - ON_TIME):
@@ -264,12 +239,12 @@ def _within(
     return found
 
 
-def _duration(part: SmoothPiece) -> float:
-    return float(np.sum(part.segment_times))
+def _duration(timed: Sequence[_Timed]) -> float:
+    return sum(float(np.sum(program.times(taken.profile.x))) for *_, program, taken in timed)
 
 
-def _why(question: SmoothQuestion, found: RatesTooSmall | TooLong) -> tuple[RetimingStatus, str]:
-    if isinstance(found, TooLong):
+def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, str]:
+    if found.duration is not None:
         return RetimingStatus.TOO_SHORT, (
             f"the motion cannot be done in {question.goal.longest:.6g} s; the fastest timing within the limits of "
             f"rates takes {found.duration:.6g} s. Allow that long at least."
@@ -287,36 +262,18 @@ def _why(question: SmoothQuestion, found: RatesTooSmall | TooLong) -> tuple[Reti
     )
 
 
-def _planned(question: SmoothQuestion, timed: Sequence[SmoothPiece]) -> tuple[SmoothPiece, ...]:
+def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothPiece, ...]:
     """The pieces with the wrenches of the least ∫ τᵀWτ dt within all limits, coupled by rates over each of them."""
     planned: list[SmoothPiece] = []
     held: Array | None = None
-    for number, part in enumerate(timed):
-        problem = question.problem(part.piece, question.constant.cell.load)
+    for number, (piece, problem, program, steps) in enumerate(timed):
+        x, u = steps.profile.x, steps.profile.u
         start, held = _held(question, [problem], held, first=number == 0, last=number == len(timed) - 1)
-        program = path_program(
-            question.constant.cell, part.piece.path, [problem], question.rates, question.weights, part.program.ends,
-            (start, held), part.piece.third_at_nodes,
-        )  # fmt: skip
-        free = question.solver.torques(program, part.x, part.rate)
-        if free is None:
+        plan = question.solver.torques(question.program(piece, [problem], (start, held), question.weights), x, u)
+        if plan is None:
             raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
-        planned.append(replace(part, plan=free))
+        unknowns = np.column_stack([plan, u, x])
+        given = {"torque": problem.torque(unknowns), "wrench": problem.wrench(unknowns)}
+        rates = np.column_stack([u[:-1], u[1:]])
+        planned.append(SmoothPiece(piece=piece, x=x, rates=rates, program=program, steps=steps, plan=plan, **given))
     return tuple(planned)
-
-
-def torque_plan(question: SmoothQuestion, pieces: Sequence[TimedPiece]) -> tuple[Array, Array]:
-    """Torques and wrenches of the plan over a whole motion: Shape (N, m) and (N, n w).
-
-    Args:
-        question: What was asked.
-        pieces: The path with its timing.
-    """
-    torques, wrenches = [], []
-    for number, part in enumerate(smooth_pieces(pieces)):
-        problem = question.problem(part.piece, question.constant.cell.load)
-        unknowns = np.column_stack([part.plan, part.rate, part.x])
-        skip = 0 if number == 0 else 1
-        torques.append(problem.torque(unknowns)[skip:])
-        wrenches.append(problem.wrench(unknowns)[skip:])
-    return np.concatenate(torques), np.concatenate(wrenches)

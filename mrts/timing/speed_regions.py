@@ -109,6 +109,8 @@ def regions_of_planes(
 
 def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
     """What is admissible in all of several regions of the same samples."""
+    if len(regions) == 1:
+        return regions[0]
     samples = np.concatenate([np.repeat(np.arange(len(part.lower)), np.diff(part.start)) for part in regions])
     order = np.argsort(samples, kind="stable")
     return SpeedRegions(

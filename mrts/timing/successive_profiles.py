@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""The fastest speed along a path where rows have terms in ṡ = √x: programs without it, one after the other."""
+"""The fastest speed along a path where rows have terms in ṡ = √x: programs without it, one after the other.
 
-from collections.abc import Sequence
+Terms in √x are those of viscous friction and torque-speed curves. In each program a line stands for √x at every sample,
+start + slope x, as the two arrays of `Lines`.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.kernel.programs import Programs, default_programs
 from mrts.program.sample_problem import SampleProblem
-from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
-from mrts.timing.speed_cells import profile_through_cells
-from mrts.timing.speed_regions import SpeedRegions, intersect_regions, speed_regions
-from mrts.timing.speed_terms import chords, tangents, without_root
+from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile, segment_times
+from mrts.timing.speed_regions import FARTHEST, SpeedRegions, intersect_regions, speed_regions
 
 CONVERGED = 1e-6
 """Share of the duration by which a step with the narrowest chords must shorten it, or it was the last."""
@@ -34,18 +38,22 @@ AT_BORDER = 1e-9
 LEAST_SHARE = 1e-12
 """Tangents are laid at no less than this share of the largest x: at 0 they are upright."""
 
+FINENESS = (2.0, 2.0**0.25)
+"""Ratios of the ends of an interval of x, coarse first: a tangent in its middle misses √x by 1.8 % and 0.1 % of it."""
 
-@dataclass(frozen=True)
-class Step:
-    """One step: the regions that it took, and the fastest profile in them."""
+SPAN = (2.0**-12, 2.0**4)
+"""Least and largest end of an interval but the first, as a multiple of an x that the path makes likely."""
 
-    regions: SpeedRegions
-    profile: SpeedProfile
+Ends = tuple[float | None, float | None]
+"""x at the first and the last sample of a path, None where it is not given."""
+
+Lines = tuple[Array, Array]
+"""Start and slope at every sample, each Shape (N,)."""
 
 
 def successive_profiles(
     problems: Sequence[SampleProblem], step: Array, ends: tuple[float, float]
-) -> list[Step] | Obstacle:
+) -> list[SpeedProfile] | Obstacle:
     """Profiles within limits, each faster than the one before, or where there is none.
 
     Where √x presses towards a limit it is replaced by its tangent at the last profile, where it helps to keep one by
@@ -63,8 +71,8 @@ def successive_profiles(
     if isinstance(first, Obstacle):
         return first
     done, before = [first], np.inf
-    while duration(step, done[-1].profile.x) < before * (1 - CONVERGED) and len(done) < MOST_STEPS:
-        before = duration(step, done[-1].profile.x)
+    while search.duration(done[-1]) < before * (1 - CONVERGED) and len(done) < MOST_STEPS:
+        before = search.duration(done[-1])
         if not search.narrow(done):
             break
     done[-1] = search.linear_at(done[-1])
@@ -79,87 +87,277 @@ class _Search:
     step: Array
     ends: tuple[float, float]
 
-    def first(self) -> Step | Obstacle:
+    def first(self) -> SpeedProfile | Obstacle:
         """A profile within limits, if there is one.
 
         Where the cell can hold still at every sample with something to spare, a slow enough one is; else it is searched
         for among all speeds.
         """
-        bare = self.fastest([replace(problem, speed=None, torque_speed=None) for problem in self.problems])
-        for at in () if bare is None else [share * bare.profile.x for share in STARTS]:
+        bare = self.fastest(self.regions(None, None))
+        for at in () if bare is None else [share * bare.x for share in STARTS]:
             found = self.near(at, np.zeros_like(at), FIRST_REACH * at)
             if found is not None:
                 return found
-        through = profile_through_cells(self.problems, self.step, self.ends)
-        return through if isinstance(through, Obstacle) else Step(*through)
+        return self.through_cells()
 
-    def narrow(self, done: list[Step]) -> bool:
+    def narrow(self, done: list[SpeedProfile]) -> bool:
         """Add faster profiles while chords grow narrower; whether the last touches the border of its interval."""
-        least, most = np.zeros_like(done[-1].profile.x), np.full_like(done[-1].profile.x, np.inf)
+        least, most = np.zeros_like(done[-1].x), np.full_like(done[-1].x, np.inf)
         stage = 0
         while len(done) < MOST_STEPS:
-            x = done[-1].profile.x
+            x, before = done[-1].x, self.duration(done[-1])
             least, most = np.maximum(least, x / WIDTHS[stage]), np.minimum(most, x * WIDTHS[stage])
             found = self.near(x, least, most)
-            before, after = (np.inf if one is None else duration(self.step, one.profile.x) for one in (done[-1], found))
+            after = np.inf if found is None else self.duration(found)
             if found is not None and after < before:
                 done.append(found)
             if stage == len(WIDTHS) - 1 and not after < before * (1 - CONVERGED):
                 break
             stage = min(stage + 1, len(WIDTHS) - 1)
-        x = done[-1].profile.x
+        x = done[-1].x
         at_border = (x <= least * (1 + AT_BORDER)) | (x >= most * (1 - AT_BORDER))
         return bool(np.any(at_border[1:-1]))
 
-    def near(self, at: Array, least: Array, most: Array) -> Step | None:
-        """The fastest profile between two others within rows that are stricter than the given ones.
-
-        Args:
-            at: Where tangents are laid, Shape (n,).
-            least: Least x, Shape (n,).
-            most: Largest x, Shape (n,).
-        """
+    def near(self, at: Array, least: Array, most: Array) -> SpeedProfile | None:
+        """The fastest profile between two others, of x at least and at most, in rows made stricter by tangents at x."""
         at = np.maximum(at, LEAST_SHARE * np.max(at))
-        above, below = (lines.pinned(self.ends) for lines in (tangents(at), chords(least, np.maximum(most, at))))
-        strict = [without_root(problem, above, below) for problem in self.problems]
+        regions = self.regions(_tangents(at), _chords(least, np.maximum(most, at)))
         inside = np.ones(len(at), dtype=bool)
         inside[[0, -1]] = False
-        return self.fastest(strict, np.where(inside, least, 0.0), np.where(inside, most, np.inf))
+        lower, upper = np.where(inside, least, 0.0), np.where(inside, most, np.inf)
+        lower, upper = np.maximum(regions.lower, lower), np.minimum(regions.upper, upper)
+        return self.fastest(replace(regions, lower=lower, upper=upper))
 
-    def linear_at(self, last: Step) -> Step:
+    def linear_at(self, last: SpeedProfile) -> SpeedProfile:
         """The same profile with all speeds that rows linear at it admit: what else could have been.
 
         There √x is its tangent in every row, which is exact at the profile and near it.
         """
-        x = last.profile.x
-        lines = tangents(np.maximum(x, LEAST_SHARE * np.max(x))).pinned(self.ends)
-        around = self.fastest([without_root(problem, lines, lines) for problem in self.problems])
+        x = last.x
+        lines = _tangents(np.maximum(x, LEAST_SHARE * np.max(x)))
+        around = self.fastest(self.regions(lines, lines))
         if around is None:
             return last
-        lower, upper = np.minimum(around.profile.lower, x), np.maximum(around.profile.upper, x)
-        return Step(around.regions, SpeedProfile(x, lower, upper, last.profile.rise))
+        lower, upper = np.minimum(around.lower, x), np.maximum(around.upper, x)
+        return replace(last, regions=around.regions, lower=lower, upper=upper)
 
-    def fastest(
-        self, problems: Sequence[SampleProblem], least: Array | float = 0.0, most: Array | float = np.inf
-    ) -> Step | None:
-        """The fastest profile between two others where no row has a term in √x; None if there is none."""
-        regions = intersect_regions(
-            [speed_regions(problem, float(np.sum(self.step)), self.ends) for problem in problems]
-        )
-        if regions.undecided:
-            return None
-        regions = replace(regions, lower=np.maximum(regions.lower, least), upper=np.minimum(regions.upper, most))
-        found = fastest_profile(self.step, regions, self.ends)
-        return Step(regions, found) if isinstance(found, SpeedProfile) else None
+    def regions(self, pressing: Lines | None, helping: Lines | None, ends: Ends | None = None) -> SpeedRegions:
+        """Regions with lines in the place of √x, and √x itself where x is given; without these terms for None."""
+        length, given = float(np.sum(self.step)), self.ends if ends is None else ends
+        if pressing is None or helping is None:
+            rows = [replace(one, speed=None, torque_speed=None) for one in self.problems]
+        else:
+            lines = _pinned(pressing, given), _pinned(helping, given)
+            rows = [_without_root(one, *lines) for one in self.problems]
+        known = (given[0] or 0.0, given[1] or 0.0)
+        return intersect_regions([speed_regions(problem, length, known) for problem in rows])
+
+    def fastest(self, regions: SpeedRegions) -> SpeedProfile | None:
+        found = None if regions.undecided else fastest_profile(self.step, regions, self.ends)
+        return found if isinstance(found, SpeedProfile) else None
+
+    def duration(self, profile: SpeedProfile) -> float:
+        """Of a profile [s]; infinity where it stands still."""
+        with np.errstate(divide="ignore"):
+            return float(np.sum(segment_times(self.step, profile.x, profile.rise)))
+
+    def through_cells(self) -> SpeedProfile | Obstacle:
+        """A profile within limits, or where none leads on.
+
+        The range of x is cut into intervals; on each of them the rows are replaced by stricter ones, which miss them by
+        a small share of their terms in √x. Backward, the x of each interval from which the end is reached are found;
+        they are exact for the stricter rows. So a profile is found if there is one that keeps limits with that share to
+        spare.
+        """
+        likely = max(*self.ends, self.regions(None, None).bound / FARTHEST)
+
+        def cells(ratio: float, given: Ends) -> list[SpeedRegions]:
+            steps = int(np.ceil(np.log(SPAN[1] / SPAN[0]) / np.log(ratio)))
+            edges = likely * np.append(0.0, SPAN[0] * ratio ** np.arange(steps + 1))
+            return [self.cell(given, *edge) for edge in pairwise(edges.tolist())]
+
+        for ratio in FINENESS:
+            tried = cells(ratio, self.ends)
+            reaches = _reaches(tried, self.step)
+            if reaches[0]:
+                found = fastest_profile(self.step, _along(tried, reaches), self.ends)
+                if isinstance(found, SpeedProfile):
+                    return found
+            if ratio == FINENESS[0] and self.excluded(likely):
+                break
+        return _obstacle(reaches, lambda given: _reaches(cells(FINENESS[0], given), self.step), self.ends)
+
+    def excluded(self, likely: float) -> bool:
+        """Whether rows that are weaker than the given ones leave no profile."""
+        count = self.problems[0].samples
+        return self.fastest(self.regions((np.zeros(count), np.zeros(count)), _tangents(np.full(count, likely)))) is None
+
+    def cell(self, ends: Ends, least: float, most: float) -> SpeedRegions:
+        """Regions of stricter rows in one interval of x."""
+        count = self.problems[0].samples
+        low, high = np.full(count, least), np.full(count, most)
+        middle = np.square((np.sqrt(low) + np.sqrt(high)) / 2)
+        regions = self.regions(_tangents(middle), _chords(low, high), ends)
+        for place, x in ((0, ends[0]), (-1, ends[1])):
+            if x is not None:
+                low[place] = high[place] = x
+        low, high = np.maximum(regions.lower, low), np.minimum(regions.upper, high)
+        high[list(regions.undecided)] = -np.inf
+        return replace(regions, lower=low, upper=high)
 
 
-def duration(step: Array, x: Array) -> float:
-    """Of a profile [s]; infinity where it stands still.
+@dataclass(frozen=True)
+class _Reach:
+    """An interval of x at a sample from which the end is reached, and where it leads: the place of the next one."""
+
+    low: float
+    high: float
+    cell: int
+    next: int
+
+
+def _reaches(cells: Sequence[SpeedRegions], step: Array) -> list[list[_Reach]]:
+    """At every sample the x from which the end is reached, the fastest cells first."""
+    kernel, last = default_programs(), len(step)
+    reaches: list[list[_Reach]] = [[] for _ in range(last + 1)]
+    for number, cell in reversed(list(enumerate(cells))):
+        low, high = float(cell.lower[last]), float(cell.upper[last])
+        if low <= high and not any(one.low <= low and high <= one.high for one in reaches[last]):
+            reaches[last].append(_Reach(low, high, number, 0))
+    for i in range(last - 1, -1, -1):
+        for number, cell in reversed(list(enumerate(cells))):
+            found = []
+            for place, ahead in enumerate(reaches[i + 1]):
+                x = _backward(kernel, (cell, cells[ahead.cell]), i, float(step[i]), (ahead.low, ahead.high))
+                if x is not None:
+                    found.append(_Reach(*x, number, place))
+            reaches[i] += _covering(found)
+    return reaches
+
+
+def _along(cells: Sequence[SpeedRegions], reaches: list[list[_Reach]]) -> SpeedRegions:
+    """The regions of the cells that lead from the first reach to the end."""
+    chosen = [reaches[0][0]]
+    for ahead in reaches[1:]:
+        chosen.append(ahead[chosen[-1].next])
+    parts = [_planes(cells[one.cell], i) for i, one in enumerate(chosen)]
+    return SpeedRegions(
+        np.concatenate([[0], np.cumsum([len(part) for part in parts])]).astype(np.int64),
+        np.concatenate(parts),
+        np.array([cells[one.cell].lower[i] for i, one in enumerate(chosen)]),
+        np.array([cells[one.cell].upper[i] for i, one in enumerate(chosen)]),
+        max(cell.bound for cell in cells),
+        (),
+    )
+
+
+def _obstacle(
+    reaches: list[list[_Reach]], reached: Callable[[Ends], list[list[_Reach]]], ends: tuple[float, float]
+) -> Obstacle:
+    """Where no speed leads on, and at an end those that do.
 
     Args:
-        step: Length of each segment, Shape (n - 1,).
-        x: Shape (n,).
+        reaches: Of all samples.
+        reached: The same where another x is given at the ends.
+        ends: x at the first and the last sample.
     """
-    speed = np.sqrt(x)
-    with np.errstate(divide="ignore"):
-        return float(np.sum(2 * step / (speed[:-1] + speed[1:])))
+    last = len(reaches) - 1
+    blocked = max((i for i, some in enumerate(reaches) if not some), default=0)
+    if blocked == last:
+        return Obstacle("end", last, _hull(reached((ends[0], None))[last]))
+    ahead = _hull(reaches[blocked + 1])
+    if blocked == 0:
+        admitted = reached((None, ends[1]))[0] if ends[0] > 0 else []
+        if admitted or ends[0] == 0:
+            return Obstacle("start", 0, _hull(admitted), ahead)
+    return Obstacle("segment", blocked, ahead)
+
+
+def _hull(reaches: Sequence[_Reach]) -> tuple[float, float]:
+    return min((one.low for one in reaches), default=0.0), max((one.high for one in reaches), default=0.0)
+
+
+def _backward(
+    kernel: Programs, cells: tuple[SpeedRegions, SpeedRegions], i: int, step: float, reach: tuple[float, float]
+) -> tuple[float, float] | None:
+    """The x of one cell at sample i from which an interval of another is reached at the next sample."""
+    if not cells[0].lower[i] <= cells[0].upper[i]:
+        return None
+    here, there = (_planes(cell, i + place) for place, cell in enumerate(cells))
+    lower = np.array([cells[0].lower[i], reach[0]])
+    upper = np.array([cells[0].upper[i], reach[1]])
+    start = np.array([0, len(here), len(here) + len(there)], dtype=np.int64)
+    failed = kernel.backward(np.array([step]), np.zeros(1), start, np.concatenate([here, there]), lower, upper)
+    return None if failed >= 0 else (float(lower[0]), float(upper[0]))
+
+
+def _planes(regions: SpeedRegions, i: int) -> Array:
+    return np.ascontiguousarray(regions.planes[regions.start[i] : regions.start[i + 1]])
+
+
+def _covering(found: list[_Reach]) -> list[_Reach]:
+    """As few of some intervals as cover what all of them cover."""
+    chosen: list[_Reach] = []
+    left = found
+    while left:
+        end = chosen[-1].high if chosen else min(one.low for one in left)
+        near = [one for one in left if one.low <= end]
+        chosen.append(max(near, key=lambda one: one.high) if near else min(left, key=lambda one: one.low))
+        left = [one for one in left if one.high > chosen[-1].high]
+    return chosen
+
+
+def _pinned(lines: Lines, ends: Ends) -> Lines:
+    """The same lines; at the first and the last sample, where x is given, √x itself."""
+    start, slope = lines[0].copy(), lines[1].copy()
+    for place, x in ((0, ends[0]), (-1, ends[1])):
+        if x is not None:
+            start[place], slope[place] = np.sqrt(x), 0.0
+    return start, slope
+
+
+def _tangents(at: Array) -> Lines:
+    """Lines that touch √x at some x > 0, Shape (N,), and lie above it."""
+    root = np.sqrt(at)
+    return root / 2, 0.5 / root
+
+
+def _chords(least: Array, most: Array) -> Lines:
+    """Lines below √x between two of its points, of x >= 0 and > 0, each Shape (N,)."""
+    low, high = np.sqrt(least), np.sqrt(most)
+    return low * high / (low + high), 1 / (low + high)
+
+
+def _without_root(problem: SampleProblem, pressing: Lines, helping: Lines) -> SampleProblem:
+    """Rows that are linear in x in place of rows with terms in √x.
+
+    Each row with such a term becomes two, one a side. Where the term presses towards that side one line is put in the
+    place of √x, where it helps the other. With lines above √x for what presses and below it for what helps the rows are
+    stricter than the given ones; the other way round, weaker.
+    """
+    root = problem.speed
+    if root is None:
+        return problem
+    both = np.any(root, axis=0)
+    plain, split = np.flatnonzero(~both), np.flatnonzero(both)
+    order = np.concatenate([plain, split, split])
+    A, lower, upper = problem.A[:, order], problem.lower[:, order], problem.upper[:, order]
+    above, below = np.split(np.arange(len(plain), len(order)), 2)
+    lower[:, above], upper[:, below] = -np.inf, np.inf
+    for rows, sign, limit in ((above, 1.0, upper), (below, -1.0, lower)):
+        term = root[:, split]
+        presses = sign * term > 0
+        A[:, rows, -1] += term * np.where(presses, pressing[1][:, None], helping[1][:, None])
+        limit[:, rows] -= term * np.where(presses, pressing[0][:, None], helping[0][:, None])
+    return replace(
+        problem,
+        names=tuple(problem.names[row] for row in order.tolist()),
+        A=A,
+        lower=lower,
+        upper=upper,
+        speed=None,
+        torque_speed=None,
+        **{
+            name: getattr(problem, name)[order] for name in ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
+        },
+    )

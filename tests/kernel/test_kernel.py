@@ -21,7 +21,8 @@ from mrts.kernel.compiled_cache import library_in_cache
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_programs
-from mrts.program.convex_program import ConvexPrograms, optimality_error, solve_programs
+from mrts.program.convex_program import ConvexPrograms, optimality_error
+from mrts.program.solvers import solve_programs
 from mrts.program.trajectory_programs import compiled_trajectory
 
 LINEAR_PROGRAMS = 34_000

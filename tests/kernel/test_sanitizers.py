@@ -80,8 +80,8 @@ for kind in kinds:
         longest = float(program.times(base.x).sum())
         for one in (program, ended):
             for goal in (Goal(), Goal(effort=1.0, longest=longest)):
-                for ask in (solver.near, solver.step):
-                    found = ask(one, base.x, goal)
+                for moving in (True, False):
+                    found = solver.step(one, base.x, goal, moving=moving)
                     if found is not None:
                         solver.step(one, found.x, goal)
             assert solver.torques(one, base.x, base.u) is not None

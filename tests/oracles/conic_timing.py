@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The convex programs of smooth timing as second-order cone programs, solved by Clarabel."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +19,28 @@ THIN = 1e-12
 """What Clarabel adds to its pivots for torques: rates leave sets so thin that its default would be felt."""
 
 
+def in_units_of(program: SmoothProgram, unit: float) -> SmoothProgram:
+    """The same program with x and u in multiples of a unit [1/s²], and times in multiples of 1/√unit."""
+    root = float(np.sqrt(unit))
+    first, last = (None if x is None else x / unit for x in program.ends)
+    return replace(
+        program,
+        square=program.square * unit,
+        rate=program.rate * unit,
+        root=program.root * root,
+        change=program.change / root,
+        jerk=program.jerk / (unit * root),
+        ends=(first, last),
+    )
+
+
+def goal_in_units_of(goal: Goal, unit: float) -> Goal:
+    """The same goal for a program in other units."""
+    root = float(np.sqrt(unit))
+    longest = None if goal.longest is None else goal.longest * root
+    return Goal(goal.time / root, goal.effort / root, longest, goal.uneven * unit**2)
+
+
 class ConicSolver:
     """Second-order cones, by Clarabel."""
 
@@ -26,7 +48,7 @@ class ConicSolver:
     def step(program: SmoothProgram, around: Array, goal: Goal) -> SmoothProfile | None:
         """See `KernelSolver.step`."""
         unit = float(np.exp(np.mean(np.log(around))))
-        found = _Timing(program.in_units_of(unit), around / unit).best(goal.in_units_of(unit))
+        found = _Timing(in_units_of(program, unit), around / unit).best(goal_in_units_of(goal, unit))
         return None if found is None else SmoothProfile(unit * found.x, unit * found.u, found.free)
 
     @staticmethod
@@ -41,7 +63,7 @@ class ConicSolver:
             It and by what share; None where the other limits cannot be kept.
         """
         unit = float(np.exp(np.mean(np.log(around))))
-        timing = _Timing(program.in_units_of(unit), around / unit)
+        timing = _Timing(in_units_of(program, unit), around / unit)
         found = timing.best(None)
         return None if found is None else (SmoothProfile(unit * found.x, unit * found.u, found.free), timing.share)
 

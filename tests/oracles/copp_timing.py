@@ -94,8 +94,8 @@ def dense_of_ours(found, path, points):
     """Our profile between its nodes, the second derivative of its parameter linear along it; the path is exact."""
     (piece,) = found.pieces
     sigma, away = piece.piece.path.object.time, np.linspace(0, 1, points)
-    h = np.diff(sigma)
-    x0, u0, slope = (np.repeat(part, points) for part in (piece.x[:-1], piece.rate[:-1], np.diff(piece.rate) / h))
+    h, u = np.diff(sigma), piece.steps.profile.u
+    x0, u0, slope = (np.repeat(part, points) for part in (piece.x[:-1], u[:-1], np.diff(u) / h))
     gone = (h[:, None] * away).ravel()
     x, u = x0 + 2 * u0 * gone + slope * gone**2, u0 + slope * gone
     share = (np.repeat(sigma[:-1], points) + gone) / sigma[-1]

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conic_timing import ConicSolver
+from conic_timing import ConicSolver, goal_in_units_of, in_units_of
 from smooth_paths import smooth_path
 
 from mrts.program.path_solver import KernelSolver
@@ -90,7 +90,7 @@ def test_what_cannot_be_kept_gets_no_answer(kind):
         )
         for refused in hopeless:
             assert solver.step(refused, base.x, goal) is None
-            assert solver.near(refused, base.x, goal) is None
+            assert solver.step(refused, base.x, goal, moving=True) is None
         soon = replace(goal, longest=float(np.sum(program.times(base.x))) / 100)
         assert (solver.step(program, base.x, soon) is None) == (ConicSolver.step(program, base.x, soon) is None)
 
@@ -104,7 +104,7 @@ def test_an_answer_does_not_depend_on_the_unit_of_time(kind, unit):
             solver.step(one, base.x / by, asked)
             for one, by, asked in (
                 (program, 1.0, goal),
-                (program.in_units_of(unit), unit, goal.in_units_of(unit)),
+                (in_units_of(program, unit), unit, goal_in_units_of(goal, unit)),
             )
         )
         assert (ours is None) == (theirs is None)
@@ -161,7 +161,7 @@ def test_what_is_foreseen_is_where_steps_end(kind):
     """Steps from it gain next to nothing, and steps from the first profile do not lead below it by more."""
     solver = KernelSolver()
     for program, base, goal in programs(kind, 4, 4):
-        foreseen = solver.near(program, base.x, goal)
+        foreseen = solver.step(program, base.x, goal, moving=True)
         if foreseen is None:
             continue
         assert program.excess(foreseen.x, foreseen.u, foreseen.free) <= KEPT
@@ -175,7 +175,7 @@ def test_an_answer_does_not_depend_on_what_was_asked_before(kind):
     """A step that starts from the last one's iterates finds what a new solver finds."""
     for program, base, goal in programs(kind, 4, 5):
         solver = KernelSolver()
-        first = solver.near(program, base.x, goal)
+        first = solver.step(program, base.x, goal, moving=True)
         if first is None:
             continue
         again, cold = solver.step(program, first.x, goal), KernelSolver()

@@ -72,13 +72,13 @@ def test_rates_are_reported_and_bind_nothing(reported, lifted):
 
 def test_rates_that_are_kept_warn_of_nothing_but_steps_at_the_ends(kept, reported):
     assert kept.trajectory.c2 < reported.trajectory.c2
-    assert rate_uses(kept.trajectory, kept.rule.rates)[0].share == pytest.approx(1, abs=1e-7)
+    assert rate_uses(kept.trajectory, kept.options.rates)[0].share == pytest.approx(1, abs=1e-7)
     assert [one.code for one in kept.warnings] == ["step-at-ends"]
     assert "starts and ends at rest but accelerates there" in kept.warnings[0].text
     assert "They are kept" in rates_table(kept, limiting_rows(kept, None))[1]
     assert all(
         str(use.name) in rates_table(kept, limiting_rows(kept, None))[0]
-        for use in rate_uses(kept.trajectory, kept.rule.rates)
+        for use in rate_uses(kept.trajectory, kept.options.rates)
     )
 
 
@@ -111,7 +111,7 @@ def test_a_range_that_rates_leave_empty_is_saved(planar_cell, lift, tmp_path, li
     """Only its form: `test_constant_rates` has an answer that is."""
     upper = lifted.range.upper
     empty = mrts.ScalingRange(mrts.ScalingStatus.EMPTY, upper, replace(upper, c2=1.0), lifted.range.samples)
-    limits = mrts.scale(planar_cell, lift, rates=100.0).rule
+    limits = mrts.scale(planar_cell, lift, rates=100.0).options
     mrts.save_result(replace(lifted, found=empty, trajectory=None, rule=limits), tmp_path / "empty.npz")
     again = mrts.load_result(tmp_path / "empty.npz")
     assert (again.range.status, again.range.lower, again.range.upper) == (empty.status, upper, replace(upper, c2=1.0))

@@ -12,7 +12,7 @@ from reference import ReferenceCell, highs_cost
 import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.kernel.programs import OPTIMAL, STOPPED
-from mrts.program.torque_distribution import TORQUE_WIDENING
+from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
 from mrts.program.trajectory_programs import compiled_trajectory
 
 pytestmark = pytest.mark.quick
@@ -30,7 +30,8 @@ SAMPLES = 261
 def test_cost_equals_highs_in_full_unknowns(planar_cell, lift, weights):
     c2 = 2.5
     result = mrts.scale(planar_cell, lift, c2, weights=None if weights is None else np.array(weights, float))
-    W = np.diag(np.ones(6) if weights is None else weights).astype(float)
+    limits = np.concatenate([robot.torque_upper for robot in planar_cell.robots])  # 100, 80, 50 N m, both sides alike
+    W = np.diag(1 / limits**2 if weights is None else weights).astype(float)
     reference = ReferenceCell(DATA / "cell.yaml")
     _, samples = reference.object_motion(DATA / "lift.yaml")
     joints = reference.joint_motion(samples)
@@ -48,9 +49,29 @@ def test_cost_equals_highs_in_full_unknowns(planar_cell, lift, weights):
         assert tau @ W @ tau == pytest.approx(cost + offset @ W @ offset, rel=COST_TOLERANCE)
 
 
+def test_weak_joints_are_spared_unless_all_weigh_alike(dual_ur5, turning):
+    """The wrists of 28 N m beside shoulders of 150 N m."""
+    limits = np.concatenate([robot.torque_upper for robot in dual_ur5.robots])
+    by_limits, alike, ones = (
+        mrts.scale(dual_ur5, turning, "nominal", weights=weights).trajectory.torque
+        for weights in (None, 1, np.ones(12))
+    )
+    np.testing.assert_array_equal(alike, ones)
+    used = [np.max(np.abs(torque) / limits, axis=0) for torque in (by_limits, alike)]
+    assert np.max(used[0][limits < 100]) < 0.5 * np.max(used[1][limits < 100])
+
+
+def test_a_joint_without_a_limit_is_not_spared(planar_cell):
+    """It weighs as little as the strongest; one whose limit is next to nothing, as much as digits allow."""
+    left, right = planar_cell.robots
+    free = replace(left, torque_lower=np.array([-np.inf, -80, -1e-9]), torque_upper=np.array([np.inf, 80, 1e-9]))
+    W = np.diag(torque_weights(None, replace(planar_cell, robots=(free, right))))
+    np.testing.assert_allclose(W, 1 / np.array([100, 80, 0.1, 100, 80, 50]) ** 2, rtol=1e-12)
+
+
 def test_a_heavier_weight_spares_its_joint(planar_cell, lift):
     free = planar_cell.without_wrench_limits()
-    even = mrts.scale(free, lift, "nominal").trajectory.torque
+    even = mrts.scale(free, lift, "nominal", weights=1).trajectory.torque
     spared = mrts.scale(free, lift, "nominal", weights=np.array([1, 50, 1, 1, 1, 1.0])).trajectory.torque
     assert np.sum(spared[:, 1] ** 2) < 0.7 * np.sum(even[:, 1] ** 2)
 

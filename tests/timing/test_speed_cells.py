@@ -13,7 +13,6 @@ from mrts.program.sample_problem import build_sample_problem
 from mrts.timing import successive_profiles as successive
 from mrts.timing.fastest_profile import Obstacle
 from mrts.timing.path_pieces import path_pieces
-from mrts.timing.speed_cells import profile_through_cells
 
 SAME = 2e-6
 """Durations of two searches that each stop at 1e-6."""
@@ -68,9 +67,9 @@ def test_the_search_through_all_speeds_ends_at_the_same_profile(tmp_path, monkey
         monkeypatch.undo()
         assert isinstance(known, list)
         assert isinstance(searched, list)
-        times = [duration(piece.step, steps[-1].profile.x) for steps in (known, searched)]
+        times = [duration(piece.step, steps[-1].x) for steps in (known, searched)]
         assert times[0] == pytest.approx(times[1], rel=SAME)
-        assert duration(piece.step, searched[0].profile.x) > times[1]
+        assert duration(piece.step, searched[0].x) > times[1]
 
 
 @pytest.mark.quick
@@ -96,6 +95,6 @@ def test_what_cannot_be_timed_says_which_limits_conflict(planar_cell, lift, tmp_
 def test_a_search_that_finds_nothing_says_where(tmp_path):
     cell, motion = on_an_arc(tmp_path, viscous=1.0)
     problem, piece = rows(cell, motion)
-    found = profile_through_cells([problem], piece.step, (0.04, 0.04))
+    found = successive.successive_profiles([problem], piece.step, (0.04, 0.04))
     assert isinstance(found, Obstacle)
     assert found.kind == "segment"

@@ -72,9 +72,9 @@ def test_random_cells_equal_a_nonlinear_program_and_every_step_is_faster(seed, t
         slow = np.minimum(np.arange(21), np.arange(21)[::-1]) * 1e-3
         assert not motor_transcription(cell, motion, slow)[0]
         return
-    durations = np.array([duration(piece.step, one.profile.x) for one in steps])
+    durations = np.array([duration(piece.step, one.x) for one in steps])
     assert np.all(np.diff(durations) <= FALLING * durations[0])
-    found, theirs = motor_transcription(cell, motion, 0.3 * steps[0].profile.x)
+    found, theirs = motor_transcription(cell, motion, 0.3 * steps[0].x)
     assert found
     assert durations[-1] == pytest.approx(duration(piece.step, theirs), rel=TRANSCRIPTION_TOLERANCE)
 
@@ -108,7 +108,7 @@ def test_every_step_keeps_all_limits_with_its_root_as_it_is(seed, tmp_path):
     steps = successive_profiles([problem], piece.step, (0.0, 0.0))
     assert len(steps) > 2
     for one in steps:
-        x = one.profile.x
+        x = one.x
         u = np.diff(x) / (2 * piece.step)
         excess = [widening(problem, place + end, u[place], x[place + end]) for place in range(len(u)) for end in (0, 1)]
         assert max(excess) <= FEASIBLE

@@ -1,4 +1,4 @@
-"""A cell that is looked at without a motion: no compiler, gaps of arms that do not reach, and what is saved of it."""
+"""A cell that is looked at without a motion: gaps of arms that do not reach, and what is saved of it."""
 
 import shutil
 from dataclasses import replace
@@ -27,10 +27,8 @@ HELD = 1e-6
 
 @pytest.fixture
 def alone(tmp_path, monkeypatch):
-    """A cell that nothing was generated of, where there is no compiler."""
+    """A cell that nothing was generated of."""
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
-    monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.delenv("CC", raising=False)
     path = shutil.copytree(DATA, tmp_path / "cell") / "cell.yaml"
     path.write_text(path.read_text().replace("mass: 0.5", "mass: 0.625"), encoding="utf-8")
     cell = cell_to_compile(path)

@@ -146,7 +146,7 @@ def smooth_arguments(options: argparse.Namespace, cell: "Cell") -> dict[str, Any
     """
     if options.profile != "smooth":
         return {}
-    from mrts.timing.smooth_retiming import smooth_goal
+    from mrts.timing.retime import smooth_goal
 
     weights = None if options.weigh is None else numbers_option("--weigh", options.weigh, "time=1,energy=1e-4")
     with told_of("--least-energy-in" if weights is None else "--weigh"):

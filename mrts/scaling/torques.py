@@ -1,24 +1,25 @@
 # SPDX-License-Identifier: MIT
 """The last steps of every answer, whatever c² was chosen for: torques, what holds at both ends, warnings, checks."""
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
 from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_widening import motion_widening
 from mrts.program.rate_limits import RateLimits
 from mrts.program.reserve import TORQUES
-from mrts.program.sample_ranges import SampleRanges
-from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.torque_distribution import torque_weights
-from mrts.scaling.holding_torques import holding_at_ends
+from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
 from mrts.scaling.limit_use import rate_uses
-from mrts.scaling.result import DistributionRule, ScalingResult
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.options import Options
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
 OVERRATED = "above-rated"
 """Code of the remark on torques that a motor does not bear for ever."""
@@ -39,97 +40,95 @@ NAMED = 3
 """Further joints that it names."""
 
 
-@dataclass(frozen=True)
-class ChosenFactor:
-    """A c² chosen in a range, whose torques are distributed when they are asked for.
-
-    Attributes:
-        bare: The result without a trajectory.
-        c2: Chosen c²; None where no c² moves the object.
-        solver: Name in the registry.
-    """
-
-    bare: ScalingResult
-    c2: float | None
-    solver: str = DEFAULT_SOLVER
-
-    @property
-    def duration(self) -> float | None:
-        """Of the motion at this c² [s]; None without one."""
-        return None if self.c2 is None else float(self.bare.motion.object.time[-1] / np.sqrt(self.c2))
-
-    @cached_property
-    def whole(self) -> ScalingResult:
-        """The result with its torques, and with what is to be said of them.
-
-        Raises:
-            SolverError: If no solver answers, or the torques overstep a limit.
-        """
-        return self.bare if self.c2 is None else with_torques(self.bare, self.c2, self.bare.range.samples, self.solver)
-
-
-def check_rates(rule: DistributionRule, question: str) -> None:
-    """Check that a rule goes together with its limits of rates, if it has any.
+def with_torques(result: ScalingResult, given: tuple[Array, Array] | None = None) -> ScalingResult:
+    """A result with the torques of its options at its c², and with what is to be said of them.
 
     Args:
-        rule: The rule.
-        question: That is asked of the load.
-
-    Raises:
-        InputError: If it does not.
-    """
-    if rule.rates is None:
-        return
-    for name, value, only in (
-        ("distribute", rule.distribute, "least-torque"),
-        ("formulation", rule.formulation, "wrench"),
-    ):
-        if value != only:
-            raise InputError(name, f"with rates it must be '{only}': torques are chosen for the whole motion.",
-                             value=value)  # fmt: skip
-    if question == "possible":
-        raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=question)
-
-
-def with_torques(
-    result: ScalingResult,
-    c2: float,
-    samples: SampleRanges | None,
-    solver: str,
-    given: tuple[Array, Array] | None = None,
-) -> ScalingResult:
-    """A result with the torques of its rule at a chosen c², and with what is to be said of them.
-
-    Args:
-        result: A result; its cell has the load that is carried.
-        c2: Chosen c².
-        samples: The ranges of that load, which say whether it can be held still; None where they are not known.
-        solver: Name in the registry.
+        result: Any result, whose cell has the load that is carried; without a c² it stays as it is.
         given: Torques and wrenches that were distributed already, Shape (N, m) and (N, n w).
 
     Raises:
         SolverError: If no solver answers, or the torques overstep a limit.
     """
-    cell, motion, rule = result.cell, result.motion, result.rule
-    W = torque_weights(rule.weights, motion.q.shape[1])
+    cell, motion, options, c2 = result.cell, result.motion, result.options, result.c2
+    if c2 is None:
+        return result
+    W = torque_weights(options.weights, cell)
     if given is not None:
         torque, wrench, fallbacks = *given, 0
-    elif rule.rates is None:
-        distribute = TORQUES[rule.distribute]
-        torque, wrench, fallbacks = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
+    elif options.rates is None:
+        torque, wrench, fallbacks = distributed_torques(cell, motion, options, c2)
     else:
         from mrts.program.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
-        torque, wrench, fallbacks = *torques_within_rates(cell, motion, rule.sharing, rule.rates, c2, W), 0
-    holding, unheld = holding_at_ends(cell, motion, samples, rule.sharing, rule.formulation, W, solver, rule.distribute)
+        torque, wrench, fallbacks = *torques_within_rates(cell, motion, options.sharing, options.rates, c2, W), 0
+    holding, unheld = _holding(cell, motion, options)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
     return replace(
         result,
         trajectory=done,
         fallbacks=result.fallbacks + fallbacks,
-        warnings=tuple(dict.fromkeys(before + unheld + _overrated(done) + _hasty(done, rule.rates))),
+        warnings=tuple(dict.fromkeys(before + unheld + _overrated(done) + _hasty(done, options.rates))),
     ).checked()
+
+
+def distributed_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2: float) -> tuple[Array, Array, int]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at each sample by itself.
+
+    Args:
+        cell: The cell, with its load.
+        motion: Its motion.
+        options: How they are distributed; rates do not count.
+        c2: Chosen c².
+
+    Returns:
+        Both, and how many programs were left by the chosen solver.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    W = torque_weights(options.weights, cell)
+    distribute = TORQUES[options.distribute]
+    return distribute(cell, motion, options.formulation, options.sharing, options.solver, c2, W)
+
+
+def _holding(cell: Cell, motion: CoordinatedMotion, options: Options) -> tuple[Holding, tuple[Remark, ...]]:
+    """What holds the object still at both ends, c² = 0, and what to say where a controller needs what there is not."""
+    needed = np.array(pushing_ends(motion.dq, motion.ddq))
+    torque, wrench = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
+    if not np.any(needed):
+        return Holding((False, False), torque, wrench), ()
+    places = np.array([0, motion.samples - 1])
+    still, shared = _still(motion, options.sharing, places)
+    widening = motion_widening(cell, still, np.zeros(2), formulation=options.formulation, sharing=shared)
+    held = needed & (widening <= TORQUE_WIDENING)
+    if np.any(held):
+        still, shared = _still(motion, options.sharing, places[held][[0, -1]])
+        found = distributed_torques(cell, still, replace(options, sharing=shared), 0.0)
+        torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
+    remarks = tuple(
+        Remark(
+            "no-row-at-rest",
+            f"the limits do not let the cell hold still where the motion {('starts', 'ends')[end]}, so tables and bags "
+            f"{('begin', 'end')[end]} with the torques of the motion: a controller must not stay there.",
+            int(places[end]),
+        )
+        for end in np.flatnonzero(needed & ~held).tolist()
+    )
+    return Holding((bool(held[0]), bool(held[1])), torque, wrench), remarks
+
+
+def _still(
+    motion: CoordinatedMotion, sharing: LoadSharing | None, samples: NDArray[np.intp]
+) -> tuple[CoordinatedMotion, LoadSharing | None]:
+    """Some samples at which the joints stand, so that no friction opposes a motion, with the distribution there."""
+    stands = np.zeros((len(samples), motion.q.shape[1]))
+    still = replace(motion.at(samples), dq=stands, ddq=stands, travel=None)
+    internal = None if sharing is None else sharing.internal_wrench
+    if sharing is None or internal is None or np.ndim(internal) == 1:
+        return still, sharing
+    return still, replace(sharing, internal_wrench=np.asarray(internal)[samples])
 
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
