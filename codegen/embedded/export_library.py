@@ -53,7 +53,7 @@ def export_library(
     """Texts of all files of the library, by path inside its folder.
 
     Args:
-        manifest: CellManifest of the cell; its name is that of the library.
+        manifest: Of the cell; its name is that of the library.
         functions: Its generated functions, as CasADi has them.
         limits: What the cell must keep.
         vectors: Test vectors.

@@ -9,11 +9,11 @@ from mrts_codegen.embedded.c_literals import UNLIMITED, WIDTH, Precision, c_numb
 
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors, EmbeddedVector
-from mrts.base.load_box import LoadBox, load_vector
-from mrts.base.manifest import LOAD_ENTRIES, Manifest
+from mrts.base.manifest import LOAD_ENTRIES
+from mrts.cell.record import CellManifest
 
 
-def cell_words(manifest: Manifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
+def cell_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
     """What stands for each @WORD@ that is about the cell.
 
     Args:
@@ -72,7 +72,7 @@ def _motor_words(motors: EmbeddedMotors, precision: Precision) -> dict[str, str]
     }
 
 
-def memory_words(manifest: Manifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
+def memory_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
     """Bytes of the structures and tables, as the header lays them out."""
     size, robots, width = len(manifest.wrench_components), len(manifest.robots), WIDTH[precision]
     joints = sum(len(robot.joints) for robot in manifest.robots)
@@ -138,22 +138,16 @@ def _vector_row(vector: EmbeddedVector, precision: Precision, macro: str | None)
     )
 
 
-def _loads(manifest: Manifest) -> tuple[list[Array], Array]:
+def _loads(manifest: CellManifest) -> tuple[list[Array], Array]:
     """Corners of the load variation (the load itself if it is known), and the load."""
-    carried = manifest.object
-    inertia = np.array(carried.inertia)
-    load = load_vector(carried.mass, np.zeros(3), inertia)
-    if not carried.variation:
-        return [load], load
-    box = LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull)
-    return [corner.load for corner in box.corners()], load
+    box = manifest.load_box
+    return [manifest.load] if box is None else [corner.load for corner in box.corners()], manifest.load
 
 
-def _cell_lines(manifest: Manifest) -> str:
+def _cell_lines(manifest: CellManifest) -> str:
     # text from a URDF without what Markdown or HTML would read as markup
     return "\n".join(
-        re.sub(r"[^\w .,:/+\-]", "?", f"- {robot.name}: joints {', '.join(joint.name for joint in robot.joints)}")
-        for robot in manifest.robots
+        re.sub(r"[^\w .,:/+\-]", "?", f"- {robot.name}: joints {', '.join(robot.joints)}") for robot in manifest.robots
     )
 
 
