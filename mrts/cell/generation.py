@@ -180,7 +180,7 @@ def export_to(
         vectors: Its test vectors.
         path_samples: The first so many of them are one motion with the nominal load.
         precision: "double" or "float".
-        parts: Of `mrts_codegen.embedded.parts.PARTS`; none at all is all.
+        parts: Of `mrts_codegen.embedded.export_library.PARTS`; none at all is all.
         name: Prefix of every name in the library; None is the cell's.
 
     Returns:
@@ -189,8 +189,11 @@ def export_to(
     Raises:
         InputError: If the cell file breaks a rule, a part does not exist, or the folder cannot be written.
     """
-    from mrts_codegen.embedded.export_library import export_library, write_library  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.embedded.parts import PARTS  # noqa: PLC0415
+    from mrts_codegen.embedded.export_library import (  # noqa: PLC0415 (build time, on demand)
+        PARTS,
+        export_library,
+        write_library,
+    )
     from mrts_codegen.generate import generate_cell  # noqa: PLC0415
 
     cell = generate_cell(path, bake=True)
@@ -214,7 +217,7 @@ def comes_with_tests(parts: tuple[str, ...]) -> bool:
     Args:
         parts: As in `export_to`.
     """
-    from mrts_codegen.embedded.parts import is_whole  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.embedded.export_library import is_whole  # noqa: PLC0415 (build time, on demand)
 
     return not parts or is_whole(parts)
 
