@@ -13,7 +13,8 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.limits.rows import ActiveRow, Side
 from mrts.program.range_status import RangeStatus
-from mrts.program.sample_ranges import MOST_INTERVALS, POINT_TOLERANCE, SampleRanges, first_least
+from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
+from mrts.program.speed_intervals import MOST_INTERVALS
 
 if TYPE_CHECKING:
     from mrts.program.constant_rates import RatedFactors, RatesAtEnd

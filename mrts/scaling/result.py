@@ -21,7 +21,7 @@ from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import squared_limits
+from mrts.limits import limit_rows
 from mrts.program.excess import Excess
 from mrts.program.motor_terms import motor_terms
 from mrts.program.range_status import RangeStatus
@@ -367,7 +367,7 @@ def kept_text(reserve: float, warnings: Iterable[Remark] = ()) -> str:
 
 def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
     """Largest excess over a limit, as a share of it."""
-    rows, worst = squared_limits(cell, done.motion).given, 0.0
+    rows, worst = limit_rows(cell, done.motion), 0.0
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)
         here = rows.at(part)
