@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: MIT
 """The outcome of retiming: the fastest profile and its trajectory, or why there is none."""
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, as_path, check_callable
+from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.atomic_file import write_text_atomically
+from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
@@ -81,7 +79,7 @@ OF_TRAJECTORY = (
 
 
 @dataclass(frozen=True, repr=False)
-class RetimingResult(InNotebooks):
+class RetimingResult(InNotebooks, JsonOutput):
     """What `mrts.retime` found.
 
     Attributes:
@@ -167,11 +165,11 @@ class RetimingResult(InNotebooks):
 
     @property
     def effort(self) -> float | None:
-        """∫ τᵀWτ dt of the motion at the timing [N² m² s with W = 1]; None without one."""
+        """∫ τᵀWτ dt of the motion at the timing [s; N² m² s with W = 1]; None without one."""
         done = None if self.retimed is None else self.retimed.trajectory
         if done is None:
             return None
-        W = torque_weights(self.options.weights, done.torque.shape[1])
+        W = torque_weights(self.options.weights, self.cell)
         squares = np.einsum("ni,ij,nj->n", done.torque, W, done.torque)
         return float(np.sum(np.diff(done.time) * (squares[1:] + squares[:-1]) / 2))
 
@@ -283,15 +281,3 @@ class RetimingResult(InNotebooks):
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
         return output | {key: whole[key] for key in OF_TRAJECTORY if key in whole}
-
-    def json_text(self) -> str:
-        """`to_json` as text."""
-        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
-
-    def write_json(self, path: Path | str) -> None:
-        """Write `json_text` to a file, whole or not at all.
-
-        Raises:
-            InputError: If the file cannot be written.
-        """
-        write_text_atomically(as_path("path", path), self.json_text() + "\n")

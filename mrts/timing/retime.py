@@ -54,7 +54,7 @@ def retime(
     motion: ObjectMotion | JointTable | CoordinatedMotion,
     *,
     sharing: LoadSharing | None = None,
-    weights: Array | None = None,
+    weights: Array | float | None = None,
     load: str = "auto",
     distribute: DistributionName = "least-torque",
     reserve: float | None = None,
@@ -92,8 +92,8 @@ def retime(
         rates: Whether torques, accelerations and contact wrenches may only change at limited rates: True for the limits
             of the cell, a number for the torque rate of the joints that have none, as a multiple of their torque limit
             [1/s]; docs/smooth.md.
-        weigh: With rates: weights of what is to be least, the "time" [1/s] and the "energy" ∫ τᵀWτ dt [1/(N² m² s)];
-            None is the time alone.
+        weigh: With rates: weights of what is to be least, the "time" [1/s] and the "energy" ∫ τᵀWτ dt [1/s; with W = 1
+            1/(N² m² s)]; None is the time alone.
         least_energy_in: With rates: the longest duration, within which the energy is to be least [s].
         start_torque: With rates: torques that hold still where the motion begins, Shape (m,); None leaves them free
             within the limits, as part of the answer [N m].
