@@ -219,11 +219,7 @@ def path_program(
 
 
 def joint_names(cell: Cell) -> list[str]:
-    """`left/elbow`, one a joint of the whole cell.
-
-    Args:
-        cell: The cell.
-    """
+    """`left/elbow`, one a joint of the whole cell."""
     return [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
 
 
