@@ -20,7 +20,7 @@ TRACKING_FILES = tuple(f"tracking/{name}.c" for name in ("null_space", "tracking
 
 CELL_FILES = (
     *(*PROGRAM_FILES, "lanes/forms.c", "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
-    *("trajectory.c", "one_unknown/one_unknown.c"),
+    *("least_torques.c", "trajectory.c", "one_unknown/one_unknown.c"),
     *(*TRACKING_FILES, "tracking/closure.c"),
     *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
     *(f"variants/{name}.c" for name in ("end_rows", "ranges")),
