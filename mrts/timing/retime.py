@@ -124,7 +124,6 @@ def retime(
     given, end_speeds = compared.motion, (start_speed, end_speed)
     if compared.tolerance is not None:
         check_held_between(compared.cell, given)
-    remarks = timing_remarks(compared.cell, given, lambda: compared.factor.bare.range)
     first = fastest_timing(compared, given, end_speeds, progress)
     fastest = refined_timing(
         first, lambda path: fastest_timing(compared, path, end_speeds, progress, refined=True), compared.tolerance
@@ -133,10 +132,10 @@ def retime(
         return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    time = given.object.time
+    time, remarks = given.object.time, timing_remarks(compared.cell, given, lambda: compared.factor.bare.range)
     remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
     added = interpolated_timing(given, first.duration, fastest.duration)
-    return _played(fastest, replace(rule, rates=None), "fastest timing", remarks, added)
+    return _played(fastest, rule, "fastest timing", remarks, added)
 
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
