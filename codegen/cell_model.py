@@ -2,9 +2,10 @@
 """The cell with its URDFs read: everything that the symbolic layer and the manifest need."""
 
 import hashlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+import logging
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from mrts_codegen.cell_file import (
@@ -13,6 +14,7 @@ from mrts_codegen.cell_file import (
     RobotDescription,
     TorqueBounds,
     inertia_problem,
+    read_cell_description,
 )
 from mrts_codegen.contact_normals import check_contact_normals
 from mrts_codegen.hand_file import build_contacts
@@ -22,95 +24,75 @@ from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines, root_in_base
-from mrts_codegen.urdf.urdf_elements import Urdf
-from mrts_codegen.urdf.urdf_file import parse_urdf
+from mrts_codegen.urdf.urdf_file import Urdf, parse_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS, ShapeRecord
+from mrts.base.load_box import LoadBox, load_vector
+from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, WRENCH_UNITS, ChainsRecord
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.hands.contact import Contact
-from mrts.cell.hands.wrench_limits import given_wrench_limits
-from mrts.cell.motors.joint_motors import JointMotors
-from mrts.cell.motors.torque_limits import given_torque_limits
+from mrts.base.rigid_transform import multiply
+from mrts.base.version import __version__
+from mrts.cell.hands.kinds import wrench_bounds
+from mrts.cell.motors.joint_motors import given_torque_limits
+from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
+from mrts.cell.robot import Robot, RobotSource
+
+logger = logging.getLogger("mrts")
 
 
-@dataclass(frozen=True, kw_only=True)
-class CellRobot:
-    """One arm in its place.
+class BuiltRobot(NamedTuple):
+    """One arm as a cell file and its URDF give it; remarks say where values are from."""
 
-    Attributes:
-        name: Name in the cell file.
-        model: The chain.
-        urdf: As the cell file gives it.
-        xacro_args: Where it is a xacro, values of its arguments.
-        urdf_sha256: Hash of the URDF's bytes, of a xacro those that it becomes.
-        held: Joints that are held still, and what moves with them, with their positions [rad or m].
-        T_world_base: Base link in the world.
-        T_base_root: Root of the URDF in the base link, joints in between held or at zero.
-        T_object_tip: Tip link in the object frame (its grasp).
-        posture: Joint positions near which the motion starts, Shape (n,) [rad or m].
-        torque_lower: Shape (n,) [N m or N].
-        torque_upper: Shape (n,) [N m or N].
-        wrench_lower: Base axes, minus infinity where unbounded, Shape (w,) [N, N m].
-        wrench_upper: Base axes, infinity where unbounded, Shape (w,) [N, N m].
-        motors: What stands between motors and joints.
-        remarks: What to know of where values are from.
-        contacts: What its hand can exert on the object.
-        contact_rate: Base axes, infinity where unbounded, Shape (w,) [N/s, N m/s].
-    """
-
-    name: str
+    robot: Robot
     model: RobotModel
-    urdf: str
-    xacro_args: Mapping[str, str]
-    urdf_sha256: str
-    held: Mapping[str, float]
-    T_world_base: RigidTransform
-    T_base_root: RigidTransform
-    T_object_tip: RigidTransform
-    posture: Array
-    torque_lower: Array
-    torque_upper: Array
-    wrench_lower: Array
-    wrench_upper: Array
-    motors: JointMotors
+    urdf: Urdf
     remarks: tuple[Remark, ...]
-    contacts: tuple[Contact, ...]
-    contact_rate: Array
 
 
 @dataclass(frozen=True)
 class CellModel:
-    """The whole cell.
+    """A cell with its chains.
 
     Attributes:
         description: The validated cell file.
-        components: Rows of a six-component wrench that this cell uses.
-        wrench_components: Their names.
-        robots: The arms in the order of the cell file.
+        record: What it comes to.
+        models: The chain of each arm.
         machines: Names of each two that are arms of one machine.
-        inertia: Of the object at the com in its frame, Shape (3, 3) [kg m²].
-        shape: What the object looks like, None where that is not known.
-        object_remarks: What to know of the object.
     """
 
     description: CellDescription
-    components: tuple[int, ...]
-    wrench_components: tuple[str, ...]
-    robots: tuple[CellRobot, ...]
+    record: CellRecord
+    models: tuple[RobotModel, ...]
     machines: tuple[tuple[str, str], ...]
-    inertia: Array
-    shape: ShapeRecord | None
-    object_remarks: tuple[Remark, ...]
 
     @property
-    def remarks(self) -> tuple[Remark, ...]:
-        """What to know of the object and the URDFs, each thing once."""
-        said = (remark for robot in self.robots for remark in (*robot.model.remarks, *robot.remarks))
-        return tuple(dict.fromkeys((*self.object_remarks, *said)))
+    def components(self) -> tuple[int, ...]:
+        """Rows of a six-component wrench that this cell uses."""
+        return PLANE_COMPONENTS[self.record.plane]
+
+    def arms_alone(self) -> "tuple[CellModel, ...]":
+        """A cell of each arm by itself."""
+        return tuple(
+            replace(self, record=self.record.model_copy(update={"robots": (robot,)}), models=(model,), machines=())
+            for robot, model in zip(self.record.robots, self.models, strict=True)
+        )
+
+
+def read_cell_model(path: Path) -> CellModel:
+    """A cell file with its URDFs; what is worth a remark is logged.
+
+    Args:
+        path: The cell file.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule.
+    """
+    cell = build_cell_model(path, read_cell_description(path))
+    for remark in cell.record.remarks:
+        logger.warning(remark.text)
+    return cell
 
 
 def build_cell_model(path: Path, description: CellDescription, folder: Path | None = None) -> CellModel:
@@ -124,33 +106,58 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     Raises:
         InputError: If a URDF or an array of the cell file breaks a rule.
     """
-    components = PLANE_COMPONENTS[description.plane]
-    names = tuple(WRENCH_COMPONENTS[component] for component in components)
     folder = path.resolve().parent if folder is None else folder
-    lenient = description.inertia == "lenient"
-    mistakes = Mistakes()
-    robots, urdfs = [], []
+    carried, mistakes = description.object, Mistakes()
+    built = list[BuiltRobot]()
     for index, robot in enumerate(description.robots):
         with mistakes.noted():
-            key = f"robots[{index}] ({robot.name})"
-            built, urdf = build_robot(path, key, robot, description.plane, folder, lenient=lenient)
-            robots.append(built)
-            urdfs.append(urdf)
+            key, lenient = f"robots[{index}] ({robot.name})", description.inertia == "lenient"
+            built.append(build_robot(path, key, robot, description.plane, folder, lenient=lenient))
     with mistakes.noted():
-        carried = _build_object(path, folder, description.object)
+        inertia, shape, of_object = _build_object(path, folder, carried)
     mistakes.raise_noted()
-    inertia, shape, remarks = carried
-    remarks = (*remarks, *check_contact_normals(path, description.robots, shape))
-    return CellModel(
-        description=description,
-        components=components,
-        wrench_components=names,
-        robots=tuple(robots),
-        machines=check_machines(path, robots, urdfs),
-        inertia=inertia,
-        shape=shape,
-        object_remarks=remarks,
+    remarks = [*of_object, *check_contact_normals(path, description.robots, shape)]
+    remarks += [remark for arm in built for remark in (*arm.model.remarks, *arm.remarks)]
+    ranges, variation = {}, carried.variation
+    if variation is not None:
+        ranges = variation.ranges()
+    speeds = (carried.velocity.linear, carried.velocity.angular)
+    record = CellRecord(
+        name=description.name,
+        plane=description.plane,
+        wrench_components=_components(description.plane),
+        gravity=np.array(description.gravity, dtype=float),
+        load=load_vector(carried.mass, np.zeros(3), inertia),
+        load_box=LoadBox(carried.mass, inertia, ranges, variation.hull is not None) if variation and ranges else None,
+        object_velocity_limit=np.array([np.inf if speed is None else speed for speed in speeds]),
+        object_shape=shape,
+        robots=tuple(arm.robot for arm in built),
+        remarks=tuple(dict.fromkeys(remarks)),
     )
+    models = tuple(arm.model for arm in built)
+    return CellModel(description, record, models, check_machines(path, built))
+
+
+def cell_manifest(cell: CellModel, chains: ChainsRecord) -> CellManifest:
+    """The manifest of a cell.
+
+    Args:
+        cell: The cell.
+        chains: What was generated for its chains.
+    """
+    return CellManifest(
+        **dict(chains),
+        **dict(cell.record),
+        machines=cell.machines,
+        notice=NOTICE,
+        content_sha256="",
+        format=FORMAT,
+        mrts_version=__version__,
+    ).sealed()
+
+
+def _components(plane: str | None) -> tuple[str, ...]:
+    return tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[plane])
 
 
 def _build_object(
@@ -170,7 +177,7 @@ def _build_object(
 
 def build_robot(
     path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path, *, lenient: bool
-) -> tuple[CellRobot, Urdf]:
+) -> BuiltRobot:
     """Read the URDF of a robot and check all that the cell file says of it against it.
 
     Args:
@@ -181,16 +188,13 @@ def build_robot(
         folder: That URDFs are relative to, absolute.
         lenient: As in `mrts_codegen.urdf.link_inertia.link_inertia`.
 
-    Returns:
-        The robot, and its URDF.
-
     Raises:
         InputError: If the URDF or an array of the robot breaks a rule; carries all that do.
     """
     reference = robot.reference(f"{key}.urdf")
     urdf_path, content = reference.path(path, folder), reference.content(path, folder)
     urdf = parse_urdf(urdf_path, content)
-    components = tuple(WRENCH_COMPONENTS[component] for component in PLANE_COMPONENTS[plane])
+    components = _components(plane)
     held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
     model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held, lenient=lenient)
     joints = [joint.name for joint in model.joints]
@@ -206,36 +210,53 @@ def build_robot(
         torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
         motors, of_motors = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     with mistakes.noted():
-        wrench_lower, wrench_upper = given_wrench_limits(
-            path, f"{key}.wrench", bounds.lower, bounds.upper, len(components)
-        )
+        wrench_lower, wrench_upper = wrench_bounds(path, f"{key}.wrench", bounds.lower, bounds.upper, components)
     with mistakes.noted():
         if plane is not None:
             rotation_keys = robot.base.rotation_key, robot.grasp.rotation_key
             check_plane_kept(path, key, plane, T_world_base, T_object_tip, model, rotation_keys)
         contacts = build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R)
     mistakes.raise_noted()
-    built = CellRobot(
+    *frames, tip = model.zero_frames()
+    given_friction = robot.motors.friction is not None
+    built = Robot(
         name=robot.name,
-        model=model,
-        urdf=robot.urdf,
-        xacro_args=reference.xacro_args,
-        urdf_sha256=hashlib.sha256(content).hexdigest(),
-        held=held,
+        joints=tuple(joints),
+        joint_types=tuple(joint.kind for joint in model.joints),
+        axes=np.array([multiply(frame.R, joint.axis) for joint, frame in zip(model.joints, frames, strict=True)]),
+        points=np.array([frame.p for frame in frames]),
+        T_base_tip=tip,
+        position_lower=np.array([joint.lower for joint in model.joints]),
+        position_upper=np.array([joint.upper for joint in model.joints]),
+        velocity_limit=np.array([np.inf if joint.velocity is None else joint.velocity for joint in model.joints]),
         T_world_base=T_world_base,
-        T_base_root=root_in_base(urdf_path, urdf, model.base_link, held),
         T_object_tip=T_object_tip,
         posture=np.array(robot.posture, dtype=float),
         torque_lower=torque_lower,
         torque_upper=torque_upper,
         wrench_lower=wrench_lower,
         wrench_upper=wrench_upper,
+        source=RobotSource(
+            urdf=robot.urdf,
+            xacro_args=dict(reference.xacro_args),
+            sha256=hashlib.sha256(content).hexdigest(),
+            base_link=model.base_link,
+            tip_link=model.tip_link,
+            fixed=dict(robot.fixed),
+            T_base_root=root_in_base(urdf_path, urdf, model.base_link, held),
+            carried_mass=tuple(joint.body.mass for joint in model.joints),
+            point_links=tuple(joint.point_links for joint in model.joints),
+            effort=(*torque_upper.tolist(),) if robot.torque is None else None,
+            friction=None if given_friction else ((*motors.coulomb.tolist(),), (*motors.viscous.tolist(),)),
+        ),
+        held=held,
         motors=motors,
-        remarks=(*robot.base.degrees_remarks(f"{key}.base"), *robot.grasp.degrees_remarks(f"{key}.grasp"), *of_motors),
         contacts=contacts,
         contact_rate=_contact_rate(robot.contact_rate, components),
+        held_numbers=model.held_numbers(),
     )
-    return built, urdf
+    of_poses = (*robot.base.degrees_remarks(f"{key}.base"), *robot.grasp.degrees_remarks(f"{key}.grasp"))
+    return BuiltRobot(built, model, urdf, (*of_poses, *of_motors))
 
 
 def _torque_limits(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A cell file and its URDFs with all that is wrong with them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -85,16 +85,3 @@ def _xacro_arguments(given: Any) -> dict[str, str] | None:
     if not isinstance(given, dict) or not all(isinstance(value, str | float | int) for value in given.values()):
         return None
     return {str(name): xacro_text(value) for name, value in given.items()}
-
-
-def arms_alone(cell: CellModel) -> tuple[CellModel, ...]:
-    """A cell of each arm of a cell by itself."""
-    return tuple(
-        replace(
-            cell,
-            description=cell.description.model_copy(update={"robots": [described]}),
-            robots=(robot,),
-            machines=(),
-        )
-        for described, robot in zip(cell.description.robots, cell.robots, strict=True)
-    )

@@ -14,9 +14,8 @@ from mrts_codegen.hand_file import PadDescription, SuctionDescription
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.surface_text import unpacked_surface
-from mrts.base.manifest import ShapeRecord
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.record import ShapeRecord
 
 if TYPE_CHECKING:
     from mrts_codegen.cell_file import RobotDescription
@@ -95,7 +94,7 @@ def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shap
 
 def _faces_at(shape: ShapeRecord, point: Array) -> Iterator[Array]:
     """Outward normals, object axes, of the faces that a point of the object frame is at."""
-    T = RigidTransform(np.array(shape.pose.rotation), np.array(shape.pose.position))
+    T = shape.pose
     local = T.R.T @ (point - T.p)
     faces = _mesh_faces(shape, local) if shape.mesh is not None else _plain_faces(shape, local)
     if faces is None:

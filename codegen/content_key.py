@@ -13,15 +13,18 @@ from mrts_codegen.urdf_reference import FileReference, mesh_reference, robot_ref
 
 from mrts.base import version
 from mrts.base.errors import InputError
-from mrts.base.manifest import Manifest
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import MAX_YAML_BYTES
+from mrts.cell.record import CellManifest
 
 if TYPE_CHECKING:
     from mrts_codegen.cell_model import CellModel
 
-SHAPING = ("manifest", "rigid_transform", "input_file", "yaml_parser", "load_box")
-"""Modules of mrts.base that decide what a manifest says."""
+SHAPING = (
+    *("base/manifest.py", "base/rigid_transform.py", "base/input_file.py", "base/yaml_parser.py", "base/load_box.py"),
+    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands/*.py", "cell/motors/*.py"),
+)
+"""Files of mrts that decide what a manifest says."""
 
 
 def text_key(path: Path) -> str:
@@ -34,15 +37,15 @@ def text_key(path: Path) -> str:
     return hashlib.sha256(emitter_key().encode() + text).hexdigest()
 
 
-def is_as_made(path: Path, manifest: Manifest) -> bool:
+def is_as_made(path: Path, manifest: CellManifest) -> bool:
     """Whether the files that a cell file names hold what a manifest was made from.
 
     Args:
         path: The cell file.
         manifest: Of a cell file of the same text.
     """
-    folder, shape = path.resolve().parent, manifest.object.shape
-    known = [(robot_reference(robot), robot.urdf_sha256) for robot in manifest.robots]
+    folder, shape = path.resolve().parent, manifest.object_shape
+    known = [(robot_reference(robot.source), robot.source.sha256) for robot in manifest.robots]
     if shape is not None and shape.mesh is not None:
         known.append((mesh_reference(shape.mesh.file), shape.mesh.sha256))
     try:
@@ -74,9 +77,8 @@ def chains_key(cell: "CellModel", stem: str, *, bake: bool) -> str:
         stem: First part of their names.
         bake: Whether its geometry is folded in.
     """
-    parts: list[object] = [stem, bake, cell.description.plane]
-    for robot in cell.robots:
-        model = robot.model
+    parts: list[object] = [stem, bake, cell.record.plane]
+    for robot, model in zip(cell.record.robots, cell.models, strict=True):
         for joint in model.joints:
             by_held = (joint.placed_by_held, joint.laden_by_held)
             parts += [joint.kind, joint.axis.tolist(), *by_held, joint.body.mass]
@@ -88,7 +90,7 @@ def chains_key(cell: "CellModel", stem: str, *, bake: bool) -> str:
         if bake:
             parts += [robot.T_world_base.numbers.tolist(), robot.T_object_tip.numbers.tolist()]
     if bake:
-        parts.append(cell.description.gravity)
+        parts.append(cell.record.gravity.tolist())
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
@@ -96,11 +98,10 @@ def chains_key(cell: "CellModel", stem: str, *, bake: bool) -> str:
 def emitter_key() -> str:
     """Hash of what reads cells and emits functions: this package and CasADi's version."""
     package = Path(version.__file__).parents[1]
-    shaping = [package / "base" / f"{name}.py" for name in SHAPING]
-    rooms = [source for room in ("base/formats", "hands", "motors") for source in (package / room).glob("*.py")]
+    shaping = [source for pattern in SHAPING for source in package.glob(pattern)]
     ours = [source for source in Path(__file__).parent.rglob("*.py") if source.parent.name != "embedded"]
     digest = hashlib.sha256("\n".join([*_casadi_versions(), version.__version__]).encode())
-    for source in sorted([*ours, *rooms, *shaping]):
+    for source in sorted([*ours, *shaping]):
         digest.update(source.read_bytes())
     return digest.hexdigest()
 

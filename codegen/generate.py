@@ -7,21 +7,14 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 import casadi as ca
-from mrts_codegen.cell_manifest import NOTICE, cell_manifest, read_cell_model
-from mrts_codegen.cell_model import CellModel
+from mrts_codegen.cell_model import CellModel, cell_manifest, read_cell_model
 from mrts_codegen.content_key import chains_key
 from mrts_codegen.function_registry import build_functions
 from mrts_codegen.model_c import DOUBLE, function_record, model_c
 
 from mrts.base.atomic_file import text_writer, write_together
-from mrts.base.manifest import (
-    CHAINS_NAME,
-    MANIFEST_NAME,
-    OF_MOTION,
-    ChainsRecord,
-    Manifest,
-    MotionRecord,
-)
+from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, OF_MOTION, ChainsRecord
+from mrts.cell.record import NOTICE, CellManifest
 
 Record = TypeVar("Record", bound=ChainsRecord)
 
@@ -47,12 +40,12 @@ class Generated(Generic[Record]):
             folder: Where to.
             private: Whether for this user alone.
         """
-        name = MANIFEST_NAME if isinstance(self.record, Manifest) else CHAINS_NAME
+        name = MANIFEST_NAME if isinstance(self.record, CellManifest) else CHAINS_NAME
         texts = {self.record.source: self.c_source, name: self.record.to_json()}
         write_together({folder / name: text_writer(text) for name, text in texts.items()}, private=private)
 
 
-def generate_cell(path: Path, *, bake: bool = False) -> Generated[Manifest]:
+def generate_cell(path: Path, *, bake: bool = False) -> Generated[CellManifest]:
     """Generate a cell.
 
     Args:
@@ -64,7 +57,7 @@ def generate_cell(path: Path, *, bake: bool = False) -> Generated[Manifest]:
         InputError: If the cell file or a URDF breaks a rule.
     """
     cell = read_cell_model(path)
-    chains = generate_chains(cell, cell.description.name, bake=bake)
+    chains = generate_chains(cell, cell.record.name, bake=bake)
     return Generated(cell_manifest(cell, chains.record), chains.c_source, chains.functions)
 
 
@@ -78,22 +71,10 @@ def generate_chains(cell: CellModel, stem: str, *, bake: bool = False) -> Genera
     """
     functions = build_functions(cell, stem, bake=bake)
     c_source = emit_c(functions)
-    record = ChainsRecord(
-        chains=chains_key(cell, stem, bake=bake),
-        casadi_version=ca.CasadiMeta.version(),
-        source=f"{stem}.c",
-        source_sha256=hashlib.sha256(c_source.encode()).hexdigest(),
-        functions={name: function_record(function.name(), function) for name, function in functions.items()},
-    )
-    return Generated(record, c_source, functions)
+    return Generated(_chains(cell, stem, functions, c_source, bake=bake), c_source, functions)
 
 
-def emit_c(functions: dict[str, ca.Function]) -> str:
-    """The C text of functions by short name, for doubles."""
-    return f"/* {NOTICE} */\n{DOUBLE}\n{model_c({one.name(): one for one in functions.values()})}"
-
-
-def motion_functions(cell: CellModel, stem: str) -> tuple[Manifest, dict[str, ca.Function]]:
+def motion_functions(cell: CellModel, stem: str) -> tuple[CellManifest, dict[str, ca.Function]]:
     """The functions of a cell that the motion of its joints takes, and its manifest: nothing is emitted.
 
     Args:
@@ -101,11 +82,21 @@ def motion_functions(cell: CellModel, stem: str) -> tuple[Manifest, dict[str, ca
         stem: First part of their names.
     """
     functions = build_functions(cell, stem, bake=False, names=OF_MOTION)
-    record = MotionRecord(
-        chains=chains_key(cell, stem, bake=False),
+    return cell_manifest(cell, _chains(cell, stem, functions, "", bake=False)), functions
+
+
+def _chains(
+    cell: CellModel, stem: str, functions: dict[str, ca.Function], c_source: str, *, bake: bool
+) -> ChainsRecord:
+    return ChainsRecord(
+        chains=chains_key(cell, stem, bake=bake),
         casadi_version=ca.CasadiMeta.version(),
         source=f"{stem}.c",
-        source_sha256="",
+        source_sha256=hashlib.sha256(c_source.encode()).hexdigest(),
         functions={name: function_record(function.name(), function) for name, function in functions.items()},
     )
-    return cell_manifest(cell, record), functions
+
+
+def emit_c(functions: dict[str, ca.Function]) -> str:
+    """The C text of functions by short name, for doubles."""
+    return f"/* {NOTICE} */\n{DOUBLE}\n{model_c({one.name(): one for one in functions.values()})}"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`contact` of the cell file: what each hand can exert on the object, and the rows that it becomes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -11,13 +11,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite, Vector3
 from mrts.base.formats.strict_model import StrictModel, broken_rule
-from mrts.cell.hands.box import box_contact
-from mrts.cell.hands.contact import Contact, numbered
-from mrts.cell.hands.contact_axes import NOT_IN_PLANE, tip_components
-from mrts.cell.hands.gripper import gripper_contact
-from mrts.cell.hands.pad import pad_contact
-from mrts.cell.hands.polytope import rows_contact
-from mrts.cell.hands.suction import suction_contact
+from mrts.cell.hands.contact import NOT_IN_PLANE, Contact, numbered, tip_components
+from mrts.cell.hands.kinds import KINDS
 
 MOST_CONTACTS = 20
 """Of one robot."""
@@ -89,16 +84,6 @@ class ContactDescription(StrictModel):
     def kind(self) -> str:
         """Which it is."""
         return next(iter(self.model_fields_set))
-
-
-KINDS: dict[str, Callable[..., Contact]] = {
-    "box": box_contact,
-    "pad": pad_contact,
-    "suction": suction_contact,
-    "gripper": gripper_contact,
-    "rows": rows_contact,
-}
-"""How each kind becomes rows."""
 
 
 def build_contacts(

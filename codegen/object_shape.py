@@ -13,9 +13,9 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose, Positive
 from mrts.base.formats.strict_model import StrictModel, broken_rule
-from mrts.base.manifest import CylinderRecord, MeshRecord, PoseRecord, ShapeRecord
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
+from mrts.cell.record import CylinderRecord, MeshRecord, ShapeRecord
 
 KINDS = ("box", "cylinder", "mesh")
 
@@ -25,18 +25,6 @@ model's rounding. Its inertia is about its own centre all the same."""
 
 LARGE = 5.0
 """Longest size of an object that arms carry, beyond which its unit is doubted [m]."""
-
-
-class CylinderDescription(StrictModel):
-    """A cylinder about its z axis.
-
-    Attributes:
-        radius: [m].
-        length: [m].
-    """
-
-    radius: Positive
-    length: Positive
 
 
 class ShapeDescription(StrictModel):
@@ -51,7 +39,7 @@ class ShapeDescription(StrictModel):
     """
 
     box: Annotated[list[Positive], Field(min_length=3, max_length=3)] | None = None
-    cylinder: CylinderDescription | None = None
+    cylinder: CylinderRecord | None = None
     mesh: Annotated[str, Field(min_length=1)] | None = None
     scale: Positive | None = None
     pose: Pose = Pose()
@@ -94,9 +82,9 @@ def build_shape(
         mesh = read_mesh(reference.path(path, folder), content, shape.scale or 1.0)
     record = ShapeRecord(
         box=shape.box,
-        cylinder=None if shape.cylinder is None else CylinderRecord(**shape.cylinder.model_dump()),
+        cylinder=shape.cylinder,
         mesh=None if mesh is None else _mesh_record(shape, mesh),
-        pose=PoseRecord(rotation=T.R.tolist(), position=T.p.tolist()),
+        pose=T,
     )
     if inertia is None:
         inertia = multiply(multiply(T.R, _inertia(path, shape, T, mass, mesh)), T.R.T)

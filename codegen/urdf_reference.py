@@ -9,8 +9,8 @@ from typing import Literal
 
 from mrts.base.formats.package_uri import file_of_uri, is_uri, is_xacro
 from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES
-from mrts.base.manifest import RobotRecord
 from mrts.base.regular_file import read_regular
+from mrts.cell.robot import RobotSource
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,6 @@ def mesh_reference(text: str) -> FileReference:
     return FileReference(text, key="object.shape.mesh", what="mesh")
 
 
-def robot_reference(robot: RobotRecord) -> FileReference:
-    """What an entry of a manifest says of its URDF."""
-    return FileReference(robot.urdf, robot.xacro_args)
+def robot_reference(source: RobotSource) -> FileReference:
+    """What a manifest says of the URDF of an arm."""
+    return FileReference(source.urdf, source.xacro_args)

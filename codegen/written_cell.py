@@ -7,30 +7,18 @@ from typing import Any
 
 import numpy as np
 from mrts_codegen.cell_file import CellDescription
-from mrts_codegen.cell_manifest import cell_manifest
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.urdf.link_inertia import NEAREST_INERTIA
-from mrts_codegen.urdf.urdf_file import parse_urdf
-from mrts_codegen.urdf.urdf_joint import friction
 from mrts_codegen.urdf_reference import mesh_reference, robot_reference
 
+from mrts.base.arrays import without_infinity
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri
 from mrts.base.input_file import validated
-from mrts.base.manifest import (
-    ChainsRecord,
-    Manifest,
-    MotionManifest,
-    MotionRecord,
-    PoseRecord,
-    RobotRecord,
-    ShapeRecord,
-)
-from mrts.base.rigid_transform import rpy_from_rotation
+from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
-
-COMPARED = ("name", "plane", "gravity", "object", "robots")
-"""What a cell file says of a manifest."""
+from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
+from mrts.cell.robot import Robot
 
 FILES = frozenset({"urdf", "file"})
 """Keys that say where a file is, which need not be alike: its hash is compared."""
@@ -39,7 +27,7 @@ SAME_ROTATION = 1e-12
 """Largest difference of an entry of a rotation that comes back from its angles: rounding, or a matrix of other make."""
 
 
-def cell_file_text(manifest: Manifest, folder: Path, beside: Path | None) -> str:
+def cell_file_text(manifest: CellManifest, folder: Path, beside: Path | None) -> str:
     """Text of a cell file that reads back to a cell.
 
     Args:
@@ -51,19 +39,10 @@ def cell_file_text(manifest: Manifest, folder: Path, beside: Path | None) -> str
         InputError: If a cell file cannot hold the cell, or a URDF is not there as it was.
     """
     where = Path(f"cell '{manifest.name}'")
-    robots = []
-    for robot in manifest.robots:
-        reference = robot_reference(robot)
-        file = reference.path(where, folder)
-        urdf = file, parse_urdf(file, reference.content(where, folder))
-        robots.append(_described_robot(where, robot, _reference(robot.urdf, file, beside), urdf))
-    shape = manifest.object.shape
-    described_shape = None if shape is None else _described_shape(where, shape, folder, beside)
-    text = yaml_text(_described(manifest, described_shape, robots))
+    text = yaml_text(_described(where, manifest, folder, beside))
     description = validated(where, parse_yaml(text), CellDescription, "cell file")
-    kind = MotionRecord if isinstance(manifest, MotionManifest) else ChainsRecord
-    chains = kind(**{name: getattr(manifest, name) for name in ChainsRecord.model_fields})
-    _check_same(where, manifest, cell_manifest(build_cell_model(where, description, beside or folder), chains))
+    read = build_cell_model(where, description, beside or folder).record
+    _check_same(where, manifest, read)
     return text
 
 
@@ -88,35 +67,36 @@ def _described_shape(where: Path, shape: ShapeRecord, folder: Path, beside: Path
     return _known(described | {"pose": pose if any(pose["xyz"]) or any(pose["rpy"]) else None})
 
 
-def _described(manifest: Manifest, shape: dict[str, Any] | None, robots: list[dict[str, Any]]) -> dict[str, Any]:
-    carried = manifest.object
-    inertia = carried.inertia
-    diagonal = not any(inertia[row][column] for row in range(3) for column in range(3) if row != column)
-    variation: dict[str, Any] = {name: list(ends) for name, ends in carried.variation.items()}
-    if carried.outer_hull:
+def _described(where: Path, manifest: CellManifest, folder: Path, beside: Path | None) -> dict[str, Any]:
+    """What a cell file says of the cell."""
+    box, shape = manifest.load_box, manifest.object_shape
+    xx, yy, zz, xy, xz, yz = manifest.load[4:].tolist()
+    variation: dict[str, Any] = {} if box is None else {name: list(ends) for name, ends in box.ranges.items()}
+    if box is not None and box.outer_hull:
         variation["hull"] = "outer"
-    speeds = _known({"linear": carried.linear_velocity, "angular": carried.angular_velocity})
-    thing = {
-        "mass": carried.mass,
-        "inertia": [inertia[axis][axis] for axis in range(3)] if diagonal else inertia,
-        "shape": shape,
+    linear, angular = without_infinity(manifest.object_velocity_limit)
+    carried = {
+        "mass": float(manifest.load[0]),
+        "inertia": [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] if any((xy, xz, yz)) else [xx, yy, zz],
+        "shape": None if shape is None else _described_shape(where, shape, folder, beside),
         "variation": variation or None,
-        "velocity": speeds or None,
+        "velocity": _known({"linear": linear, "angular": angular}) or None,
     }
-    whole = {
-        "name": manifest.name,
-        "gravity": manifest.gravity,
-        "plane": manifest.plane,
-        "inertia": "lenient" if any(remark.code == NEAREST_INERTIA for remark in manifest.remarks) else None,
-        "object": _known(thing),
-    }
-    return _known(whole) | {"robots": robots}
+    return _known(
+        {
+            "name": manifest.name,
+            "gravity": manifest.gravity.tolist(),
+            "plane": manifest.plane,
+            "inertia": "lenient" if any(remark.code == NEAREST_INERTIA for remark in manifest.remarks) else None,
+            "object": _known(carried),
+            "robots": [_described_robot(where, robot, folder, beside) for robot in manifest.robots],
+        }
+    )
 
 
-def _described_robot(where: Path, robot: RobotRecord, reference: str, urdf: tuple[Path, Any]) -> dict[str, Any]:
-    lower = [joint.torque_lower for joint in robot.joints]
-    upper = [joint.torque_upper for joint in robot.joints]
-    symmetric = all(least == -most for least, most in zip(lower, upper, strict=True))
+def _described_robot(where: Path, robot: Robot, folder: Path, beside: Path | None) -> dict[str, Any]:
+    source, lower, upper = robot.source, robot.torque_lower.tolist(), robot.torque_upper.tolist()
+    symmetric = np.array_equal(robot.torque_lower, -robot.torque_upper)
     for contact in robot.contacts:
         if contact.given is None:
             raise InputError(
@@ -125,50 +105,43 @@ def _described_robot(where: Path, robot: RobotRecord, reference: str, urdf: tupl
                 "rows_contact or their neighbours.",
                 key=f"robot '{robot.name}': contact '{contact.name}'",
             )
-    bounds = {"lower": robot.wrench_lower, "upper": robot.wrench_upper}
-    limited = {side: values for side, values in bounds.items() if any(value is not None for value in values)}
-    rates = [robot.contact_rate[0], robot.contact_rate[-1]]
+    bounds = {"lower": without_infinity(robot.wrench_lower), "upper": without_infinity(robot.wrench_upper)}
+    rates = without_infinity(robot.contact_rate[[0, -1]])
     return _known(
         {
             "name": robot.name,
-            "urdf": reference,
-            "xacro_args": robot.xacro_args or None,
-            "base_link": robot.base_link,
-            "tip_link": robot.tip_link,
-            "base": _pose(robot.world_base),
-            "grasp": _pose(robot.object_tip),
-            "posture": robot.posture,
-            "torque": None if robot.torque_from_urdf else upper if symmetric else {"lower": lower, "upper": upper},
-            "wrench": limited or None,
+            "urdf": _reference(source.urdf, robot_reference(source).path(where, folder), beside),
+            "xacro_args": source.xacro_args or None,
+            "base_link": source.base_link,
+            "tip_link": source.tip_link,
+            "base": _pose(robot.T_world_base),
+            "grasp": _pose(robot.T_object_tip),
+            "posture": robot.posture.tolist(),
+            "torque": None if robot.has_urdf_torque else upper if symmetric else {"lower": lower, "upper": upper},
+            "wrench": {side: values for side, values in bounds.items() if values != [None] * len(values)} or None,
             "contact_rate": None if rates == [None, None] else rates,
             "contact": [contact.given for contact in robot.contacts] or None,
-            "fixed": _fixed(robot, urdf) or None,
-            "motors": _motors(robot, urdf) or None,
+            "fixed": source.fixed or None,
+            "motors": _motors(robot) or None,
         }
     )
 
 
-def _pose(pose: PoseRecord) -> dict[str, list[float]]:
-    return {"xyz": pose.position, "rpy": rpy_from_rotation(np.array(pose.rotation))}
+def _pose(T: RigidTransform) -> dict[str, list[float]]:
+    return {"xyz": T.p.tolist(), "rpy": rpy_from_rotation(T.R)}
 
 
-def _fixed(robot: RobotRecord, urdf: tuple[Path, Any]) -> dict[str, float]:
-    """Joints that are held by themselves; others follow them."""
-    followers = {joint.name for joint in urdf[1].joints if joint.mimic is not None}
-    return {name: position for name, position in robot.held.items() if name not in followers}
-
-
-def _motors(robot: RobotRecord, urdf: tuple[Path, Any]) -> dict[str, Any]:
+def _motors(robot: Robot) -> dict[str, Any]:
     """What is known of them; friction is left out where it is that of the URDF."""
     motors = robot.motors
-    described: dict[str, Any] = {"armature": motors.armature} if any(motors.armature) else {}
-    joints = {joint.name: joint for joint in urdf[1].joints}
-    of_urdf = [friction(urdf[0], joints[joint.name]) for joint in robot.joints]
-    if of_urdf != list(zip(motors.coulomb, motors.viscous, strict=True)):
-        some = any(motors.coulomb) or any(motors.viscous)
-        described["friction"] = {"coulomb": motors.coulomb, "viscous": motors.viscous} if some else "none"
-    for name in ("torque_speed", "torque_rate", "jerk", "rated"):
-        values = getattr(motors, name)
+    described: dict[str, Any] = {"armature": motors.armature.tolist()} if np.any(motors.armature) else {}
+    if not robot.has_urdf_friction:
+        friction = {"coulomb": motors.coulomb.tolist(), "viscous": motors.viscous.tolist()}
+        described["friction"] = friction if motors.has_friction else "none"
+    if any(curve is not None for curve in motors.torque_speed):
+        described["torque_speed"] = [None if curve is None else curve.tolist() for curve in motors.torque_speed]
+    for name in ("torque_rate", "jerk", "rated"):
+        values = without_infinity(getattr(motors, name))
         if any(value is not None for value in values):
             described[name] = values
     return described
@@ -178,16 +151,17 @@ def _known(values: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in values.items() if value is not None}
 
 
-def _check_same(where: Path, ours: Manifest, read: Manifest) -> None:
+def _check_same(where: Path, ours: CellManifest, read: CellRecord) -> None:
     """Refuse what a cell file cannot hold: what it reads back to is another cell."""
-    written, again = (manifest.model_dump(include=set(COMPARED)) for manifest in (ours, read))
-    different = _difference(written, again)
+    said = {*CellRecord.model_fields} - {"remarks"}
+    different = _difference(ours.model_dump(include=said), read.model_dump(include=said))
     if different is None:
         return
     key, value, found = different
     if key.endswith("sha256"):
-        what = "mesh" if key.startswith("object.") else "URDF"
-        raise InputError(where, f"the {what} is another one than the cell was made from.", key=key[: -len("_sha256")])
+        what = "mesh" if key.startswith("object_shape.") else "URDF"
+        file = key.removesuffix(".sha256") if what == "mesh" else key.removesuffix("source.sha256") + "urdf"
+        raise InputError(where, f"the {what} is another one than the cell was made from.", key=file)
     raise InputError(
         where,
         f"a cell file cannot hold this value, it would be read as {json.dumps(found)}: it is another one's to say (the "
@@ -205,7 +179,7 @@ def _difference(ours: Any, theirs: Any, key: str = "") -> tuple[str, Any, Any] |
     elif isinstance(ours, list) and isinstance(theirs, list) and len(ours) == len(theirs):
         pairs = [(f"{key}[{place}]", *both) for place, both in enumerate(zip(ours, theirs, strict=True))]
     else:
-        same = ours == theirs or (".rotation[" in key and abs(ours - theirs) <= SAME_ROTATION)
+        same = ours == theirs or (".R[" in key and abs(ours - theirs) <= SAME_ROTATION)
         return None if same else (key, ours, theirs)
     found = (_difference(one, other, inside) for inside, one, other in pairs)
     return next((different for different in found if different is not None), None)

@@ -16,12 +16,8 @@ if TYPE_CHECKING:
     from mrts.base.rigid_transform import RigidTransform
     from mrts.cell.cell import Cell
     from mrts.cell.cell_change import CellChange, ChangeSteps
-    from mrts.cell.hands.box import box_contact
     from mrts.cell.hands.contact import Contact
-    from mrts.cell.hands.gripper import gripper_contact
-    from mrts.cell.hands.pad import pad_contact
-    from mrts.cell.hands.polytope import rows_contact
-    from mrts.cell.hands.suction import suction_contact
+    from mrts.cell.hands.kinds import box_contact, gripper_contact, pad_contact, rows_contact, suction_contact
     from mrts.cell.loading import load_cell
     from mrts.cell.motors.joint_duty import JointDuty
     from mrts.cell.motors.joint_motors import JointMotors
@@ -53,13 +49,12 @@ if TYPE_CHECKING:
     from mrts.program.reserve import PlanReserve, Reserve
     from mrts.program.sample_ranges import SampleRanges
     from mrts.report import write_report
-    from mrts.scaling.holding_torques import Holding
-    from mrts.scaling.known_load import torques_for_load
-    from mrts.scaling.load_study import LoadStudy
+    from mrts.scaling.loads import LoadStudy
+    from mrts.scaling.options import Options
     from mrts.scaling.range import RangeEnd, ScalingRange
-    from mrts.scaling.result import DistributionRule, Residuals, ScalingResult
-    from mrts.scaling.scale import SelectionError, scale
-    from mrts.scaling.scaled_trajectory import ScaledTrajectory
+    from mrts.scaling.result import Residuals, ScalingResult
+    from mrts.scaling.scale import SelectionError, scale, torques_for_load
+    from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
     from mrts.scaling.what_if import ChangedAnswer, SpeedAnswer, WhatIf
     from mrts.starting.hold import hold_here
     from mrts.studies.configurations import Branch, Configuration, ConfigurationStudy, rank_configurations
@@ -90,9 +85,8 @@ _HOMES = {
     "Conflict": "program.infeasibility",
     "Contact": "cell.hands.contact",
     "CoordinatedMotion": "following.coordinated_motion",
-    "DistributionRule": "scaling.result",
     "Excess": "program.excess",
-    "Holding": "scaling.holding_torques",
+    "Holding": "scaling.scaled_trajectory",
     "InputError": "base.errors",
     "JointDuty": "cell.motors.joint_duty",
     "JointMotors": "cell.motors.joint_motors",
@@ -102,7 +96,7 @@ _HOMES = {
     "LoadBox": "base.load_box",
     "LoadPoint": "base.load_box",
     "LoadSharing": "program.load_sharing",
-    "LoadStudy": "scaling.load_study",
+    "LoadStudy": "scaling.loads",
     "MotionDescription": "motion.motion_file",
     "MotionError": "base.errors",
     "MotorIdentification": "identification.identified_motors",
@@ -110,6 +104,7 @@ _HOMES = {
     "MrtsError": "base.errors",
     "NearestHold": "diagnosis.nearest_hold",
     "ObjectMotion": "motion.object_motion",
+    "Options": "scaling.options",
     "Placement": "layout.placement",
     "PlanReserve": "program.reserve",
     "PlayedLayout": "layout.placement",
@@ -138,29 +133,29 @@ _HOMES = {
     "Study": "studies.study",
     "StudyFolder": "studies.study_folder",
     "SweepProgress": "sweeps.sweep_progress",
-    "box_contact": "cell.hands.box",
+    "box_contact": "cell.hands.kinds",
     "check": "diagnosis.check",
     "follow_object": "following.coordinated_motion",
-    "gripper_contact": "cell.hands.gripper",
+    "gripper_contact": "cell.hands.kinds",
     "hold_here": "starting.hold",
     "identify": "identification.identify",
     "load_cell": "cell.loading",
     "load_motion": "motion.motion_file",
     "load_recording": "motion.joint_recording",
     "load_result": "output.saved_result",
-    "pad_contact": "cell.hands.pad",
+    "pad_contact": "cell.hands.kinds",
     "place": "layout.place",
     "rank_configurations": "studies.configurations",
     "retime": "timing.retime",
     "read_study": "studies.study_file",
     "read_study_folder": "studies.study_folder",
-    "rows_contact": "cell.hands.polytope",
+    "rows_contact": "cell.hands.kinds",
     "sample_motion": "motion.motion_file",
     "save_result": "output.saved_result",
     "scale": "scaling.scale",
-    "suction_contact": "cell.hands.suction",
+    "suction_contact": "cell.hands.kinds",
     "sweep": "sweeps.sweep",
-    "torques_for_load": "scaling.known_load",
+    "torques_for_load": "scaling.scale",
     "write_report": "report",
     "write_ros_bag": "output.ros_bag",
     "write_trajectory_csv": "output.trajectory_table",
@@ -184,7 +179,6 @@ __all__ = [
     "Conflict",
     "Contact",
     "CoordinatedMotion",
-    "DistributionRule",
     "Excess",
     "Holding",
     "InputError",
@@ -204,6 +198,7 @@ __all__ = [
     "MrtsError",
     "NearestHold",
     "ObjectMotion",
+    "Options",
     "Placement",
     "PlanReserve",
     "PlayedLayout",

@@ -46,12 +46,12 @@ def examples(cell: mrts.Cell) -> list[float]:
     lift = mrts.load_motion(DATA / "planar_dual_arm" / "lift.yaml")
     flipped, even = cell.with_postures(DOWN_UP), mrts.LoadSharing()
     results = [
-        mrts.scale(cell.without_wrench_limits(), lift),
-        mrts.scale(cell, lift),
-        mrts.scale(cell, lift, sharing=even),
-        mrts.scale(flipped, lift),
-        mrts.scale(flipped, lift, sharing=even),
-        mrts.scale(cell.with_mass(3.0), lift),
+        mrts.scale(cell.without_wrench_limits(), lift, weights=1),
+        mrts.scale(cell, lift, weights=1),
+        mrts.scale(cell, lift, sharing=even, weights=1),
+        mrts.scale(flipped, lift, weights=1),
+        mrts.scale(flipped, lift, sharing=even, weights=1),
+        mrts.scale(cell.with_mass(3.0), lift, weights=1),
     ]
     return [result.range.upper.c2 if result.range.upper else float("nan") for result in results]
 

@@ -14,8 +14,8 @@ import numpy as np
 import mrts
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.trajectory_programs import motion_ranges
+from mrts.scaling.loads import range_at_samples
 from mrts.scaling.range import intersect
-from mrts.scaling.uncertain_load import study_load
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import MOTIONS, shipped
@@ -36,8 +36,8 @@ def compare(name: str, samples: int, drawn: int, repeats: int) -> None:
 
     def asked(question: str, names: tuple[str, ...], sharing: mrts.LoadSharing | None = None) -> tuple[float, int]:
         cell = known.with_variation(**{name: RANGES[name] for name in names})
-        found, study = study_load(cell, motion, question, "wrench", sharing, DEFAULT_SOLVER)
-        return found.upper.c2 if found.upper else float("nan"), len(study.points)
+        found, study = range_at_samples(cell, motion, mrts.Options(load=question, sharing=sharing))
+        return found.upper.c2 if found.upper else float("nan"), len(study.points) if study else 0
 
     def sampled() -> tuple[float, int]:
         box = known.with_variation(**RANGES).load_box

@@ -4,8 +4,7 @@
 import numpy as np
 
 import mrts
-from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.scaling.scale import FactorQuestion
+from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_timing import fastest_timing
 
 
@@ -15,14 +14,6 @@ def timing_alone(constant: mrts.ScalingResult) -> float:
     Args:
         constant: Of the cell and the motion, found before.
     """
-    asked = FactorQuestion(
-        cell=constant.cell,
-        motion=constant.motion,
-        select="auto",
-        rule=constant.rule,
-        solver=DEFAULT_SOLVER,
-        question="nominal",
-        tolerance=None,
-    )
+    asked = ConstantFactor(constant.cell, constant.motion, constant.options)
     found = fastest_timing(asked, constant.motion, (0.0, 0.0), lambda _done, _total: None)
     return float(sum(np.sum(piece.segment_times) for piece in found.pieces))

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
-import numpy as np
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.urdf.link_inertia import Inertia
 from mrts_codegen.urdf.robot_model import RobotModel
@@ -41,14 +40,14 @@ class Geometry:
 
 def geometry_numbers(cell: CellModel) -> Geometry:
     """The geometry of a cell file folded into the functions."""
-    gravity = np.array(cell.description.gravity)
+    gravity, robots = cell.record.gravity, cell.record.robots
     return Geometry(
         symbol=None,
         gravity=gravity,
-        down=tuple(multiply(robot.T_world_base.R.T, gravity) for robot in cell.robots),
-        bases=tuple(robot.T_world_base for robot in cell.robots),
-        grasps=tuple(robot.T_object_tip for robot in cell.robots),
-        models=tuple(robot.model for robot in cell.robots),
+        down=tuple(multiply(robot.T_world_base.R.T, gravity) for robot in robots),
+        bases=tuple(robot.T_world_base for robot in robots),
+        grasps=tuple(robot.T_object_tip for robot in robots),
+        models=cell.models,
     )
 
 
@@ -57,19 +56,19 @@ def geometry_symbols(cell: CellModel) -> Geometry:
 
     In a planar cell bases turn about the plane's normal only, and gravity along it moves no joint.
     """
-    size = geometry_size(len(cell.robots), sum(robot.model.held_numbers().size for robot in cell.robots))
+    size = geometry_size(len(cell.models), sum(model.held_numbers().size for model in cell.models))
     symbol = ca.SX.sym("geometry", size)
     entries = iter(ca.vertsplit(symbol))
-    plane = cell.description.plane
+    plane = cell.record.plane
     gravity = _take(entries, 3)
     bases, grasps = [], []
-    for _ in cell.robots:
+    for _ in cell.models:
         base, grasp = _pose(entries), _pose(entries)
         bases.append(base if plane is None else RigidTransform(_turned_in_plane(base.R, plane), base.p))
         grasps.append(grasp)
     if plane is not None:
         gravity = ca.vertcat(*(gravity[axis] if "xyz"[axis] in plane else ca.SX(0) for axis in range(3)))
-    models = tuple(_with_symbols(robot.model, entries) for robot in cell.robots)
+    models = tuple(_with_symbols(model, entries) for model in cell.models)
     down = tuple(base.R.T @ gravity for base in bases)
     return Geometry(symbol=symbol, gravity=gravity, down=down, bases=tuple(bases), grasps=tuple(grasps), models=models)
 

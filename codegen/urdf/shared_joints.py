@@ -2,22 +2,21 @@
 """Robots that are arms of one machine: none may move a joint that another moves as well, or takes to stand still."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations, permutations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from mrts_codegen.urdf.urdf_file import Urdf, UrdfJoint
 from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, joint_pose
 
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import SAME_PLACE, RigidTransform, in_one_place
 
 if TYPE_CHECKING:
-    from mrts_codegen.cell_model import CellRobot
+    from mrts_codegen.cell_model import BuiltRobot
 
 
-def check_machines(path: Path, robots: Sequence["CellRobot"], urdfs: Sequence[Any]) -> tuple[tuple[str, str], ...]:
+def check_machines(path: Path, arms: Sequence["BuiltRobot"]) -> tuple[tuple[str, str], ...]:
     """Check that arms of one machine, one URDF in one place, agree on what moves.
 
     Each arm has joints of its own in the dynamics. A torso that two arms share would be there twice, each copy free to
@@ -25,8 +24,7 @@ def check_machines(path: Path, robots: Sequence["CellRobot"], urdfs: Sequence[An
 
     Args:
         path: The cell file, for messages.
-        robots: The arms.
-        urdfs: What `parse_urdf` returned for each.
+        arms: With their URDFs.
 
     Returns:
         Names of each two robots that are arms of one machine.
@@ -34,16 +32,15 @@ def check_machines(path: Path, robots: Sequence["CellRobot"], urdfs: Sequence[An
     Raises:
         InputError: Names the joint and the ways out.
     """
-    arms = [_Arm(robot, urdf) for robot, urdf in zip(robots, urdfs, strict=True)]
     machines = []
     for first, second in combinations(arms, 2):
-        if first.robot.urdf_sha256 == second.robot.urdf_sha256 and _of_one_machine(first, second):
+        if first.robot.source.sha256 == second.robot.source.sha256 and _of_one_machine(first, second):
             _check_pair(path, first, second)
             machines.append((first.robot.name, second.robot.name))
     return tuple(machines)
 
 
-def root_in_base(path: Path, urdf: Any, base_link: str, held: Mapping[str, float]) -> RigidTransform:
+def root_in_base(path: Path, urdf: Urdf, base_link: str, held: Mapping[str, float]) -> RigidTransform:
     """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero.
 
     Args:
@@ -58,57 +55,49 @@ def root_in_base(path: Path, urdf: Any, base_link: str, held: Mapping[str, float
     return T.inverse()
 
 
-def joints_to(joint_above: Mapping[str, Any], link: str) -> list[Any]:
+def joints_to(joint_above: Mapping[str, UrdfJoint], link: str) -> list[UrdfJoint]:
     """Joints from the URDF's root to a link."""
-    joints: list[Any] = []
+    joints: list[UrdfJoint] = []
     while link in joint_above:
         joints.insert(0, joint_above[link])
         link = joints[0].parent
     return joints
 
 
-@dataclass(frozen=True)
-class _Arm:
-    robot: "CellRobot"
-    urdf: Any
-
-    @cached_property
-    def joint_above(self) -> dict[str, Any]:
-        return {joint.child: joint for joint in self.urdf.joints}
-
-    def moving(self) -> dict[str, float]:
-        """Joints that this arm moves, with its posture."""
-        names = (joint.name for joint in self.robot.model.joints)
-        return dict(zip(names, self.robot.posture.tolist(), strict=True))
-
-    def still(self) -> set[str]:
-        """Joints that could move, but are taken to stand still by this arm."""
-        below = joints_to(self.joint_above, self.robot.model.tip_link)
-        names = {joint.name for joint in below if joint.type in MOVING_TYPES}
-        return names.union(self.robot.held).difference(self.moving())
-
-    def root(self, positions: Mapping[str, float]) -> RigidTransform:
-        """Root of the URDF in the world, where the joints up to the base link stand at given positions."""
-        robot = self.robot
-        return robot.T_world_base @ root_in_base(Path(robot.urdf), self.urdf, robot.model.base_link, positions)
+def _moving(arm: "BuiltRobot") -> dict[str, float]:
+    """Joints that an arm moves, with its posture."""
+    return dict(zip(arm.robot.joints, arm.robot.posture.tolist(), strict=True))
 
 
-def _of_one_machine(first: _Arm, second: _Arm) -> bool:
+def _still(arm: "BuiltRobot") -> set[str]:
+    """Joints that could move, but are taken to stand still by an arm."""
+    below = joints_to({joint.child: joint for joint in arm.urdf.joints}, arm.model.tip_link)
+    names = {joint.name for joint in below if joint.type in MOVING_TYPES}
+    return names.union(arm.robot.held).difference(arm.robot.joints)
+
+
+def _root(arm: "BuiltRobot", positions: Mapping[str, float]) -> RigidTransform:
+    """Root of the URDF in the world, where the joints up to the base link stand at given positions."""
+    robot = arm.robot
+    return robot.T_world_base @ root_in_base(Path(robot.source.urdf), arm.urdf, arm.model.base_link, positions)
+
+
+def _of_one_machine(first: "BuiltRobot", second: "BuiltRobot") -> bool:
     """Whether two arms of one URDF are of one machine, with the joints between their bases at zero or as postured."""
     held = {**first.robot.held, **second.robot.held}
-    moving = {**first.moving(), **second.moving()}
-    return any(in_one_place(first.root(positions), second.root(positions)) for positions in (held, moving | held))
+    moving = {**_moving(first), **_moving(second)}
+    return any(in_one_place(_root(first, positions), _root(second, positions)) for positions in (held, moving | held))
 
 
-def _check_pair(path: Path, first: _Arm, second: _Arm) -> None:
+def _check_pair(path: Path, first: "BuiltRobot", second: "BuiltRobot") -> None:
     names = f"'{first.robot.name}' and '{second.robot.name}'"
     machine = f"robots {names} are arms of one machine (one URDF in one place)"
-    shared = [name for name in first.moving() if name in second.moving()]
-    if shared and {*shared} == {*first.moving()} == {*second.moving()}:
+    shared = [name for name in _moving(first) if name in _moving(second)]
+    if shared and {*shared} == {*_moving(first)} == {*_moving(second)}:
         same = f"robots {names} are one and the same arm: one URDF, one place, the same joints."
         raise InputError(path, f"{same} Give each its own 'base'.", key="robots")
     if shared:
-        last = next(joint.child for joint in first.joint_above.values() if joint.name == shared[-1])
+        last = next(joint.child for joint in first.urdf.joints if joint.name == shared[-1])
         held = ", ".join(f"{name}: POSITION" for name in shared)
         raise InputError(
             path,
@@ -118,7 +107,7 @@ def _check_pair(path: Path, first: _Arm, second: _Arm) -> None:
             key="robots",
         )
     for one, other in permutations((first, second)):
-        torn = [name for name in one.moving() if name in other.still()]
+        torn = [name for name in _moving(one) if name in _still(other)]
         if torn:
             held = ", ".join(f"{name}: POSITION" for name in torn)
             raise InputError(

@@ -30,6 +30,7 @@ WORDS = {
     "Remark": "a remark, as of a cell",
     "RetimingResult": "one of mrts.retime",
     "Robot": "a robot, as from mrts.load_cell",
+    "RobotSource": "that of a robot from mrts.load_cell",
     "ScalingResult": "a result of mrts.scale",
     "Study": "a study, as from mrts.read_study",
     "bool": "True or False",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """A cell ready to be asked: its data and its bound functions."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,19 +10,27 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_list, check_type, is_number
+from mrts.base.argument_types import check_callable, check_list, check_type, is_number
 from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
-from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
+from mrts.base.formats.broken_record import BrokenRecordError, broken_record
+from mrts.base.formats.pose import Finite, Pose, Vector3
+from mrts.base.formats.record import checked
+from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER, plain
 from mrts.base.load_box import LoadBox
-from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS, ShapeRecord
+from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_check import check_generated, check_placement
 from mrts.cell.functions import CellFunctions
+from mrts.cell.hands.kinds import Side, wrench_bounds
+from mrts.cell.motors.joint_motors import given_torque_limits
+from mrts.cell.record import ShapeRecord
 from mrts.cell.robot import JOINT_HEAD, Robot
-from mrts.cell.robot_changes import Bounds, Numbers, posed, torque_limited, vector, wrench_limited
 from mrts.kernel.cell_library import CellLibrary
+
+Numbers = Sequence[float] | Array
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -43,6 +51,7 @@ class Cell(InNotebooks):
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
         remarks: What was noticed as its files were read.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
+        limits: Functions of a cell and its motion that give further limits; docs/extending.md.
         folder: That the URDFs of its cell file are relative to; None where that is not known.
         object_shape: What the object looks like, None where that is not known; for pictures alone.
 
@@ -65,6 +74,7 @@ class Cell(InNotebooks):
     enforces_velocity_limits: bool = True
     remarks: tuple[Remark, ...] = ()
     reserve: float = 0.0
+    limits: tuple[Callable[..., Any], ...] = ()
     folder: Path | None = None
     object_shape: ShapeRecord | None = None
 
@@ -74,6 +84,8 @@ class Cell(InNotebooks):
         check_type("cell: folder", self.folder, Path, NoneType)
         check_type("cell: object_shape", self.object_shape, ShapeRecord, NoneType)
         check_type("cell: enforces_velocity_limits", self.enforces_velocity_limits, bool)
+        for limit in self.limits:
+            check_callable("cell: limits", limit)
         for key, kind in (("wrench_components", str), ("robots", Robot), ("remarks", Remark)):
             check_list(f"cell: {key}", getattr(self, key), kind)
             object.__setattr__(self, key, tuple(getattr(self, key)))
@@ -250,19 +262,9 @@ class Cell(InNotebooks):
 
     def without_wrench_limits(self) -> Self:
         """The same cell with every contact wrench and its rate unbounded, and hands that hold whatever comes."""
-        return replace(
-            self,
-            robots=tuple(
-                replace(
-                    robot,
-                    wrench_lower=np.full_like(robot.wrench_lower, -np.inf),
-                    wrench_upper=np.full_like(robot.wrench_upper, np.inf),
-                    contacts=(),
-                    contact_rate=np.full_like(robot.contact_rate, np.inf),
-                )
-                for robot in self.robots
-            ),
-        )
+        none = np.full(len(self.wrench_components), np.inf)
+        free = {"wrench_lower": -none, "wrench_upper": none, "contacts": (), "contact_rate": none}
+        return self.with_robots({robot.name: free for robot in self.robots})
 
     def without_velocity_limits(self) -> Self:
         """The same cell with velocity limits that are reported, but bound nothing."""
@@ -280,6 +282,29 @@ class Cell(InNotebooks):
         _check_reserve(reserve)
         return self if reserve == self.reserve else replace(self, reserve=reserve)
 
+    def with_limits(self, *limits: Callable[..., Any]) -> Self:
+        """The same cell with further limits beside those of its file, in the place of any that it was given before.
+
+        Args:
+            *limits: Functions of a cell and its motion that give `mrts.limits.rows.LimitRows`; docs/extending.md.
+
+        Raises:
+            InputError: If one is no function.
+        """
+        return replace(self, limits=limits)
+
+    def with_robots(self, changes: Mapping[str, Mapping[str, Any]]) -> Self:
+        """The same cell with other attributes of its robots.
+
+        Args:
+            changes: By name of a robot, values by attribute of `mrts.Robot`.
+
+        Raises:
+            InputError: If a value breaks a rule of the robot or of the cell.
+        """
+        robots = (replace(robot, **changes[robot.name]) if robot.name in changes else robot for robot in self.robots)
+        return replace(self, robots=tuple(robots))
+
     def with_postures(self, postures: dict[str, list[float]]) -> Self:
         """The same cell starting near other joint positions.
 
@@ -296,11 +321,7 @@ class Cell(InNotebooks):
                 raise InputError(
                     "postures", f"must hold {len(joints)} finite joint positions.", key=name, value=posture
                 )
-        robots = (
-            replace(robot, posture=np.array(postures[robot.name], dtype=float)) if robot.name in postures else robot
-            for robot in self.robots
-        )
-        return replace(self, robots=tuple(robots))
+        return self.with_robots({name: {"posture": posture} for name, posture in postures.items()})
 
     def with_base(self, name: str, xyz: Numbers | None = None, rpy: Numbers | None = None) -> Self:
         """The same cell with the base of a robot elsewhere in the world; None keeps position or rotation.
@@ -313,8 +334,7 @@ class Cell(InNotebooks):
         Raises:
             InputError: If a value breaks a rule of the cell file, or the robot is an arm of a machine with another.
         """
-        robot = self._robot("name", name)
-        return self._with(replace(robot, T_world_base=posed(robot, "base", robot.T_world_base, xyz, rpy)))
+        return self._posed(name, "base", "T_world_base", xyz, rpy)
 
     def with_grasp(self, name: str, xyz: Numbers | None = None, rpy: Numbers | None = None) -> Self:
         """The same cell with a robot that holds the object elsewhere; None keeps position or rotation.
@@ -329,8 +349,7 @@ class Cell(InNotebooks):
         Raises:
             InputError: If a value breaks a rule of the cell file.
         """
-        robot = self._robot("name", name)
-        return self._with(replace(robot, T_object_tip=posed(robot, "grasp", robot.T_object_tip, xyz, rpy)))
+        return self._posed(name, "grasp", "T_object_tip", xyz, rpy)
 
     def with_torque_limits(self, name: str, upper: Numbers, lower: Numbers | None = None) -> Self:
         """The same cell with other torque limits of a robot.
@@ -343,9 +362,13 @@ class Cell(InNotebooks):
         Raises:
             InputError: If a value breaks a rule of the cell file.
         """
-        return self._with(torque_limited(self._robot("name", name), upper, lower))
+        robot, where = self._robot("name", name), f"robot '{name}'"
+        most = _given(where, "torque.upper", upper, list[Finite])
+        least = _given(where, "torque.lower", lower, list[Finite] | None)
+        least, most = given_torque_limits(where, "torque", least, most, robot.joints)
+        return self.with_robots({name: {"torque_lower": least, "torque_upper": most}})
 
-    def with_wrench_limits(self, name: str, lower: Bounds = None, upper: Bounds = None) -> Self:
+    def with_wrench_limits(self, name: str, lower: Side = None, upper: Side = None) -> Self:
         """The same cell with other bounds of what a robot exerts on the object.
 
         Args:
@@ -356,7 +379,11 @@ class Cell(InNotebooks):
         Raises:
             InputError: If a value breaks a rule of the cell file.
         """
-        return self._with(wrench_limited(self._robot("name", name), lower, upper))
+        where = f"robot '{self._robot('name', name).name}'"
+        least = _given(where, "wrench.lower", _without(lower, -np.inf), list[Finite | None] | None)
+        most = _given(where, "wrench.upper", _without(upper, np.inf), list[Finite | None] | None)
+        least, most = wrench_bounds(where, "wrench", least, most, self.wrench_components)
+        return self.with_robots({name: {"wrench_lower": least, "wrench_upper": most}})
 
     def with_gravity(self, gravity: Numbers) -> Self:
         """The same cell under another gravity: downward, world axes, Shape (3,) [m/s²].
@@ -364,7 +391,7 @@ class Cell(InNotebooks):
         Raises:
             InputError: Unless it is three finite numbers.
         """
-        return replace(self, gravity=vector("cell", "gravity", gravity))
+        return replace(self, gravity=np.array(_given("cell", "gravity", gravity, Vector3)))
 
     def _robot(self, argument: str, name: str) -> Robot:
         """The robot of a name that a user gave."""
@@ -373,9 +400,32 @@ class Cell(InNotebooks):
             raise InputError(argument, f"there is no such robot; there are {', '.join(known)}.", value=name)
         return known[name]
 
-    def _with(self, changed: Robot) -> Self:
-        """The same cell with another robot in the place of the one of its name."""
-        return replace(self, robots=tuple(changed if ours.name == changed.name else ours for ours in self.robots))
+    def _posed(self, name: str, key: str, attribute: str, xyz: Numbers | None, rpy: Numbers | None) -> Self:
+        """The same cell with a pose of a robot that has another position, another rotation, or both."""
+        robot, where = self._robot("name", name), f"robot '{name}'"
+        T: RigidTransform = getattr(robot, attribute)
+        given = {key: value for key, value in (("xyz", xyz), ("rpy", rpy)) if value is not None}
+        pose: RigidTransform = _given(where, key, given, Pose).transform
+        pose = RigidTransform(T.R if rpy is None else pose.R, T.p if xyz is None else pose.p)
+        return self.with_robots({name: {attribute: pose}})
+
+
+def _given(where: str, key: str, value: object, kind: Any) -> Any:
+    """A value as a cell file would have it."""
+    try:
+        return checked(kind, plain(where, value))
+    except BrokenRecordError as error:
+        for each in error.each():
+            each.keys = (key, *each.keys)
+        raise broken_record(where, error) from None
+
+
+def _without(side: object, unbounded: float) -> object:
+    """A side with None in place of the infinity that stands for none."""
+    listed = side.tolist() if isinstance(side, np.ndarray) else side
+    if not isinstance(listed, list | tuple):
+        return listed
+    return [None if isinstance(value, float) and value == unbounded else value for value in listed]
 
 
 def _check_reserve(reserve: object) -> None:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Small changes to the numbers of a cell, one at a time: each limit, the mass, where arms stand, where they grasp."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import degrees, pi
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from mrts.base.errors import InputError
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
+from mrts.cell.hands.contact import Contact
 from mrts.cell.robot import Robot
 
 AXES = "xyz"
@@ -132,7 +133,60 @@ class CellChange(InNotebooks):
         Raises:
             InputError: If the changed number breaks a rule of the cell.
         """
-        return _APPLIED[self.kind](cell, self)
+        if self.kind == "mass":
+            return cell.with_mass(cell.mass * (1 + self.step))
+        if self.kind == "reserve":
+            return cell.with_reserve(cell.reserve * (1 + self.step))
+        if self.robot == "object":
+            return replace(cell, object_velocity_limit=cell.object_velocity_limit * (1 + self._steps(_OF_OBJECT)))
+        robots = {robot.name: robot for robot in cell.robots}
+        if self.kind == "base":
+            about = robots[self.robot].T_world_base.p
+            moved = {name: self._moved(robots[name].T_world_base, about) for name in machine_of(cell, self.robot)}
+            return cell.with_robots({name: {"T_world_base": pose} for name, pose in moved.items()})
+        return cell.with_robots({self.robot: self._of_robot(cell, robots[self.robot])})
+
+    def _of_robot(self, cell: Cell, robot: Robot) -> dict[str, Any]:
+        """What changes of a robot."""
+        if self.kind == "grasp":
+            return {"T_object_tip": self._moved(robot.T_object_tip, robot.T_object_tip.p)}
+        if self.kind == "velocity":
+            return {"velocity_limit": robot.velocity_limit * (1 + self._steps(robot.joints))}
+        if self.kind == "wrench":
+            lower, upper = _outward(robot.wrench_lower, robot.wrench_upper, self._steps(cell.wrench_components))
+            return {"wrench_lower": lower, "wrench_upper": upper}
+        if self.kind == "contact":
+            return {"contacts": tuple(self._of_contact(contact) for contact in robot.contacts)}
+        # another motor: its curve changes with its torque limit
+        factor = np.array([1 + self.step, 1.0] if self.kind == "motor speed" else [1.0, 1 + self.step])
+        curves = tuple(
+            curve * factor if curve is not None and joint == self.element else curve
+            for joint, curve in zip(robot.joints, robot.motors.torque_speed, strict=True)
+        )
+        motors = replace(robot.motors, torque_speed=curves)
+        if self.kind == "motor speed":
+            return {"motors": motors}
+        lower, upper = _outward(robot.torque_lower, robot.torque_upper, self._steps(robot.joints))
+        return {"torque_lower": lower, "torque_upper": upper, "motors": motors}
+
+    def _of_contact(self, contact: Contact) -> Contact:
+        if contact.name != self.element:
+            return contact
+        step = np.where(contact.lower < contact.upper, self.step, 0.0)
+        lower, upper = _outward(contact.lower, contact.upper, step)
+        return replace(contact, lower=lower, upper=upper)
+
+    def _steps(self, names: Sequence[str]) -> Array:
+        """The step at the place of its element, 0 elsewhere."""
+        return np.array([self.step if name == self.element else 0.0 for name in names])
+
+    def _moved(self, pose: RigidTransform, about: Array) -> RigidTransform:
+        """A pose shifted along, or turned about an axis through a point, Shape (3,) [m]."""
+        step = np.array([self.step if self.element[-1] == axis else 0.0 for axis in AXES])
+        if self.unit == "m":
+            return RigidTransform(pose.R, pose.p + step)
+        turn = rotation_from_rpy(*step)
+        return RigidTransform(multiply(turn, pose.R), about + turn @ (pose.p - about))
 
 
 def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
@@ -206,114 +260,7 @@ def _outward(lower: Array, upper: Array, step: Array) -> tuple[Array, Array]:
     return lower - down, upper + up
 
 
-def _of_robot(cell: Cell, change: CellChange, changed: Callable[[Robot], Robot]) -> Cell:
-    robots = tuple(changed(robot) if robot.name == change.robot else robot for robot in cell.robots)
-    return replace(cell, robots=robots)
-
-
-def _steps(names: tuple[str, ...], change: CellChange) -> Array:
-    """The step at the place of its element, 0 elsewhere."""
-    return np.array([change.step if name == change.element else 0.0 for name in names])
-
-
-def _torque(cell: Cell, change: CellChange) -> Cell:
-    return _of_robot(cell, change, lambda robot: _with_motor(robot, change, speeds=False))
-
-
-def _motor_speed(cell: Cell, change: CellChange) -> Cell:
-    return _of_robot(cell, change, lambda robot: _with_motor(robot, change, speeds=True))
-
-
-def _with_motor(robot: Robot, change: CellChange, *, speeds: bool) -> Robot:
-    """The robot with other torques of a joint's motor, its curve's included, or with other speeds of the curve."""
-    factor = np.array([1 + change.step, 1.0]) if speeds else np.array([1.0, 1 + change.step])
-    curves = tuple(
-        curve * factor if curve is not None and joint == change.element else curve
-        for joint, curve in zip(robot.joints, robot.motors.torque_speed, strict=True)
-    )
-    motors = replace(robot.motors, torque_speed=curves)
-    if speeds:
-        return replace(robot, motors=motors)
-    lower, upper = _outward(robot.torque_lower, robot.torque_upper, _steps(robot.joints, change))
-    return replace(robot, torque_lower=lower, torque_upper=upper, motors=motors)
-
-
-def _wrench(cell: Cell, change: CellChange) -> Cell:
-    step = _steps(cell.wrench_components, change)
-
-    def changed(robot: Robot) -> Robot:
-        lower, upper = _outward(robot.wrench_lower, robot.wrench_upper, step)
-        return replace(robot, wrench_lower=lower, wrench_upper=upper)
-
-    return _of_robot(cell, change, changed)
-
-
-def _contact(cell: Cell, change: CellChange) -> Cell:
-    def changed(robot: Robot) -> Robot:
-        contacts = []
-        for contact in robot.contacts:
-            if contact.name != change.element:
-                contacts.append(contact)
-                continue
-            step = np.where(contact.lower < contact.upper, change.step, 0.0)
-            lower, upper = _outward(contact.lower, contact.upper, step)
-            contacts.append(replace(contact, lower=lower, upper=upper))
-        return replace(robot, contacts=tuple(contacts))
-
-    return _of_robot(cell, change, changed)
-
-
-def _velocity(cell: Cell, change: CellChange) -> Cell:
-    if change.robot == "object":
-        return replace(cell, object_velocity_limit=cell.object_velocity_limit * (1 + _steps(_OF_OBJECT, change)))
-
-    def changed(robot: Robot) -> Robot:
-        return replace(robot, velocity_limit=robot.velocity_limit * (1 + _steps(robot.joints, change)))
-
-    return _of_robot(cell, change, changed)
-
-
 def machine_of(cell: Cell, name: str) -> list[str]:
     """Arms of the machine that a robot is an arm of, in the order of the cell; of most robots itself alone."""
     fellows = {one for pair in cell.functions.manifest.machines if name in pair for one in pair} | {name}
     return [robot.name for robot in cell.robots if robot.name in fellows]
-
-
-def _moved(change: CellChange, pose: RigidTransform, about: Array) -> RigidTransform:
-    """A pose shifted along, or turned about an axis through a point, Shape (3,) [m]."""
-    step = np.array([change.step if change.element[-1] == axis else 0.0 for axis in AXES])
-    if change.unit == "m":
-        return RigidTransform(pose.R, pose.p + step)
-    turn = rotation_from_rpy(*step)
-    return RigidTransform(multiply(turn, pose.R), about + turn @ (pose.p - about))
-
-
-def _base(cell: Cell, change: CellChange) -> Cell:
-    machine = machine_of(cell, change.robot)
-    about = next(robot.T_world_base.p for robot in cell.robots if robot.name == change.robot)
-    robots = (
-        replace(robot, T_world_base=_moved(change, robot.T_world_base, about)) if robot.name in machine else robot
-        for robot in cell.robots
-    )
-    return replace(cell, robots=tuple(robots))
-
-
-def _grasp(cell: Cell, change: CellChange) -> Cell:
-    def changed(robot: Robot) -> Robot:
-        return replace(robot, T_object_tip=_moved(change, robot.T_object_tip, robot.T_object_tip.p))
-
-    return _of_robot(cell, change, changed)
-
-
-_APPLIED: dict[ChangeKind, Callable[[Cell, CellChange], Cell]] = {
-    "torque": _torque,
-    "wrench": _wrench,
-    "contact": _contact,
-    "velocity": _velocity,
-    "motor speed": _motor_speed,
-    "reserve": lambda cell, change: cell.with_reserve(cell.reserve * (1 + change.step)),
-    "mass": lambda cell, change: cell.with_mass(cell.mass * (1 + change.step)),
-    "base": _base,
-    "grasp": _grasp,
-}
-"""What each kind does to a cell."""

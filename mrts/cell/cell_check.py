@@ -9,7 +9,7 @@ import numpy as np
 
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform, base_leaves, grasp_leaves, in_one_place
-from mrts.cell.robot import Robot, transform
+from mrts.cell.robot import Robot
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
@@ -44,14 +44,14 @@ def check_generated(cell: "Cell") -> None:
         [
             ("name", cell.name, made.name),
             ("plane", cell.plane, made.plane),
-            ("wrench_components", list(cell.wrench_components), made.wrench_components),
+            ("wrench_components", cell.wrench_components, made.wrench_components),
             ("robots", [robot.name for robot in cell.robots], [robot.name for robot in made.robots]),
             *_of_robots(cell, OF_CHAINS),
         ],
         IN_CHAINS,
     )
     if made.is_baked:
-        gravity = ("gravity", cell.gravity, np.array(made.gravity))
+        gravity = ("gravity", cell.gravity, made.gravity)
         _refuse_change([gravity, *_of_robots(cell, OF_GEOMETRY)], IN_BAKED)
 
 
@@ -61,7 +61,6 @@ def check_placement(cell: "Cell") -> None:
     Raises:
         InputError: If an arm leaves the plane of a planar cell, or arms of one machine part or meet.
     """
-    made = cell.functions.manifest
     moved = [ours.T_world_base is not theirs.T_world_base for ours, theirs in _changed(cell)]
     for robot, generated in _changed(cell):
         where = f"robot '{robot.name}'"
@@ -69,7 +68,7 @@ def check_placement(cell: "Cell") -> None:
             problem = base_leaves(cell.plane, robot.T_world_base.R)
             if problem:
                 raise InputError(where, problem, key="base")
-            tip = next(record.tip_link for record in made.robots if record.name == robot.name)
+            tip = robot.source.tip_link
             problem = grasp_leaves(cell.plane, robot.T_object_tip.R, generated.T_base_tip.R, tip)
             if problem:
                 raise InputError(where, problem, key="grasp")
@@ -80,12 +79,13 @@ def check_placement(cell: "Cell") -> None:
 def _check_machines(cell: "Cell") -> None:
     """Arms of one machine stay where they are on it, and no two copies of one machine stand in one place."""
     made = cell.functions.manifest
-    arms = zip(cell.robots, cell.functions.robots, made.robots, strict=True)
-    for (one, one_made, first), (other, other_made, second) in combinations(arms, 2):
-        if first.urdf_sha256 != second.urdf_sha256:
+    arms = zip(cell.robots, made.robots, strict=True)
+    for (one, one_made), (other, other_made) in combinations(arms, 2):
+        first, second = one_made.source, other_made.source
+        if first.sha256 != second.sha256:
             continue
         names = f"robots '{one.name}' and '{other.name}'"
-        if (first.name, second.name) in made.machines:
+        if (one.name, other.name) in made.machines:
             kept = one_made.T_world_base.inverse() @ other_made.T_world_base
             if not in_one_place(one.T_world_base.inverse() @ other.T_world_base, kept):
                 raise InputError(
@@ -94,9 +94,7 @@ def _check_machines(cell: "Cell") -> None:
                     "one step: mrts.Cell.from_description, or dataclasses.replace(cell, robots=…).",
                     key="base",
                 )
-        elif in_one_place(
-            one.T_world_base @ transform(first.base_root), other.T_world_base @ transform(second.base_root)
-        ):
+        elif in_one_place(one.T_world_base @ first.T_base_root, other.T_world_base @ second.T_base_root):
             raise InputError(
                 "cell",
                 f"{names} would stand in one place, which makes them arms of one machine (they have one URDF). Move "
@@ -107,7 +105,7 @@ def _check_machines(cell: "Cell") -> None:
 
 def _changed(cell: "Cell") -> Iterator[tuple[Robot, Robot]]:
     """Robots that are others than those generated, with these."""
-    pairs = zip(cell.robots, cell.functions.robots, strict=False)
+    pairs = zip(cell.robots, cell.functions.manifest.robots, strict=False)
     return ((robot, generated) for robot, generated in pairs if robot is not generated)
 
 

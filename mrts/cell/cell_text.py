@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: MIT
 """A cell as a cell file, and as a manifest."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from mrts.base.argument_types import as_path
-from mrts.base.arrays import without_infinity
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.formats.broken_record import BrokenRecordError
 from mrts.base.load_box import load_vector
-from mrts.base.manifest import Manifest
 from mrts.cell.cell import Cell
-from mrts.cell.robot import robot_record
+from mrts.cell.record import CellManifest, CellRecord
+from mrts.cell.robot import Robot, RobotSource
 from mrts.cell.source_files import cell_file_in
 
 
@@ -58,32 +59,30 @@ def _refuse_what_no_file_holds(cell: Cell) -> None:
         raise InputError(where, rule, key="folder")
 
 
-def manifest_of(cell: Cell) -> Manifest:
+def manifest_of(cell: Cell) -> CellManifest:
     """The manifest of a cell as it is now.
 
     Raises:
         InputError: If a manifest cannot hold it.
     """
-    generated, box = cell.functions.manifest, cell.load_box
-    linear, angular = without_infinity(cell.object_velocity_limit)
-    carried = {
-        "mass": cell.mass if box is None else box.mass,
-        "inertia": (cell.inertia if box is None else box.inertia).tolist(),
-        "variation": {} if box is None else dict(box.ranges),
-        "outer_hull": box is not None and box.outer_hull,
-        "linear_velocity": linear,
-        "angular_velocity": angular,
-        "shape": None if cell.object_shape is None else cell.object_shape.model_dump(),
-    }
+    ours = {name: getattr(cell, name) for name in CellRecord.model_fields}
+    ours["robots"] = tuple(replace(robot, source=_source_now(robot)) for robot in cell.robots)
     try:
-        robots = [robot_record(robot, record) for robot, record in zip(cell.robots, generated.robots, strict=True)]
-        ours = {"name": cell.name, "gravity": cell.gravity.tolist(), "robots": robots}
-        changed = generated.model_copy(update=ours).model_dump()
-        return type(generated).model_validate(changed | {"object": carried}).sealed()
-    except ValueError:
+        CellRecord(**ours)
+    except BrokenRecordError:
         raise InputError(
             "cell",
-            "its name and its robots' names must be letters, digits and single underscores, and its torque limits, "
-            "postures and poses finite, to be saved.",
+            "its name and its robots' names must be letters, digits and single underscores to be saved.",
             value=cell.name,
         ) from None
+    return cell.functions.manifest.model_copy(update=ours).sealed()
+
+
+def _source_now(robot: Robot) -> RobotSource:
+    """Where an arm is from, without the limits and the friction of its URDF where it has others now."""
+    source = robot.source
+    return replace(
+        source,
+        effort=source.effort if robot.has_urdf_torque else None,
+        friction=source.friction if robot.has_urdf_friction else None,
+    )

@@ -9,9 +9,9 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError, InputError, MrtsError
-from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, Manifest, check_source, verified_manifest
+from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, check_source
 from mrts.cell.generation import emitted
-from mrts.cell.robot import Robot, robot_from_record
+from mrts.cell.record import CellManifest, verified_manifest
 from mrts.kernel.c_text import cell_source, motion_source
 from mrts.kernel.cell_library import CellLibrary, MotionLibrary
 from mrts.kernel.compiled_cache import library_or_rebuilt
@@ -33,7 +33,7 @@ class CellFunctions:
 
     def __init__(
         self,
-        manifest: Manifest,
+        manifest: CellManifest,
         bound: "CellLibrary | CasadiFunctions | MrtsError",
         origin: str | dict[str, Any] | Path,
     ) -> None:
@@ -41,11 +41,6 @@ class CellFunctions:
         self.bound = bound
         self.origin = origin
         self._geometry: Array | None = None
-
-    @cached_property
-    def robots(self) -> tuple[Robot, ...]:
-        """The robots that the functions were generated for."""
-        return tuple(robot_from_record(record) for record in self.manifest.robots)
 
     def __contains__(self, name: str) -> bool:
         return name in self.manifest.functions
@@ -118,7 +113,7 @@ class CasadiFunctions:
         functions: By short name.
     """
 
-    def __init__(self, manifest: Manifest, functions: dict[str, Any]) -> None:
+    def __init__(self, manifest: CellManifest, functions: dict[str, Any]) -> None:
         self._manifest, self._functions = manifest, functions
         self._maps: dict[tuple[str, int], Any] = {}
 
@@ -153,11 +148,11 @@ class CasadiFunctions:
         return outputs
 
 
-def compiled_functions(manifest: Manifest, source: Path) -> CellFunctions:
+def compiled_functions(manifest: CellManifest, source: Path) -> CellFunctions:
     """The functions of a library that is compiled unless the cache holds it.
 
     Args:
-        manifest: Manifest of the cell.
+        manifest: CellManifest of the cell.
         source: Its C file.
 
     Raises:
@@ -167,14 +162,14 @@ def compiled_functions(manifest: Manifest, source: Path) -> CellFunctions:
     return _compiled(source.with_name(MANIFEST_NAME), manifest, source.read_text(encoding="utf-8"))
 
 
-def _compiled(where: Path | str, manifest: Manifest, generated: str) -> CellFunctions:
+def _compiled(where: Path | str, manifest: CellManifest, generated: str) -> CellFunctions:
     text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
     library = library_or_rebuilt(find_compiler(), name, text, partial(CellLibrary, manifest))
     check_shapes(where, manifest, library.opened)
     return CellFunctions(manifest, library, generated)
 
 
-def uncompiled_functions(manifest: Manifest, functions: dict[str, Any]) -> CellFunctions:
+def uncompiled_functions(manifest: CellManifest, functions: dict[str, Any]) -> CellFunctions:
     """CasADi's functions.
 
     Args:
@@ -184,11 +179,11 @@ def uncompiled_functions(manifest: Manifest, functions: dict[str, Any]) -> CellF
     return CellFunctions(manifest, CasadiFunctions(manifest, functions), functions)
 
 
-def saved_functions(manifest: Manifest, path: Path) -> CellFunctions:
+def saved_functions(manifest: CellManifest, path: Path) -> CellFunctions:
     """What stands for the functions of a cell that was read from a saved result: it says what is missing.
 
     Args:
-        manifest: Manifest of the cell.
+        manifest: CellManifest of the cell.
         path: The saved result.
     """
     missing = InputError(

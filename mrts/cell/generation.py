@@ -4,31 +4,28 @@
 Here and in `source_files.py` beside it, and nowhere else, the run time calls the build time (`mrts_codegen`).
 """
 
+from collections.abc import Callable
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.manifest import (
-    CHAINS_NAME,
-    MANIFEST_NAME,
-    ChainsRecord,
-    Manifest,
-    read_generated,
-    verified_manifest,
-)
-from mrts.cell.sound_files import if_sound, is_source
+from mrts.base.errors import InputError
+from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
+from mrts.cell.record import CellManifest, read_generated, verified_manifest
 from mrts.kernel.c_text import one_file
-from mrts.kernel.cache_folder import cache_folder
+from mrts.kernel.cache_folder import cache_folder, only_ours
 
 if TYPE_CHECKING:
     from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
+
+Record = TypeVar("Record", bound=ChainsRecord)
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
 
 
-def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
+def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
     """Manifest and C file of a cell, made unless the cache holds them.
 
     All cells with the same chains share one C file, whatever the numbers in their cell files.
@@ -55,7 +52,7 @@ def generated_in_cache(path: Path) -> tuple[Manifest, Path]:
     return manifest, _source_in_cache(manifest)
 
 
-def _manifest_as_made(path: Path, described: Path) -> Manifest | None:
+def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     """The manifest of a cell file in the cache; None unless the files it names are as then, and its C file is whole.
 
     Args:
@@ -64,8 +61,8 @@ def _manifest_as_made(path: Path, described: Path) -> Manifest | None:
     """
     from mrts_codegen.content_key import is_as_made  # noqa: PLC0415 (build time, on demand)
 
-    manifest = if_sound(described, partial(verified_manifest, described))
-    sound = manifest is not None and is_as_made(path, manifest) and is_source(_source_in_cache(manifest), manifest)
+    manifest = _if_sound(described, partial(verified_manifest, described))
+    sound = manifest is not None and is_as_made(path, manifest) and _is_source(_source_in_cache(manifest), manifest)
     return manifest if sound else None
 
 
@@ -81,7 +78,7 @@ def _content_key(path: Path) -> str:
     return content_key(path, read_cell_description(path).references)
 
 
-def described_in_cache(description: object, folder: Path) -> tuple[Manifest, Path]:
+def described_in_cache(description: object, folder: Path) -> tuple[CellManifest, Path]:
     """Manifest of a cell that a dictionary describes, and its C file; chains are cached.
 
     Args:
@@ -107,9 +104,9 @@ def described_model(description: object, folder: Path) -> Any:
     return build_cell_model(DESCRIBED, cell_description(description), folder)
 
 
-def _manifest(cell: Any) -> Manifest:
+def _manifest(cell: Any) -> CellManifest:
     """The manifest of a cell with its URDFs, its C file in the cache."""
-    from mrts_codegen.cell_manifest import cell_manifest  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_model import cell_manifest  # noqa: PLC0415 (build time, on demand)
 
     folder, chains = _chains_in_cache(cell)
     if chains is None:
@@ -126,11 +123,11 @@ def _chains_in_cache(cell: Any) -> tuple[Path, ChainsRecord | None]:
     from mrts_codegen.content_key import chains_key  # noqa: PLC0415 (build time, on demand)
 
     folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
-    chains = if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
-    return folder, chains if chains is not None and is_source(folder / chains.source, chains) else None
+    chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
+    return folder, chains if chains is not None and _is_source(folder / chains.source, chains) else None
 
 
-def _source_in_cache(manifest: Manifest) -> Path:
+def _source_in_cache(manifest: CellManifest) -> Path:
     return _chains_folder(manifest.chains) / manifest.source
 
 
@@ -141,7 +138,7 @@ def _chains_folder(key: str) -> Path:
     return cache_folder("chains", key, emitter_key())
 
 
-def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple[Manifest, Path]:
+def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple[CellManifest, Path]:
     """Generate a cell and keep it.
 
     Args:
@@ -183,7 +180,7 @@ def export_to(
         vectors: Its test vectors.
         path_samples: The first so many of them are one motion with the nominal load.
         precision: "double" or "float".
-        parts: Of `mrts_codegen.embedded.parts.PARTS`; none at all is all.
+        parts: Of `mrts_codegen.embedded.export_library.PARTS`; none at all is all.
         name: Prefix of every name in the library; None is the cell's.
 
     Returns:
@@ -192,8 +189,11 @@ def export_to(
     Raises:
         InputError: If the cell file breaks a rule, a part does not exist, or the folder cannot be written.
     """
-    from mrts_codegen.embedded.export_library import export_library, write_library  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.embedded.parts import PARTS  # noqa: PLC0415
+    from mrts_codegen.embedded.export_library import (  # noqa: PLC0415 (build time, on demand)
+        PARTS,
+        export_library,
+        write_library,
+    )
     from mrts_codegen.generate import generate_cell  # noqa: PLC0415
 
     cell = generate_cell(path, bake=True)
@@ -217,7 +217,7 @@ def comes_with_tests(parts: tuple[str, ...]) -> bool:
     Args:
         parts: As in `export_to`.
     """
-    from mrts_codegen.embedded.parts import is_whole  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.embedded.export_library import is_whole  # noqa: PLC0415 (build time, on demand)
 
     return not parts or is_whole(parts)
 
@@ -257,12 +257,12 @@ def cell_model(path: Path) -> Any:
 @lru_cache(maxsize=1)
 def _model(path: Path, _key: str) -> Any:
     """The same, read from files of this content."""
-    from mrts_codegen.cell_manifest import read_cell_model  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_model import read_cell_model  # noqa: PLC0415 (build time, on demand)
 
     return read_cell_model(path)
 
 
-def motion_functions_of(cell: Any) -> tuple[Manifest, dict[str, Any]]:
+def motion_functions_of(cell: Any) -> tuple[CellManifest, dict[str, Any]]:
     """CasADi's functions of the motion of a cell's joints, and the manifest: nothing is compiled.
 
     Args:
@@ -289,3 +289,32 @@ def read_to_generate(path: Path) -> Any | None:
         return None
     cell = cell_model(path)
     return cell if _chains_in_cache(cell)[1] is None else None
+
+
+def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
+    """What a file of the cache holds; None where it is missing or damaged.
+
+    Args:
+        path: The file.
+        read: Reads and checks its text.
+    """
+    try:
+        return read(path.read_text(encoding="utf-8")) if only_ours(path) else None
+    except (InputError, ValueError):
+        return None
+
+
+def _is_source(path: Path, chains: ChainsRecord) -> bool:
+    """Whether a C file of the cache is there and whole.
+
+    Args:
+        path: The file.
+        chains: What it was generated for.
+    """
+    if not only_ours(path):
+        return False
+    try:
+        check_source(path, chains, path.read_text(encoding="utf-8"))
+    except (InputError, ValueError):
+        return False
+    return True

@@ -4,19 +4,14 @@
 from os import PathLike
 from pathlib import Path
 from types import NoneType
-
-import numpy as np
+from typing import Any
 
 from mrts.base.argument_types import as_path, check_type
-from mrts.base.arrays import with_infinity
-from mrts.base.load_box import LoadBox, load_vector
-from mrts.base.manifest import Manifest, read_generated
 from mrts.base.regular_file import is_folder
-from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.cell.functions import CellFunctions, compiled_functions
-from mrts.cell.generation import described_in_cache, generated_in_cache
-from mrts.cell.robot import robot_from_record
+from mrts.cell.functions import CellFunctions, compiled_functions, uncompiled_functions
+from mrts.cell.generation import described_in_cache, generated_in_cache, motion_functions_of, read_to_generate
+from mrts.cell.record import CellManifest, CellRecord, read_generated
 from mrts.cell.source_files import is_generated
 
 
@@ -51,7 +46,7 @@ def described_cell(description: object, folder: Path | str | None) -> Cell:
     return cell_from_manifest(manifest, compiled_functions(manifest, source), here)
 
 
-def cell_from_manifest(manifest: Manifest, functions: CellFunctions, folder: Path | None = None) -> Cell:
+def cell_from_manifest(manifest: CellManifest, functions: CellFunctions, folder: Path | None = None) -> Cell:
     """The cell that a manifest describes.
 
     Args:
@@ -59,19 +54,32 @@ def cell_from_manifest(manifest: Manifest, functions: CellFunctions, folder: Pat
         functions: The generated functions.
         folder: That its URDFs are relative to; None where that is not known.
     """
-    carried = manifest.object
-    inertia = np.array(carried.inertia)
-    return Cell(
-        name=manifest.name,
-        plane=manifest.plane,
-        wrench_components=tuple(manifest.wrench_components),
-        gravity=np.array(manifest.gravity),
-        load=load_vector(carried.mass, np.zeros(3), inertia),
-        load_box=LoadBox(carried.mass, inertia, carried.variation, carried.outer_hull) if carried.variation else None,
-        object_velocity_limit=with_infinity([carried.linear_velocity, carried.angular_velocity], np.inf),
-        object_shape=carried.shape,
-        robots=functions.robots if manifest is functions.manifest else tuple(map(robot_from_record, manifest.robots)),
-        functions=functions,
-        remarks=tuple(Remark(record.code, record.text, severity=record.severity) for record in manifest.remarks),
-        folder=folder,
-    )
+    record = {name: getattr(manifest, name) for name in CellRecord.model_fields}
+    return Cell(**record, functions=functions, folder=folder)
+
+
+def uncompiled_cell(model: Any, folder: Path) -> Cell:
+    """A cell that can follow motions, and nothing else.
+
+    Args:
+        model: The cell with its URDFs, as from `mrts.cell.generation`.
+        folder: That its URDFs are relative to, absolute.
+    """
+    manifest, functions = motion_functions_of(model)
+    return cell_from_manifest(manifest, uncompiled_functions(manifest, functions), folder)
+
+
+def cell_to_compile(path: Path | str) -> Cell | None:
+    """The cell of a file that would have to be generated and compiled first, as `uncompiled_cell`; None of any other.
+
+    Args:
+        path: A cell file, or a folder that `mrts generate` wrote.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule.
+    """
+    path = as_path("path", path)
+    if is_generated(path):
+        return None
+    model = read_to_generate(path)
+    return None if model is None else uncompiled_cell(model, path.resolve().parent)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""One arm of a cell as the run time knows it, and as an entry of the manifest."""
+"""One arm of a cell."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
@@ -9,17 +9,15 @@ from typing import Any, Literal
 import numpy as np
 
 from mrts.base.argument_types import check_list, check_type
-from mrts.base.arrays import Array, freeze_array, with_infinity, without_infinity
+from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.interval_text import interval_text
-from mrts.base.manifest import WRENCH_COMPONENTS, JointRecord, PoseRecord, RobotRecord
+from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
 from mrts.cell.hands.contact import Contact
-from mrts.cell.hands.contact_record import contact_from_record, contact_record
 from mrts.cell.motors.joint_motors import JointMotors
-from mrts.cell.motors.motors_record import motors_from_record, motors_record
 
 ARRAYS = (
     *("axes", "points", "held_numbers", "position_lower", "position_upper", "velocity_limit", "posture"),
@@ -32,6 +30,37 @@ DEGREES_SUSPECTED = 4 * np.pi
 
 JOINT_HEAD = ("type", "torque", "position", "velocity")
 """Of `Robot.joint_rows`, after the name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotSource:
+    """Where an arm is from, and what its URDF says besides.
+
+    Attributes:
+        urdf: As the cell file gives it.
+        xacro_args: Where it is a xacro, values of its arguments.
+        sha256: Hash of the URDF's bytes, of a xacro those that it becomes.
+        base_link: Name in the URDF.
+        tip_link: Name in the URDF.
+        fixed: Joints that the cell file holds still, and where [rad or m].
+        T_base_root: Root of the URDF in the base link, joints in between held or at zero.
+        carried_mass: Of the links of each joint up to the next, 0 where the URDF gives none [kg].
+        point_links: Those of these links that have a mass but no inertia.
+        effort: Limits of the URDF that are taken as torque limits [N m, N]; None where the cell file gives these.
+        friction: Coulomb and viscous friction of the URDF's joints; None where the cell file gives them.
+    """
+
+    urdf: str
+    xacro_args: Mapping[str, str]
+    sha256: str
+    base_link: str
+    tip_link: str
+    fixed: Mapping[str, float]
+    T_base_root: RigidTransform
+    carried_mass: tuple[float, ...]
+    point_links: tuple[tuple[str, ...], ...]
+    effort: tuple[float, ...] | None
+    friction: tuple[tuple[float, ...], tuple[float, ...]] | None
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,6 +84,7 @@ class Robot(InNotebooks):
         torque_upper: Shape (n_i,) [N m or N].
         wrench_lower: On F_i, base axes, minus infinity where unbounded, Shape (w,) [N, N m].
         wrench_upper: On F_i, base axes, infinity where unbounded, Shape (w,) [N, N m].
+        source: Where it is from.
         held: Joints of its URDF that stand still, and where [rad or m].
         held_numbers: What they make of the chain, an input of the generated functions, Shape (h_i,).
         motors: What stands between motors and joints; those of no joint at all stand for ideal ones.
@@ -82,6 +112,7 @@ class Robot(InNotebooks):
     torque_upper: Array
     wrench_lower: Array
     wrench_upper: Array
+    source: RobotSource
     held: Mapping[str, float] = field(default_factory=dict)
     motors: JointMotors = field(default_factory=partial(JointMotors.unknown, 0))
     contacts: tuple[Contact, ...] = ()
@@ -91,6 +122,7 @@ class Robot(InNotebooks):
     def __post_init__(self) -> None:
         where = f"robot '{self.name}'"
         check_type("robot: name", self.name, str)
+        check_type(f"{where}: source", self.source, RobotSource)
         for key in ("joints", "joint_types"):
             check_list(f"{where}: {key}", getattr(self, key), str)
             object.__setattr__(self, key, tuple(getattr(self, key)))
@@ -171,6 +203,16 @@ class Robot(InNotebooks):
             )
 
     @property
+    def has_urdf_torque(self) -> bool:
+        """Whether its torque limits are the effort limits of its URDF."""
+        return self.source.effort == (*self.torque_upper.tolist(),) == (*(-self.torque_lower).tolist(),)
+
+    @property
+    def has_urdf_friction(self) -> bool:
+        """Whether its friction is that of its URDF."""
+        return self.source.friction == ((*self.motors.coulomb.tolist(),), (*self.motors.viscous.tolist(),))
+
+    @property
     def position_units(self) -> tuple[str, ...]:
         """Unit of each joint's position: "rad" for a revolute joint, "m" for a prismatic one."""
         return tuple("m" if kind == "prismatic" else "rad" for kind in self.joint_types)
@@ -179,90 +221,6 @@ class Robot(InNotebooks):
     def torque_units(self) -> tuple[str, ...]:
         """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
         return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
-
-
-def robot_from_record(record: RobotRecord) -> Robot:
-    """The robot that an entry of a manifest describes."""
-    return Robot(
-        name=record.name,
-        joints=tuple(joint.name for joint in record.joints),
-        joint_types=tuple(joint.type for joint in record.joints),
-        axes=np.array([joint.axis for joint in record.joints]),
-        points=np.array([joint.point for joint in record.joints]),
-        T_base_tip=transform(record.base_tip),
-        position_lower=with_infinity([joint.lower for joint in record.joints], -np.inf),
-        position_upper=with_infinity([joint.upper for joint in record.joints], np.inf),
-        velocity_limit=with_infinity([joint.velocity for joint in record.joints], np.inf),
-        T_world_base=transform(record.world_base),
-        T_object_tip=transform(record.object_tip),
-        posture=np.array(record.posture),
-        torque_lower=np.array([joint.torque_lower for joint in record.joints]),
-        torque_upper=np.array([joint.torque_upper for joint in record.joints]),
-        wrench_lower=with_infinity(record.wrench_lower, -np.inf),
-        wrench_upper=with_infinity(record.wrench_upper, np.inf),
-        held=dict(record.held),
-        motors=motors_from_record(record.motors),
-        contacts=tuple(map(contact_from_record, record.contacts)),
-        contact_rate=with_infinity(record.contact_rate, np.inf),
-        held_numbers=np.array(record.held_numbers, dtype=np.float64),
-    )
-
-
-def robot_record(robot: Robot, generated: RobotRecord) -> RobotRecord:
-    """A robot as it is, its limits and posture perhaps changed since it was generated, as an entry of a manifest.
-
-    Args:
-        robot: The robot.
-        generated: Its entry in the manifest of its functions; says which URDF it is from.
-    """
-    columns = zip(
-        robot.joints,
-        robot.joint_types,
-        robot.axes.tolist(),
-        robot.points.tolist(),
-        without_infinity(robot.position_lower),
-        without_infinity(robot.position_upper),
-        without_infinity(robot.velocity_limit),
-        robot.torque_lower.tolist(),
-        robot.torque_upper.tolist(),
-        [joint.carried_mass for joint in generated.joints],
-        [joint.point_links for joint in generated.joints],
-        strict=True,
-    )
-    motors = motors_record(robot.motors)
-    return generated.model_copy(
-        update={
-            "name": robot.name,
-            "joints": [JointRecord(**dict(zip(JointRecord.model_fields, row, strict=True))) for row in columns],
-            "held": dict(robot.held),
-            "held_numbers": robot.held_numbers.tolist(),
-            "base_tip": _pose_record(robot.T_base_tip),
-            "world_base": _pose_record(robot.T_world_base),
-            "object_tip": _pose_record(robot.T_object_tip),
-            "posture": robot.posture.tolist(),
-            "wrench_lower": without_infinity(robot.wrench_lower),
-            "wrench_upper": without_infinity(robot.wrench_upper),
-            "contact_rate": without_infinity(robot.contact_rate),
-            "motors": motors,
-            "torque_from_urdf": has_torque_of_urdf(robot, generated),
-            "friction_from_urdf": generated.friction_from_urdf
-            and (motors.coulomb, motors.viscous) == (generated.motors.coulomb, generated.motors.viscous),
-            "contacts": [contact_record(contact) for contact in robot.contacts],
-        }
-    )
-
-
-def has_torque_of_urdf(robot: Robot, generated: RobotRecord) -> bool:
-    """Whether the torque limits of a robot are the effort limits of its URDF.
-
-    Args:
-        robot: The robot.
-        generated: Its entry in the manifest of its functions.
-    """
-    limits = zip(robot.torque_lower.tolist(), robot.torque_upper.tolist(), strict=True)
-    return generated.torque_from_urdf and [*limits] == [
-        (joint.torque_lower, joint.torque_upper) for joint in generated.joints
-    ]
 
 
 def _checked_pose(where: str, key: str, given: object) -> RigidTransform:
@@ -282,12 +240,3 @@ def _checked_pose(where: str, key: str, given: object) -> RigidTransform:
         return given
     R.flags.writeable = p.flags.writeable = False
     return RigidTransform(R, p)
-
-
-def transform(record: PoseRecord) -> RigidTransform:
-    """The pose that an entry of a manifest describes."""
-    return RigidTransform(np.array(record.rotation), np.array(record.position))
-
-
-def _pose_record(transform: RigidTransform) -> PoseRecord:
-    return PoseRecord(rotation=transform.R.tolist(), position=transform.p.tolist())

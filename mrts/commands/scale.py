@@ -20,6 +20,7 @@ from mrts.commands.options.common import (
     plot_form,
     require,
     sharing_option,
+    weights_option,
 )
 from mrts.commands.options.profile import add_profile, check_profile, rates_option, smooth_arguments
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
@@ -38,8 +39,8 @@ if TYPE_CHECKING:
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.program.load_sharing import LoadSharing
+    from mrts.scaling.options import Selection
     from mrts.scaling.result import ScalingResult
-    from mrts.scaling.scale import Selection
     from mrts.timing.result import RetimingResult
 
 EXAMPLES = """\
@@ -68,6 +69,9 @@ def add(scale: argparse.ArgumentParser) -> None:
     scale.add_argument("--distribute", choices=DISTRIBUTIONS, default="least-torque",
                        help="of redundant torques: the least ones, or those that keep most of every limit in reserve "
                        "(default: %(default)s)")  # fmt: skip
+    scale.add_argument("--weights", metavar="W|A,B,…",
+                       help="what the squares of torques weigh: 1 for all alike (as in the paper), or one a joint "
+                       "(default: 1 / limit² of each)")  # fmt: skip
     add_reserve(scale)
     add_between(scale)
     add_closure(scale)
@@ -111,6 +115,7 @@ def run(options: argparse.Namespace) -> int:
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell = limited_cell_option(options, motion, closure)
+    options.weights = weights_option(options.weights, cell)
     carried = _known_load(cell, options.carry, options.load)
     if options.profile != "constant":
         return _retime(options, cell, motion, sharing, carried, closure)
@@ -148,8 +153,7 @@ def _scale(
 ) -> int:
     from mrts.output.summary_lines import scaling_lines
     from mrts.program.solvers import DEFAULT_SOLVER
-    from mrts.scaling.known_load import torques_for_load
-    from mrts.scaling.scale import SelectionError, scale
+    from mrts.scaling.scale import SelectionError, scale, torques_for_load
 
     outputs = Outputs()
     select: Selection = "auto" if options.select is None else options.select
@@ -164,6 +168,7 @@ def _scale(
                 solver=options.solver or DEFAULT_SOLVER,
                 load=options.load,
                 distribute=options.distribute,
+                weights=options.weights,
                 closure=closure,
                 between=between_option(options.between),
                 rates=rates_option(options, cell),
@@ -218,7 +223,7 @@ def _retime(
     closure: "ClosureBound | None",
 ) -> int:
     from mrts.output.summary_lines import retiming_lines
-    from mrts.scaling.known_load import torques_for_load
+    from mrts.scaling.scale import torques_for_load
     from mrts.timing.retime import retime
 
     outputs, further = Outputs(), smooth_arguments(options, cell)
@@ -229,6 +234,7 @@ def _retime(
             sharing=sharing,
             load=options.load,
             distribute=options.distribute,
+            weights=options.weights,
             closure=closure,
             between=between_option(options.between),
             start_speed=options.start_speed or 0.0,

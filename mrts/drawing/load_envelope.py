@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.scaling.load_study import LoadStudy
+from mrts.scaling.loads import LoadStudy
 from mrts.scaling.range import ScalingRange
 
 

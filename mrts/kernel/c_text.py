@@ -10,8 +10,8 @@ from posixpath import dirname, join, normpath
 from mrts.base.manifest import GEOMETRY, Manifest
 
 PROGRAM_FILES = (
-    *("linear_programs.c", "quadratic_programs.c", "batch.c"),
-    *(f"reachability/{name}.c" for name in ("corners", "projection", "lane_corners", "regions")),
+    *("linear_programs.c", "quadratic_programs.c", "basis/kept_basis.c", "speed_intervals.c", "batch.c"),
+    *(f"reachability/{name}.c" for name in ("projection", "lane_corners", "regions")),
 )
 """The programs, which need no cell."""
 
@@ -19,10 +19,10 @@ TRACKING_FILES = tuple(f"tracking/{name}.c" for name in ("null_space", "tracking
 """Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
 
 CELL_FILES = (
-    *(*PROGRAM_FILES, "basis/kept_basis.c", "lanes/forms.c", "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
-    *("speed_intervals.c", "trajectory.c", "one_unknown/one_unknown.c"),
+    *(*PROGRAM_FILES, "lanes/forms.c", "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
+    *("least_torques.c", "trajectory.c", "one_unknown/one_unknown.c"),
     *(*TRACKING_FILES, "tracking/closure.c"),
-    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "lane_widening", "widening")),
+    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
     *(f"variants/{name}.c" for name in ("end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""

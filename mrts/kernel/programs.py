@@ -49,7 +49,7 @@ class Programs:
 
     def __init__(self, library: ctypes.CDLL) -> None:
         self._library = library
-        for name in ("lp_batch", "qp_batch", "effects", "project_batch", "backward", "forward"):
+        for name in ("lp_batch", "qp_batch", "interval_batch", "effects", "project_batch", "backward", "forward"):
             getattr(library, f"mrts_{name}")
 
     def linear_programs(self, g: Array, A: Array, lower: Array, upper: Array) -> tuple[Array, Array, NDArray[np.uint8]]:
@@ -73,6 +73,36 @@ class Programs:
             and statuses, Shape (N,).
         """
         return self._batch("mrts_qp_batch", [H, g, A, lower, upper])
+
+    def speed_intervals(
+        self, A: Array, lower: Array, upper: Array, column: Array, speed: Array, most: Array
+    ) -> tuple[Array, Array, Array, Array, NDArray[np.uint8]]:
+        """The highest interval of speeds c <= most of every sample, whose rows have a term in c beside one in c².
+
+        Args:
+            A: Rows over k unknowns, c² last, each multiplied by its `column`, Shape (N, r, k).
+            lower: Of the rows, Shape (N, r).
+            upper: Likewise.
+            column: Scales of the unknowns, Shape (N, k).
+            speed: What c = 1 adds to the rows, Shape (N, r).
+            most: Largest c², infinity where it is not bounded, Shape (N,).
+
+        Returns:
+            Least and largest c², infinity where nothing bounds it, one in the gap below, 0 where there is none, each
+            Shape (N,); multipliers of the rows at both ends, Shape (2, N, r), positive at an upper limit; statuses.
+        """
+        count, rows, k = A.shape
+        given = [
+            np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY))
+            for array in (A, lower, upper, column, speed, most)
+        ]
+        low, high, gap = np.zeros((3, count))
+        dual, status = np.zeros((2, count, rows)), np.full(count, STOPPED, dtype=np.uint8)
+        work = work_arrays(self._library, "mrts_interval_batch", k, rows)
+        pointers = [pointer(array) for array in (*given, low, high, gap, *dual, status, *work)]
+        self._library.mrts_interval_batch(ctypes.c_longlong(count), k, rows, *pointers)
+        high[high >= INFINITY] = np.inf
+        return low, high, gap, dual, status
 
     def projections(
         self,

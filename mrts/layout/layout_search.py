@@ -108,7 +108,7 @@ class LayoutSearch:
         """
         asked = self.study.question
         try:
-            cell = Cell.from_description(keys, folder=self.study.folder)
+            cell = Cell.from_description(keys, folder=self.study.folder).with_limits(*self.study.limits)
             parted = set(self.machines) - set(cell.functions.manifest.machines)
             if parted:
                 first, second = min(parted)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
-from mrts.cell.hands.contact_axes import triple_axes
+from mrts.cell.hands.contact import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.layout.grasp_equations import ArmPose
 from mrts.limits import limit_rows

@@ -95,7 +95,7 @@ class _Placing:
     def __init__(self, study: Study, between: float | None, seconds: float | None, progress: Progress) -> None:
         study = study.at_hand()
         self.study, self.between, self.progress = study, between, progress
-        cell = Cell.from_description(study.cell, folder=study.folder)
+        cell = Cell.from_description(study.cell, folder=study.folder).with_limits(*study.limits)
         self.numbers = LayoutNumbers.of(study, cell)
         self.motion = _object_motion(study)
         self.until = None if seconds is None else monotonic() + seconds

@@ -10,16 +10,16 @@ from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import LIMITS, rows_by_limit
-from mrts.limits.motor_limits import CurveRow, curve_rows, motor_limits
+from mrts.limits import rows_by_limit
+from mrts.limits.cell_limits import CurveRow, curve_rows, motor_limits, velocity_limits
+from mrts.limits.row_check import limit_name
 from mrts.limits.rows import LimitRows, RowName, stack_rows
-from mrts.limits.velocity_limits import velocity_limits
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 
 
 def embedded_limits(cell: Cell) -> EmbeddedLimits:
-    """All limits of the registry, those without a limit too: it may get one at run time; and what motors add.
+    """All limits of the cell, those without a limit too: it may get one at run time; and what motors add.
 
     Args:
         cell: The cell; velocity limits that it does not enforce are unlimited.
@@ -37,21 +37,20 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     first, second = (rows_by_limit(cell, probe) for probe in probes)
     pieces: list[LimitRows] = []
     line_rows = range(0)
-    curves = curve_rows(cell) if motor_limits in LIMITS.values() else ()
+    curves = curve_rows(cell)
     lines, ends = ([row for row in curves if (row.slope is None) is at_end] for at_end in (False, True))
-    for name, limit in LIMITS.items():
+    for limit, given in first.items():
         if limit is motor_limits:
             before = sum(len(piece.names) for piece in pieces)
             line_rows = range(before, before + len(lines))
-            pieces.append(first[name].only(np.array([row.slope is not None for row in curves], dtype=bool)))
+            pieces.append(given.only(np.array([row.slope is not None for row in curves], dtype=bool)))
         elif limit is not velocity_limits:
-            _check_constant(name, first[name], second[name])
-            pieces.append(first[name])
+            _check_constant(limit_name(limit), given, second[limit])
+            pieces.append(given)
     rows = stack_rows(pieces)
     groups = list(dict.fromkeys(name.group for name in rows.names))
     velocity = velocity_limits(replace(cell, enforces_velocity_limits=True), probes[0])
-    enforced = cell.enforces_velocity_limits and velocity_limits in LIMITS.values()
-    most = velocity.upper if enforced else np.full_like(velocity.upper, np.inf)
+    most = velocity.upper if cell.enforces_velocity_limits else np.full_like(velocity.upper, np.inf)
     return EmbeddedLimits(
         texts=tuple(_text(name) for name in rows.names),
         matrix=rows.matrix,
@@ -106,8 +105,8 @@ def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:
         raise InputError(
             f"limit '{limit}'",
             f"depends on the {'speed' if of_speed else 'motion'}, which an exported library cannot compute: it carries "
-            "velocity limits, motors, and tables of limits that are constant in torques and wrenches. Take the limit "
-            "out of mrts.limits.LIMITS for the export, and keep it by other means.",
+            "velocity limits, motors, and tables of limits that are constant in torques and wrenches. Export the cell "
+            "without it (`Cell.with_limits`), and keep it by other means.",
         )
 
 

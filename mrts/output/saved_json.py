@@ -12,17 +12,17 @@ from mrts.base.errors import InputError
 from mrts.base.formats.broken_record import BrokenRecordError
 from mrts.base.formats.strict_model import broken_rule
 from mrts.base.load_box import PARAMETERS, LoadBox
-from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Manifest, Matrix, Matrix3, Vector3
+from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Matrix, Matrix3, Vector3
 from mrts.base.remark import Severity
 from mrts.cell.cell_change import ChangeKind
-from mrts.limits import OWN_LIMITS
+from mrts.cell.record import CellManifest
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.range_status import RangeStatus
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 6
+VERSION = 7
 """Of arrays and description together; any change of either, or of the manifest's format, raises it."""
 
 DESCRIPTION_BYTES = 5_000_000
@@ -184,11 +184,11 @@ class RatedEntry(_Record):
 
 
 class RuleEntry(_Record):
-    """How torques are distributed, as `mrts.scaling.result.DistributionRule`."""
+    """How torques are distributed, as `mrts.scaling.options.Options`."""
 
     sharing: SharingEntry | None
     formulation: FormulationName
-    weights: list[float] | Matrix | None
+    weights: float | list[float] | Matrix | None
     distribute: DistributionName = "least-torque"
     rates: RatesEntry | None = None
 
@@ -262,9 +262,9 @@ class Description(_Record):
     """Everything of a saved result that is not a number a sample; docs/saved_results.md has the meaning of each."""
 
     format: Literal["mrts result"]
-    version: Literal[6]
+    version: Literal[7]
     mrts_version: str
-    manifest: Manifest
+    manifest: CellManifest
     load: LoadVector
     load_box: BoxEntry | None
     enforces_velocity_limits: bool
@@ -277,7 +277,7 @@ class Description(_Record):
     origin: str
     warnings: Annotated[list[WarningEntry], FailFast()]
     rows: Annotated[list[RowEntry], FailFast()]
-    limits: Annotated[list[str], FailFast()] = list(OWN_LIMITS)
+    limits: Annotated[list[str], FailFast()] = []
     kept_reserve: Annotated[float, Field(ge=0, lt=1)] = 0.0
     reserve: PlanReserveEntry | None = None
     loads: Annotated[list[LoadEntry], FailFast()]
@@ -288,7 +288,7 @@ class Description(_Record):
 
     def text(self) -> str:
         """As JSON."""
-        usual = {"limits"} if self.limits == list(OWN_LIMITS) else set()
+        usual = set() if self.limits else {"limits"}
         return json.dumps(self.model_dump(mode="json", exclude=usual), allow_nan=False, ensure_ascii=False)
 
 

@@ -15,15 +15,15 @@ from mrts.base.arrays import with_infinity
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadPoint
-from mrts.base.manifest import Manifest
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
 from mrts.cell.cell_text import manifest_of
 from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.loading import cell_from_manifest
+from mrts.cell.record import CellManifest
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import LIMITS
+from mrts.limits.row_check import limit_name
 from mrts.motion.object_motion import ObjectMotion
 from mrts.output.npz_file import open_arrays
 from mrts.output.saved_json import (
@@ -59,11 +59,11 @@ from mrts.output.saved_what_if import read_what_if, what_if_entry
 from mrts.program.excess import Excess
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.rate_limits import RateLimits
-from mrts.scaling.holding_torques import Holding
-from mrts.scaling.load_study import LoadStudy
+from mrts.scaling.loads import LoadStudy
+from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange, intersect
-from mrts.scaling.result import DistributionRule, ScalingResult
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
 MOTION = ("time", "position", "rotation", "twist", "acceleration")
 """Arrays of the object's motion."""
@@ -123,8 +123,8 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
 
     Args:
         path: The file.
-        cell: The same cell from `load_cell`: its functions are then at hand. Its limits, postures and load do not
-            count; the result keeps those that it was found with.
+        cell: The same cell from `load_cell`: its functions are then at hand, and limits that it was given in Python.
+            Those of its file, postures and load do not count; the result keeps those that it was found with.
 
     Raises:
         InputError: If the file is no saved result, not whole, of a newer version, or of another cell.
@@ -144,11 +144,12 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
             load_box=load_box,
             enforces_velocity_limits=said.enforces_velocity_limits,
             reserve=said.kept_reserve,
+            limits=() if cell is None else cell.limits,
         )
         time, position, rotation, twist, acceleration = (arrays[name] for name in MOTION)
         carried = ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)  # it may be a retimed one
         motion = CoordinatedMotion(carried, arrays["q"], arrays["dq"], arrays["ddq"], travel=arrays.get("travel"))
-        rule = _rule(said.rule)
+        options = replace(_options(said.rule), load="nominal" if said.study is None else said.study.question)
         box = None if said.study is None else said.study.box.box()
         changes = read_what_if(said.what_if)
     whole, *of_loads = read_ranges(path, arrays, said, motion.object.time)
@@ -164,19 +165,20 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult:
         held = None
         if "holds" in arrays:
             start, end = (bool(value) for value in arrays["holds"])
-            held = Holding.known((start, end), arrays["holding_torque"], arrays["holding_wrench"])
+            held = Holding((start, end), arrays["holding_torque"], arrays["holding_wrench"])
         done = ScaledTrajectory(known, motion, said.c2, arrays["torque"], arrays["wrench"], held)
         done = done.with_internal_wrench(arrays["internal_wrench"])
     told = (Remark(one.code, one.text, one.sample, one.severity) for one in said.warnings)
-    warnings = (*told, *_other_limits(said.limits))
+    warnings = (*told, *_other_limits(said.limits, known))
     result = ScalingResult(
         cell=known,
         motion=motion,
         found=first,
+        c2=said.c2,
         trajectory=done,
         fallbacks=said.fallbacks,
         load=study,
-        rule=rule,
+        options=options,
         origin=said.origin,
         warnings=warnings,
         excess=_excess(path, said),
@@ -196,13 +198,15 @@ def _excess(path: Path, said: Description) -> Excess | None:
     return Excess(left.share, left.tolerance, left.time, row)
 
 
-def _other_limits(found_with: list[str]) -> tuple[Remark, ...]:
-    """What to know where other limits are registered now than when the result was found."""
-    if found_with == list(LIMITS):
+def _other_limits(found_with: list[str], cell: Cell) -> tuple[Remark, ...]:
+    """That a cell was given other limits than the one that the result was found with."""
+    given = list(map(limit_name, cell.limits))
+    if found_with == given:
         return ()
     text = (
-        f"the result was found with the limits {', '.join(found_with)}; registered now are {', '.join(LIMITS)}, and of "
-        "these it is told how far they are used. Register what it was found with, or scale again."
+        f"the result was found with a cell with the limits {', '.join(found_with) or 'of its file alone'}, and is read "
+        f"with {', '.join(given) or 'no others than those of its file'}: of these it is told how far they are used. "
+        "Read it with `cell=` that has the same."
     )
     return (Remark("other-limits", text),)
 
@@ -218,7 +222,7 @@ def _damage(path: Path) -> Iterator[None]:
 
 def _description(result: ScalingResult, ranges: list[ScalingRange], tables: Tables) -> Description:
     """What the file says beside its arrays."""
-    cell, rule, study = result.cell, result.rule, result.load
+    cell, rule, study = result.cell, result.options, result.load
     sharing = rule.sharing
     entry = None
     if study is not None:
@@ -260,7 +264,7 @@ def _description(result: ScalingResult, ranges: list[ScalingRange], tables: Tabl
         origin=result.origin,
         warnings=[WarningEntry.model_validate(warning.to_json()) for warning in result.warnings],
         rows=tables.row_entries(),
-        limits=list(LIMITS),
+        limits=list(map(limit_name, cell.limits)),
         loads=tables.load_entries(),
         conflicts=conflicts,
         kept_reserve=cell.reserve,
@@ -275,7 +279,7 @@ def _listed(values: Any) -> Any:
     return None if values is None else np.asarray(values, dtype=np.float64).tolist()
 
 
-def _rule(entry: RuleEntry) -> DistributionRule:
+def _options(entry: RuleEntry) -> Options:
     def array(name: str, values: Any) -> Any:
         return None if values is None else as_array(name, values)
 
@@ -286,10 +290,16 @@ def _rule(entry: RuleEntry) -> DistributionRule:
     given, rates = entry.rates, None
     if given is not None:
         rates = RateLimits(*(with_infinity(of, np.inf) for of in (given.torque, given.wrench, given.jerk)))
-    return DistributionRule(fixed, entry.formulation, array("weights", entry.weights), entry.distribute, rates)
+    return Options(
+        sharing=fixed,
+        formulation=entry.formulation,
+        weights=array("weights", entry.weights),
+        distribute=entry.distribute,
+        rates=rates,
+    )
 
 
-def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:
+def _functions_of(cell: Cell, saved: CellManifest, path: Path) -> CellFunctions:
     """The functions of a cell if they are those that a result was found with."""
     made = cell.functions.manifest
     ours, theirs = (_made_from(manifest, baked=made.is_baked) for manifest in (made, saved))
@@ -304,13 +314,18 @@ def _functions_of(cell: Cell, saved: Manifest, path: Path) -> CellFunctions:
     return cell.functions
 
 
-def _made_from(manifest: Manifest, *, baked: bool) -> dict[str, Any]:
+def _made_from(manifest: CellManifest, *, baked: bool) -> dict[str, Any]:
     """What a cell's functions depend on: not its limits and load, nor, unless it is folded in, its geometry."""
-    geometry = (("gravity",), ("world_base", "object_tip")) if baked else ((), ())
-    made: dict[str, Any] = {name: getattr(manifest, name) for name in ("plane", "wrench_components", *geometry[0])}
+    made: dict[str, Any] = {"plane": manifest.plane, "wrench_components": manifest.wrench_components}
+    if baked:
+        made["gravity"] = manifest.gravity.tolist()
     for number, robot in enumerate(manifest.robots):
-        for name in ("urdf_sha256", "base_link", "tip_link", "held", "name", *geometry[1]):
-            made[f"robots[{number}].{name}"] = getattr(robot, name)
+        source = robot.source
+        own: dict[str, Any] = {"urdf": source.sha256, "base_link": source.base_link, "tip_link": source.tip_link}
+        own |= {"held": dict(robot.held), "name": robot.name}
+        if baked:
+            own |= {"base": robot.T_world_base.numbers.tolist(), "grasp": robot.T_object_tip.numbers.tolist()}
+        made |= {f"robots[{number}].{key}": value for key, value in own.items()}
     return made | {"name": manifest.name}
 
 

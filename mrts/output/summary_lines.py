@@ -4,7 +4,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from mrts.cell.hands.friction import NORMAL_FORCE
+from mrts.cell.hands.kinds import NORMAL_FORCE
 from mrts.drawing.range_sentences import range_text
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.limit_table import limit_table, next_limits_line
@@ -13,7 +13,7 @@ from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:
-    from mrts.scaling.load_study import LoadStudy
+    from mrts.scaling.loads import LoadStudy
     from mrts.scaling.what_if import WhatIf
     from mrts.timing.result import RetimingResult
 
@@ -98,7 +98,7 @@ def _reserve_lines(result: ScalingResult) -> Iterator[str]:
 
 def _step_lines(result: ScalingResult) -> Iterator[str]:
     """How far torques and wrenches go from one sample to the next, where their distribution is chosen."""
-    if result.rule.distribute == "least-torque":
+    if result.options.distribute == "least-torque":
         return
     steps = (largest_step(result, kind) for kind in ("torque", "wrench"))
     told = ", ".join(
@@ -142,10 +142,10 @@ def _rate_lines(result: ScalingResult) -> Iterator[str]:
     """What changes fastest of each kind whose rate is limited, kept or not."""
     assert result.trajectory is not None  # noqa: S101 (checked by every caller)
     told: set[str] = set()
-    for use in rate_uses(result.trajectory, result.rule.rates):
+    for use in rate_uses(result):
         if use.name.kind not in told:
             told.add(use.name.kind)
-            numbers = f"{use.largest:.4g} of {use.limit:.4g} {use.name.unit}"
+            numbers = f"{use.size:.4g} of {use.upper:.4g} {use.name.unit}"
             yield f"{use.name}: {100 * use.share:.3g} % of its limit ({numbers}) at t = {use.time:.4g} s"
 
 

@@ -1,16 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Batches of small convex programs and the verification that makes their answers trustworthy.
-
-A solver's own word is never taken: an answer counts when it passes `optimality_error`, else another solver is asked.
-"""
+"""Batches of small convex programs and the verification that makes their answers trustworthy."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import SolverError
-from mrts.program.solvers import BatchSolver, with_fallbacks
 
 OPTIMALITY_TOLERANCE = 1e-9
 """Residuals of feasibility, stationarity and complementarity, each relative to the terms that it sums."""
@@ -66,14 +61,7 @@ class ConvexPrograms:
         Returns:
             The programs, the factors x = column * x_scaled, Shape (N, k), and the factors of the rows, Shape (N, r).
         """
-        equation = self.lower == self.upper
-        size = np.abs(self.A)
-        largest = np.max(np.where(equation[:, :, None], 0.0, size), axis=1, initial=0.0)
-        largest = np.where(largest > 0, largest, np.max(size, axis=1, initial=0.0))
-        column = 1 / np.where(largest > 0, largest, 1.0)
-        A = self.A * column[:, None, :]
-        in_row = np.max(np.abs(A), axis=2)
-        row = np.where(equation & (in_row > 0), 1 / np.where(in_row > 0, in_row, 1.0), 1.0)
+        column, row = scales(self.A, self.lower == self.upper)
         g = self.g * column
         H = None if self.H is None else self.H * column[:, :, None] * column[:, None, :]
         weight = np.max(np.abs(g), axis=1) if H is None else np.max(np.abs(H), axis=(1, 2))
@@ -81,7 +69,7 @@ class ConvexPrograms:
         programs = ConvexPrograms(
             H=None if H is None else H * weight[:, None, None],
             g=g * weight[:, None],
-            A=A * row[:, :, None],
+            A=self.A * column[:, None, :] * row[:, :, None],
             lower=self.lower * row,
             upper=self.upper * row,
             x_lower=self.x_lower / column,
@@ -90,26 +78,19 @@ class ConvexPrograms:
         return programs, column, row
 
 
-@dataclass(frozen=True)
-class Answers:
-    """Minimisers and multipliers of a batch.
+def scales(A: Array, equation: Mask) -> tuple[Array, Array]:
+    """By what unknowns, Shape (N, k), and rows, Shape (N, r), are multiplied for coefficients of the size of limits.
 
-    Signs follow Hx + g + Aᵀ row_dual + bound_dual = 0 up to a positive factor: a positive multiplier belongs to an
-    upper limit.
-
-    Attributes:
-        x: Shape (N, k).
-        row_dual: Shape (N, r).
-        bound_dual: Shape (N, k).
-        verified: Which answers passed `optimality_error`, Shape (N,).
-        fallbacks: How many of them the first solver did not get.
+    Args:
+        A: Shape (N, r, k).
+        equation: Rows whose limits are one number, Shape (N, r); others keep their own scale.
     """
-
-    x: Array
-    row_dual: Array
-    bound_dual: Array
-    verified: Mask
-    fallbacks: int
+    size = np.abs(A)
+    largest = np.max(np.where(equation[:, :, None], 0.0, size), axis=1, initial=0.0)
+    largest = np.where(largest > 0, largest, np.max(size, axis=1, initial=0.0))
+    column = 1 / np.where(largest > 0, largest, 1.0)
+    in_row = np.max(size * column[:, None, :], axis=2)
+    return column, np.where(equation & (in_row > 0), 1 / np.where(in_row > 0, in_row, 1.0), 1.0)
 
 
 def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_dual: Array) -> Array:
@@ -146,60 +127,3 @@ def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_
     complementary = np.max(np.where(significant, distance, 0.0) / size, axis=1, initial=0.0)
     error: Array = np.maximum(np.maximum(infeasible, stationary), complementary)
     return np.where(np.isfinite(error), error, np.inf)
-
-
-def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
-    """Solve a batch; what the chosen solver does not get right, the other solvers are asked for.
-
-    Args:
-        programs: The batch.
-        solver: Name in the registry, such as "qpsol:qpoases".
-
-    Raises:
-        InputError: If there is no such solver.
-    """
-    backends = with_fallbacks(solver)
-    scaled, column, row = programs.scaled()
-    count, rows, unknowns = programs.A.shape
-    x, row_dual = np.zeros((count, unknowns)), np.zeros((count, rows))
-    bound_dual, verified = np.zeros((count, unknowns)), np.zeros(count, dtype=bool)
-    fallbacks = 0
-    for attempt, backend in enumerate(backends):
-        todo = ~verified
-        part = scaled.at(todo)
-        found = _attempt(backend, part)
-        good = optimality_error(part, *found) <= OPTIMALITY_TOLERANCE
-        where = np.flatnonzero(todo)[good]
-        x[where], row_dual[where], bound_dual[where] = (value[good] for value in found)
-        verified[where] = True
-        fallbacks += int(np.sum(good)) if attempt > 0 else 0
-        if np.all(verified):
-            break
-    # multipliers are those of the scaled objective: only their signs and proportions matter
-    return Answers(x * column, row_dual * row, bound_dual / column, verified, fallbacks)
-
-
-def require_verified(answers: Answers, what: str) -> None:
-    """Raise where no solver could answer.
-
-    Raises:
-        SolverError: Names the first such sample.
-    """
-    if not np.all(answers.verified):
-        sample = int(np.argmin(answers.verified))
-        raise SolverError(
-            f"no solver found {what} at sample {sample} to a precision of {OPTIMALITY_TOLERANCE:.0e}. This is a defect "
-            "of mrts or of extremely scaled data: please report the cell and the motion."
-        )
-
-
-def _attempt(backend: BatchSolver, programs: ConvexPrograms) -> tuple[Array, Array, Array]:
-    return backend.solve(
-        programs.H,
-        programs.g,
-        programs.A,
-        programs.lower,
-        programs.upper,
-        programs.x_lower,
-        programs.x_upper,
-    )

@@ -4,10 +4,11 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.limits.squared_rows import binds
-from mrts.program.convex_program import Answers, ConvexPrograms, solve_programs
+from mrts.program.convex_program import ConvexPrograms
+from mrts.program.motion_rows import binds
 from mrts.program.range_ends import BINDING_TOLERANCE, RangeEnds, codes_of_duals, rows_of_problem
 from mrts.program.sample_problem import SampleProblem
+from mrts.program.solvers import Answers, solve_programs
 
 UNBOUNDED = 1e9
 """Effect of the speed on some row, as a multiple of its limit, beyond which a range has no upper end."""

@@ -9,10 +9,11 @@ from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.one_unknown import known_values
-from mrts.program.convex_program import ConvexPrograms, require_verified, solve_programs
+from mrts.program.convex_program import ConvexPrograms
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motor_terms import motor_terms
 from mrts.program.sample_problem import SampleProblem
+from mrts.program.solvers import require_verified, solve_programs
 
 TORQUE_WIDENING = 1e-9
 """Of each limit, as a share of it: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
@@ -22,22 +23,25 @@ WEIGHT_SPREAD = 1e6
 """Largest ratio of weights: the programs are solved to 1e-9, and the lightest torque must still be felt."""
 
 
-def torque_weights(weights: Array | None, joints: int) -> Array:
+def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
     """W as a matrix, Shape (m, m).
 
     Args:
-        weights: None for the identity, the diagonal, Shape (m,), or the matrix, Shape (m, m).
-        joints: m.
+        weights: None weighs each torque by its limit, 1 / τ̂² (the larger of both sides, within `WEIGHT_SPREAD`; without
+            one as the largest), a number all alike, else the diagonal, Shape (m,), or the matrix, Shape (m, m).
+        cell: With m joints.
 
     Raises:
         InputError: Unless W is symmetric and positive definite.
     """
+    joints = sum(len(robot.joints) for robot in cell.robots)
     if weights is None:
-        return np.eye(joints)
+        return _by_limits(cell)
     given = as_array("weights", weights)
-    if given.shape not in {(joints,), (joints, joints)} or not np.all(np.isfinite(given)):
-        raise InputError("weights", f"must be finite with Shape ({joints},) or ({joints}, {joints}).", value=weights)
-    W = np.diag(given) if given.ndim == 1 else given
+    if given.shape not in {(), (joints,), (joints, joints)} or not np.all(np.isfinite(given)):
+        rule = f"must be finite: a number, or of Shape ({joints},) or ({joints}, {joints})."
+        raise InputError("weights", rule, value=weights)
+    W = given if given.ndim == 2 else np.diag(np.broadcast_to(given, joints))  # noqa: PLR2004 (a matrix)
     spread = np.linalg.eigvalsh(W)
     if not np.array_equal(W, W.T) or spread[0] <= 0:
         raise InputError("weights", "must be symmetric and positive definite (a diagonal: all > 0).", value=weights)
@@ -48,6 +52,13 @@ def torque_weights(weights: Array | None, joints: int) -> Array:
             f"{WEIGHT_SPREAD:.0e} leaves digits for the torques.",
         )
     return W
+
+
+def _by_limits(cell: Cell) -> Array:
+    sides = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in cell.robots], axis=1)
+    limit = np.max(np.abs(sides), axis=0)
+    most = np.max(limit[np.isfinite(limit)], initial=0.0) or 1.0
+    return np.diag(1 / np.clip(limit, most / np.sqrt(WEIGHT_SPREAD), most) ** 2)
 
 
 def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array, solver: str) -> tuple[Array, int]:

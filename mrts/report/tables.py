@@ -79,13 +79,13 @@ def _between_text(result: ScalingResult) -> str:
 
 
 def _distribution_text(result: ScalingResult) -> str:
-    sharing = result.rule.sharing
+    sharing = result.options.sharing
     if sharing is None and len(result.cell.robots) == 1:
         return "those of one arm"
     if sharing is None:
-        if result.rule.distribute == "reserve":
+        if result.options.distribute == "reserve":
             return "those that keep most of every limit in reserve, and the least weighted squares among them"
-        if result.rule.rates is not None:
+        if result.options.rates is not None:
             return "the least weighted squares over the whole motion that keep all limits, and those of rates"
         return "the least weighted squares that keep all limits"
     if sharing.shares is None:
@@ -204,12 +204,12 @@ def rates_table(result: ScalingResult, limiting: LimitingRows) -> list[Html]:
     """
     if result.trajectory is None:
         return []
-    rows, uses = [], rate_uses(result.trajectory, result.rule.rates)
+    rows, uses = [], rate_uses(result)
     for use in sorted(uses, key=lambda use: use.name not in limiting.setting):
         unit = use.name.unit
-        numbers = (f"{use.limit:.4g} {unit}", f"{use.largest:.4g} {unit}", f"{100 * use.share:.1f} %")
+        numbers = (f"{use.upper:.4g} {unit}", f"{use.size:.4g} {unit}", f"{100 * use.share:.1f} %")
         rows.append((_marked(use.name, limiting), *numbers, f"{use.time:.4g} s"))
-    kept = "They are kept" if result.rule.rates is not None else "They are reported, and bound nothing"
+    kept = "They are kept" if result.options.rates is not None else "They are reported, and bound nothing"
     note = f"{kept}; differences of neighbouring samples."
     head = ("limited rate", "limit", "largest", "share", "at")
     return [table(head, rows), element("p", note, class_="note")] if rows else []

@@ -13,13 +13,24 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side
 from mrts.program.closed_form import LoadSensitivity, load_sensitivity
 from mrts.program.held_interrupt import held_interrupt
 from mrts.program.linear_programs import NO_EFFECT, UNBOUNDED, effect_of_speed
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import SampleRanges, first_least, sample_ranges, statuses
-from mrts.scaling.load_study import LoadQuestion, LoadStudy, ends_of_loads
+from mrts.scaling.loads import (
+    LoadStudy,
+    effective_parameters,
+    ends_of_loads,
+    problem_of_load,
+    ranges_of_load,
+    ranges_of_loads,
+    with_all_rows,
+)
+from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange, common_range
 
 ACHIEVED_TOLERANCE = 1e-6
@@ -52,16 +63,21 @@ class _BestLoad:
     success: NDArray[np.bool_]
 
 
-def possible_range(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...]) -> tuple[ScalingRange, LoadStudy]:
+def possible_range(
+    cell: Cell, motion: CoordinatedMotion, options: Options, box: LoadBox, progress: Progress, high: float
+) -> tuple[ScalingRange, LoadStudy]:
     """The range of c² of the best load of a box, at each sample by itself.
 
     Of each sample it is what lies between the least and the largest c² of any load: where a load leaves a gap below its
     highest interval, whether another load of the box fills it is not asked.
 
     Args:
-        asked: Of which cell and motion.
+        cell: The cell.
+        motion: Its motion.
+        options: How the programs are made and solved.
         box: The box.
-        varying: Parameters that matter, as from `effective_parameters`.
+        progress: Told how far the work is.
+        high: As in `range_at_samples`.
 
     Raises:
         InputError: If the box is an outer hull.
@@ -74,25 +90,26 @@ def possible_range(asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...]) 
             "first moments mx, my, mz instead of the offsets.",
             value="possible",
         )
+    varying = effective_parameters(cell, motion, box)
     points = box.corners(varying)
     if varying:
         points = (*points, box.nominal_point())
-    of_points = asked.ranges(points)
+    of_points = ranges_of_loads(cell, motion, options, points, progress, high)
     not_converged: tuple[int, ...] = ()
 
-    def find(high: float) -> SampleRanges:
+    def find(below: float) -> SampleRanges:
         nonlocal not_converged
         ranges = [
-            asked.ranges_at(point, high) if known.samples.several else known.samples
+            ranges_of_load(cell, motion, options, point.load, below) if known.samples.several else known.samples
             for point, known in zip(points, of_points, strict=True)
         ]
         best = _for_some_load(points, ranges)
         if varying:
-            best, not_converged = _searched(asked, box, varying, best)
-        return asked.named(best)
+            best, not_converged = _searched(cell, motion, options, box, varying, best, progress)
+        return with_all_rows(cell, motion, options, best)
 
-    found = common_range(find, asked.high)
-    return found, LoadStudy("possible", box, points, tuple(of_points), not_converged)
+    found = common_range(find, high)
+    return found, LoadStudy("possible", box, points, of_points, not_converged)
 
 
 def _for_some_load(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
@@ -114,25 +131,26 @@ def _for_some_load(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) 
 
 
 def _searched(
-    asked: LoadQuestion, box: LoadBox, varying: tuple[str, ...], best: SampleRanges
+    cell: Cell,
+    motion: CoordinatedMotion,
+    options: Options,
+    box: LoadBox,
+    varying: tuple[str, ...],
+    best: SampleRanges,
+    progress: Progress,
 ) -> tuple[SampleRanges, tuple[int, ...]]:
     """Extend the best corner's range at every sample by loads inside the box.
 
     Every answer is verified: its load is substituted and the linear program solved, and that program's c² is what
     counts. So an end never claims more than a load of the box reaches, nor less than the best corner.
 
-    Args:
-        asked: Of which cell and motion.
-        box: The box.
-        varying: Parameters that matter.
-        best: Ranges of the best corner, or nominal load, at every sample.
-
     Returns:
         The ranges, and the samples where an answer was not verified.
     """
     least = {name: box.ranges[name][0] for name in varying}
-    problem = asked.problem(box.load_at(least))
-    others = [asked.problem(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
+    rows = partial(problem_of_load, cell, motion, options)
+    problem = rows(box.load_at(least))
+    others = [rows(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
     search = _Search(problem, load_sensitivity(problem, others))
     infeasible, in_order = np.isinf(best.lower), np.all(problem.lower <= problem.upper, axis=1)
     wanted: dict[Side, NDArray[np.int_]] = {
@@ -144,16 +162,16 @@ def _searched(
     for side, samples in wanted.items():
         if not len(samples):
             continue
-        counted = partial(_count_on, asked.progress, done, total)
+        counted = partial(_count_on, progress, done, total)
         found = search.run(samples, side, best, _starts(box, varying, best, side), counted)
         done += len(samples)
         low, high = (np.array([box.ranges[name][end] for name in varying]) for end in (0, 1))
         values = np.clip(low + found.parameters * (high - low), low, high)
         points = [LoadPoint(dict(zip(varying, map(float, row), strict=True)), np.zeros(0)) for row in values]
         points = [replace(point, load=box.load_at(point.parameters)) for point in points]
-        loads = np.tile(box.load_at({}), (asked.motion.samples, 1))
+        loads = np.tile(box.load_at({}), (motion.samples, 1))
         loads[samples] = [point.load for point in points]
-        checked = sample_ranges(asked.problem(loads).at(samples), asked.motion.object.time[samples], asked.solver)
+        checked = sample_ranges(rows(loads).at(samples), motion.object.time[samples], options.solver)
         best, unverified = _keep_better(best, side, samples, points, checked, found)
         missed |= unverified
     return best, tuple(sorted(missed))

@@ -2,7 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,26 +13,24 @@ import numpy as np
 from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import SolverError, as_array
+from mrts.base.errors import SolverError
+from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import squared_limits
+from mrts.limits import limit_rows
 from mrts.program.excess import Excess
-from mrts.program.formulation import DistributionName, FormulationName
-from mrts.program.load_sharing import LoadSharing
 from mrts.program.motor_terms import motor_terms
 from mrts.program.range_status import RangeStatus
-from mrts.program.rate_limits import RateLimits
 from mrts.program.reserve import PlanReserve, plan_reserve
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.scaling.limit_use import LimitUse, found_limit_uses, largest_step, limit_uses, rate_uses
-from mrts.scaling.load_study import LoadStudy
+from mrts.scaling.limit_use import LimitUse, found_limit_uses, largest_step, limit_tables, limit_uses, rate_uses
+from mrts.scaling.loads import LoadStudy, range_at_samples
+from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
-from mrts.scaling.result_tables import limit_tables, result_rows
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 if TYPE_CHECKING:
@@ -63,36 +61,6 @@ class Residuals(InNotebooks):
     object: float
 
 
-@dataclass(frozen=True)
-class DistributionRule(InNotebooks):
-    """How torques are distributed.
-
-    Attributes:
-        sharing: A fixed distribution of the load; None leaves it to the quadratic program.
-        formulation: Unknowns of the programs.
-        weights: W of the quadratic program, None for the identity.
-        distribute: "least-torque" is the quadratic program alone, "reserve" keeps most of every limit free before it.
-        rates: Limits of rates that they keep; None where they may change as fast as they like.
-    """
-
-    sharing: LoadSharing | None = None
-    formulation: FormulationName = "wrench"
-    weights: Array | None = None
-    distribute: DistributionName = "least-torque"
-    rates: RateLimits | None = None
-
-    def __post_init__(self) -> None:
-        """Torques may be distributed later: the weights are then what they are now.
-
-        Raises:
-            InputError: If the weights are not numbers of one shape.
-        """
-        if self.weights is not None:
-            weights = as_array("weights", self.weights)
-            weights.setflags(write=False)
-            object.__setattr__(self, "weights", weights)
-
-
 @dataclass(frozen=True, repr=False)
 class ScalingResult(InNotebooks):
     """What `mrts.scale` found.
@@ -100,11 +68,12 @@ class ScalingResult(InNotebooks):
     Attributes:
         cell: The cell.
         motion: The given motion of the whole cell.
-        found: The admissible range of c², with the reason where there is none, or what finds it.
-        trajectory: The motion at the chosen c²; None if no c² is admissible.
+        found: The admissible range of c², with the reason where there is none; None where it was not asked for.
+        c2: Chosen c²; None if none is admissible.
+        trajectory: The motion at the chosen c² with its torques; None where they were not distributed.
         fallbacks: Programs that the chosen solver did not solve and another did.
         load: What was asked of an uncertain load; None if the load is known.
-        rule: How torques are distributed.
+        options: What was asked.
         origin: What was done to the motion before, for people; empty if nothing.
         warnings: What to know of the cell and the motion before trusting the answer.
         excess: How far limits are overstepped between the samples; None if that was not looked at.
@@ -113,11 +82,12 @@ class ScalingResult(InNotebooks):
 
     cell: Cell
     motion: CoordinatedMotion
-    found: ScalingRange | Callable[[], ScalingRange] = field(repr=False, compare=False)
+    found: ScalingRange | None
+    c2: float | None
     trajectory: ScaledTrajectory | None
     fallbacks: int
     load: LoadStudy | None = None
-    rule: DistributionRule = DistributionRule()
+    options: Options = field(default_factory=Options)
     origin: str = ""
     warnings: tuple[Remark, ...] = ()
     excess: Excess | None = None
@@ -125,12 +95,12 @@ class ScalingResult(InNotebooks):
 
     @cached_property
     def range(self) -> ScalingRange:
-        """The admissible range of c², with the reason where there is none.
+        """The admissible range of c², with the reason where there is none; at the samples where it was not asked for.
 
         Raises:
             SolverError: If no solver answers.
         """
-        return self.found() if callable(self.found) else self.found
+        return self.found or range_at_samples(self.cell, self.motion, self.options)[0]
 
     def __repr__(self) -> str:
         done = self.trajectory
@@ -143,14 +113,20 @@ class ScalingResult(InNotebooks):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Range and chosen speed, then what is made of each limited quantity."""
-        yield NotebookTable(("", ""), list(result_rows(self)))
-        for title, rows in limit_tables(self):
-            yield NotebookTable((title, "least", "largest", "used", "limits"), rows)
+        rows = [("outcome", self.status.value)]
+        if self.status.admits_motion:
+            rows.append(("range of c²", self.range.text()))
+        if self.trajectory is not None:
+            given = self.motion.object.time[-1]
+            rows.append(("chosen c²", f"{self.c2:.4g}"))
+            rows.append(("duration", f"{self.duration:.4g} s, as given {given:.4g} s"))
+        yield NotebookTable(("", ""), rows)
+        yield from limit_tables(self)
 
     @cached_property
     def limit_uses(self) -> tuple[LimitUse, ...]:
         """What the trajectory makes of each quantity that can be limited; nothing without a trajectory."""
-        return () if self.trajectory is None else found_limit_uses(self.cell, self.trajectory)
+        return found_limit_uses(self)
 
     @property
     def status(self) -> RangeStatus:
@@ -171,6 +147,17 @@ class ScalingResult(InNotebooks):
             return {}
         return {name: self.trajectory.wrench[:, part] for name, part in self.cell.wrench_slices.items()}
 
+    @property
+    def duration(self) -> float | None:
+        """Of the motion at the chosen c² [s]; None without one."""
+        return None if self.c2 is None else float(self.motion.object.time[-1] / np.sqrt(self.c2))
+
+    @property
+    def loads(self) -> tuple[LoadPoint | None, ...]:
+        """Loads that the range carries: None is the cell's, of a box its corners where none was looked at by itself."""
+        study = self.load
+        return (None,) if study is None else study.points or study.box.corners(study.box.varying)
+
     @cached_property
     def reserve(self) -> PlanReserve | None:
         """By how much limits may shrink before c² is not admissible; None if there is no trajectory.
@@ -180,11 +167,11 @@ class ScalingResult(InNotebooks):
         Raises:
             SolverError: If no solver answers.
         """
-        done, rule = self.trajectory, self.rule
+        done, options = self.trajectory, self.options
         if done is None:
             return None
-        loads = (None,) if self.load is None else self.load.points or self.load.box.corners(self.load.box.varying)
-        return plan_reserve(self.cell, self.motion, rule.formulation, rule.sharing, DEFAULT_SOLVER, done.c2, loads)
+        formulation, sharing = options.formulation, options.sharing
+        return plan_reserve(self.cell, self.motion, formulation, sharing, DEFAULT_SOLVER, done.c2, self.loads)
 
     def with_known_reserve(self, reserve: PlanReserve | None) -> Self:
         """The same result with its `reserve` as found before: finding it takes the cell's functions."""
@@ -244,7 +231,7 @@ class ScalingResult(InNotebooks):
 
     def sentence(self) -> str:
         """The outcome alone."""
-        rated = "" if self.rule.rates is None else "rates apart, " if self.origin else "within the rates, "
+        rated = "" if self.options.rates is None else "rates apart, " if self.origin else "within the rates, "
         text = f"{kept_text(self.cell.reserve, self.warnings)}{rated}{self._outcome()}"
         text = text if self.load is None else f"{self.load.sentence()}: {text}"
         return printable(f"{self.origin}; as it is now, {text}" if self.origin else text)
@@ -318,9 +305,9 @@ class ScalingResult(InNotebooks):
             "summary": self.sentence(),
             "warnings": [warning.to_json() for warning in self.warnings],
             "explanation": self.explanation() or None,
-            "distribute": self.rule.distribute,
+            "distribute": self.options.distribute,
             "kept_reserve": self.cell.reserve,
-            "kept_rates": self.rule.rates and self.rule.rates.to_json(),
+            "kept_rates": self.options.rates and self.options.rates.to_json(),
             **self.range.to_json(),
             "samples": samples.to_json(),
             "conflicts": [conflict.to_json() for conflict in samples.conflicts],
@@ -341,7 +328,7 @@ class ScalingResult(InNotebooks):
             "reserve": self.reserve and self.reserve.to_json(),
             "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
             "excess": self.excess and self.excess.to_json(),
-            "rates": [use.to_json() for use in rate_uses(self.trajectory, self.rule.rates)] if self.trajectory else [],
+            "rates": [use.rate_json() for use in rate_uses(self)],
         }
 
     def json_text(self) -> str:
@@ -380,7 +367,7 @@ def kept_text(reserve: float, warnings: Iterable[Remark] = ()) -> str:
 
 def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
     """Largest excess over a limit, as a share of it."""
-    rows, worst = squared_limits(cell, done.motion).given, 0.0
+    rows, worst = limit_rows(cell, done.motion), 0.0
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)
         here = rows.at(part)

@@ -2,18 +2,16 @@
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from types import NoneType
-from typing import TYPE_CHECKING, Literal
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MrtsError
-from mrts.base.remark import Remark
+from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
@@ -21,25 +19,24 @@ from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.program.excess import BETWEEN
 from mrts.program.formulation import DistributionName, FormulationName
-from mrts.program.infeasibility import Conflict
-from mrts.program.load_sharing import LoadSharing, check_distribution
+from mrts.program.infeasibility import Conflict, conflicts_at
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.motion_widening import motion_widening
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
+from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
-from mrts.program.search import Asked, Refinement, refine
+from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.program.torque_distribution import torque_weights
-from mrts.program.trajectory_programs import motion_ranges
-from mrts.scaling.chosen_c2 import conflict_at, loads_of
-from mrts.scaling.load_study import LoadStudy, load_question
+from mrts.scaling.loads import range_at_samples, ranges_of_load
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
-from mrts.scaling.range import ScalingRange, within_rates
-from mrts.scaling.result import END_TOLERANCE, DistributionRule, ScalingResult, kept_text
-from mrts.scaling.uncertain_load import range_at_samples
-from mrts.scaling.with_torques import ChosenFactor, check_rates
+from mrts.scaling.options import Options, Selection
+from mrts.scaling.range import ScalingRange, common_range, within_rates
+from mrts.scaling.result import END_TOLERANCE, ScalingResult, kept_text
+from mrts.scaling.torques import with_torques
 
 if TYPE_CHECKING:
     from mrts.program.constant_rates import RatedFactors
@@ -55,10 +52,9 @@ class SelectionError(MrtsError):
         result: The result with the range that was found; None before there is one.
     """
 
-    result: ScalingResult | None = None
-
-
-Selection = Literal["auto", "fastest", "nominal"] | float
+    def __init__(self, message: str, result: ScalingResult | None = None) -> None:
+        super().__init__(message)
+        self.result = result
 
 
 def scale(
@@ -68,7 +64,7 @@ def scale(
     *,
     sharing: LoadSharing | None = None,
     formulation: FormulationName = "wrench",
-    weights: Array | None = None,
+    weights: Array | float | None = None,
     solver: str = DEFAULT_SOLVER,
     load: str = "auto",
     distribute: DistributionName = "least-torque",
@@ -87,7 +83,8 @@ def scale(
             where nothing limits the speed.
         sharing: A fixed distribution of the load; None leaves it to the quadratic program.
         formulation: "wrench", or the paper's "torque".
-        weights: W of the quadratic program: None for the identity, diagonal, Shape (m,), or Shape (m, m).
+        weights: W of the quadratic program: None weighs each torque by its limit, diag(1 / τ̂²), so that weak joints are
+            spared; 1 weighs all alike, as in the paper; else the diagonal, Shape (m,), or the matrix, Shape (m, m).
         solver: Name in the registry of solvers.
         load: Which range is asked for where the load varies: "guaranteed" (for every load), "possible" (for some
             load), "grid:N" (for N masses), or "nominal". "auto" is "guaranteed" if the cell has a load box. Torques
@@ -113,241 +110,147 @@ def scale(
         SelectionError: If c² is not in the range; its `result` holds the range.
         SolverError: If no solver answers.
     """
-    rule = DistributionRule(sharing, formulation, weights, distribute)
     check_callable("progress", progress)
-    asked = factor_question(
-        cell, motion, select, rule, solver=solver, load=load, reserve=reserve, closure=closure, between=between,
-        rates=rates,
-    )  # fmt: skip
-    return asked.answer(progress).whole
+    check_type("cell", cell, Cell)
+    cell = cell if reserve is None else cell.with_reserve(reserve)
+    options = Options(
+        select=select,
+        sharing=sharing,
+        formulation=formulation,
+        weights=weights,
+        solver=solver,
+        load=load,
+        distribute=distribute,
+        between=between,
+        rates=None if rates is False else rate_limits(cell, rates),
+    ).checked(cell)
+    return with_torques(chosen_factor(cell, coordinate(cell, motion, closure), options, progress))
 
 
-def factor_question(
+def chosen_factor(
     cell: Cell,
-    motion: ObjectMotion | JointTable | CoordinatedMotion,
-    select: Selection,
-    rule: DistributionRule,
-    *,
-    solver: str,
-    load: str,
-    reserve: float | None,
-    closure: ClosureBound | None,
-    between: float | None,
-    rates: Rates,
-) -> "FactorQuestion":
-    """What `scale` asks, with arms that follow the object and all arguments checked; nothing is answered yet.
+    motion: CoordinatedMotion,
+    options: Options,
+    progress: Progress = lambda _done, _total: None,
+) -> ScalingResult:
+    """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
 
     Args:
-        cell: As in `scale`.
-        motion: Likewise.
-        select: Likewise.
-        rule: How torques are to be distributed, rates apart.
-        solver: As in `scale`.
-        load: Likewise.
-        reserve: Likewise.
-        closure: Likewise.
-        between: Likewise.
-        rates: Likewise.
-
-    Raises:
-        InputError: If an argument breaks a rule.
-        MotionError: If the arms cannot follow the object.
-    """
-    check_type("cell", cell, Cell)
-    _check_select(select)
-    check_type("sharing", rule.sharing, LoadSharing, NoneType)
-    check_distribution(rule.distribute, rule.sharing)
-    cell = cell if reserve is None else cell.with_reserve(reserve)
-    check_type("formulation", rule.formulation, str)
-    check_solver(solver)
-    question = load_question(cell, load, select)
-    torque_weights(rule.weights, sum(len(robot.joints) for robot in cell.robots))
-    tolerance = checked_tolerance(between)
-    rule = rule if rates is False else replace(rule, rates=rate_limits(cell, rates))
-    check_rates(rule, question)
-    given = coordinate(cell, motion, closure)
-    return FactorQuestion(
-        cell=cell, motion=given, select=select, rule=rule, solver=solver, question=question, tolerance=tolerance
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class FactorQuestion:
-    """What is asked of a motion at a constant factor of speed, checked.
-
-    Attributes:
         cell: The cell, with the reserve that it keeps.
         motion: Of the whole cell, as given.
-        select: As in `scale`.
-        rule: How torques are distributed.
-        solver: As in `scale`.
-        question: As from `load_question`.
-        tolerance: Share of a limit by which it may be overstepped between the samples; None for the bare samples.
+        options: Checked.
+        progress: As in `scale`.
+
+    Raises:
+        MotionError: If the arms cannot hold the object between the samples.
+        SelectionError: If c² is not in the range; its `result` holds the range.
+        SolverError: If no solver answers.
     """
-
-    cell: Cell
-    motion: CoordinatedMotion
-    select: Selection
-    rule: DistributionRule
-    solver: str
-    question: str
-    tolerance: float | None
-
-    def answer(self, progress: Progress = lambda _done, _total: None) -> ChosenFactor:
-        """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
-
-        Args:
-            progress: As in `scale`.
-
-        Raises:
-            MotionError: If the arms cannot hold the object between the samples.
-            SelectionError: If c² is not in the range; its `result` holds the range.
-            SolverError: If no solver answers.
-        """
-        cell, given, rule, own = self.cell, self.motion, self.rule, self.motion.object.time
-        found = admissible_range(cell, given, self.question, rule, self.solver, self.tolerance, progress)
-        found, factors = within_rate_limits(cell, found, rule, self.question, self.solver)
-        remarks = motion_remarks(cell, given, found.range)
-        remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(found.motion.object.time, own))
-        untouched = ScalingResult(
-            cell=cell,
-            motion=found.motion,
-            found=found.range,
-            trajectory=None,
-            fallbacks=found.range.samples.fallbacks,
-            load=found.study,
-            rule=rule,
-            warnings=remarks + found.remarks,
-        )
-        if not found.range.status.admits_motion or self.question == "possible":
-            return ChosenFactor(untouched, None)
-        try:
-            c2 = choose_c2(found.range, self.select, partial(self._conflict, found))
-            _check_rated(factors, found.range, c2)
-        except SelectionError as error:
-            refused = SelectionError(f"{kept_text(cell.reserve)}{error}")
-            refused.result = untouched
-            raise refused from None
-        excess = None if found.refinement is None else found.refinement.excess(c2)
-        return ChosenFactor(replace(untouched, excess=excess), c2, self.solver)
-
-    def _conflict(self, found: "AdmissibleRange", c2: float) -> Conflict | None:
-        return conflict_at(self.cell, found.motion, self.rule, c2, loads_of(found.study), self.solver)
-
-    @cached_property
-    def factor(self) -> ChosenFactor:
-        """The answer, found when it is first read; without a c² where none moves the object.
-
-        Raises:
-            MotionError: As `answer`.
-            SolverError: Likewise.
-        """
-        try:
-            return self.answer()
-        except SelectionError as error:
-            if error.result is None:
-                raise
-            return ChosenFactor(error.result, None)
-
-
-@dataclass(frozen=True)
-class AdmissibleRange:
-    """The range of c² of a motion, and the motion with the samples that it took.
-
-    Attributes:
-        motion: With the samples that were added.
-        range: Over them.
-        study: What was asked of an uncertain load; None if the load is known.
-        refinement: What was found between the samples; None if that was not looked at.
-        remarks: What to know of the samples that were added.
-    """
-
-    motion: CoordinatedMotion
-    range: ScalingRange
-    study: LoadStudy | None
-    refinement: Refinement | None = None
-    remarks: tuple[Remark, ...] = ()
+    result, refinement = admissible_range(cell, motion, options, progress)
+    result, factors = within_rate_limits(result)
+    remarks, own = motion_remarks(cell, motion, lambda: result.range, constant=True), motion.object.time
+    remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(result.motion.object.time, own))
+    result = replace(result, warnings=remarks + result.warnings)
+    if not result.status.admits_motion or options.load == "possible":
+        return result
+    try:
+        c2 = choose_c2(result.range, options.select, partial(conflict_at, result))
+        _check_rated(factors, result.range, c2)
+    except SelectionError as error:
+        raise SelectionError(f"{kept_text(cell.reserve)}{error}", result) from None
+    return replace(result, c2=c2, excess=None if refinement is None else refinement.excess(c2))
 
 
 def admissible_range(
     cell: Cell,
     motion: CoordinatedMotion,
-    question: str,
-    rule: DistributionRule,
-    solver: str,
-    tolerance: float | None,
+    options: Options,
     progress: Progress = lambda _done, _total: None,
-) -> AdmissibleRange:
-    """The range of c² of a motion (steps 1 and 2 of MMTSF), between its samples too.
+) -> tuple[ScalingResult, Refinement | None]:
+    """The range of c² of a motion, rates apart (steps 1 and 2 of MMTSF), between its samples too.
+
+    Of what is possible with some load, and with an internal wrench for each sample, only the given samples are looked
+    at.
 
     Args:
         cell: The cell.
         motion: Its motion.
-        question: As from `load_question`; of "possible" only the given samples are looked at.
-        rule: How torques are distributed; with an internal wrench for each sample, only these are looked at.
-        solver: Name in the registry.
-        tolerance: Share of a limit by which it may be overstepped between the samples; None for the bare samples.
+        options: Checked.
         progress: As in `scale`.
+
+    Returns:
+        A result without a c², of the motion with the samples that were added, and what was found between the samples;
+        None if that was not looked at.
 
     Raises:
         InputError: If an argument breaks a rule.
         MotionError: If the arms cannot hold the object between the samples.
         SolverError: If no solver answers.
     """
-    sharing, formulation = rule.sharing, rule.formulation
+    sharing, formulation, tolerance = options.sharing, options.formulation, options.between
 
-    def along(path: CoordinatedMotion, told: Progress, high: float = np.inf) -> tuple[ScalingRange, LoadStudy | None]:
-        return range_at_samples(cell, path, question, formulation, sharing, solver, told, high)
+    def result(path: CoordinatedMotion, rows: MotionRows) -> ScalingResult:
+        found, study = range_at_samples(cell, path, options, progress, rows=rows)
+        return ScalingResult(
+            cell=cell,
+            motion=path,
+            found=found,
+            c2=None,
+            trajectory=None,
+            fallbacks=found.samples.fallbacks,
+            load=study,
+            options=options,
+        )
 
-    def widening(path: CoordinatedMotion, places: NDArray[np.intp], loads: Array | None, c2: Array) -> Array:
-        return motion_widening(cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places)
-
-    found, study = along(motion, progress)
+    rows = motion_rows(cell, motion)
+    first = result(motion, rows)
+    given = first.range
     prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
-    if tolerance is None or question == "possible" or prescribed or not found.status.admits_motion:
-        return AdmissibleRange(motion, found, study)
+    if tolerance is None or options.load == "possible" or prescribed or not given.status.admits_motion:
+        return first, None
 
-    assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    high = found.upper.c2
+    assert given.lower is not None and given.upper is not None  # noqa: S101, PT018 (the range admits motion)
+    high = given.upper.c2
 
-    def ranges(path: CoordinatedMotion) -> SampleRanges:
-        if question == "nominal":
-            return motion_ranges(cell, path, formulation, sharing, solver, None, high)
-        return along(path, lambda _done, _total: None, high)[0].samples
+    def ranges(path: CoordinatedMotion, there: MotionRows) -> SampleRanges:
+        if options.load == "nominal":
+            return ranges_of_load(cell, path, options, None, high, there)
+        return range_at_samples(cell, path, options, high=high, rows=there)[0].samples
 
-    asked = Asked(ranges, widening)
-    refined = refine(cell, motion, found.samples, (found.lower.c2, high), asked, tolerance)
+    def widening(
+        path: CoordinatedMotion, there: MotionRows, places: NDArray[np.intp], loads: Array | None, c2: Array
+    ) -> Array:
+        return motion_widening(
+            cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places, rows=there
+        )
+
+    refined = refine(cell, (motion, rows), given.samples, (given.lower.c2, high), ranges, widening, tolerance)
     if refined.motion is motion:
-        return AdmissibleRange(motion, found, study, refined)
-    finer, study = along(refined.motion, progress)
-    return AdmissibleRange(refined.motion, finer, study, refined, interpolated(motion, found, finer))
+        return first, refined
+    finer = result(refined.motion, motion_rows(cell, refined.motion))
+    return replace(finer, warnings=interpolated(motion, given, finer.range)), refined
 
 
-def within_rate_limits(
-    cell: Cell, found: AdmissibleRange, rule: DistributionRule, question: str, solver: str
-) -> tuple[AdmissibleRange, "RatedFactors | None"]:
+def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFactors | None"]:
     """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without.
 
     Args:
-        cell: The cell.
-        found: The range, rates apart.
-        rule: With the limits, if there are any.
-        question: As from `load_question`.
-        solver: Name in the registry.
+        result: With the range, rates apart.
+
+    Raises:
+        SolverError: If no solver answers.
     """
-    if rule.rates is None or not found.range.status.admits_motion:
-        return found, None
+    cell, motion, options, found = result.cell, result.motion, result.options, result.range
+    if options.rates is None or not found.status.admits_motion:
+        return result, None
     from mrts.program.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
 
     def below(high: float) -> ScalingRange:
-        return range_at_samples(
-            cell, found.motion, question, rule.formulation, rule.sharing, solver, high=high * (1 + POINT_TOLERANCE)
-        )[0]
+        return range_at_samples(cell, motion, options, high=high * (1 + POINT_TOLERANCE))[0]
 
-    points = loads_of(found.study)
-    loads = [None if point is None else point.load for point in points]
-    factors = RatedFactors(cell, found.motion, loads, rule.sharing, rule.rates)
-    return replace(found, range=within_rates(found.range, factors, below, points)), factors
+    loads = [None if point is None else point.load for point in result.loads]
+    factors = RatedFactors(cell, motion, loads, options.sharing, options.rates)
+    return replace(result, found=within_rates(found, factors, below, result.loads)), factors
 
 
 def _check_rated(factors: "RatedFactors | None", found: ScalingRange, c2: float) -> None:
@@ -362,10 +265,33 @@ def _check_rated(factors: "RatedFactors | None", found: ScalingRange, c2: float)
         )
 
 
-def _check_select(select: object) -> None:
-    known = select in {"auto", "fastest", "nominal"} if isinstance(select, str) else isinstance(select, int | float)
-    if not known or isinstance(select, bool):
-        raise InputError("select", "must be 'auto', 'fastest', 'nominal' or a number.", value=select)
+def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
+    """What forbids a c², at the sample where limits would have to move outward the most; None if nothing does.
+
+    There all rows are linear, and no interval has to be known.
+
+    Args:
+        result: Of the motion, with the loads that must be carried.
+        c2: The c².
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    cell, motion, worst = result.cell, result.motion, None
+    formulation, sharing = result.options.formulation, result.options.sharing
+    for point in result.loads:
+        load = None if point is None else point.load
+        share = motion_widening(
+            cell, motion, np.full(motion.samples, c2), formulation=formulation, sharing=sharing, load=load
+        )
+        sample = np.array([np.argmax(share)])
+        problem = build_sample_problem(
+            cell, motion, formulation=formulation, sharing=sharing, load=load, samples=sample
+        )
+        (found,) = conflicts_at(problem, np.array([c2]), motion.object.time[sample], result.options.solver)
+        if found is not None and (worst is None or found.widening > worst.widening):
+            worst = replace(found, sample=int(sample[0]), load=point, c2=c2)
+    return worst
 
 
 def choose_c2(
@@ -410,3 +336,43 @@ def choose_c2(
             f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{load} {rows} forbid it."
         )
     raise SelectionError(f"{outside}. The {side} end is set {end.place()}.")
+
+
+def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAULT_SOLVER) -> ScalingResult:
+    """Eqs. (47), (48), (49): the quadratic program with a known load k, at the c² of a result.
+
+    At a c² of the guaranteed range every load of the box has such torques; motion and duration stay as they are. Limits
+    of rates that the result keeps are kept.
+
+    Args:
+        result: A result with a trajectory.
+        load: Load vector, Shape (10,), as from `LoadBox.load_at` or of `LoadBox.draw`.
+        solver: As in `scale`; the distribution follows the result's own rule.
+
+    Returns:
+        The same result with the torques of this load.
+
+    Raises:
+        InputError: If the result has no trajectory or an argument breaks a rule.
+        SelectionError: If this load cannot be carried at that c²; its `result` holds the range that it admits.
+        SolverError: If no solver answers.
+    """
+    check_type("result", result, ScalingResult)
+    check_solver(solver)
+    if result.trajectory is None or result.c2 is None:
+        raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
+    cell, motion, c2 = result.cell.with_load(load), result.motion, result.c2
+    options = replace(result.options, solver=solver)
+    own = common_range(partial(ranges_of_load, cell, motion, options, None))
+    refused = replace(result, cell=cell, options=options, found=own, c2=None, trajectory=None, load=None)
+    if own.admitted(c2, END_TOLERANCE) is None and not (own.samples.several and conflict_at(refused, c2) is None):
+        raise SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}", refused)
+    # what is overstepped between the samples is convex in the load: of a box the corners tell it
+    excess = result.excess if result.load is not None and result.load.question == "guaranteed" else None
+    fallbacks = result.fallbacks + own.samples.fallbacks
+    try:
+        return with_torques(replace(result, cell=cell, options=options, fallbacks=fallbacks, excess=excess))
+    except SolverError as error:
+        if options.rates is None:
+            raise
+        raise SelectionError(f"c² = {c2:g} does not suit this load where rates are kept: {error}", refused) from None

@@ -14,9 +14,24 @@ from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.cell.motors.joint_duty import JointDuty, joint_duty
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.torque_limits import torque_limits
+from mrts.limits.cell_limits import torque_limits
 from mrts.program.motor_terms import motor_terms
-from mrts.scaling.holding_torques import Holding
+
+
+@dataclass(frozen=True)
+class Holding(InNotebooks):
+    """What a controller needs before the first and after the last sample, at both ends of a motion.
+
+    Attributes:
+        ends: Whether there are such torques at the start, and at the end: only where the motion is at rest there but
+            accelerates, and the limits let the cell hold still.
+        torque: Shape (2, m) [N m or N]; zero where there are none.
+        wrench: Robot after robot in base axes, Shape (2, n w) [N, N m]; zero where there are none.
+    """
+
+    ends: tuple[bool, bool]
+    torque: Array
+    wrench: Array
 
 
 @dataclass(frozen=True, repr=False)
@@ -29,7 +44,7 @@ class ScaledTrajectory(InNotebooks):
         c2: c² > 0.
         torque: τ that the motors give, on the joint side of their gears, Shape (N, m) [N m or N].
         wrench: F, robot after robot in base axes, Shape (N, n w) [N, N m].
-        holding: What holds the object still before and after; None if it was not asked for.
+        holding: What holds the object still before and after; None where it is not known.
     """
 
     cell: Cell

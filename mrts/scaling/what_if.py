@@ -4,7 +4,6 @@
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from math import degrees, inf
 from typing import TYPE_CHECKING, Any
 
@@ -18,11 +17,9 @@ from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.following.following_again import FollowedAgain, following_again
 from mrts.limits.rows import ActiveRow
-from mrts.program.trajectory_programs import motion_ranges
-from mrts.scaling.range import ScalingRange, common_range
-from mrts.scaling.result_tables import changes_table
-from mrts.scaling.scale import AdmissibleRange, within_rate_limits
-from mrts.scaling.uncertain_load import range_at_samples
+from mrts.scaling.loads import range_at_samples
+from mrts.scaling.range import ScalingRange
+from mrts.scaling.scale import within_rate_limits
 
 if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
@@ -172,7 +169,13 @@ class WhatIf(InNotebooks):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """What gains most, what loses most, what cannot be played."""
-        yield changes_table(self)
+        rows = [
+            (str(one.change), one.amount if one.after.duration is not None else one.after.status,
+             ", ".join(one.after.limits) or one.after.reason)
+            for group in self.sorted()
+            for one in group[:MOST_LOSSES]
+        ]  # fmt: skip
+        yield NotebookTable(("change", "effect", "then limited by"), rows)
 
     @property
     def without_effect(self) -> tuple[str, ...]:
@@ -335,29 +338,27 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
         why = "is of a motion that was retimed: ask what mrts.retime found, or scale the motion as it was given."
         raise InputError("result", why)
     cell, study = result.cell, result.load
-    question = "nominal" if study is None else study.question
-    if study is not None and question == "possible":
+    options = replace(result.options, solver=solver, load="nominal" if study is None else study.question)
+    if options.load == "possible":
         why = "is of what is possible with some load, which no change is asked of: ask for the guaranteed range."
-        raise InputError("result", why, value=question)
+        raise InputError("result", why, value=options.load)
     if study is not None:
         cell = replace(cell, load=study.box.nominal_point().load, load_box=study.box)
 
-    rule = result.rule
-
     def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
-        whole = range_at_samples(changed, motion, question, rule.formulation, rule.sharing, solver)
-        within, _ = within_rate_limits(changed, AdmissibleRange(motion, *whole), rule, question, solver)
-        return _of_range(within.range, float(motion.object.time[-1]))
+        found, loads = range_at_samples(changed, motion, options)
+        again = replace(result, cell=changed, motion=motion, found=found, load=loads, options=options)
+        return _of_range(within_rate_limits(again)[0].range, float(motion.object.time[-1]))
 
     followed = following_again(cell, result.motion)
     before = answer(cell, followed.motion)
 
     def sooner(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         """The same; to find which rows bind takes longer than to see that the range stays."""
-        whole = common_range(partial(motion_ranges, changed, motion, rule.formulation, rule.sharing, solver, None))
+        whole, _ = range_at_samples(changed, motion, options)
         return before if _leaves(whole, before.c2) else _of_range(whole, float(motion.object.time[-1]))
 
-    known = question == "nominal" and rule.rates is None
+    known = options.load == "nominal" and options.rates is None
     return ask_changes(cell, followed, before, steps, sooner if known else answer, progress)
 
 

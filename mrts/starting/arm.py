@@ -10,7 +10,7 @@ import numpy as np
 from mrts.base.arrays import Array, cross
 from mrts.base.formats.urdf_tree import ArmChain
 from mrts.base.rigid_transform import PLANE_TOLERANCE, RigidTransform
-from mrts.cell.robot import Robot
+from mrts.cell.robot import Robot, RobotSource
 from mrts.drawing.bodies.cell_shapes import body_poses
 
 NO_LEVER = 1e-3
@@ -123,6 +123,19 @@ def make_arm(name: str, chain: ArmChain) -> Arm:
         torque_upper=effort,
         wrench_lower=np.full(6, -np.inf),
         wrench_upper=np.full(6, np.inf),
+        source=RobotSource(
+            urdf="",
+            xacro_args={},
+            sha256="",
+            base_link=chain.base_link,
+            tip_link=chain.tip_link,
+            fixed={},
+            T_base_root=chain.T_root_base.inverse(),
+            carried_mass=(*chain.mass.tolist(),),
+            point_links=chain.point_links,
+            effort=None,
+            friction=None,
+        ),
     )
     corners = [*chain.points, chain.T_base_tip.p]
     reach = float(sum(np.linalg.norm(b - a) for a, b in pairwise(corners)))

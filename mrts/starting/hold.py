@@ -10,10 +10,11 @@ import yaml
 
 from mrts.base.argument_types import check_type
 from mrts.base.errors import InputError
+from mrts.base.formats.pose import Pose
+from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.base.yaml_parser import parse_yaml
-from mrts.cell.cell import Cell
-from mrts.cell.robot_changes import Numbers, pose_from
+from mrts.cell.cell import Cell, Numbers
 from mrts.drawing.bodies.cell_shapes import body_poses
 from mrts.starting.cell_writing import flow
 from mrts.starting.proposal import pose_keys
@@ -34,7 +35,8 @@ def hold_here(cell: Cell, xyz: Numbers, rpy: Numbers = (0.0, 0.0, 0.0)) -> Cell:
         InputError: If a value breaks a rule of the cell file, or a hand of a planar cell is out of the plane.
     """
     check_type("cell", cell, Cell)
-    T_world_object = pose_from("hold_here", xyz, rpy)
+    given = {"xyz": plain("hold_here", xyz), "rpy": plain("hold_here", rpy)}
+    T_world_object = Pose.read("hold_here", given).transform
     robots = []
     for robot in cell.robots:
         R, p = body_poses(robot, robot.posture[None])

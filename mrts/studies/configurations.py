@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
-from types import NoneType
 
 import numpy as np
 
@@ -23,12 +22,12 @@ from mrts.following.tracking_messages import WORDINGS, TrackingFailure
 from mrts.following.variant_tracking import TrackedVariants, follow_from
 from mrts.kernel.tracking import OUT_OF_REACH, FollowedVariants
 from mrts.motion.object_motion import ObjectMotion
-from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.program.excess import BETWEEN
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.range_status import RangeStatus
-from mrts.program.solvers import DEFAULT_SOLVER, check_solver
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
-from mrts.scaling.result import DistributionRule
 from mrts.scaling.scale import admissible_range
 
 DEFAULT_CAP = 1024
@@ -211,10 +210,8 @@ def rank_configurations(
     check_type("cell", cell, Cell)
     check_type("motion", motion, ObjectMotion)
     check_type("cap", cap, int)
-    check_type("sharing", sharing, LoadSharing, NoneType)
     check_callable("progress", progress)
-    check_solver(solver)
-    tolerance = checked_tolerance(between)
+    options = Options(sharing=sharing, solver=solver, between=between).checked(cell)
     if cap < 1:
         raise InputError("cap", "must be at least 1.", value=cap)
     check_motion(cell, motion)
@@ -226,23 +223,21 @@ def rank_configurations(
     scores = combinations if combinations > cap else 0
     total = scores + (0 if scores and sharing is not None else min(combinations, cap))
 
-    def evaluate(
-        choices: Iterable[tuple[Branch, ...]], rule: LoadSharing | None, before: int, of: Cell = cell
-    ) -> list[Configuration]:
+    def evaluate(choices: Iterable[tuple[Branch, ...]], before: int, of: Cell, how: Options) -> list[Configuration]:
         found = []
         for number, choice in enumerate(choices, start=before):
             progress(number, total)
-            found.append(_evaluate(of, motion, tracks, choice, DistributionRule(rule), solver, tolerance))
+            found.append(_evaluate(of, motion, tracks, choice, how))
         return sorted(found, key=lambda configuration: -configuration.c2_upper)
 
     ranked: list[Configuration] | None = None
     if scores:
         of = cell if sharing is not None else _without_hands(cell)
-        best = evaluate(chosen, sharing or LoadSharing(), 0, of)[:cap]
+        best = evaluate(chosen, 0, of, replace(options, sharing=sharing or LoadSharing()))[:cap]
         chosen = [configuration.branches for configuration in best]
         ranked = best if sharing is not None else None
     if ranked is None:
-        ranked = evaluate(chosen, sharing, scores)
+        ranked = evaluate(chosen, scores, cell, options)
     progress(total, total)
     return ConfigurationStudy(branches, tuple(ranked), combinations)
 
@@ -282,9 +277,7 @@ def _evaluate(
     motion: ObjectMotion,
     tracks: FollowedVariants,
     choice: tuple[Branch, ...],
-    rule: DistributionRule,
-    solver: str,
-    tolerance: float | None,
+    options: Options,
 ) -> Configuration:
     parts = []
     for values in (tracks.q, tracks.dq, tracks.ddq):
@@ -295,8 +288,7 @@ def _evaluate(
         parts.append(np.concatenate(columns, axis=1))
     q, dq, ddq = parts
     whole = CoordinatedMotion(motion, q, dq, ddq)
-    question = "nominal" if cell.load_box is None else "guaranteed"
-    return Configuration(choice, admissible_range(cell, whole, question, rule, solver, tolerance).range)
+    return Configuration(choice, admissible_range(cell, whole, options)[0].range)
 
 
 def outcome(configuration: Configuration) -> str:

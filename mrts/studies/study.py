@@ -2,7 +2,7 @@
 """A study: a cell and a motion of which numbers vary, and what is asked of each variant."""
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -11,7 +11,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
-from mrts.base.argument_types import as_path, check_type
+from mrts.base.argument_types import as_path, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
@@ -150,6 +150,7 @@ class Study(InNotebooks):
         mesh: That of the object, None where it has none.
         joints: Names of each robot's joints, base to tip, by robot.
         digest: Hash of all that the answers depend on.
+        limits: Further limits of the cell, as `mrts.Cell.with_limits` takes them.
     """
 
     path: Path
@@ -166,9 +167,10 @@ class Study(InNotebooks):
     mesh: StudyFile | None
     joints: dict[str, tuple[str, ...]]
     digest: str
+    limits: tuple[Callable[..., Any], ...] = ()
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Study) and other.digest == self.digest
+        return isinstance(other, Study) and (other.digest, other.limits) == (self.digest, self.limits)
 
     def __hash__(self) -> int:
         return hash(self.digest)
@@ -176,6 +178,19 @@ class Study(InNotebooks):
     def __repr__(self) -> str:
         varied = ", ".join(parameter.path for parameter in self.parameters)
         return f"<Study of cell '{self.cell['name']}': {self.variants} variants ({self.sample}) of {varied}>"
+
+    def with_limits(self, *limits: Callable[..., Any]) -> Self:
+        """The same study of a cell with further limits; workers must be able to import them.
+
+        Args:
+            *limits: As `mrts.Cell.with_limits` takes them.
+
+        Raises:
+            InputError: If one is no function.
+        """
+        for limit in limits:
+            check_callable("limits", limit)
+        return replace(self, limits=limits)
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """What varies."""

@@ -27,7 +27,7 @@ from mrts.base.input_file import read_text
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
-from mrts.limits import LIMITS
+from mrts.limits.row_check import limit_name
 from mrts.studies.study import Study
 from mrts.studies.study_record import FORMAT, study_record
 from mrts.studies.variant_rows import column_types
@@ -248,7 +248,7 @@ def study_content(study: Study) -> dict[str, Any]:
             "file": study.path.name,
             "cell": study.cell,
             "motion": study.motion,
-            "limits": list(LIMITS),
+            "limits": list(map(limit_name, study.limits)),
             "question": asdict(study.question),
             "vary": [asdict(each) | {"bounds": each.spread.bounds, "text": str(each)} for each in study.parameters],
             "sample": study.sample,

@@ -18,12 +18,6 @@ from mrts.following.variant_tracking import VariantTracking
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import PATH
 from mrts.kernel.variants import variant_ranges
-from mrts.limits import LIMITS
-from mrts.limits.contact_limits import contact_limits
-from mrts.limits.motor_limits import motor_limits
-from mrts.limits.torque_limits import torque_limits
-from mrts.limits.velocity_limits import velocity_limits
-from mrts.limits.wrench_limits import wrench_limits
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
@@ -50,10 +44,8 @@ STRIDE = 8
 KEPT = 4
 """Studies whose cells are kept ready."""
 
-COVERED = (torque_limits, wrench_limits, contact_limits, velocity_limits, motor_limits)
-"""Limits that the native calls keep; with others registered, variants are solved one by one."""
 
-
+@lru_cache(maxsize=KEPT)
 def batch_for(study: Study) -> "VariantBatch | None":
     """What solves the variants of a study at once; None where they take more than that.
 
@@ -64,15 +56,9 @@ def batch_for(study: Study) -> "VariantBatch | None":
     Args:
         study: The study.
     """
-    return _batch(study) if tuple(LIMITS.values()) == COVERED else None
-
-
-@lru_cache(maxsize=KEPT)
-def _batch(study: Study) -> "VariantBatch | None":
-    """The same, as far as the study decides it."""
     question = study.question
     asked = (question.profile, question.torques, question.between) == ("constant", False, None)
-    if not asked:
+    if not asked or study.limits:
         return None
     here = study.at_hand()
     try:

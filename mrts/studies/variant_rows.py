@@ -17,10 +17,9 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.range_status import RangeStatus
-from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.scaling.load_study import load_question
+from mrts.scaling.options import Options
 from mrts.scaling.range import RangeEnd, ScalingRange
-from mrts.scaling.result import DistributionRule, ScalingResult
+from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import SelectionError, admissible_range, scale
 from mrts.studies.study import Study
 from mrts.studies.study_record import ANSWERS
@@ -138,7 +137,7 @@ def solved_row(study: Study, point: Array) -> Row:
     """
     try:
         keys, motion_keys = study.descriptions(point)
-        cell = Cell.from_description(keys, folder=study.folder)
+        cell = Cell.from_description(keys, folder=study.folder).with_limits(*study.limits)
         motion = study.table if study.table is not None else sample_motion(MotionDescription(**motion_keys))
         return _answer(study, cell, motion)
     except InputError as error:
@@ -159,10 +158,8 @@ def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
     if question.torques:
         return _scaled(study, cell, motion)
     cell = cell if question.reserve is None else cell.with_reserve(question.reserve)
-    asked = load_question(cell, question.load, "auto")
-    path = coordinate(cell, motion, None)
-    found = admissible_range(cell, path, asked, DistributionRule(), DEFAULT_SOLVER, question.between)
-    return range_row(found.range, float(path.object.time[-1]))
+    options = Options(load=question.load, between=question.between).checked(cell)
+    return _row(admissible_range(cell, coordinate(cell, motion, None), options)[0])
 
 
 def _scaled(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
@@ -181,7 +178,7 @@ def _retimed(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row
     """The row of a variant whose fastest timing is wanted: the range is that of a constant factor."""
     question = study.question
     found = retime(cell, motion, load=question.load, reserve=question.reserve, between=question.between)
-    row = _row(found.factor.bare) | {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
+    row = _row(found.factor) | {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
     if found.status.admits_motion:
         return row | ({} if found.retimed is None else _torques(study, found.retimed))
     unbounded = found.status is RetimingStatus.UNBOUNDED

@@ -43,7 +43,7 @@ class BestVariant:
     @property
     def constant(self) -> ScalingResult:
         """The result of the constant factor, for its range."""
-        return self.result.factor.bare if isinstance(self.result, RetimingResult) else self.result
+        return self.result.factor if isinstance(self.result, RetimingResult) else self.result
 
     @property
     def duration(self) -> float | None:
@@ -130,6 +130,7 @@ def best_lines(best: list[BestVariant], folder: Path) -> Iterator[str]:
 
 
 def _solved_again(study: Study, cell_file: Path, motion_file: Path) -> ScalingResult | RetimingResult:
-    cell, motion, question = load_cell(cell_file), load_motion(motion_file), study.question
+    cell, motion = load_cell(cell_file).with_limits(*study.limits), load_motion(motion_file)
+    question = study.question
     solve = retime if question.profile == "optimal" else scale
     return solve(cell, motion, load=question.load, reserve=question.reserve)

@@ -13,7 +13,6 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.base.version import __version__
-from mrts.limits import LIMITS
 from mrts.studies.study import Study
 from mrts.studies.variant_rows import solve_variants
 from mrts.sweeps.worker_pools import WorkerPool
@@ -45,27 +44,20 @@ class Chunk(NamedTuple):
     last: int
 
 
-def solve_chunk(pickled: bytes, version: str, limits: tuple[str, ...], first: int, last: int) -> Columns:
+def solve_chunk(pickled: bytes, version: str, first: int, last: int) -> Columns:
     """Solve variants: what a worker does.
 
     Args:
         pickled: The study.
         version: Of the mrts that asks.
-        limits: Names of the limits that it knows.
         first: The first variant.
         last: The one after the last.
 
     Raises:
-        InputError: If this is another mrts, or knows other limits: rows of two would stand side by side.
+        InputError: If this is another mrts: rows of two would stand side by side.
     """
     if version != __version__:
         raise InputError("worker", f"runs mrts {__version__}, the sweep {version}: install the same on all machines.")
-    if tuple(LIMITS) != limits:
-        rule = (
-            f"knows the limits {', '.join(LIMITS)}, the sweep {', '.join(limits)}: a limit of your own is a line in "
-            "mrts/limits/__init__.py on all machines, because what a script registers is not known to its workers."
-        )
-        raise InputError("worker", rule)
     return solve_variants(_study(pickled), first, last)
 
 
@@ -95,7 +87,11 @@ class ChunkSolver:
 
     def __init__(self, study: Study, pool: WorkerPool) -> None:
         self._study = study
-        self._pickled = pickle.dumps(study)
+        try:
+            self._pickled = pickle.dumps(study)
+        except (pickle.PicklingError, AttributeError):
+            rule = "must be functions of a module that workers can import, not of another function, and no lambda."
+            raise InputError("study: limits", rule) from None
         self._pool = pool
 
     def solved(self, chunks: Iterable[Chunk]) -> Generator[tuple[Chunk, list[Columns]]]:
@@ -135,7 +131,7 @@ class ChunkSolver:
             yield chunk, self._apart(chunk.first, chunk.last)
 
     def _submit(self, first: int, last: int) -> "Future[Columns]":
-        return self._pool.submit(solve_chunk, self._pickled, __version__, tuple(LIMITS), first, last)
+        return self._pool.submit(solve_chunk, self._pickled, __version__, first, last)
 
     def _apart(self, first: int, last: int) -> list[Columns]:
         """Rows that end their worker, or stumble over a defect: halved until those that do it are found."""

@@ -141,7 +141,7 @@ Named = Callable[[int], ActiveRow | Callable[[], ActiveRow | None]]
 
 def _least_excess(timed: RetimingResult, part: TimedPiece) -> tuple[Array, Named]:
     """The excess at all places of a piece, Shape (k,), where wrenches are free to do their best."""
-    cell, sharing, played = timed.cell, timed.rule.sharing, between_path_samples(timed.cell, part, PLACES)
+    cell, sharing, played = timed.cell, timed.options.sharing, between_path_samples(timed.cell, part, PLACES)
     shares = np.stack(
         [motion_widening(cell, played, np.ones(played.samples), sharing=sharing, load=load) for load in timed.loads]
     )
@@ -175,7 +175,7 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Nam
         carried += np.split(part.steps.profile.free, len(timed.loads), axis=1)
     over: list[Array] = []
     row_at: list[Callable[..., ActiveRow]] = []
-    rates = timed.rule.rates
+    rates = timed.options.rates
     limited = np.zeros(0, dtype=int) if rates is None else np.flatnonzero(np.isfinite(rates.jerk))
     if limited.size:
         jerk = _jerk_excess(part, limited, segment, x, u)
@@ -184,7 +184,7 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Nam
         row_at.append(lambda row, upper: ActiveRow(names[row], "upper", float(part.program.jerk[row])))  # noqa: ARG005
     for load, free in zip(loads, carried, strict=True):
         between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]
-        problem = build_sample_problem(timed.cell, path, sharing=timed.rule.sharing, load=load, varying=True)
+        problem = build_sample_problem(timed.cell, path, sharing=timed.options.sharing, load=load, varying=True)
         values = apply(problem.A, np.column_stack([between, u, x]))
         if problem.speed is not None:
             values += problem.speed * np.sqrt(x[:, None])

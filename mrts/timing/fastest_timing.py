@@ -17,9 +17,9 @@ from mrts.following.following_again import following_again
 from mrts.program.infeasibility import Conflict
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.trajectory_programs import motion_planes
-from mrts.scaling.guaranteed_range import effective_parameters
-from mrts.scaling.scale import FactorQuestion
+from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
+from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
 from mrts.timing.result import RetimingResult, RetimingStatus
@@ -36,7 +36,7 @@ STUCK = 1e6
 
 
 def fastest_timing(
-    compared: FactorQuestion,
+    compared: ConstantFactor,
     motion: CoordinatedMotion,
     end_speeds: tuple[float, float],
     progress: Progress,
@@ -55,7 +55,7 @@ def fastest_timing(
     """
     cell = compared.cell
     points: tuple[LoadPoint | None, ...] = (None,)
-    if compared.question == "guaranteed" and cell.load_box is not None:
+    if compared.options.load == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
     loads = tuple(cell.load if point is None else point.load for point in points)
     untimed = RetimingResult(cell, motion, RetimingStatus.OPTIMAL, "", compared, loads, end_speeds=end_speeds)
@@ -118,7 +118,7 @@ class _Search:
         length = float(np.sum(step))
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
-            load, sharing = None if point is None else point.load, self.untimed.rule.sharing
+            load, sharing = None if point is None else point.load, self.untimed.options.sharing
             known = motion_planes(self.untimed.cell, self.piece.path, sharing, load)
             if known is not None:
                 parts.append(regions_of_planes(*known, length, self.ends))
@@ -169,7 +169,7 @@ class _Search:
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"
-        upper = self.untimed.factor.bare.range.upper
+        upper = self.untimed.factor.range.upper
         why += "." if upper is None or upper.time is None else f"; c² is limited {upper.place()}."
         return self._none(RetimingStatus.STANDSTILL, why)
 
@@ -211,7 +211,7 @@ class _Search:
 
     def _problem(self, point: LoadPoint | None) -> SampleProblem:
         load = None if point is None else point.load
-        cell, sharing = self.untimed.cell, self.untimed.rule.sharing
+        cell, sharing = self.untimed.cell, self.untimed.options.sharing
         return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True)
 
     def _conflict(
@@ -251,7 +251,7 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
         raise InputError("what if", rule)
     asked = found.compared
     refined = found.motion.samples > asked.motion.samples
-    asked = replace(asked, rule=replace(asked.rule, rates=None), tolerance=None)
+    asked = replace(asked, options=replace(asked.options, rates=None, between=None))
 
     def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
         compared = replace(asked, cell=changed, motion=motion)

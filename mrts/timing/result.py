@@ -26,10 +26,10 @@ from mrts.program.infeasibility import Conflict
 from mrts.program.range_status import RangeStatus
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
-from mrts.scaling.result import DistributionRule, ScalingResult, kept_text
-from mrts.scaling.scale import FactorQuestion
+from mrts.scaling.options import Options
+from mrts.scaling.result import ScalingResult, kept_text
 from mrts.scaling.what_if import WhatIf
-from mrts.scaling.with_torques import ChosenFactor
+from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.profile_limits import profile_limits
 from mrts.timing.retimed_motion import TimedPiece, new_times
 from mrts.timing.smooth_piece import SmoothAnswer
@@ -89,7 +89,7 @@ class RetimingResult(InNotebooks):
         motion: The given motion; its time is the path parameter r.
         status: The outcome.
         explanation: Why there is no profile; empty if there is one.
-        compared: What is asked at a constant factor, the best of which it is compared with.
+        compared: The best constant factor, with what was asked.
         loads: Load vectors that the profile carries, each Shape (10,).
         pieces: The path from stop to stop with its fastest speed; empty if there is none.
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
@@ -104,7 +104,7 @@ class RetimingResult(InNotebooks):
     motion: CoordinatedMotion
     status: RetimingStatus
     explanation: str
-    compared: FactorQuestion
+    compared: ConstantFactor
     loads: tuple[Array, ...]
     pieces: tuple[TimedPiece, ...] = ()
     retimed: ScalingResult | None = None
@@ -134,13 +134,13 @@ class RetimingResult(InNotebooks):
             yield NotebookTable(("what limits the speed", "of the duration"), shares)
 
     @property
-    def rule(self) -> DistributionRule:
-        """How torques are distributed."""
-        return self.compared.rule
+    def options(self) -> Options:
+        """What was asked."""
+        return self.compared.options
 
     @property
-    def factor(self) -> ChosenFactor:
-        """The best constant factor, for comparison; its range is found when it is first asked for.
+    def factor(self) -> ScalingResult:
+        """The best constant factor without its torques, for comparison; found when it is first asked for.
 
         It keeps the limits that are registered then (docs/extending.md), as `retimed.range` does.
 
@@ -158,7 +158,7 @@ class RetimingResult(InNotebooks):
             MotionError: As `factor`.
             SolverError: If no solver answers, or the torques overstep a limit.
         """
-        return self.factor.whole
+        return self.compared.whole
 
     @property
     def duration(self) -> float | None:
@@ -171,7 +171,7 @@ class RetimingResult(InNotebooks):
         done = None if self.retimed is None else self.retimed.trajectory
         if done is None:
             return None
-        W = torque_weights(self.rule.weights, done.torque.shape[1])
+        W = torque_weights(self.options.weights, self.cell)
         squares = np.einsum("ni,ij,nj->n", done.torque, W, done.torque)
         return float(np.sum(np.diff(done.time) * (squares[1:] + squares[:-1]) / 2))
 
@@ -179,7 +179,7 @@ class RetimingResult(InNotebooks):
     def saving(self) -> float | None:
         """Share of the best constant factor's duration that is saved; None where that motion starts or ends moving."""
         best, duration = self.factor.duration, self.duration
-        if best is None or duration is None or self.factor.bare.status is RangeStatus.UNBOUNDED:
+        if best is None or duration is None or self.factor.status is RangeStatus.UNBOUNDED:
             return None
         if not (self.pieces[0].piece.rests[0] and self.pieces[-1].piece.rests[1]):
             return None
@@ -193,14 +193,14 @@ class RetimingResult(InNotebooks):
     @cached_property
     def limits(self) -> list[tuple[str, float]]:
         """What limits the speed, for which share of the duration, most first."""
-        return profile_limits(self.cell, self.pieces, self.rule.sharing, self.loads)
+        return profile_limits(self.cell, self.pieces, self.options.sharing, self.loads)
 
     @property
     def warnings(self) -> tuple[Remark, ...]:
         """What to know of the cell and the motion before trusting the answer."""
         if self.retimed is not None:
             return self.retimed.warnings
-        return lasting(self.factor.bare.warnings)
+        return lasting(self.factor.warnings)
 
     def what_if(
         self,
@@ -245,7 +245,7 @@ class RetimingResult(InNotebooks):
             less = "less" if self.saving >= 0 else "more"
             text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
             text += f"{best.c2:.4g}"
-            if self.rule.rates is not None and any(pushing_ends(best.bare.motion.dq, best.bare.motion.ddq)):
+            if self.options.rates is not None and any(pushing_ends(best.motion.dq, best.motion.ddq)):
                 text += ", whose torques jump at its ends"
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
@@ -263,11 +263,11 @@ class RetimingResult(InNotebooks):
             "warnings": [warning.to_json() for warning in self.warnings],
             "status": self.status.value,
             "explanation": self.explanation or None,
-            "distribute": self.rule.distribute,
+            "distribute": self.options.distribute,
             "kept_reserve": self.cell.reserve,
             "duration": self.duration,
             "saving": self.saving,
-            "constant": self.factor.bare.range.to_json(),
+            "constant": self.factor.range.to_json(),
             "conflict": None if self.conflict is None else [row.to_json() for row in self.conflict.rows],
             "smooth": self.smooth and self.smooth.to_json() | {"effort": self.effort},
             "kept_rates": self.smooth and self.smooth.rates.to_json(),

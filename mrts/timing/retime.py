@@ -3,7 +3,6 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from types import NoneType
 from typing import Any
 
@@ -15,6 +14,7 @@ from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
+from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
@@ -24,18 +24,15 @@ from mrts.program.excess import BETWEEN
 from mrts.program.formulation import DistributionName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.path_solver import KernelSolver
-from mrts.program.rate_limits import Rates
+from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.smooth_program import Goal
-from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import CONVERGED
-from mrts.program.trajectory_programs import motion_ranges
-from mrts.scaling.load_study import load_question
-from mrts.scaling.motion_remarks import interpolated_timing, lasting, timing_remarks
-from mrts.scaling.range import ScalingRange, common_range
-from mrts.scaling.result import DistributionRule, ScalingResult
-from mrts.scaling.scale import factor_question
-from mrts.scaling.with_torques import with_torques
+from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
+from mrts.scaling.options import Options
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.torques import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
+from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.held_wrenches import GivenTorques
 from mrts.timing.path_pieces import NoPath
@@ -57,7 +54,7 @@ def retime(
     motion: ObjectMotion | JointTable | CoordinatedMotion,
     *,
     sharing: LoadSharing | None = None,
-    weights: Array | None = None,
+    weights: Array | float | None = None,
     load: str = "auto",
     distribute: DistributionName = "least-torque",
     reserve: float | None = None,
@@ -95,7 +92,8 @@ def retime(
         rates: Whether torques, accelerations and contact wrenches may only change at limited rates: True for the limits
             of the cell, a number for the torque rate of the joints that have none, as a multiple of their torque limit
             [1/s]; docs/smooth.md.
-        weigh: With rates: weights of what is to be least, the "time" [1/s] and the "energy" ∫ τᵀWτ dt [1/(N² m² s)];
+        weigh: With rates: weights of what is to be least, the "time" [1/s] and the "energy" ∫ τᵀWτ dt [1/s; with W = 1
+            1/(N² m² s)];
             None is the time alone.
         least_energy_in: With rates: the longest duration, within which the energy is to be least [s].
         start_torque: With rates: torques that hold still where the motion begins, Shape (m,); None leaves them free
@@ -111,37 +109,39 @@ def retime(
         MotionError: If the arms cannot follow the object.
         SolverError: If no solver answers.
     """
-    question = _checked_question(cell, sharing, load, start_speed, end_speed, progress)
-    rule = DistributionRule(sharing, "wrench", weights, distribute)
+    _check_arguments(cell, sharing, start_speed, end_speed, progress)
+    cell = cell if reserve is None else cell.with_reserve(reserve)
+    options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between)
+    options = options.checked(cell)
+    if options.load not in {"guaranteed", "nominal"}:
+        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
     smooth = _smooth_options(
-        cell, rates, distribute, question, weigh=weigh, least_energy_in=least_energy_in,
+        cell, rates, distribute, options.load, weigh=weigh, least_energy_in=least_energy_in,
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
-    compared = factor_question(
-        cell, motion, "auto", rule, solver=DEFAULT_SOLVER, load=question, reserve=reserve, closure=closure,
-        between=between, rates=rates,
-    )  # fmt: skip
-    given, end_speeds = compared.motion, (start_speed, end_speed)
-    if compared.tolerance is not None:
-        check_held_between(compared.cell, given)
+    options = options if smooth is None else replace(options, rates=rate_limits(cell, rates))
+    given, end_speeds = coordinate(cell, motion, closure), (start_speed, end_speed)
+    compared = ConstantFactor(cell, given, options)
+    if options.between is not None:
+        check_held_between(cell, given)
     first = fastest_timing(compared, given, end_speeds, progress)
     fastest = refined_timing(
-        first, lambda path: fastest_timing(compared, path, end_speeds, progress, refined=True), compared.tolerance
+        first, lambda path: fastest_timing(compared, path, end_speeds, progress, refined=True), options.between
     )
     if smooth is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    time, remarks = given.object.time, timing_remarks(compared.cell, given, lambda: compared.factor.bare.range)
+    time, remarks = given.object.time, motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
     remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
     added = interpolated_timing(given, first.duration, fastest.duration)
-    return _played(fastest, rule, "fastest timing", remarks, added)
+    return _played(fastest, options, "fastest timing", remarks, added)
 
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     """The best timing within limits of rates, with its torques."""
     bare, before = question.bare, list[TimedPiece]()
-    constant = bare.factor.bare
+    constant = bare.factor
     nodes = smooth_nodes(bare.cell, constant.motion, bare.end_speeds)
     if isinstance(nodes, NoPath):
         return bare
@@ -151,7 +151,7 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
         before[:] = found.pieces
         return found
 
-    found = refined_timing(timed(nodes), timed, bare.compared.tolerance, near=NEAR)
+    found = refined_timing(timed(nodes), timed, bare.options.between, near=NEAR)
     pieces = smooth_pieces(found.pieces)
     gains = [part.steps.gain for part in pieces]
     answer = SmoothAnswer(
@@ -169,12 +169,12 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     torque, wrench = ([getattr(part, name) for part in pieces] for name in ("torque", "wrench"))
     plan = [np.concatenate([of[0], *(part[1:] for part in of[1:])]) for of in (torque, wrench)]
     remarks, stopped = lasting(constant.warnings), _stopped(answer, found)
-    return _played(found, bare.rule, answer.what, remarks, stopped, torques=(plan[0], plan[1]), also=f". {answer}")
+    return _played(found, bare.options, answer.what, remarks, stopped, torques=(plan[0], plan[1]), also=f". {answer}")
 
 
 def _played(
     timed: RetimingResult,
-    rule: DistributionRule,
+    options: Options,
     what: str,
     remarks: tuple[Remark, ...],
     added: tuple[Remark, ...],
@@ -193,20 +193,17 @@ def _played(
     untouched = ScalingResult(
         cell=timed.cell,
         motion=motion,
-        found=partial(_range, timed.cell, motion, rule),
+        found=None,
+        c2=1.0,
         trajectory=None,
         fallbacks=0,
-        rule=rule,
+        options=replace(options, load="nominal"),
         origin=f"{what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s{also}",
         warnings=remarks,
         excess=excess,
     )
-    played = with_torques(untouched, 1.0, None, DEFAULT_SOLVER, torques)
+    played = with_torques(untouched, torques)
     return replace(timed, retimed=replace(played, warnings=played.warnings + added))
-
-
-def _range(cell: Cell, motion: CoordinatedMotion, rule: DistributionRule) -> ScalingRange:
-    return common_range(partial(motion_ranges, cell, motion, rule.formulation, rule.sharing, DEFAULT_SOLVER, None))
 
 
 def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
@@ -278,10 +275,9 @@ def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None
     return goal
 
 
-def _checked_question(
-    cell: Cell, sharing: LoadSharing | None, load: str, start_speed: float, end_speed: float, progress: Progress
-) -> str:
-    """The question asked of the load, if all arguments keep their rules."""
+def _check_arguments(
+    cell: Cell, sharing: LoadSharing | None, start_speed: float, end_speed: float, progress: Progress
+) -> None:
     check_type("cell", cell, Cell)
     check_type("sharing", sharing, LoadSharing, NoneType)
     check_callable("progress", progress)
@@ -291,7 +287,3 @@ def _checked_question(
             raise InputError(name, rule, value=speed)
     if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
         raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
-    question = load_question(cell, load, "auto")
-    if question not in {"guaranteed", "nominal"}:
-        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
-    return question

@@ -63,8 +63,8 @@ class SmoothQuestion:
 
     @property
     def rates(self) -> RateLimits:
-        """Limits of rates, those of the rule."""
-        rates = self.bare.rule.rates
+        """Limits of rates."""
+        rates = self.bare.options.rates
         assert rates is not None  # noqa: S101 (else no smooth timing is asked for)
         return rates
 
@@ -72,18 +72,20 @@ class SmoothQuestion:
     def usual(self) -> float:
         """A duration of the size of the answer, whatever the given one is: what σ is measured in [s]."""
         best, given = self.bare.factor, float(self.bare.motion.object.time[-1])
-        if best.duration is None or best.bare.status is RangeStatus.UNBOUNDED:
+        if best.duration is None or best.status is RangeStatus.UNBOUNDED:
             return given if self.bare.duration is None else self.bare.duration
         return best.duration
 
     @property
     def weights(self) -> Array:
         """W of the effort, Shape (m, m)."""
-        return torque_weights(self.bare.rule.weights, self.bare.motion.q.shape[1])
+        return torque_weights(self.bare.options.weights, self.bare.cell)
 
     def problem(self, path: SmoothPath, load: Array) -> SampleProblem:
         """Rows of [F, u, x] at the nodes of a path."""
-        return build_sample_problem(self.bare.cell, path.path, sharing=self.bare.rule.sharing, load=load, varying=True)
+        return build_sample_problem(
+            self.bare.cell, path.path, sharing=self.bare.options.sharing, load=load, varying=True
+        )
 
     def program(
         self,

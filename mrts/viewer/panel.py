@@ -181,7 +181,7 @@ def speed_html(state: PlayerState | None) -> str:
         f"{html_text(one.name.short)} by {_percent(one.excess)} at {one.time:.3g} s" for one in passed[:MOST_NAMED]
     )
     text += f"; and {len(passed) - MOST_NAMED} more. " if len(passed) > MOST_NAMED else ". "
-    if state.result.rule.sharing is not None or len(state.result.cell.robots) == 1:
+    if state.result.options.sharing is not None or len(state.result.cell.robots) == 1:
         text += "The torques follow from the motion alone."
     else:
         text += "Where torques or wrenches do, all limits are moved outward by the least share that leaves torques."

@@ -21,13 +21,11 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.rate_limits import Rates
-from mrts.program.reserve import TORQUES
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.torque_distribution import torque_weights
-from mrts.scaling.chosen_c2 import conflict_at, loads_of
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
-from mrts.scaling.scale import SelectionError, scale
+from mrts.scaling.scale import SelectionError, conflict_at, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scaling.torques import distributed_torques
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime
 from mrts.viewer.offered_speeds import OF_TIMINGS, Speeds, offered_speeds
@@ -144,7 +142,7 @@ class PlayerState:
         between: float | None = BETWEEN,
         progress: Progress = lambda _done, _total: None,
     ) -> None:
-        self.sample, self.profile, self._solver = 0, profile, solver
+        self.sample, self.profile = 0, profile
         self.timing, self.refusal = None, ""
         asked: dict[str, Any] = {"sharing": sharing, "closure": closure, "between": between, "progress": progress}
         if profile == "constant":
@@ -158,7 +156,7 @@ class PlayerState:
 
     def _take_timing(self, found: RetimingResult) -> None:
         if found.retimed is None:
-            self.refusal, self.result = found.sentence(), found.factor.bare
+            self.refusal, self.result = found.sentence(), found.factor
             self.speeds = offered_speeds(self.result.range)
         else:
             self.timing, self.result, self.speeds = found, found.retimed, OF_TIMINGS
@@ -296,20 +294,18 @@ class PlayerState:
         found = result.range
         if found.lower is None or not found.status.admits_motion or c2 >= found.lower.c2:
             return found.admitted(c2, 0.0) is not None
-        return conflict_at(result.cell, result.motion, result.rule, c2, loads_of(result.load), self._solver) is None
+        return conflict_at(result, c2) is None
 
     def _distribute(self, c2: float) -> tuple[ScaledTrajectory, Array]:
-        result, solver = self.result, self._solver
-        cell, motion, rule = result.cell, result.motion, result.rule
+        result = self.result
+        cell, motion, options = result.cell, result.motion, result.options
         if self.timing is not None and c2 == 1:
             assert result.trajectory is not None  # noqa: S101 (a timing has torques)
             torque, wrench = result.trajectory.torque, result.trajectory.wrench
         elif self._admits(c2):
-            W = torque_weights(rule.weights, motion.q.shape[1])
-            distribute = TORQUES[rule.distribute]
-            torque, wrench, _ = distribute(cell, motion, rule.formulation, rule.sharing, solver, c2, W)
+            torque, wrench, _ = distributed_torques(cell, motion, options, c2)
         else:
-            torque, wrench = widened_torques(cell, motion, rule, c2, solver)
+            torque, wrench = widened_torques(cell, motion, options, c2)
         rows = limit_rows(cell, motion)
         excess = np.max(rows.excess(rows.value(torque, wrench, 0.0, sqrt(c2))), axis=1, initial=0.0)
         excess[excess <= LIMIT_TOLERANCE] = 0.0

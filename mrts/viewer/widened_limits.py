@@ -12,15 +12,14 @@ from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.widening import widening_at
-from mrts.scaling.result import BLOCK, DistributionRule
+from mrts.scaling.options import Options
+from mrts.scaling.result import BLOCK
 
 INTERIOR = 1e-6
 """A widened limit is widened by this share more: at the least widening the feasible set is a point."""
 
 
-def widened_torques(
-    cell: Cell, motion: CoordinatedMotion, rule: DistributionRule, c2: float, solver: str
-) -> tuple[Array, Array]:
+def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2: float) -> tuple[Array, Array]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at any c² > 0.
 
     At a sample that keeps its limits at this c² they are those of `TORQUES`. At any other, all limits are first
@@ -30,22 +29,21 @@ def widened_torques(
     Args:
         cell: The cell, with its load.
         motion: Its motion.
-        rule: How torques are distributed.
+        options: How torques are distributed.
         c2: Chosen c².
-        solver: Name in the registry.
 
     Raises:
-        InputError: If an argument breaks a rule.
+        InputError: If an argument breaks a options.
         SolverError: If no solver answers.
     """
-    by_reserve = rule.distribute == "reserve"
+    solver, by_reserve = options.solver, options.distribute == "reserve"
     cell = cell.with_reserve(0.0) if by_reserve else cell  # it is of the limits as they are given
-    W = torque_weights(rule.weights, motion.q.shape[1])
+    W = torque_weights(options.weights, cell)
     torques, wrenches = [], []
     for start in range(0, motion.samples, BLOCK):
         block = np.arange(start, min(start + BLOCK, motion.samples))
         problem = build_sample_problem(
-            cell, motion, formulation=rule.formulation, sharing=rule.sharing, samples=block
+            cell, motion, formulation=options.formulation, sharing=options.sharing, samples=block
         ).without_caps()  # no torques change what the speed alone moves
         widening = _least_widening(problem, c2, solver)[:, None] * problem.is_limit
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)

@@ -17,7 +17,7 @@ from mrts_codegen.cell_model import build_cell_model
 from mutations import mutated
 
 import mrts
-from mrts.base.manifest import read_generated
+from mrts.cell.record import read_generated
 from mrts.cli import main
 from mrts.studies.dry_run import study_lines
 from mrts.studies.variant_rows import solve_variants

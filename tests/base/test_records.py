@@ -3,6 +3,7 @@
 import json
 import random
 from copy import deepcopy
+from typing import Literal
 
 import pytest
 from pydantic import ConfigDict, ValidationError, create_model
@@ -10,40 +11,34 @@ from pydantic import ConfigDict, ValidationError, create_model
 from mrts.base.formats.broken_record import RULES, BrokenRecordError
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Record
-from mrts.base.manifest import (
-    ArgumentRecord,
-    ContactRecord,
-    CylinderRecord,
-    JointRecord,
-    MotorsRecord,
-    ObjectRecord,
-    PoseRecord,
-)
+from mrts.base.manifest import ArgumentRecord, FunctionRecord
+from mrts.cell.record import CylinderRecord
 
 pytestmark = pytest.mark.quick
 
 TRIALS = 400
 ZOO = (None, True, 0, 3, -1, 1.5, 1e13, "x", "a b", "a\n", "", [], {}, [1], [[1.0]], {"a": 1}, [None, "x"])
-ROWS = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+
+
+class TableRecord(Record):
+    """Of every kind."""
+
+    rows: list[str | None]
+    limits: dict[str, tuple[float, float]]
+    kind: Literal["tip", "base"]
+    known: bool
+    numbers: list[list[float]]
+
+
 GIVEN = {
     CylinderRecord: {"radius": 1, "length": 2.5},
-    PoseRecord: {"rotation": ROWS, "position": [1.0, 2.0, 3.0]},
     ArgumentRecord: {"name": "some_name", "shape": [3, 4]},
-    ObjectRecord: {
-        "mass": 2.0, "inertia": ROWS, "variation": {"mass": [0.5, 2]}, "outer_hull": False,
-        "linear_velocity": None, "angular_velocity": 1.0, "shape": None,
+    FunctionRecord: {
+        "symbol": "cell_terms", "instructions": 3, "inputs": [{"name": "q", "shape": [3, 4]}],
+        "outputs": [{"name": "E", "shape": [3, 1]}, {"name": "A", "shape": [3, 1]}],
     },
-    JointRecord: {
-        "name": "elbow", "type": "revolute", "axis": [0.0, 0.0, 1.0], "point": [0, 0, 0], "lower": None, "upper": 2.0,
-        "velocity": 1, "torque_lower": -1.0, "torque_upper": 1.0, "carried_mass": 2.0, "point_links": ["rim"],
-    },
-    MotorsRecord: {
-        "armature": [0.1], "coulomb": [0], "viscous": [0.2], "torque_speed": [[[0.0, 1.0], [2.0, 0.5]]],
-        "torque_rate": [None], "jerk": [1.0], "rated": [None],
-    },
-    ContactRecord: {
-        "name": "pad", "frame": "tip", "rows": ["fx"], "units": ["N"], "A": [[1.0, 2.0]], "lower": [None],
-        "upper": [3.0], "given": {"pad": [1, "x"]},
+    TableRecord: {
+        "rows": ["fx", None], "limits": {"mass": [0.5, 2]}, "kind": "tip", "known": False, "numbers": [[1.0, 2], [3]],
     },
 }  # fmt: skip
 

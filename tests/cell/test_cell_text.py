@@ -157,9 +157,12 @@ REFUSED = {
     "no folder": (lambda cell: replace(cell, folder=None), "folder: it is not known where its URDFs are"),
     "a velocity limit": (
         of_left(velocity_limit=np.full(6, 0.5)),
-        r"joints\[0\].velocity = 0.5: a cell file",
+        r"velocity_limit\[0\] = 0.5: a cell file",
     ),
-    "a position limit": (of_left(position_upper=np.full(6, 6.5)), r"robots\[0\].joints\[0\].upper = 6.5: a cell file"),
+    "a position limit": (
+        of_left(position_upper=np.full(6, 6.5)),
+        r"position_upper\[0\] = 6.5: a cell file",
+    ),
     "rates by component": (
         of_left(contact_rate=np.array([1.0, 2, 3, 4, 5, 6])),
         r"robots\[0\].contact_rate\[1\] = 2.0: a cell file cannot hold this value, it would be read as 1.0",

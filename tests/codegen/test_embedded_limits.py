@@ -1,4 +1,4 @@
-"""Limits in exported libraries: velocities, limits of the registry, limits of zero; what cannot go in is refused."""
+"""Limits in exported libraries: velocities, limits given in Python, limits of zero; what cannot go in is refused."""
 
 from dataclasses import replace
 
@@ -8,9 +8,11 @@ from conftest import DATA
 from exported_library import answers, changed_cell, run
 
 import mrts
+from mrts.cell.generation import export_to
 from mrts.cli import main
-from mrts.limits import LIMITS
 from mrts.limits.rows import LimitRows, RowName
+from mrts.output.embedded_limits import embedded_limits
+from mrts.output.embedded_test_vectors import make_vectors
 
 LIFT = DATA / "lift.yaml"
 
@@ -115,12 +117,15 @@ def supply(_cell, _motion):
 SUPPLY = "left shoulder and right/elbow supply"
 
 
-def test_a_limit_of_the_registry_reaches_the_library_and_binds(tmp_path, monkeypatch):
-    monkeypatch.setitem(LIMITS, "supply", supply)
-    path = changed_cell(tmp_path, lambda _cell: None)
-    wanted = mrts.scale(mrts.load_cell(path), mrts.load_motion(LIFT)).range.upper
+def test_a_limit_given_to_a_cell_reaches_the_library_and_binds(tmp_path):
+    cell = mrts.load_cell(DATA / "cell.yaml").with_limits(supply)
+    motion = mrts.follow_object(cell, mrts.load_motion(LIFT))
+    wanted = mrts.scale(cell, motion).range.upper
     assert SUPPLY in {str(row.name) for row in wanted.rows}
-    folder = exported(path, tmp_path)
+    folder, vectors = tmp_path / "library", make_vectors(cell, motion)
+    given = {"limits": embedded_limits(cell), "vectors": vectors, "path_samples": motion.samples}
+    export_to(DATA / "cell.yaml", folder, **given, precision="double", parts=())
+    assert "0 mismatches" in run("make", "test", cwd=folder)
     status, upper, sample, row = horizon(folder, tmp_path)
     assert (status, sample, row) == (0, wanted.sample, SUPPLY)
     assert upper == pytest.approx(wanted.c2, rel=SAME)
@@ -154,18 +159,17 @@ def soft_start(cell, motion):
 
 
 @pytest.mark.parametrize(("limit", "what"), [(friction, "speed"), (soft_start, "motion")])
-def test_a_limit_that_a_library_cannot_compute_is_refused(limit, what, tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(LIMITS, limit.__name__, limit)
-    assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path / "x"), "--functions", "range"]) == 2
-    assert f"limit '{limit.__name__}': depends on the {what}, which an exported library" in capsys.readouterr().err
-    assert not (tmp_path / "x").exists()
+def test_a_limit_that_a_library_cannot_compute_is_refused(limit, what, planar_cell):
+    with pytest.raises(mrts.InputError, match=f"limit '{limit.__name__}': depends on the {what}"):
+        embedded_limits(planar_cell.with_limits(limit))
 
 
-def test_rows_that_do_not_fit_are_refused_by_the_name_of_their_limit(tmp_path, monkeypatch, capsys):
-    narrow = replace(supply(None, None), torque_matrix=np.zeros((1, 5)), wrench_matrix=np.zeros((1, 7)))
-    monkeypatch.setitem(LIMITS, "narrow", lambda _cell, _motion: narrow)
-    assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path / "x"), "--functions", "range"]) == 2
-    assert "limit 'narrow': torque_matrix" in capsys.readouterr().err
+def test_rows_that_do_not_fit_are_refused_by_the_name_of_their_limit(planar_cell):
+    def narrow(_cell, _motion):
+        return replace(supply(None, None), torque_matrix=np.zeros((1, 5)), wrench_matrix=np.zeros((1, 7)))
+
+    with pytest.raises(mrts.InputError, match="limit 'narrow': torque_matrix"):
+        embedded_limits(planar_cell.with_limits(narrow))
 
 
 def hands(cell):

@@ -15,8 +15,9 @@ from conftest import DATA, ROOT
 from mrts_codegen.generate import generate_cell
 
 import mrts
-from mrts.base.manifest import FunctionRecord, Manifest
+from mrts.base.manifest import FunctionRecord
 from mrts.cell.generation import export_to, generated_in_cache
+from mrts.cell.record import CellManifest, verified_manifest
 from mrts.kernel.cache_folder import cache_folder
 from mrts.kernel.function_shapes import check_shapes
 from mrts.output.embedded_limits import embedded_limits
@@ -88,7 +89,7 @@ def test_a_wrong_manifest_is_refused(tmp_path, key, value):
 def test_an_edited_manifest_is_refused(tmp_path):
     shutil.copytree(COMMITTED, tmp_path / "cell")
     path = tmp_path / "cell" / "manifest.json"
-    path.write_text(path.read_text().replace('"torque_upper": 80.0', '"torque_upper": 800.0'))
+    path.write_text(path.read_text().replace("80.0", "800.0"))
     with pytest.raises(mrts.InputError, match="was edited after it was generated"):
         mrts.load_cell(tmp_path / "cell")
 
@@ -128,17 +129,30 @@ HOSTILE = {
     "no argument": lambda data: data["functions"]["terms"].update(inputs=[]),
     "a kernel's argument that is smaller": sized("wrench_form", "outputs", 0, [6, 3]),
     "a joint too many": lambda data: data["robots"][0].update(
-        joints=[*data["robots"][0]["joints"], data["robots"][0]["joints"][0]], posture=[0.0] * 4
+        joints=[*data["robots"][0]["joints"], "wrist"], posture=[0.0] * 4
     ),
     "a position too many": lambda data: data["robots"][0].update(posture=[0.0] * 4),
-    "a short axis": lambda data: data["robots"][0]["joints"][0].update(axis=[1.0]),
-    "a ragged rotation": lambda data: data["robots"][0]["world_base"].update(rotation=[[1.0], [0.0, 1.0], []]),
+    "a short axis": lambda data: data["robots"][0].update(axes=[[1.0], [0, 1.0, 0], []]),
+    "a ragged rotation": lambda data: data["robots"][0]["T_world_base"].update(R=[[1.0], [0.0, 1.0], []]),
     "a component twice": lambda data: data.update(wrench_components=["fx", "fx", "nz"]),
     "another component": lambda data: data.update(wrench_components=["fx", "fy", "x; y"]),
     "too few wrench limits": lambda data: data["robots"][0].update(wrench_lower=[None]),
     "too few contact rates": lambda data: data["robots"][0].update(contact_rate=[None]),
-    "a strange parameter": lambda data: data["object"].update(variation={"x; y": [0, 1]}),
-    "no mass": lambda data: data["object"].update(mass=0.0),
+    "a strange parameter": lambda data: data.update(
+        load_box={
+            "mass": 2.0,
+            "inertia": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+            "ranges": {"x; y": [0, 1]},
+            "outer_hull": False,
+        }
+    ),
+    "no mass": lambda data: data.update(load=[0.0] * 10),
+    "a limit that is no number": lambda data: data["robots"][0].update(torque_upper=["x", 1.0, 1.0]),
+    "a limit that is not given": lambda data: data["robots"][0].update(torque_upper=[None, 1.0, 1.0]),
+    "half a motor": lambda data: data["robots"][0]["motors"].pop("coulomb"),
+    "a contact in no frame": lambda data: data["robots"][0].update(
+        contacts=[{"name": "x", "frame": "y", "rows": ["a"], "units": ["N"], "A": [[1.0, 0, 0]], "lower": [0.0]}]
+    ),
 }
 
 
@@ -175,12 +189,12 @@ def redundant(tmp_path_factory):
 def test_a_cell_with_a_redundant_arm_has_what_tracks_it(short, redundant, tmp_path):
     manifest = redundant.record
     without = {name: function for name, function in manifest.functions.items() if name != short}
-    with pytest.raises(ValueError, match=f"must include '{short}'"):
-        Manifest.model_validate(manifest.model_dump() | {"functions": without})
+    with pytest.raises(mrts.InputError, match=f"functions: its functions must include '{short}'"):
+        verified_manifest("x", manifest.model_copy(update={"functions": without}).sealed().to_json())
     redundant.write(tmp_path)
     data = manifest.model_dump()
     data["functions"][short]["outputs"][0]["shape"] = [5, 5]
-    wrong = Manifest.model_validate(data).sealed()
+    wrong = CellManifest.model_validate(data).sealed()
     (tmp_path / "manifest.json").write_text(wrong.to_json())
     with pytest.raises(mrts.InputError, match=rf"functions\.{short}: its shapes do not follow from robots"):
         mrts.load_cell(tmp_path)
@@ -284,8 +298,8 @@ def test_names_from_the_urdf_stay_out_of_the_c(tmp_path):
     urdf.write_text(urdf.read_text().replace('name="elbow"', f"name='{evil}'"))
     generated = generate_cell(tmp_path / "cell.yaml")
     assert "system" not in generated.c_source
-    assert generated.record.robots[0].joints[1].name == evil
-    assert json.loads(generated.record.to_json())["robots"][0]["joints"][1]["name"] == evil
+    assert generated.record.robots[0].joints[1] == evil
+    assert json.loads(generated.record.to_json())["robots"][0]["joints"][1] == evil
 
 
 def test_the_shipped_data_is_in_the_package():

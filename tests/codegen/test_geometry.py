@@ -7,7 +7,7 @@ import yaml
 from casadi_cells import casadi_cell
 from conftest import DATA
 from machines import machine_cell
-from mrts_codegen.cell_manifest import read_cell_model
+from mrts_codegen.cell_model import read_cell_model
 from mrts_codegen.content_key import chains_key
 from mrts_codegen.function_registry import build_functions
 from mrts_codegen.generate import generate_chains

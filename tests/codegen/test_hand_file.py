@@ -6,7 +6,7 @@ import yaml
 from conftest import DATA
 
 import mrts
-from mrts.cell.hands.pad import pad_contact
+from mrts.cell.hands.kinds import pad_contact
 from mrts.cli import main
 from mrts.scaling.limit_use import limit_uses
 
@@ -80,7 +80,7 @@ WRONG = [
     ([{"pad": None}], "[0]", "is one of box, pad, suction, gripper, rows"),
     ([{"box": {}}], "[0].box", "must limit something"),
     ([{"box": {"upper": [1, 2, 3]}}], "[0].box.upper", "must have 6 values (fx, fy, fz, nx, ny, nz)"),
-    ([{"box": {"lower": [2] * 6, "upper": [1] * 6}}], "[0].box.lower", "of fx, 2, must be at most the upper one, 1"),
+    ([{"box": {"lower": [2] * 6, "upper": [1] * 6}}], "[0].box.lower[0] = 2", "of fx must be at most the upper one, 1"),
     ([{"box": {"upper": [1] * 6, "frame": "hand"}}], "[0].box.frame", "must be 'tip', 'base' or 'object'"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0]], "upper": [1]}}], "[0].rows.A", "each row must have 6 numbers"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0, 0]], "upper": [1, 2]}}], "[0].rows.A", "in 2 rows, as many as upper"),

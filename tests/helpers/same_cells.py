@@ -12,5 +12,5 @@ def same_cell(one, other):
 def _numbers(cell):
     said = manifest_of(cell).model_dump(exclude={"content_sha256"})
     for robot in said["robots"]:
-        del robot["urdf"]
+        del robot["source"]["urdf"]
     return said

@@ -37,9 +37,8 @@ def renamed(cell, name, robots, joints):
     """The cell as if it had been generated with other names, as no cell file could give them."""
     records = []
     for robot, other in zip(cell.functions.manifest.robots, robots, strict=True):
-        named = [joint.model_copy(update={"name": new}) for joint, new in zip(robot.joints, joints, strict=True)]
-        records.append(robot.model_copy(update={"name": other, "joints": named}))
-    return as_if_generated(cell, name=name, robots=records)
+        records.append(replace(robot, name=other, joints=joints))
+    return as_if_generated(cell, name=name, robots=tuple(records))
 
 
 def with_awkward_names(cell):

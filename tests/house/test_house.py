@@ -10,7 +10,7 @@ import pytest
 from conftest import ROOT
 
 import mrts
-from mrts.base.manifest import read_generated
+from mrts.cell.record import read_generated
 
 pytestmark = pytest.mark.quick
 
@@ -49,7 +49,7 @@ def test_scaling_a_cached_cell_imports_what_it_uses(dual_ur5, profile):
     data = ROOT / "mrts" / "data" / "dual_ur5"
     idle = ["difflib", "mrts_codegen.cell_file", "mrts.scaling.possible_load"]
     if profile == "constant":
-        idle += ["mrts.timing", "mrts.scaling.guaranteed_range", "numpy.ma", "numpy.random"]
+        idle += ["mrts.timing", "numpy.ma", "numpy.random"]
     idle += [name for name in HEAVY if name not in {"yaml", "mrts_codegen"}]
     script = (
         "import sys; from mrts.cli import main; code = main(sys.argv[1:])\n"

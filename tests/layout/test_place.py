@@ -17,8 +17,7 @@ import mrts
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_search import LayoutSearch
 from mrts.layout.place import SEED
-from mrts.limits import LIMITS
-from mrts.limits.velocity_limits import velocity_limits
+from mrts.limits.cell_limits import velocity_limits
 from mrts.studies.sampling import sample_points
 from mrts.studies.spreads import Range
 
@@ -151,7 +150,7 @@ def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     assert max(map(np.max, np.abs(np.subtract(turned, list(other.postures().values()))))) < 1
 
 
-def test_a_limit_of_ones_own_is_searched_or_refused(tmp_path, monkeypatch):
+def test_a_limit_of_ones_own_is_searched_or_refused(tmp_path):
     """Of rows that nothing but the speed moves: 3 q' is linear in the velocities, 3 q'² is not."""
 
     def rows(column):
@@ -165,13 +164,13 @@ def test_a_limit_of_ones_own_is_searched_or_refused(tmp_path, monkeypatch):
 
     path = write_study(tmp_path, shipped("dual_ur5"), DATA / "dual_ur5" / "lift_and_turn.yaml", UR5_VARY)
     plain = mrts.place(path, starts=1, looked_at=4, between=None)
-    monkeypatch.setitem(LIMITS, "own", rows(lambda speed: 3 * speed))
-    limited = mrts.place(path, starts=1, looked_at=4, between=None)
+    own = rows(lambda speed: 3 * speed)
+    limited = mrts.place(mrts.read_study(path).with_limits(own), starts=1, looked_at=4, between=None)
     assert limited.after.c2 == pytest.approx(plain.after.c2 / 9, rel=BETTER)
     assert limited.after.result.range.upper.rows[0].name.kind == "own"
-    monkeypatch.setitem(LIMITS, "own", rows(lambda speed: 3 * speed**2))
+    own = rows(lambda speed: 3 * speed**2)
     with pytest.raises(mrts.InputError, match="not linear in the joints' velocities"):
-        mrts.place(path, starts=1, looked_at=4, between=None)
+        mrts.place(mrts.read_study(path).with_limits(own), starts=1, looked_at=4, between=None)
 
 
 def test_arms_of_one_machine_move_together(tmp_path):

@@ -9,12 +9,8 @@ from conftest import DATA
 from contact_forces import least_pressing
 
 import mrts
-from mrts.cell.hands.box import box_contact
-from mrts.cell.hands.contact import Contact
-from mrts.cell.hands.contact_axes import tip_components
-from mrts.cell.hands.gripper import gripper_contact
-from mrts.cell.hands.pad import pad_contact
-from mrts.cell.hands.suction import suction_contact
+from mrts.cell.hands.contact import Contact, tip_components
+from mrts.cell.hands.kinds import box_contact, gripper_contact, pad_contact, suction_contact
 from mrts.limits import limit_rows
 from mrts.limits.object_axes import object_axes
 from mrts.output.saved_result import load_result, save_result
@@ -245,16 +241,14 @@ def test_a_saved_result_keeps_its_contacts(dual_ur5, lift_and_turn, tmp_path):
                 assert np.array_equal(getattr(copy, array), getattr(contact, array))
 
 
-def test_rows_in_object_axes_without_axes_are_refused(dual_ur5, lift_and_turn, monkeypatch):
+def test_rows_in_object_axes_without_axes_are_refused(dual_ur5, lift_and_turn):
     whole = mrts.follow_object(dual_ur5, lift_and_turn)
     rows = replace(limit_rows(squeezing(dual_ur5), whole), object_axes=None)
-    monkeypatch.setitem(mrts.limits.LIMITS, "mine", lambda _cell, _motion: rows)
-    with pytest.raises(mrts.InputError, match=r"limit 'mine': object_axes: must be .*object_axes\(cell, motion\)"):
-        mrts.scale(dual_ur5, whole)
+    with pytest.raises(mrts.InputError, match=r"object_axes: must be .*object_axes\(cell, motion\)"):
+        mrts.scale(dual_ur5.with_limits(lambda _cell, _motion: rows), whole)
     other = replace(object_axes(dual_ur5, whole), base=np.zeros((2, 3, 3)))
-    monkeypatch.setitem(mrts.limits.LIMITS, "mine", lambda _cell, _motion: replace(rows, object_axes=other))
     with pytest.raises(mrts.InputError, match="object_axes"):
-        mrts.scale(dual_ur5, whole)
+        mrts.scale(dual_ur5.with_limits(lambda _cell, _motion: replace(rows, object_axes=other)), whole)
 
 
 def test_zero_limits_of_a_contact_are_measured_by_its_own_force(dual_ur5, lift_and_turn):

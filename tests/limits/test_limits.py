@@ -1,21 +1,17 @@
-"""A limit put into the registry, whatever its columns, holds wherever limits count, and no other file is touched."""
+"""A limit given to a cell, whatever its columns, holds wherever limits count."""
 
 import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import DATA
 from scipy.optimize import linprog
-from shown_results import still_motion
 
 import mrts
-from mrts.limits import LIMITS, limit_rows
 from mrts.limits.rows import LimitRows
-from mrts.limits.squared_rows import binds, squared
 from mrts.output.embedded_limits import embedded_limits
 from mrts.output.summary_lines import scaling_lines
-from mrts.program.range_ends import cap_codes
+from mrts.program.motion_rows import binds, squared
 from mrts.report.page import report_html
 from mrts.scaling.limit_use import limit_uses
 from mrts.viewer.player_state import PlayerState
@@ -68,8 +64,8 @@ QUANTITIES = {
 }
 
 
-def put_in(monkeypatch, kind, limit):
-    """The registry with one more limit, alike in both directions."""
+def limited(given, kind, limit):
+    """A cell with one more limit, alike in both directions."""
 
     def more(cell, motion):
         torques, columns = columns_of(kind, motion)
@@ -82,7 +78,7 @@ def put_in(monkeypatch, kind, limit):
             **columns,
         )
 
-    monkeypatch.setitem(LIMITS, "mine", more)
+    return given.with_limits(more)
 
 
 def largest(kind, result):
@@ -124,41 +120,37 @@ def by_oracle(cell, motion, sample, kind, limit):
 
 
 @pytest.mark.quick
-def test_the_range_and_the_torques_keep_it(kind, limit, planar_cell, lift, monkeypatch):
-    free = mrts.scale(planar_cell, lift)
-    put_in(monkeypatch, kind, limit)
-    ours, theirs = (mrts.scale(planar_cell, lift, solver=solver) for solver in ("kernel", "qpsol:qpoases"))
+def test_the_range_and_the_torques_keep_it(kind, limit, planar_cell, lift):
+    free, cell = mrts.scale(planar_cell, lift), limited(planar_cell, kind, limit)
+    ours, theirs = (mrts.scale(cell, lift, solver=solver) for solver in ("kernel", "qpsol:qpoases"))
     assert largest(kind, ours) <= limit * KEPT
     assert ours.range.upper.c2 <= free.range.upper.c2
     for end in ("lower", "upper"):
         one, other = getattr(ours.range.samples, end), getattr(theirs.range.samples, end)
         np.testing.assert_allclose(one, other, rtol=SAME)
     moving = range(10, 100, 15)
-    expected = [by_oracle(planar_cell, ours.motion, sample, kind, limit) for sample in moving]
+    expected = [by_oracle(cell, ours.motion, sample, kind, limit) for sample in moving]
     np.testing.assert_allclose(ours.range.samples.upper[moving], expected, rtol=SAME)
     np.testing.assert_allclose(theirs.trajectory.torque, ours.trajectory.torque, atol=1e-5)
 
 
-def test_the_torque_form_and_a_fixed_distribution_keep_it(kind, limit, planar_cell, lift, monkeypatch):
-    put_in(monkeypatch, kind, limit)
-    other = mrts.scale(planar_cell, lift, formulation="torque")
-    assert other.range.upper.c2 == pytest.approx(mrts.scale(planar_cell, lift).range.upper.c2, rel=SAME)
+def test_the_torque_form_and_a_fixed_distribution_keep_it(kind, limit, planar_cell, lift):
+    cell = limited(planar_cell, kind, limit)
+    other = mrts.scale(cell, lift, formulation="torque")
+    assert other.range.upper.c2 == pytest.approx(mrts.scale(cell, lift).range.upper.c2, rel=SAME)
     cell = planar_cell.without_wrench_limits()
-    monkeypatch.delitem(LIMITS, "mine")
     free = mrts.scale(cell, lift, sharing=mrts.LoadSharing())
     limit = 0.9 * largest(kind, free)
-    put_in(monkeypatch, kind, limit)
-    fixed = mrts.scale(cell, lift, sharing=mrts.LoadSharing())
+    fixed = mrts.scale(limited(cell, kind, limit), lift, sharing=mrts.LoadSharing())
     assert fixed.range.upper.c2 < free.range.upper.c2
     assert largest(kind, fixed) <= limit * KEPT
     assert largest(kind, fixed) == pytest.approx(limit, rel=SAME)
     assert any(row.name.kind == kind for row in fixed.range.upper.rows)
 
 
-def test_retiming_keeps_it(kind, limit, planar_cell, lift, monkeypatch):
+def test_retiming_keeps_it(kind, limit, planar_cell, lift):
     free = mrts.retime(planar_cell, lift)
-    put_in(monkeypatch, kind, limit)
-    found = mrts.retime(planar_cell, lift)
+    found = mrts.retime(limited(planar_cell, kind, limit), lift)
     done = found.retimed.trajectory
     value = QUANTITIES[kind](found.retimed.motion, done.torque, done.dq, done.ddq)
     assert np.max(np.abs(value)) <= limit * KEPT
@@ -168,9 +160,8 @@ def test_retiming_keeps_it(kind, limit, planar_cell, lift, monkeypatch):
         assert any(kind in name for name, _ in found.limits)
 
 
-def test_every_load_of_a_box_keeps_it(kind, limit, planar_cell, lift, monkeypatch):
-    cell = planar_cell.with_variation(mass=(0.5, 1.5))
-    put_in(monkeypatch, kind, limit)
+def test_every_load_of_a_box_keeps_it(kind, limit, planar_cell, lift):
+    cell = limited(planar_cell.with_variation(mass=(0.5, 1.5)), kind, limit)
     result = mrts.scale(cell, lift)
     corners = [
         mrts.scale(cell.with_load(corner.load), lift, load="nominal").range.upper.c2
@@ -181,14 +172,14 @@ def test_every_load_of_a_box_keeps_it(kind, limit, planar_cell, lift, monkeypatc
         assert largest(kind, mrts.torques_for_load(result, corner.load)) <= limit * KEPT
 
 
-def test_it_is_shown_wherever_limits_are(kind, limit, planar_cell, lift, monkeypatch):
-    put_in(monkeypatch, kind, limit)
-    result = mrts.scale(planar_cell, lift)
+def test_it_is_shown_wherever_limits_are(kind, limit, planar_cell, lift):
+    cell = limited(planar_cell, kind, limit)
+    result = mrts.scale(cell, lift)
     use = next(use for use in limit_uses(result) if use.name.kind == kind)
     assert use.share == pytest.approx(largest(kind, result) / limit, rel=1e-9)
     assert f"left/mine {kind}" in report_html(result)
     assert any(line.strip().startswith(f"left/mine {kind}") for line in scaling_lines(result))
-    state = PlayerState(planar_cell, lift)
+    state = PlayerState(cell, lift)
     state.sample = 50
     (bar,) = state.further_bars()[kind]["left"]
     done = state.trajectory
@@ -200,9 +191,8 @@ def test_it_is_shown_wherever_limits_are(kind, limit, planar_cell, lift, monkeyp
 
 
 @pytest.mark.quick
-def test_an_impossible_one_is_named(planar_cell, lift, monkeypatch):
-    put_in(monkeypatch, "sum of torques", 1e-3)
-    wide = planar_cell.with_mass(30.0)
+def test_an_impossible_one_is_named(planar_cell, lift):
+    wide = limited(planar_cell, "sum of torques", 1e-3).with_mass(30.0)
     result = mrts.scale(wide, lift)
     assert not result.status.admits_motion
     assert "left/mine sum of torques" in result.summary() or result.range.samples.conflicts
@@ -222,15 +212,14 @@ def test_limits_of_the_speed_alone_are_squared_exactly():
         wrench_matrix=np.zeros((count, 3)),
         speed=rng.normal(size=(samples, count)) * (rng.random((samples, count)) < 0.8),
     )
-    form = squared(given)
+    form = squared(given, samples)
     none = np.zeros((samples, 2)), np.zeros((samples, 3))
     for speed in rng.uniform(0, 3, 50):
         inside = given.excess(given.value(*none, 0.0, speed)) <= 0
         np.testing.assert_array_equal(form.rows.excess(form.rows.value(*none, 0.0, speed)) <= 0, inside)
-        cap = form.caps(samples)
-        np.testing.assert_array_equal(speed**2 <= cap.largest(), np.all(inside[:, form.is_cap], axis=1))
+        np.testing.assert_array_equal(speed**2 <= form.most, np.all(inside[:, form.is_cap], axis=1))
     assert 0 < np.count_nonzero(form.is_cap) < count
-    assert set(np.sign(cap_codes(given, cap)[binds(cap.share)])) == {-1, 1}
+    assert set(np.sign(form.cap_code[binds(form.cap_share)])) == {-1, 1}
 
 
 WRONG_ROWS = {
@@ -255,7 +244,7 @@ WRONG_ROWS = {
 
 
 @pytest.mark.parametrize("wrong", WRONG_ROWS)
-def test_a_limit_that_gives_no_rows_of_this_motion_is_named(wrong, planar_cell, lift, monkeypatch):
+def test_a_limit_that_gives_no_rows_of_this_motion_is_named(wrong, planar_cell, lift):
     change, message = WRONG_ROWS[wrong]
 
     def splash(cell, motion):
@@ -269,11 +258,10 @@ def test_a_limit_that_gives_no_rows_of_this_motion_is_named(wrong, planar_cell, 
         )
         return change(rows)
 
-    monkeypatch.setitem(LIMITS, "splash", splash)
     solvers = [mrts.scale, mrts.retime] + [lambda cell, _motion: embedded_limits(cell)] * (wrong in {"nothing", "text"})
     for solve in solvers:
         with pytest.raises(mrts.InputError, match=re.escape(f"limit 'splash': {message}")):
-            solve(planar_cell, lift)
+            solve(planar_cell.with_limits(splash), lift)
 
 
 def test_a_limit_of_no_robot_and_without_a_unit_is_named_in_plain_words():
@@ -283,7 +271,7 @@ def test_a_limit_of_no_robot_and_without_a_unit_is_named_in_plain_words():
     assert str(mrts.ActiveRow(mrts.RowName("slip", "left"), "upper", 2.0)) == "left slip (upper, 2)"
 
 
-def test_rows_follow_a_limit_whose_own_numbers_are_changed(planar_cell, lift, monkeypatch):
+def test_rows_follow_a_limit_whose_own_numbers_are_changed(planar_cell, lift):
     """What was put together for one answer does not outlast it; a motion's arrays cannot be changed."""
     limit = [1e-3]
 
@@ -297,25 +285,11 @@ def test_rows_follow_a_limit_whose_own_numbers_are_changed(planar_cell, lift, mo
             speed=motion.dq[:, :1],
         )
 
-    monkeypatch.setitem(LIMITS, "slow", slow)
-    motion = mrts.follow_object(planar_cell, lift)
-    first = mrts.scale(planar_cell, motion).range.upper.c2
+    cell = planar_cell.with_limits(slow)
+    motion = mrts.follow_object(cell, lift)
+    first = mrts.scale(cell, motion).range.upper.c2
     limit[0] *= 2
-    assert mrts.scale(planar_cell, motion).range.upper.c2 == pytest.approx(4 * first, rel=SAME)
+    assert mrts.scale(cell, motion).range.upper.c2 == pytest.approx(4 * first, rel=SAME)
     for fixed in (motion.dq, motion.object.twist):
         with pytest.raises(ValueError, match="read-only"):
             fixed[:] *= 2
-
-
-def test_rows_along_a_motion_that_stands_still_are_not_those_of_others(dual_ur5):
-    """Velocities limit nothing where nothing moves; a cell that was asked so before still keeps them."""
-    description = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
-    fresh, asked = replace(dual_ur5), replace(dual_ur5)
-    still = mrts.follow_object(asked, still_motion(description))
-    assert mrts.scale(asked, still).range.upper.c2 == np.inf
-    moving = mrts.follow_object(dual_ur5, description)
-    expected, found = limit_rows(fresh, moving), limit_rows(asked, moving)
-    assert any(name.unit == "rad/s" for name in found.names)
-    assert found.names == expected.names
-    assert np.array_equal(found.speed, expected.speed)
-    assert mrts.scale(asked, moving).range.upper == mrts.scale(fresh, moving).range.upper

@@ -39,7 +39,7 @@ def with_change(change, **steps):
 
 
 MISTAKES = {
-    "newer": (spoil_word(lambda d: d.update(version=7)), "version = 7: this mrts reads version 6; .* Update mrts"),
+    "newer": (spoil_word(lambda d: d.update(version=8)), "version = 8: this mrts reads version 7; .* Update mrts"),
     "older": (spoil_word(lambda d: d.update(version=1)), "version = 1: .* Save the result again"),
     "no version": (spoil_word(lambda d: d.pop("version")), "version: this mrts reads"),
     "foreign": (spoil_word(lambda d: d.update(format="other")), "is no saved result of mrts"),
@@ -49,8 +49,8 @@ MISTAKES = {
     "hostile name": (spoil_word(lambda d: d["manifest"].update(name="../../x")), r"manifest\.name: must be letters"),
     "hostile source": (spoil_word(lambda d: d["manifest"].update(source="../x.c")), "manifest: its source must be"),
     "ragged pose": (
-        spoil_word(lambda d: d["manifest"]["robots"][0]["base_tip"].update(rotation=[[1], [2, 3], []])),
-        r"manifest\.robots\.0\.base_tip\.rotation\.0: .* at least 3 belong",
+        spoil_word(lambda d: d["manifest"]["robots"][0]["T_base_tip"].update(R=[[1], [2, 3], []])),
+        r"manifest\.robots\.0\.T_base_tip\.R: .* one rectangular shape",
     ),
     "nan word": (spoil_word(lambda d: d.update(c2=float("nan"))), "c2: .* finite number"),
     "negative c2": (spoil_word(lambda d: d.update(c2=-1)), "c2: .* greater than 0"),

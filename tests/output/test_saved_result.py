@@ -17,7 +17,7 @@ from saved_files import contents
 import mrts
 from mrts.cli import main
 from mrts.figures import range_figure, trajectory_figure, write_figure
-from mrts.limits import LIMITS
+from mrts.limits.cell_limits import torque_limits
 from mrts.output.saved_json import Description
 from mrts.output.summary_lines import scaling_lines
 from mrts.output.trajectory_table import trajectory_csv
@@ -95,7 +95,6 @@ def result(request, planar_cell, lift):
 
 
 FOUND_WHEN_READ = {
-    "find": ("torque", "wrench"),
     "Excess.named": ("row",),
     "RangeEnd.named": ("rows",),
     "ScalingResult.found": ("range",),
@@ -129,8 +128,8 @@ def differences(one, other, path="result"):
 def test_everything_comes_back(result, tmp_path):
     mrts.save_result(result, tmp_path / "result.npz")
     again = mrts.load_result(tmp_path / "result.npz")
-    given = replace(result, rule=replace(result.rule, sharing=None, weights=None))  # may be lists; compared below
-    assert differences(given, replace(again, rule=given.rule)) == []
+    given = replace(result, options=replace(result.options, sharing=None, weights=None))  # may be lists; compared below
+    assert differences(given, replace(again, options=given.options)) == []
     assert again.json_text() == result.json_text()
     assert again.to_json() == result.to_json()
     assert list(scaling_lines(again)) == list(scaling_lines(result))
@@ -143,14 +142,14 @@ def test_the_rule_comes_back(planar_cell, lift, tmp_path):
     inner = np.linalg.svd(B)[2][:, -1]  # B inner = 0 at every sample
     sharing = mrts.LoadSharing(np.array([0.3, 0.7]), inner)
     mrts.save_result(mrts.scale(planar_cell, lift, 0.5, sharing=sharing), tmp_path / "result.npz")
-    again = mrts.load_result(tmp_path / "result.npz").rule
+    again = mrts.load_result(tmp_path / "result.npz").options
     np.testing.assert_array_equal(again.sharing.shares, [0.3, 0.7])
     np.testing.assert_array_equal(again.sharing.internal_wrench, inner)
     W = np.diag(np.arange(1.0, 7.0))
     for formulation, weights in (("torque", W), ("wrench", np.diag(W))):
         chosen = mrts.scale(planar_cell, lift, 0.5, formulation=formulation, weights=weights)
         mrts.save_result(chosen, tmp_path / "result.npz")
-        again = mrts.load_result(tmp_path / "result.npz").rule
+        again = mrts.load_result(tmp_path / "result.npz").options
         assert (again.sharing, again.formulation) == (None, formulation)
         np.testing.assert_array_equal(again.weights, weights)
 
@@ -270,17 +269,19 @@ def test_the_command_line_saves(tmp_path, capsys):
     assert mrts.load_result(tmp_path / "deep" / "r.npz").trajectory is None
 
 
-def test_other_limits_than_it_was_found_with_are_told(planar_cell, lift, lifted, tmp_path, monkeypatch):
-    mrts.save_result(lifted, tmp_path / "usual.npz")
-    monkeypatch.setitem(LIMITS, "mine", LIMITS["torque_limits"])
-    mrts.save_result(mrts.scale(planar_cell, lift), tmp_path / "mine.npz")
-    assert mrts.load_result(tmp_path / "mine.npz").warnings == ()
-    (told,) = mrts.load_result(tmp_path / "usual.npz").warnings
-    assert told.code == "other-limits"
-    monkeypatch.delitem(LIMITS, "mine")
-    assert mrts.load_result(tmp_path / "usual.npz").warnings == ()
-    (told,) = mrts.load_result(tmp_path / "mine.npz").warnings
-    assert f"found with the limits {', '.join([*LIMITS, 'mine'])}; registered now" in told.text
+def test_other_limits_than_it_was_found_with_are_told(planar_cell, lift, lifted, tmp_path):
+    usual, own = tmp_path / "usual.npz", tmp_path / "own.npz"
+    mrts.save_result(lifted, usual)
+    limited = planar_cell.with_limits(torque_limits)
+    mrts.save_result(mrts.scale(limited, lift), own)
+    for path, cell, codes in (
+        (usual, None, []),
+        (usual, planar_cell, []),
+        (usual, limited, ["other-limits"]),
+        (own, None, ["other-limits"]),
+        (own, limited, []),
+    ):
+        assert [remark.code for remark in mrts.load_result(path, cell=cell).warnings] == codes
 
 
 def test_every_name_in_a_file_is_documented(planar_cell, lift, tmp_path):

@@ -103,8 +103,8 @@ def test_a_saved_result_comes_back_with_its_rates(smooth, tmp_path):
     played = smooth.retimed
     mrts.save_result(played, tmp_path / "result.npz")
     again = mrts.load_result(tmp_path / "result.npz", cell=smooth.cell)
-    np.testing.assert_array_equal(again.rule.rates.torque, smooth.smooth.rates.torque)
-    np.testing.assert_array_equal(again.rule.rates.jerk, smooth.smooth.rates.jerk)
+    np.testing.assert_array_equal(again.options.rates.torque, smooth.smooth.rates.torque)
+    np.testing.assert_array_equal(again.options.rates.jerk, smooth.smooth.rates.jerk)
     np.testing.assert_array_equal(again.trajectory.torque, played.trajectory.torque)
     assert again.excess == played.excess
     assert again.json_text() == played.json_text()
@@ -151,7 +151,7 @@ def test_the_command_line_writes_all_files_with_the_torques_of_one_load(tmp_path
     assert {"phase_plane.png", "rates.png"} <= {path.name for path in files["plot"].iterdir()}
     saved = mrts.load_result(files["save"])
     assert saved.cell.mass == pytest.approx(0.85)
-    check_rates(saved, saved.rule.rates)
+    check_rates(saved, saved.options.rates)
     table = np.genfromtxt(files["csv"], delimiter=",", names=True, deletechars="")
     np.testing.assert_array_equal(table["tau.left/elbow"], saved.torque["left"][:, 1])
 
@@ -159,10 +159,10 @@ def test_the_command_line_writes_all_files_with_the_torques_of_one_load(tmp_path
 def test_lines_tell_what_changes_nearest_to_its_limit(smooth):
     lines = list(retiming_lines(smooth))
     for kind in ("torque rate", "wrench rate", "jerk"):
-        use = next(one for one in rate_uses(smooth.retimed.trajectory, smooth.smooth.rates) if one.name.kind == kind)
+        use = next(one for one in rate_uses(smooth.retimed) if one.name.kind == kind)
         (line,) = (line for line in lines if line.startswith(f"{use.name}: "))
         assert f"{100 * use.share:.3g} % of its limit" in line
-        assert f"of {use.limit:.4g} {use.name.unit}" in line
+        assert f"of {use.upper:.4g} {use.name.unit}" in line
 
 
 def test_json_has_the_profile_the_rates_and_the_bound(smooth, planar_cell, lift):

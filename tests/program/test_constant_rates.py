@@ -13,6 +13,7 @@ import mrts
 from mrts.cell.motors.joint_motors import JointMotors
 from mrts.program.constant_rates import RatedFactors
 from mrts.program.rate_limits import rate_limits
+from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.limit_use import rate_uses
 
 THIRD = 24.0
@@ -54,7 +55,7 @@ def pushed(tmp_path):
 
 
 def shares(result):
-    return {use.name.kind: use.share for use in reversed(rate_uses(result.trajectory, result.rule.rates))}
+    return {use.name.kind: use.share for use in reversed(rate_uses(result))}
 
 
 @pytest.mark.quick
@@ -132,7 +133,8 @@ def test_rates_that_do_not_bind_change_nothing(planar_cell, lift, lifted):
     assert loose.trajectory.c2 == lifted.trajectory.c2
     assert loose.range.upper == lifted.range.upper
     assert loose.sentence() == f"within the rates, {lifted.sentence()}"
-    efforts = [np.sum(one.trajectory.torque**2) for one in (loose, lifted)]
+    weights = torque_weights(None, planar_cell)
+    efforts = [np.sum((one.trajectory.torque @ weights) * one.trajectory.torque) for one in (loose, lifted)]
     assert efforts[0] == pytest.approx(efforts[1], rel=GAP)
     most = np.max(np.abs(lifted.trajectory.torque))
     np.testing.assert_allclose(loose.trajectory.torque, lifted.trajectory.torque, atol=np.sqrt(GAP) * most)
@@ -257,7 +259,7 @@ def test_random_cells_against_an_independent_program(seed, tmp_path):
     c = result.trajectory.c
     assert c < free.trajectory.c
     assert oracle.excess(c * (1 - BISECTED)) < 0 < oracle.excess(c * (1 + BISECTED))
-    assert all(use.share <= 1 + KEPT for use in rate_uses(result.trajectory, result.rule.rates))
+    assert all(use.share <= 1 + KEPT for use in rate_uses(result))
     assert result.range.upper.rows
     residuals = result.residuals()
     assert max(residuals.arms, residuals.object) < 1e-7 * np.max(np.abs(result.trajectory.torque))

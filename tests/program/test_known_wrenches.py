@@ -13,7 +13,6 @@ from random_motors import equipped
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.kernel.one_unknown import ONE_PIECE
-from mrts.limits import LIMITS
 from mrts.limits.rows import STANDSTILL, LimitRows
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.sample_problem import build_sample_problem
@@ -152,12 +151,11 @@ def sides_at(regions, u, x):
     return np.min(planes[:, :, 2] - planes[:, :, 0] * u[:, None] - planes[:, :, 1] * x[:, None], axis=1)
 
 
-def test_half_planes_are_those_of_the_rows(case, monkeypatch):
+def test_half_planes_are_those_of_the_rows(case):
     cell, motion, sharing = case
-    cell = replace(cell, reserve=0.0)  # C measures a limit by what a reserve left of it
+    cell = replace(cell, reserve=0.0, limits=(accelerations,))  # C measures a limit by what a reserve left of it
     if sharing is not None and np.ndim(sharing.internal_wrench) > 1:
         sharing = replace(sharing, internal_wrench=sharing.internal_wrench[0] * 0)
-    monkeypatch.setitem(LIMITS, "accelerations", accelerations)
     known = motion_planes(cell, motion, sharing, None)
     assert known is not None
     rng, length = np.random.default_rng(5), float(motion.object.time[-1])

@@ -7,7 +7,6 @@ from conftest import DATA
 from random_motors import drawn_motors
 
 import mrts
-from mrts.limits import LIMITS
 from mrts.limits.rows import LimitRows, RowName
 from mrts.program.sample_problem import build_sample_problem
 
@@ -33,7 +32,7 @@ def pushing_limit(cell, motion):
 
 @pytest.mark.parametrize("how", ["given", "velocities apart", "motors", "a limit of its own"])
 @pytest.mark.parametrize("name", SHIPPED)
-def test_the_kernel_puts_the_same_rows_together(name, how, monkeypatch):
+def test_the_kernel_puts_the_same_rows_together(name, how):
     cell = mrts.load_cell(DATA.parent / name / "cell.yaml")
     given = yaml.safe_load((DATA.parent / name / SHIPPED[name]).read_text()) | {"samples": SAMPLES}
     motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
@@ -42,7 +41,7 @@ def test_the_kernel_puts_the_same_rows_together(name, how, monkeypatch):
     elif how == "motors":
         cell = drawn_motors(np.random.default_rng(len(name)), cell)
     elif how == "a limit of its own":
-        monkeypatch.setitem(LIMITS, "pushing", pushing_limit)
+        cell = cell.with_limits(pushing_limit)
     ours = build_sample_problem(cell, motion, varying=True)
     theirs = build_sample_problem(cell, motion, varying=True, samples=np.arange(motion.samples))
     for attribute in (

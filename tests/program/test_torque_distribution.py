@@ -12,8 +12,8 @@ from reference import ReferenceCell, highs_cost
 import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.kernel.programs import OPTIMAL, STOPPED
-from mrts.program.torque_distribution import TORQUE_WIDENING
-from mrts.program.trajectory_programs import compiled_trajectory
+from mrts.program.motion_rows import motion_rows
+from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
 
 pytestmark = pytest.mark.quick
 
@@ -30,7 +30,8 @@ SAMPLES = 261
 def test_cost_equals_highs_in_full_unknowns(planar_cell, lift, weights):
     c2 = 2.5
     result = mrts.scale(planar_cell, lift, c2, weights=None if weights is None else np.array(weights, float))
-    W = np.diag(np.ones(6) if weights is None else weights).astype(float)
+    limits = np.concatenate([robot.torque_upper for robot in planar_cell.robots])  # 100, 80, 50 N m, both sides alike
+    W = np.diag(1 / limits**2 if weights is None else weights).astype(float)
     reference = ReferenceCell(DATA / "cell.yaml")
     _, samples = reference.object_motion(DATA / "lift.yaml")
     joints = reference.joint_motion(samples)
@@ -48,9 +49,29 @@ def test_cost_equals_highs_in_full_unknowns(planar_cell, lift, weights):
         assert tau @ W @ tau == pytest.approx(cost + offset @ W @ offset, rel=COST_TOLERANCE)
 
 
+def test_weak_joints_are_spared_unless_all_weigh_alike(dual_ur5, turning):
+    """The wrists of 28 N m beside shoulders of 150 N m."""
+    limits = np.concatenate([robot.torque_upper for robot in dual_ur5.robots])
+    by_limits, alike, ones = (
+        mrts.scale(dual_ur5, turning, "nominal", weights=weights).trajectory.torque
+        for weights in (None, 1, np.ones(12))
+    )
+    np.testing.assert_array_equal(alike, ones)
+    used = [np.max(np.abs(torque) / limits, axis=0) for torque in (by_limits, alike)]
+    assert np.max(used[0][limits < 100]) < 0.5 * np.max(used[1][limits < 100])
+
+
+def test_a_joint_without_a_limit_is_not_spared(planar_cell):
+    """It weighs as little as the strongest; one whose limit is next to nothing, as much as digits allow."""
+    left, right = planar_cell.robots
+    free = replace(left, torque_lower=np.array([-np.inf, -80, -1e-9]), torque_upper=np.array([np.inf, 80, 1e-9]))
+    W = np.diag(torque_weights(None, replace(planar_cell, robots=(free, right))))
+    np.testing.assert_allclose(W, 1 / np.array([100, 80, 0.1, 100, 80, 50]) ** 2, rtol=1e-12)
+
+
 def test_a_heavier_weight_spares_its_joint(planar_cell, lift):
     free = planar_cell.without_wrench_limits()
-    even = mrts.scale(free, lift, "nominal").trajectory.torque
+    even = mrts.scale(free, lift, "nominal", weights=1).trajectory.torque
     spared = mrts.scale(free, lift, "nominal", weights=np.array([1, 50, 1, 1, 1, 1.0])).trajectory.torque
     assert np.sum(spared[:, 1] ** 2) < 0.7 * np.sum(even[:, 1] ** 2)
 
@@ -90,9 +111,9 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
     cell = CELLS[kind](dual_ur5).without_velocity_limits()
     given = yaml.safe_load((DATA.parent / "dual_ur5" / "lift_and_turn.yaml").read_text()) | {"samples": SAMPLES}
     motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
-    fast, inputs = compiled_trajectory(cell, motion, "wrench", None, "kernel"), motion.inputs(cell.load)
-    ends = fast.compiled.ranges(
-        SAMPLES, inputs | {GEOMETRY: cell.geometry}, fast.sparse(), fast.terms(1.0), np.full(SAMPLES, np.inf)
+    rows, inputs = motion_rows(cell, motion), motion.inputs(cell.load)
+    ends = cell.library.ranges(
+        SAMPLES, inputs | {GEOMETRY: cell.geometry}, rows.sparse, rows.terms(1.0), np.full(SAMPLES, np.inf)
     )
     share = rng.choice([0.9, 1.0, 1.2], p=[0.8, 0.1, 0.1], size=SAMPLES)
     c2 = ends.lower + share * (np.minimum(ends.upper, 10 * np.median(ends.upper)) - ends.lower)
@@ -105,8 +126,8 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
     def least(samples):
         some = {name: value[samples] if value.ndim > 1 else value for name, value in inputs.items()}
         here = some | {GEOMETRY: cell.geometry}
-        terms = fast.terms(1.0).at(samples)
-        return fast.compiled.torques(len(samples), here, fast.sparse(), terms, c2[samples], W, TORQUE_WIDENING)
+        terms = rows.terms(1.0).at(samples)
+        return cell.library.torques(len(samples), here, rows.sparse, terms, c2[samples], W, TORQUE_WIDENING)
 
     every = np.arange(SAMPLES)
     torque, wrench, status = least(every)

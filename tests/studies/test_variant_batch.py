@@ -1,19 +1,17 @@
 """Variants solved at once are those that `mrts.scale` solves one by one."""
 
 from collections import Counter
-from dataclasses import replace
 
 import cell_bank
 import numpy as np
 import pytest
 from conftest import DATA
 from draws import draws
+from own_limits import tenth
 from study_files import planar_study
 from wide_studies import wide_study
 
 import mrts
-from mrts.limits import LIMITS
-from mrts.limits.torque_limits import torque_limits
 from mrts.studies.variant_batch import batch_for
 from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
 
@@ -117,20 +115,13 @@ def test_what_it_does_not_cover_is_solved_one_by_one(asked, tmp_path):
     assert solve_variants(study, 0, 2)["status"] == ["feasible", "feasible"]
 
 
-def test_a_limit_of_ones_own_is_kept_whenever_it_is_registered(tmp_path, monkeypatch):
-    def tenth(cell, motion):
-        rows = torque_limits(cell, motion)
-        names = tuple(replace(name, kind="own") for name in rows.names)
-        return replace(rows, names=names, lower=rows.lower / 10, upper=rows.upper / 10)
-
+def test_a_limit_of_ones_own_is_kept(tmp_path):
     text = "vary: {object.mass: [0.4, 0.5]}"
-    before, study = solve_variants(planar_study(tmp_path, text), 0, 2), planar_study(tmp_path, text)
-    monkeypatch.setitem(LIMITS, "own", tenth)
-    monkeypatch.setattr("mrts.limits.OWN_LIMITS", tuple(LIMITS))  # as where the line stands in mrts/limits
-    after = solve_variants(study, 0, 2)
+    study = planar_study(tmp_path, text)
+    before, after = solve_variants(study, 0, 2), solve_variants(study.with_limits(tenth), 0, 2)
     assert before["status"] == ["feasible", "feasible"]
     assert after["status"] == ["infeasible", "infeasible"]
-    assert planar_study(tmp_path, text) != study
+    assert study.with_limits(tenth) != study
 
 
 def test_numbers_that_break_a_rule_warn_of_nothing(tmp_path):

@@ -12,7 +12,6 @@ from study_files import planar_study
 
 import mrts
 from mrts.cli import main
-from mrts.limits import LIMITS
 from mrts.studies.dry_run import estimate, study_lines, time_text
 from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
 
@@ -235,21 +234,19 @@ def test_a_written_variant_is_read_by_the_command_line(wide, tmp_path, capsys):
     assert files[0].read_text(encoding="utf-8").startswith(f"# Variant {best['variant']} of study.yaml\n")
 
 
-def test_a_defect_is_a_row_and_an_interrupt_is_not(wide, monkeypatch):
+def test_a_defect_is_a_row_and_an_interrupt_is_not(wide):
     def broken(_cell, _motion):
         raise ZeroDivisionError("of mine")
 
     def interrupted(_cell, _motion):
         raise KeyboardInterrupt
 
-    monkeypatch.setitem(LIMITS, "mine", broken)
-    feasible = solve_one_by_one(wide, wide.points(0, 8), 0)
+    feasible = solve_one_by_one(wide.with_limits(broken), wide.points(0, 8), 0)
     assert "failed" in feasible["status"]
     place = feasible["status"].index("failed")
     assert feasible["reason"][place] == "ZeroDivisionError: of mine"
-    monkeypatch.setitem(LIMITS, "mine", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        solve_one_by_one(wide, wide.points(0, 8), 0)
+        solve_one_by_one(wide.with_limits(interrupted), wide.points(0, 8), 0)
 
 
 def test_blocks_that_are_not_there_are_refused(wide):

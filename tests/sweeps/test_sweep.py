@@ -12,12 +12,12 @@ import pytest
 import yaml
 from conftest import DATA
 from faulty_study import faulty
+from own_limits import tenth
 from study_files import planar_study
 from sweep_processes import assert_same_table, driver_command, kill, parts, processes, started, until, workers
 
 import mrts
 import mrts.sweeps.sweep as engine
-from mrts.limits import LIMITS
 from mrts.studies.study_folder import opened_study_folder
 from mrts.studies.variant_rows import solve_variants
 from mrts.sweeps import chunks
@@ -223,11 +223,12 @@ def test_wrong_arguments_are_named(arguments, said, study):
         mrts.sweep(**{"study": study, **arguments})
 
 
-def test_a_limit_that_a_script_registers_is_not_left_out_by_its_workers(tmp_path, monkeypatch):
-    monkeypatch.setitem(LIMITS, "mine", LIMITS["torque_limits"])
-    own = planar_study(tmp_path, "vary: {object.mass: [1, 2]}")
-    with pytest.raises(mrts.InputError, match=r"worker: knows the limits .*, the sweep .*, mine: a limit of your own"):
-        mrts.sweep(own, workers=1)
+def test_a_limit_given_in_python_is_kept_by_workers_or_refused(tmp_path):
+    own = planar_study(tmp_path, "vary: {object.mass: [0.4, 0.5]}")
+    assert mrts.sweep(own, workers=1)["status"].to_pylist() == ["feasible", "feasible"]
+    assert mrts.sweep(own.with_limits(tenth), workers=1)["status"].to_pylist() == ["infeasible", "infeasible"]
+    with pytest.raises(mrts.InputError, match="study: limits: must be functions of a module that workers can import"):
+        mrts.sweep(own.with_limits(lambda _cell, _motion: None), workers=1)
 
 
 def test_a_disk_that_is_full_is_said_and_gone_on_with_elsewhere(study, alone, tmp_path):

@@ -253,4 +253,4 @@ def test_the_constant_factor_is_that_of_scale(name):
     assert found.saving == 1 - found.duration / best.trajectory.duration
     np.testing.assert_array_equal(found.constant.trajectory.torque, best.trajectory.torque)
     assert found.constant.warnings == best.warnings
-    assert found.constant is found.factor.whole
+    assert found.constant is found.compared.whole

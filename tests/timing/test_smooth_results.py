@@ -30,13 +30,20 @@ def test_a_smooth_result_carries_the_fastest_timing_that_it_is_measured_against(
 
 def test_the_retimed_motion_says_what_it_keeps_and_how_far(smooth):
     played = smooth.retimed
-    assert played.rule.rates is smooth.smooth.rates
+    assert played.options.rates is smooth.smooth.rates
     assert played.excess.share == smooth.excess.share
     assert played.excess.row == smooth.excess.row
     assert played.sentence().startswith(
         f"smooth timing of a path that was given 0.5236 s: {smooth.duration:.4g} s. It is"
     )
     assert "; as it is now, rates apart, c² ∈ [0, " in played.sentence()  # its range is that of the other limits
+
+
+def test_a_reserve_is_kept_of_rates_wherever_it_is_asked_for(planar_cell, lift):
+    asked = mrts.retime(planar_cell, lift, rates=11.0, reserve=0.1)
+    own = mrts.retime(planar_cell.with_reserve(0.1), lift, rates=11.0)
+    np.testing.assert_allclose(asked.smooth.rates.torque, 0.9 * np.array([1100, 880, 550] * 2))
+    assert asked.duration == own.duration
 
 
 def test_what_passes_between_nodes_is_told_at_the_time_that_it_is_played(planar_cell, lift):

@@ -12,6 +12,7 @@ import mrts
 from mrts.limits import limit_rows
 from mrts.program.range_ends import BindingRows, no_codes
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.torque_distribution import torque_weights
 from mrts.program.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
 from mrts.viewer.offered_speeds import offered_speeds
@@ -47,7 +48,7 @@ def test_torques_inside_the_range_are_those_of_mrts(dual_ur5, turning, share):
     c2 = share**2 * state.result.range.upper.c2
     state.choose_speed(share * state.trajectory.c)
     assert state.admissible
-    motion, W = state.result.motion, np.eye(12)
+    motion, W = state.result.motion, torque_weights(None, dual_ur5)
     torque, wrench, _ = motion_torques(dual_ur5, motion, "wrench", None, "kernel", c2, W)
     np.testing.assert_allclose(state.trajectory.torque, torque, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(state.trajectory.wrench, wrench, rtol=1e-9, atol=1e-9)
@@ -116,8 +117,8 @@ def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift
 
 def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, turning):
     state = PlayerState(dual_ur5, turning)
-    end, rule = state.trajectory, state.result.rule
-    torque, wrench = widened_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7), "kernel")
+    end, rule = state.trajectory, state.result.options
+    torque, wrench = widened_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7))
     np.testing.assert_allclose(torque, end.torque, atol=0.01)
     np.testing.assert_allclose(wrench, end.wrench, atol=0.01)
 

@@ -4,12 +4,14 @@
 import json
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
 from inspect import get_annotations
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, Union, dataclass_transform, get_args, get_origin
 
+from mrts.base.errors import InputError, as_array
 from mrts.base.formats.broken_record import RULES, BrokenRecordError, Key, Wrong, broken_record, unknown_key
 
 
@@ -84,8 +86,9 @@ _KEPT: dict[str, Any] = {
 class Record:
     """Named values of the annotated kinds; nothing is converted but whole numbers to numbers, and lists to tuples.
 
-    Kinds are float, int, bool, str, Any, Literal, records, lists, tuples and dictionaries of these, each with None or
-    not, and with a `Rule` or not. Numbers are finite.
+    Kinds are float, int, bool, str, Any, Literal, records, dataclasses, arrays, lists, tuples and dictionaries of
+    these, each with None or not, and with a `Rule` or not. Numbers are finite; of arrays, JSON has infinite ones as the
+    texts "inf" and "-inf", and a dataclass checks its own arrays.
 
     Raises:
         BrokenRecordError: If a key or a value breaks a rule.
@@ -94,10 +97,11 @@ class Record:
     model_fields: ClassVar[dict[str, Any]] = {}
 
     def __init_subclass__(cls) -> None:
-        cls.model_fields = cls.model_fields | get_annotations(cls)
+        bases = (base for base in reversed(cls.__mro__) if issubclass(base, Record) and base is not Record)
+        cls.model_fields = {name: kind for base in bases for name, kind in get_annotations(base).items()}
 
     def __init__(self, **keys: Any) -> None:
-        vars(self).update(_checked_fields(type(self), keys))
+        vars(self).update(_checked_fields(self.model_fields, _defaults(type(self)), keys))
         if problem := self.problem():
             raise BrokenRecordError(problem, told=True)
 
@@ -133,7 +137,7 @@ class Record:
     @classmethod
     def _of(cls, data: dict[Any, Any]) -> Self:
         record = object.__new__(cls)
-        vars(record).update(_checked_fields(cls, data))
+        vars(record).update(_checked_fields(cls.model_fields, _defaults(cls), data))
         if problem := record.problem():
             raise BrokenRecordError(problem, told=True)
         return record
@@ -217,16 +221,20 @@ def _refuse(constant: str) -> NoReturn:
     _fail("finite_number", constant)
 
 
-def _checked_fields(cls: type[Record], data: dict[Any, Any]) -> dict[str, Any]:
-    fields, wrong = cls.model_fields, Wrong()
+def _defaults(cls: type[Record]) -> dict[str, Any]:
+    return {name: getattr(cls, name) for name in cls.model_fields if hasattr(cls, name)}
+
+
+def _checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[Any, Any]) -> dict[str, Any]:
+    wrong = Wrong()
     for key in data:
-        if key not in fields:
-            wrong.add(BrokenRecordError(unknown_key(key, list(fields)), told=True))
-    values = {}
-    for name, kind in fields.items():
-        if name in data or hasattr(cls, name):
+        if key not in kinds:
+            wrong.add(BrokenRecordError(unknown_key(key, list(kinds)), told=True))
+    values, known = {}, defaults | data
+    for name, kind in kinds.items():
+        if name in known:
             try:
-                values[name] = _at(name, kind, data[name] if name in data else getattr(cls, name))
+                values[name] = _at(name, kind, known[name])
             except BrokenRecordError as error:
                 wrong.add(error)
         else:
@@ -276,7 +284,35 @@ def checked(kind: Any, value: Any) -> Any:
         return _of_parts(origin, parts, value)
     if kind is Any:
         return value
+    if is_dataclass(kind):
+        return value if type(value) is kind else _dataclass(kind, value)
     return kind.model_validate(value) if issubclass(kind, Record) else _plain(kind, value)
+
+
+def _dataclass(kind: Any, value: Any) -> Any:
+    """A value of a dataclass from a mapping; what its own check refuses is told as a rule of the mapping."""
+    if not isinstance(value, dict):
+        _fail("model_type", value)
+    given: list[Field[Any]] = [field for field in fields(kind) if field.init]
+    defaults = {field.name: field.default for field in given if field.default is not MISSING}
+    values = _checked_fields({field.name: field.type for field in given}, defaults, value)
+    try:
+        return kind(**values)
+    except InputError as error:
+        raise _of_input(error) from None
+
+
+def _array(value: Any) -> Any:
+    try:
+        return as_array("", value)
+    except InputError as error:
+        raise _of_input(error) from None
+
+
+def _of_input(error: InputError) -> BrokenRecordError:
+    broken = BrokenRecordError(error.rule, error.value)
+    broken.keys = (error.key,) if error.key else ()
+    return broken
 
 
 def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
@@ -286,11 +322,13 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
             *others, last = map(repr, parts)
             _fail("literal_error", value, expected=f"{', '.join(others)} or {last}" if others else last)
         return value
-    if origin is dict:
+    if origin in {dict, Mapping}:
         if not isinstance(value, dict):
             _fail("dict_type", value)
         names = _each_at((str(name), parts[0], name) for name in value)
         return dict(zip(names, _each_at((str(name), parts[1], entry) for name, entry in value.items()), strict=True))
+    if getattr(origin, "__name__", "") == "ndarray":
+        return _array(value)
     if not isinstance(value, list | tuple):
         _fail("list_type", value)
     return _items(origin, parts, value)
@@ -298,8 +336,8 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
 
 def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ...]) -> Any:
     """The items of a list, or of a tuple with a kind each."""
-    if origin is list:
-        return _each_at((index, kinds[0], item) for index, item in enumerate(value))
+    if origin is list or kinds[-1] is Ellipsis:
+        return origin(_each_at((index, kinds[0], item) for index, item in enumerate(value)))
     if len(value) != len(kinds):
         kind, length = ("too_long", "max_length") if len(value) > len(kinds) else ("too_short", "min_length")
         _fail(kind, value, actual_length=len(value), **{length: len(kinds)})
@@ -330,8 +368,12 @@ def _fail(kind: str, value: object, **of_format: Any) -> NoReturn:
 def _dumped(value: Any) -> Any:
     if isinstance(value, Record):
         return value.model_dump()
+    if is_dataclass(value):
+        return {field.name: _dumped(getattr(value, field.name)) for field in fields(value) if field.init}
     if isinstance(value, list | tuple):
         return [_dumped(item) for item in value]
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {name: _dumped(item) for name, item in value.items()}
-    return value
+    if hasattr(value, "tolist"):
+        return _dumped(value.tolist())
+    return str(value) if isinstance(value, float) and math.isinf(value) else value

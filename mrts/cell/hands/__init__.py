@@ -1,5 +1,2 @@
 # SPDX-License-Identifier: MIT
-"""What a hand can exert on the object: polytopes of the contact wrench. A new kind is one file.
-
-May import base. Start at `contact.py`.
-"""
+"""What a hand can exert on the object: polytopes of the contact wrench."""

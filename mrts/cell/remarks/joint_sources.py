@@ -5,7 +5,6 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from mrts.cell.motors.joint_source import JointSource
-from mrts.cell.robot import has_torque_of_urdf
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
@@ -18,28 +17,24 @@ def joint_sources(cell: "Cell") -> tuple[JointSource, ...]:
         cell: The cell.
     """
     sources = []
-    for robot, record in zip(cell.robots, cell.functions.manifest.robots, strict=True):
-        torque_from = "URDF" if has_torque_of_urdf(robot, record) else "cell file"
-        motors, units = robot.motors, robot.position_units
-        pairs = ((robot.position_lower, robot.position_upper), (robot.torque_lower, robot.torque_upper))
-        limits = (zip(lower.tolist(), upper.tolist(), strict=True) for lower, upper in pairs)
-        of_motors = zip(motors.coulomb.tolist(), motors.viscous.tolist(), motors.armature.tolist(), strict=True)
-        rows = zip(record.joints, units, *limits, robot.velocity_limit.tolist(), of_motors, strict=True)
-        for joint, unit, position, torque, velocity, (coulomb, viscous, armature) in rows:
-            some = "URDF" if coulomb or viscous else "none given"
+    for robot in cell.robots:
+        motors, source = robot.motors, robot.source
+        for j, joint in enumerate(robot.joints):
+            velocity, armature = float(robot.velocity_limit[j]), float(motors.armature[j])
+            some = "URDF" if motors.coulomb[j] or motors.viscous[j] else "none given"
             sources.append(
                 JointSource(
                     robot=robot.name,
-                    joint=joint.name,
-                    unit=unit,
-                    position=position,
+                    joint=joint,
+                    unit=robot.position_units[j],
+                    position=(float(robot.position_lower[j]), float(robot.position_upper[j])),
                     velocity=None if velocity == inf else velocity,
-                    torque=torque,
-                    torque_from=torque_from,
-                    friction_from=some if record.friction_from_urdf else "cell file",
+                    torque=(float(robot.torque_lower[j]), float(robot.torque_upper[j])),
+                    torque_from="URDF" if robot.has_urdf_torque else "cell file",
+                    friction_from=some if robot.has_urdf_friction else "cell file",
                     armature=armature or None,
-                    carried_mass=joint.carried_mass,
-                    point_links=tuple(joint.point_links),
+                    carried_mass=source.carried_mass[j],
+                    point_links=source.point_links[j],
                 )
             )
     return tuple(sources)

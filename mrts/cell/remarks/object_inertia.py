@@ -11,8 +11,8 @@ from mrts.base.arrays import Array
 from mrts.base.remark import Remark
 
 if TYPE_CHECKING:
-    from mrts.base.manifest import ShapeRecord
     from mrts.cell.cell import Cell
+    from mrts.cell.record import ShapeRecord
 
 MOST = 2.0
 """Times the moment of inertia of a body whose mass is all at the corners of the box around its shape, which no body
@@ -69,7 +69,7 @@ def _ratio_to_shape(cell: "Cell", shape: "ShapeRecord") -> float:
 
     It is the largest about any axis of the shape, or that of the largest moments if that is not too large.
     """
-    R, p = np.array(shape.pose.rotation), np.array(shape.pose.position)
+    R, p = shape.pose.R, shape.pose.p
     squares = (np.abs(R.T @ p) + _half_sides(shape)) ** 2
     corners = cell.mass * (np.sum(squares) - squares)
     if cell.plane is None:

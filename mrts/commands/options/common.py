@@ -11,6 +11,7 @@ from mrts.base.formats.figure_formats import FIGURE_FORMATS
 from mrts.console.progress import working
 
 if TYPE_CHECKING:
+    from mrts.base.arrays import Array
     from mrts.cell.cell import Cell
     from mrts.following.grasp_closure import ClosureBound
     from mrts.motion.joint_table import JointTable
@@ -129,7 +130,7 @@ def limited_cell_option(
         motion: That the arms must follow: where they cannot, nothing is compiled first.
         closure: Of a motion of joints.
     """
-    from mrts.cell.uncompiled import cell_to_compile
+    from mrts.cell.loading import cell_to_compile
 
     uncompiled = None if motion is None else cell_to_compile(options.cell)
     if uncompiled is not None and motion is not None:
@@ -162,6 +163,26 @@ def sharing_option(text: str | None) -> "LoadSharing | None":
     except ValueError:
         raise InputError("--share", "must be 'equal' or numbers such as 0.6,0.4.", value=text) from None
     return LoadSharing(np.array(shares))
+
+
+def weights_option(text: str | None, cell: "Cell") -> "Array | None":
+    """The weights that `--weights` names for the joints of a cell; None for those of their limits."""
+    import numpy as np
+
+    from mrts.program.torque_distribution import torque_weights
+
+    if text is None:
+        return None
+    try:
+        numbers = [float(word) for word in text.split(",")]
+    except ValueError:
+        raise InputError("--weights", "must be a number, or numbers such as 1,1,4.", value=text) from None
+    given = np.array(numbers[0] if len(numbers) == 1 else numbers)
+    try:
+        torque_weights(given, cell)
+    except InputError as error:
+        raise InputError("--weights", error.rule, value=text) from None
+    return given
 
 
 def _check_share(text: str | None, cell: "Cell") -> None:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, unpacked_surface
 from mrts.cell.cell import Cell
-from mrts.cell.robot import transform
 from mrts.drawing.bodies.cell_shapes import object_box
 
 CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
@@ -47,8 +46,7 @@ def object_surface(cell: Cell, most: int = MOST_DRAWN) -> tuple[Array, NDArray[n
     else:
         assert shape.mesh is not None  # noqa: S101 (the record has one of the three)
         vertices, triangles = coarser_surface(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles), most)
-    T = transform(shape.pose)
-    return vertices @ T.R.T + T.p, triangles
+    return vertices @ shape.pose.R.T + shape.pose.p, triangles
 
 
 def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.int64]:

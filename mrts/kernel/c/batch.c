@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Whole batches in one call from Python: maps of generated functions, linear and quadratic programs, and the passes of the
- * fastest timing.
+ * Whole batches in one call from Python: maps of generated functions, linear and quadratic programs, intervals of speeds, and
+ * the passes of the fastest timing.
  * Work is cut into chunks of fixed length by the caller, so results do not depend on the number of threads.
  */
 #include "quadratic_programs.h"
+#include "speed_intervals.h"
 
 /* Samples between cold starts. */
 MRTS_EXPORT int mrts_chunk(void) { return MRTS_CHUNK; }
@@ -70,6 +71,46 @@ MRTS_EXPORT void mrts_qp_batch(long long count, int k, int rows, const double *H
         for (int i = 0; i < rows + k; ++i) d[i] = 0;
         for (int j = 0; j < active_count; ++j) {
             d[(active[j] < 0 ? -active[j] : active[j]) - 1] = active[j] < 0 ? -u[j] : u[j];
+        }
+    }
+}
+
+MRTS_EXPORT void mrts_interval_batch_work(int k, int rows, long long *reals, long long *ints) {
+    *reals = MRTS_CURVE_WORK(k, rows) + k + 2 * (k + 1);
+    *ints = MRTS_CURVE_IWORK(k, rows) + (MRTS_CURVE_BASES + 2) * (k + 1);
+}
+
+/* The highest interval of speeds c <= most of `count` samples with rows over k unknowns, c^2 last, whose columns have been
+ * multiplied by `column`, Shape (count, k), and with what a speed of 1 adds to them. Least and largest c^2, one in the gap
+ * below as of mrts_interval, a status of mrts_lp, and multipliers of the rows at both ends. */
+MRTS_EXPORT void mrts_interval_batch(long long count, int k, int rows, const double *A, const double *lower,
+                                     const double *upper, const double *column, const double *speed, const double *most,
+                                     double *low, double *high, double *gap, double *low_dual, double *high_dual,
+                                     unsigned char *status, double *work, int *iwork) {
+    const int n = k + 1;
+    double *end_dual = work + MRTS_CURVE_WORK(k, rows);
+    int *basis = iwork + MRTS_CURVE_IWORK(k, rows), *end_basis = basis + MRTS_CURVE_BASES * n;
+    for (long long sample = 0; sample < count; ++sample) {
+        mrts_rows given = {0};
+        mrts_curve_ends ends = {0, basis, end_basis, end_dual};
+        mrts_curve curve;
+        mrts_interval found;
+        given.count = rows;
+        given.A = (double *)A + sample * rows * k;
+        given.lower = (double *)lower + sample * rows;
+        given.upper = (double *)upper + sample * rows;
+        for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * n] = 0;
+        const double unit = mrts_curve_over(k, &given, column + sample * k, speed + sample * rows, work, iwork, &curve);
+        const double size = unit > 0 ? MRTS_SQRT(unit) : 1;
+        status[sample] = (unsigned char)mrts_highest_interval(&curve, MRTS_SQRT(most[sample]) / size, &ends, &found);
+        if (status[sample] != MRTS_OPTIMAL) continue;
+        low[sample] = found.low * size * (found.low * size);
+        high[sample] = found.high < MRTS_INFINITY ? found.high * size * (found.high * size) : MRTS_INFINITY;
+        gap[sample] = found.gap * size * (found.gap * size);
+        for (int j = 0; j < 2 * n; ++j) {
+            const int row = end_basis[j] < 0 ? -end_basis[j] : end_basis[j];
+            double *dual = (j < n ? low_dual : high_dual) + sample * rows;
+            if (row > 0 && row <= rows) dual[row - 1] = end_basis[j] < 0 ? -MRTS_ABS(end_dual[j]) : MRTS_ABS(end_dual[j]);
         }
     }
 }

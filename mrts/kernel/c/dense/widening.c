@@ -13,111 +13,165 @@
 
 MRTS_EXPORT void mrts_widenings_work(int rows, long long *reals, long long *ints) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
-    const int sides = MRTS_SIDES(rows), elastic = sides * K + 2 * (sides + K) + MRTS_LP_WORK(K);
-    const int sides_ints = MRTS_LP_IWORK(K, sides), nearest_ints = MRTS_QP_IWORK(F, rows);
-    *reals = 2 * MRTS_ROWS_WORK(K, rows) + MRTS_QP_WORK(F) + elastic;
-    *ints = 2 * MRTS_ROWS_IWORK(rows) + (sides_ints > nearest_ints ? sides_ints : nearest_ints);
+    const int sides = MRTS_SIDES(rows), sides_ints = MRTS_LP_IWORK(K, sides), nearest_ints = MRTS_QP_IWORK(F, rows);
+    *reals = MRTS_ROWS_WORK(K, rows) + MRTS_QP_WORK(F) + sides * K + 2 * (sides + K) + MRTS_LP_WORK(K);
+    *ints = MRTS_ROWS_IWORK(rows) + (sides_ints > nearest_ints ? sides_ints : nearest_ints);
 }
 
-/* A sample: its form, the terms of its rows and where these are put. */
+/* What is known of the wrenches when a sample is looked at. */
 typedef struct {
-    mrts_form form;
-    mrts_terms terms;
+    double wrench[MRTS_UNKNOWNS]; /* those of the sample before that are free */
+    double scale[MRTS_UNKNOWNS];  /* what a step of each is measured by */
+    int active[MRTS_UNKNOWNS];    /* rows that bounded them, coded as the basis of a linear program */
+    int count;                    /* of those; -1 where nothing is known */
+} mrts_wrenches_before;
+
+/* Some samples of a dense check: their forms with what motors give, by columns, offsets last, see rows.h. */
+typedef struct {
     const mrts_limits *limits;
-    const double *rotation;
-    double c2;
-    double *turned; /* memory for the wrenches in object axes */
-} mrts_dense_sample;
+    const mrts_terms *terms; /* of all samples of the call */
+    const mrts_rows *of;     /* which rows, and their units */
+    const long long *samples;
+    mrts_lanes c2;
+    mrts_lanes torque[(MRTS_UNKNOWNS + 1) * MRTS_JOINTS], wrench[(MRTS_UNKNOWNS + 1) * MRTS_WRENCHES];
+    mrts_lanes turn[9 * MRTS_ROBOTS]; /* from base axes to those of the object, where limits want them */
+} mrts_dense_lanes;
 
-/* The rows that `rows` names, over the free wrenches; returns 0 where a coefficient is not finite. */
-static int mrts_free_rows(mrts_dense_sample *at, mrts_rows *rows) {
-    enum { K = MRTS_UNKNOWNS };
-    mrts_turn_wrenches(K, MRTS_ROBOTS, MRTS_SIZE, at->limits, at->rotation, 1, 3, at->turned, &at->form);
-    if (!mrts_build_rows(K, MRTS_JOINTS, MRTS_WRENCHES, &at->form, at->limits, &at->terms, rows)) return 0;
-    mrts_fix_speed(K, at->limits, at->c2, 0, rows);
-    return 1;
+/* Evaluates the wrench form and adds what motors give. */
+static void mrts_dense_form(const mrts_lanes *const *arg, mrts_dense_lanes *at) {
+    enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    mrts_lanes *const res[] = {at->torque, at->torque + K * M, at->wrench, at->wrench + K * N};
+    mrts_lane_form(arg, res);
+    mrts_lane_motors(at->terms, at->samples, at->torque + (K - 1) * M, at->torque + K * M);
+    for (int i = 0; at->limits->base && i < 9 * MRTS_ROBOTS; ++i) { /* as in mrts_turn_wrenches */
+        const mrts_lanes *column = arg[MRTS_ROTATION] + 3 * at->limits->axes[i % 9 / 3];
+        const double *base = at->limits->base + i / 9 * 9 + i % 3;
+        at->turn[i] = column[0] * base[0] + column[1] * base[3] + column[2] * base[6];
+    }
 }
 
-/* By how much the rows that `rows` names are passed with given free wrenches, in shares of each limit, less what is rounding
- * of it where `rounding` is set; at most 0 if none is, and no number where a row has none. */
-static double mrts_passed(const mrts_dense_sample *at, const double *free, int rounding, mrts_rows *rows) {
-    enum { F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
-    double memory[MRTS_FORM_WORK(1, MRTS_JOINTS, MRTS_WRENCHES)], turned[MRTS_TURNED_WORK(1, MRTS_WRENCHES)], most = 0;
-    mrts_form held = mrts_form_in(1, M, N, memory);
-    for (int i = 0; i < M; ++i) held.torque_map[i] = at->form.torque_map[F * M + i];
-    for (int i = 0; i < N; ++i) held.wrench_map[i] = at->form.wrench_map[F * N + i];
-    for (int i = 0; i < M; ++i) held.torque_offset[i] = at->form.torque_offset[i];
-    for (int i = 0; i < N; ++i) held.wrench_offset[i] = at->form.wrench_offset[i];
-    for (int j = 0; j < F; ++j) {
-        for (int i = 0; i < M; ++i) held.torque_offset[i] += free[j] * at->form.torque_map[j * M + i];
-        for (int i = 0; i < N; ++i) held.wrench_offset[i] += free[j] * at->form.wrench_map[j * N + i];
-    }
-    mrts_turn_wrenches(1, MRTS_ROBOTS, MRTS_SIZE, at->limits, at->rotation, 1, 3, turned, &held);
-    if (!mrts_build_rows(1, M, N, &held, at->limits, &at->terms, rows)) return NAN;
-    for (int i = 0; i < rows->count; ++i) {
-        const double value = rows->A[i] * at->c2, above = value - rows->upper[i], below = rows->lower[i] - value;
-        const double over = above > below ? above : below, limit = above > below ? rows->upper[i] : rows->lower[i];
-        if (!(over <= (rounding ? MRTS_FEASIBLE * (1 + MRTS_ABS(limit)) : 0)) && !(over <= most)) most = over;
-    }
-    return most;
+/* What a column of the limits is where torques and wrenches have these values. */
+static mrts_lanes mrts_dense_column(const mrts_dense_lanes *at, int column, const mrts_lanes *torque,
+                              const mrts_lanes *wrench) {
+    if (column < MRTS_JOINTS) return torque[column];
+    if (column < MRTS_JOINTS + MRTS_WRENCHES) return wrench[column - MRTS_JOINTS];
+    const int place = column - MRTS_JOINTS - MRTS_WRENCHES, axis = place % MRTS_SIZE % 3;
+    const mrts_lanes *turn = at->turn + 9 * (place / MRTS_SIZE) + 3 * axis, *given = wrench + place - axis;
+    return turn[0] * given[0] + turn[1] * given[1] + turn[2] * given[2];
 }
 
-/* Solves G y = b, G symmetric and positive definite, Shape (m, m); `again` takes the factor that G then holds. 0 if it is
- * not definite. */
-static int mrts_definite_solve(int m, double *G, double *b, int again) {
+/* A row of the limits where torques and wrenches have these values, in its unit. */
+static mrts_lanes mrts_dense_row(const mrts_dense_lanes *at, int row, double per_unit, const mrts_lanes *torque,
+                              const mrts_lanes *wrench) {
+    const mrts_limits *limits = at->limits;
+    mrts_lanes sum = mrts_each(0);
+    for (int entry = limits->start[row]; entry < limits->start[row + 1]; ++entry) {
+        sum += limits->value[entry] * per_unit * mrts_dense_column(at, limits->column[entry], torque, wrench);
+    }
+    return sum;
+}
+
+/* Torques and wrenches of given free ones. */
+static void mrts_dense_held(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *torque,
+                              mrts_lanes *wrench) {
+    enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    for (int i = 0; i < M; ++i) torque[i] = at->torque[K * M + i] + at->c2 * at->torque[(K - 1) * M + i];
+    for (int i = 0; i < N; ++i) wrench[i] = at->wrench[K * N + i] + at->c2 * at->wrench[(K - 1) * N + i];
+    for (int j = 0; j < K - 1; ++j) {
+        for (int i = 0; i < M; ++i) torque[i] += free[j] * at->torque[j * M + i];
+        for (int i = 0; i < N; ++i) wrench[i] += free[j] * at->wrench[j * N + i];
+    }
+}
+
+/* A row's value with all that is added to it. */
+static mrts_lanes mrts_dense_value(const mrts_dense_lanes *at, int row, double per_unit,
+                              const mrts_lanes *torque, const mrts_lanes *wrench) {
+    const mrts_terms *terms = at->terms;
+    const int rows = at->limits->rows;
+    mrts_lanes value = mrts_dense_row(at, row, per_unit, torque, wrench);
+    if (terms->square) value += mrts_term(terms->square, at->samples, rows, row) * (at->c2 * per_unit);
+    if (terms->offset) value += mrts_term(terms->offset, at->samples, rows, row) * per_unit;
+    return value;
+}
+
+static void mrts_dense_passed(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *most,
+                              mrts_lane_mask *finite) {
+    const mrts_limits *limits = at->limits;
+    mrts_lanes torque[MRTS_JOINTS], wrench[MRTS_WRENCHES];
+    mrts_dense_held(at, free, torque, wrench);
+    *most = mrts_each(0);
+    *finite = MRTS_EVERY_LANE;
+    for (int i = 0; i < at->of->count; ++i) {
+        const int row = at->of->which[i];
+        const double low = limits->lower[row], high = limits->upper[row], per_unit = 1 / at->of->unit[i];
+        const mrts_lanes value = mrts_dense_value(at, row, per_unit, torque, wrench);
+        const mrts_lanes above = value - high * per_unit, below = low * per_unit - value;
+        mrts_lanes over = mrts_larger_lanes(above, below);
+        if (at->terms->margin) over += mrts_term(at->terms->margin, at->samples, limits->rows, row) * per_unit;
+        *finite &= mrts_sizes(value) < MRTS_INFINITY;
+        *most = mrts_larger_lanes(*most, over);
+    }
+}
+
+/* Solves G y = b, G symmetric and positive definite, by its factors L D L', which G then holds; `again` takes them. What is
+ * not definite gives no numbers, or none of worth. */
+static void mrts_dense_solve(int m, mrts_lanes *G, mrts_lanes *b, int again) {
     for (int j = 0; j < m && !again; ++j) {
-        for (int i = j; i < m; ++i) {
-            double sum = G[i * m + j];
-            for (int l = 0; l < j; ++l) sum -= G[i * m + l] * G[j * m + l];
-            if (i > j) {
-                G[i * m + j] = sum / G[j * m + j];
-            } else if (sum > 0) {
-                G[j * m + j] = MRTS_SQRT(sum);
-            } else {
-                return 0;
-            }
+        for (int i = j + 1; i < m; ++i) {
+            const mrts_lanes factor = G[i * m + j] / G[j * m + j];
+            for (int l = j + 1; l <= i; ++l) G[i * m + l] -= factor * G[l * m + j];
         }
+        for (int i = j + 1; i < m; ++i) G[i * m + j] /= G[j * m + j];
     }
-    for (int i = 0; i < m; ++i) b[i] = (b[i] - mrts_dot(i, G + i * m, b)) / G[i * m + i];
+    for (int i = 0; i < m; ++i) {
+        for (int l = 0; l < i; ++l) b[i] -= G[i * m + l] * b[l];
+    }
     for (int i = m - 1; i >= 0; --i) {
-        for (int l = i + 1; l < m; ++l) b[i] -= G[l * m + i] * b[l];
         b[i] /= G[i * m + i];
+        for (int l = i + 1; l < m; ++l) b[i] -= G[l * m + i] * b[l];
     }
-    return 1;
 }
 
-/* The wrenches nearest to those of the sample before whose rows bind again, in the unit of their scale. What they are worth
- * is seen when they are put in. */
-static void mrts_bound_again(mrts_dense_sample *at, mrts_wrenches_before *known, const mrts_rows *all, mrts_rows *some) {
-    enum { F = MRTS_UNKNOWNS - 1 };
-    double G[MRTS_UNKNOWNS * MRTS_UNKNOWNS], y[MRTS_UNKNOWNS];
+static void mrts_dense_bound(const mrts_dense_lanes *at, const mrts_wrenches_before *known, mrts_lanes *free) {
+    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
     const int m = known->count;
-    some->count = m;
+    mrts_lanes A[K * K], G[K * K], y[K], limit[K];
     for (int j = 0; j < m; ++j) {
-        const int row = (known->active[j] < 0 ? -known->active[j] : known->active[j]) - 1;
-        some->which[j] = all->which[row];
-        some->unit[j] = all->unit[row];
-    }
-    if (m <= 0 || !mrts_free_rows(at, some)) return;
-    for (int i = 0; i < m; ++i) {
-        for (int j = 0; j <= i; ++j) {
-            G[i * m + j] = 0;
-            for (int l = 0; l < F; ++l) {
-                G[i * m + j] += some->A[i * F + l] * known->scale[l] * known->scale[l] * some->A[j * F + l];
-            }
+        const int upper = known->active[j] > 0, i = mrts_abs(known->active[j]) - 1, row = at->of->which[i];
+        const double per_unit = 1 / at->of->unit[i];
+        for (int l = 0; l < F; ++l) {
+            A[j * F + l] = mrts_dense_row(at, row, per_unit, at->torque + l * M, at->wrench + l * N);
+        }
+        limit[j] = mrts_each((upper ? at->limits->upper[row] : at->limits->lower[row]) * per_unit);
+        if (at->terms->margin) {
+            const mrts_lanes margin = mrts_term(at->terms->margin, at->samples, at->limits->rows, row);
+            limit[j] -= margin * (upper ? per_unit : -per_unit);
+        }
+        for (int other = 0; other <= j; ++other) {
+            mrts_lanes sum = mrts_each(0);
+            for (int l = 0; l < F; ++l) sum += A[j * F + l] * (known->scale[l] * known->scale[l]) * A[other * F + l];
+            G[j * m + other] = sum;
         }
     }
-    for (int pass = 0; pass < 2; ++pass) {
-        for (int j = 0; j < m; ++j) {
-            y[j] = (known->active[j] < 0 ? some->lower[j] : some->upper[j]) - mrts_dot(F, some->A + j * F, known->wrench);
+    mrts_lanes torque[M], wrench[N], step[K];
+    mrts_dense_held(at, free, torque, wrench);
+    for (int j = 0; j < m; ++j) {
+        const int i = mrts_abs(known->active[j]) - 1;
+        limit[j] -= mrts_dense_value(at, at->of->which[i], 1 / at->of->unit[i], torque, wrench);
+        y[j] = limit[j];
+    }
+    for (int l = 0; l < F; ++l) step[l] = mrts_each(0);
+    for (int pass = 0; pass < 2 && m > 0; ++pass) {
+        for (int j = 0; j < m && pass > 0; ++j) {
+            y[j] = limit[j];
+            for (int l = 0; l < F; ++l) y[j] -= A[j * F + l] * step[l];
         }
-        if (!mrts_definite_solve(m, G, y, pass)) return;
-        for (int j = 0; j < m; ++j) {
-            for (int l = 0; l < F; ++l) {
-                known->wrench[l] += some->A[j * F + l] * known->scale[l] * known->scale[l] * y[j];
-            }
+        mrts_dense_solve(m, G, y, pass);
+        for (int l = 0; l < F; ++l) {
+            for (int j = 0; j < m; ++j) step[l] += A[j * F + l] * (known->scale[l] * known->scale[l]) * y[j];
         }
     }
+    for (int l = 0; l < F; ++l) free[l] += step[l];
 }
 
 /* The point of scaled rows nearest to x, which it replaces, and the rows that bound it; 0 where there is none, or none was
@@ -167,33 +221,22 @@ static int mrts_elastic(int k, const mrts_rows *rows, int *basis, double *x, dou
     return status;
 }
 
-/* The samples of a call. */
+/* What the samples of a call are looked at with. */
 typedef struct {
-    mrts_dense_sample at;
-    mrts_rows rows, some; /* all, and those that bound */
+    mrts_rows rows;
     mrts_wrenches_before known;
     int basis[MRTS_UNKNOWNS];
     double *qp_work, *elastic_work;
     int *own_iwork;
 } mrts_dense_path;
 
-/* The widening of one sample, whose form is there, from what is known of the one before; its status. */
+/* The widening of one sample, whose rows are built over the free wrenches, by programs; its status. */
 static int mrts_widening_of_sample(mrts_dense_path *path, double *share) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
     mrts_wrenches_before *known = &path->known;
     double x[K];
     int status = MRTS_OPTIMAL;
-    if (F == 0) {
-        *share = mrts_passed(&path->at, known->wrench, 0, &path->rows);
-        return *share < MRTS_INFINITY ? MRTS_OPTIMAL : MRTS_STOPPED;
-    }
     *share = 0;
-    mrts_bound_again(&path->at, known, &path->rows, &path->some);
-    if (known->count >= 0 && mrts_passed(&path->at, known->wrench, 1, &path->rows) == 0) return MRTS_OPTIMAL;
-    if (!mrts_free_rows(&path->at, &path->rows)) {
-        known->count = -1;
-        return MRTS_STOPPED;
-    }
     mrts_scale_columns(F, &path->rows, known->scale);
     mrts_free_unknowns(F, &path->rows);
     for (int j = 0; j < F; ++j) x[j] = known->wrench[j] / known->scale[j];
@@ -259,17 +302,14 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
                                double *share, unsigned char *status,
                                double *work, int *iwork) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1 };
-    double *few_work = work + MRTS_ROWS_WORK(K, limits->rows);
-    int *few_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
-    mrts_dense_path path = {.at = {.limits = limits, .turned = turned}, .known = {.count = -1}};
-    path.qp_work = few_work + MRTS_ROWS_WORK(K, limits->rows);
+    mrts_form form = mrts_form_in(K, MRTS_JOINTS, MRTS_WRENCHES, memory);
+    mrts_dense_path path = {.known = {.count = -1}};
+    path.qp_work = work + MRTS_ROWS_WORK(K, limits->rows);
     path.elastic_work = path.qp_work + MRTS_QP_WORK(F);
-    path.own_iwork = few_iwork + MRTS_ROWS_IWORK(limits->rows);
-    path.at.form = mrts_form_in(K, MRTS_JOINTS, MRTS_WRENCHES, memory);
+    path.own_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
     if (!mrts_rows_over(K, limits, work, iwork, &path.rows)) return 1;
-    if (!mrts_rows_over(K, limits, few_work, few_iwork, &path.some)) return 1;
     for (int i = 0; i < path.rows.count; ++i) path.rows.unit[i] = unit[path.rows.which[i]];
     mrts_widening_lanes lanes;
     lanes.at.limits = limits;
@@ -286,10 +326,16 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
         if (lane == 0) mrts_take_widening(in, stride, n, count, c2, &lanes);
         status[n] = MRTS_OPTIMAL;
         if (mrts_widening_in_lanes(&lanes, lane, &path.known, share + n)) continue;
-        mrts_form_of_lane(&lanes.at, lane, &path.at.form);
-        path.at.terms = mrts_terms_of_sample(terms, n, limits->rows);
-        path.at.rotation = in[MRTS_ROTATION] + n * stride[MRTS_ROTATION];
-        path.at.c2 = c2[n];
+        const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
+        mrts_form_of_lane(&lanes.at, lane, &form);
+        mrts_turn_wrenches(K, MRTS_ROBOTS, MRTS_SIZE, limits, in[MRTS_ROTATION] + n * stride[MRTS_ROTATION], 1, 3, turned,
+                           &form);
+        if (F == 0 || !mrts_build_rows(K, MRTS_JOINTS, MRTS_WRENCHES, &form, limits, &here, &path.rows)) {
+            path.known.count = -1;
+            status[n] = MRTS_STOPPED;
+            continue;
+        }
+        mrts_fix_speed(K, limits, c2[n], 0, &path.rows);
         status[n] = (unsigned char)mrts_widening_of_sample(&path, share + n);
     }
     return 0;

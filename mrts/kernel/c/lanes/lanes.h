@@ -7,7 +7,6 @@
 #define MRTS_LANES_H
 
 #include "../cell_sizes.h"
-#include "../dense/wrenches_before.h"
 #include "../rows.h"
 #include "lane_types.h"
 
@@ -38,23 +37,12 @@ typedef struct {
 /* Reals of work in which they stand. */
 #define MRTS_LANE_WORK(k, rows) (MRTS_LANES * ((rows) * (k) + 2 * ((rows) + (k))))
 
-/* Some samples of a dense check: their forms with what motors give, by columns, offsets last, see rows.h. */
-typedef struct {
-    const mrts_limits *limits;
-    const mrts_terms *terms; /* of all samples of the call */
-    const mrts_rows *of;     /* which rows, and their units */
-    const long long *samples;
-    mrts_lanes c2;
-    mrts_lanes torque[(MRTS_UNKNOWNS + 1) * MRTS_JOINTS], wrench[(MRTS_UNKNOWNS + 1) * MRTS_WRENCHES];
-    mrts_lanes turn[9 * MRTS_ROBOTS]; /* from base axes to those of the object, where limits want them */
-} mrts_dense_lanes;
-
 /* The quadratic programs of the torques of several samples, over the scaled free wrenches. */
 typedef struct {
     const double *weights; /* W, (MRTS_JOINTS, MRTS_JOINTS) */
     double widening;       /* by which limits move outward where they are not equal, in their unit */
     mrts_lane_rows rows;   /* over the wrenches and c^2, then over the scaled wrenches alone */
-    /* As those of mrts_dense_lanes, of the scaled wrenches; the column of c^2 is what there is without them. */
+    /* By columns, offsets last, of the scaled wrenches; the column of c^2 is what there is without them. */
     mrts_lanes torque[(MRTS_UNKNOWNS + 1) * MRTS_JOINTS], wrench[(MRTS_UNKNOWNS + 1) * MRTS_WRENCHES];
     mrts_lanes H[MRTS_UNKNOWNS * MRTS_UNKNOWNS], g[MRTS_UNKNOWNS];
     mrts_lanes L[MRTS_UNKNOWNS * MRTS_UNKNOWNS]; /* H = L L', on the diagonal the reciprocals */
@@ -85,18 +73,6 @@ MRTS_LOCAL void mrts_lane_rows_of(const mrts_lanes *const *arg, const mrts_limit
 /* Whether the basis of a program with cost `sign` of c^2 answers it, of each lane: see mrts_kept_basis. */
 MRTS_LOCAL void mrts_lane_end(const mrts_lane_rows *rows, double sign, const int *basis, mrts_lanes *x, mrts_lanes *y,
                               mrts_lane_mask *kept);
-
-/* Evaluates the wrench form of samples of a dense check, and adds what motors give. */
-MRTS_LOCAL void mrts_dense_form(const mrts_lanes *const *arg, mrts_dense_lanes *at);
-
-/* Moves free wrenches to the nearest whose known rows bind again, in the unit of their scale. What they are worth is seen
- * when they are put in. */
-MRTS_LOCAL void mrts_dense_bound(const mrts_dense_lanes *at, const mrts_wrenches_before *known, mrts_lanes *free);
-
-/* By how much a row is passed with given free wrenches, in shares of its limit, at most, 0 if none is; and whether all rows
- * are numbers. */
-MRTS_LOCAL void mrts_dense_passed(const mrts_dense_lanes *at, const mrts_lanes *free, mrts_lanes *most,
-                                  mrts_lane_mask *finite);
 
 /* v -= w x r */
 MRTS_LOCAL void mrts_less_cross(const mrts_lanes *w, const mrts_lanes *r, mrts_lanes *v);

@@ -65,8 +65,7 @@ MRTS_LOCAL mrts_lane_polytopes mrts_lane_polytopes_in(const mrts_polytopes *of, 
 /* Takes the samples from `first` on; beyond the last the last is repeated. */
 MRTS_LOCAL void mrts_take_polytopes(long long first, mrts_lane_polytopes *in);
 
-/* Of which samples the bases of an outline are all corners: each is verified as mrts_is_corner does, and each edge as
- * mrts_is_furthest. */
+/* Of which samples the bases of an outline are all corners: each is verified as a corner of mrts_project, and each edge. */
 MRTS_LOCAL void mrts_known_outline(const mrts_lane_polytopes *in, const mrts_outline *outline, mrts_lane_mask *known);
 
 #endif

@@ -63,18 +63,18 @@ MRTS_EXPORT void mrts_half_planes(long long count, const int *number, const doub
 
 /* Reals and ints of work of the projections below. */
 MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
-    *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k, rows) + MRTS_LANE_POLYTOPES_WORK(k, rows);
-    *ints = MRTS_POLYTOPE_IWORK(k, rows) + MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows);
-    *ints += MRTS_LANE_POLYTOPES_IWORK(k, rows);
+    *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k) + MRTS_LANE_POLYTOPES_WORK(k, rows);
+    *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows) + MRTS_LANE_POLYTOPES_IWORK(k, rows);
 }
 
 /* Which unknown each row alone bounds, and which rows bound several. */
 static void mrts_learn_alone(const mrts_polytope *of, mrts_lane_polytopes *in) {
     in->several_count = 0;
     for (int i = 0; i < of->rows; ++i) {
+        int count = 0;
         in->alone[i] = -1;
-        for (int j = 0; j < of->k && of->is_single[i]; ++j) {
-            if (of->A[i * of->width + j] != 0) in->alone[i] = j;
+        for (int j = 0; j < of->k; ++j) {
+            if (of->A[i * of->k + j] != 0) in->alone[i] = count++ ? -1 : j;
         }
         if (in->alone[i] < 0) in->several[in->several_count++] = i;
     }
@@ -91,12 +91,12 @@ static void mrts_take_outline(const mrts_lane_polytopes *in, int lane, int count
 }
 
 /* The polytope of a sample. */
-static void mrts_take_polytope(const mrts_polytopes *of, long long n, mrts_polytope *in) {
+static void mrts_take_polytope(const mrts_polytopes *of, long long n, const mrts_polytope *in) {
     const int k = of->k, rows = of->rows;
     const double *A = of->A + n * of->all * k, *lower = of->lower + n * of->all, *upper = of->upper + n * of->all;
     for (int i = 0; i < rows; ++i) {
         const int row = of->which[i];
-        for (int j = 0; j < k; ++j) in->A[i * in->width + j] = A[row * k + j] * of->scale[n * k + j];
+        for (int j = 0; j < k; ++j) in->A[i * k + j] = A[row * k + j] * of->scale[n * k + j];
         in->lower[i] = mrts_finite(lower[row]);
         in->upper[i] = mrts_finite(upper[row]);
     }
@@ -104,7 +104,6 @@ static void mrts_take_polytope(const mrts_polytopes *of, long long n, mrts_polyt
         in->lower[rows + k - 2 + j] = mrts_finite(of->least[2 * n + j]);
         in->upper[rows + k - 2 + j] = mrts_finite(of->most[2 * n + j]);
     }
-    mrts_begin_polytope(in);
 }
 
 /* `count` projections of { z : lower <= A z <= upper, least <= (u, x) <= most }, see mrts_polytopes. Each starts from the one
@@ -115,15 +114,15 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
                                     double *work, int *iwork) {
     const mrts_polytopes of = {count, k, all, rows, which, A, lower, upper, scale, least, most};
     double *project_work = work + MRTS_POLYTOPE_WORK(k, rows);
-    mrts_outline outline = {0, iwork + MRTS_POLYTOPE_IWORK(k, rows)};
+    mrts_outline outline = {0, iwork};
     int *project_iwork = outline.basis + MRTS_OUTLINE_IWORK(k);
-    mrts_polytope in = mrts_polytope_in(k, rows, work, iwork);
+    const mrts_polytope in = {k, rows, work, work + rows * k, work + rows * k + rows + k};
     for (int j = 0; j < k - 2; ++j) {
         in.lower[rows + j] = -MRTS_INFINITY;
         in.upper[rows + j] = MRTS_INFINITY;
     }
     mrts_lane_polytopes lanes =
-        mrts_lane_polytopes_in(&of, project_work + MRTS_PROJECT_WORK(k, rows), project_iwork + MRTS_PROJECT_IWORK(k, rows));
+        mrts_lane_polytopes_in(&of, project_work + MRTS_PROJECT_WORK(k), project_iwork + MRTS_PROJECT_IWORK(k, rows));
     mrts_lane_mask known = {0};
     for (long long n = 0; n < count; ++n) {
         double *found = corners + n * 2 * MRTS_CORNERS;

@@ -1,0 +1,447 @@
+# SPDX-License-Identifier: MIT
+"""Kinds of contacts: each is one function that gives rows."""
+
+from collections.abc import Callable, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mrts.base.argument_types import check_type, is_number
+from mrts.base.arrays import Array, without_infinity
+from mrts.base.errors import InputError, as_array
+from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
+from mrts.cell.hands.contact import Contact, Frame, as_given, check_components, contact_axes, holds, in_tip_axes
+
+SMALLEST = 1e-6
+"""Of a coefficient of friction, of a half width [m] and of a force [N]: what is smaller is a misprint, or zero."""
+
+NORMAL_FORCE = "normal force"
+"""Name of the row of how hard a surface presses."""
+
+INTERIOR = 1e-6
+"""Least radius of a ball in a polytope, as a share of how far its rows are from the origin: HiGHS is right to 1e-7."""
+
+Side = Sequence[float | None] | Array | None
+"""One side of the bounds of a wrench, Shape (w,): None is unbounded, a component or the whole side."""
+
+
+def wrench_bounds(
+    where: Path | str, key: str, lower: Side, upper: Side, components: Sequence[str]
+) -> tuple[Array, Array]:
+    """Bounds of a wrench, infinite where there is none, each Shape (w,) [N, N m].
+
+    Args:
+        where: The file, or what else they are given in, for messages.
+        key: Of the bounds in it; may be empty.
+        lower: As given.
+        upper: As given.
+        components: Of the wrench.
+
+    Raises:
+        InputError: If one side has another length, or a lower bound exceeds the upper one.
+    """
+    size, sides = len(components), []
+    for side, given, unbounded in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
+        name, values = f"{key}.{side}".lstrip("."), [None] * size if given is None else given
+        if not holds(values, size):
+            rule = f"must have {size} values ({', '.join(components)}); null is unbounded."
+            raise InputError(where, rule, key=name, value=given)
+        sides.append(as_array(name, [unbounded if value is None else value for value in values]))
+    least, most = sides
+    wrong = ~((least <= most) & (least < np.inf) & (most > -np.inf))
+    if np.any(wrong):
+        place = int(np.argmax(wrong))
+        rule = f"the lower limit of {components[place]} must be at most the upper one, {most[place]:g}."
+        raise InputError(where, rule, key=f"{key}.lower[{place}]".lstrip("."), value=float(least[place]))
+    return least, most
+
+
+def box_contact(
+    *,
+    lower: Sequence[float | None] | None = None,
+    upper: Sequence[float | None] | None = None,
+    frame: Frame = "tip",
+    components: Sequence[str] = WRENCH_COMPONENTS,
+    name: str = "box",
+) -> Contact:
+    """Two-sided limits lower <= F <= upper, component by component; those without a limit make no row.
+
+    Args:
+        lower: None is unbounded, a component or the whole side; equal sides fix a component, Shape (w,) [N, N m].
+        upper: Likewise.
+        frame: Axes of F: "tip", "object" or "base".
+        components: Of the wrench in these axes.
+        name: Of the contact.
+
+    Raises:
+        InputError: If a side has another length, nothing is limited, or a lower limit exceeds the upper one.
+    """
+    check_components(components)
+    least, most = wrench_bounds("contact", "", lower, upper, components)
+    limited = np.flatnonzero(np.isfinite(least) | np.isfinite(most)).tolist()
+    if not limited:
+        raise InputError("contact", "must limit something: give numbers in lower or upper, or leave the box out.")
+    return Contact(
+        name=name,
+        frame=frame,
+        rows=tuple(components[place] for place in limited),
+        units=tuple(WRENCH_UNITS[components[place]] for place in limited),
+        A=np.eye(len(components))[limited],
+        lower=least[limited],
+        upper=most[limited],
+        given=as_given("box", lower=without_infinity(least), upper=without_infinity(most), frame=frame),
+    )
+
+
+def rows_contact(
+    *,
+    A: Sequence[Sequence[float]],
+    upper: Sequence[float],
+    components: Sequence[str] = WRENCH_COMPONENTS,
+    name: str = "rows",
+) -> Contact:
+    """Rows A F <= upper over the wrench in tip axes.
+
+    A row with the limit 0 is measured by the largest limit among the rows, by 1 if all are 0: scale its numbers to
+    suit.
+
+    Args:
+        A: Shape (r, w).
+        upper: Shape (r,).
+        components: Of the wrench in tip axes.
+        name: Of the contact.
+
+    Raises:
+        InputError: If rows have another length, hold zeros only, or leave no ball of wrenches inside.
+    """
+    check_components(components)
+    size = len(components)
+    if (not isinstance(A, list | tuple) and np.ndim(A) != 2) or not all(holds(row, size) for row in A):  # noqa: PLR2004
+        raise InputError("contact", f"each row must have {size} numbers: {', '.join(components)}.", key="A", value=A)
+    rows, limits = as_array("A", A), as_array("upper", upper)
+    if limits.ndim != 1 or not limits.size or not np.all(np.isfinite(limits)):
+        raise InputError("contact", "must be one finite number a row of A.", key="upper", value=upper)
+    if len(rows) != len(limits) or not np.all(np.isfinite(rows)):
+        rule = f"must be finite numbers in {len(limits)} rows, as many as upper has numbers."
+        raise InputError("contact", rule, key="A", value=A)
+    empty = ~np.any(rows, axis=1)
+    if np.any(empty):
+        rule = f"row {int(np.argmax(empty)) + 1} is zero, so it says nothing of the wrench. Leave it out."
+        raise InputError("contact", rule, key="A", value=rows[empty][0].tolist())
+    if not _has_interior(rows, limits):
+        rule = (
+            "leaves no wrench with room on every side. Check signs and limits; to fix a component, give a box with "
+            "equal sides."
+        )
+        raise InputError("contact", rule, key="A, upper")
+    return Contact(
+        name=name,
+        frame="tip",
+        rows=tuple(str(row) for row in range(1, len(rows) + 1)),
+        units=("",) * len(rows),
+        A=rows,
+        lower=np.full(len(rows), -np.inf),
+        upper=limits,
+        given=as_given("rows", A=A, upper=upper),
+    )
+
+
+def _has_interior(A: Array, upper: Array) -> bool:
+    """Whether a ball lies in A x <= upper: its largest radius, at most the rows' distance from the origin, is not 0.
+
+    Args:
+        A: Rows that are not zero, Shape (r, w).
+        upper: Shape (r,).
+    """
+    from scipy.optimize import linprog  # noqa: PLC0415 (build time only, and slow to import)
+
+    column = np.max(np.abs(A), axis=0)
+    scaled = A / np.where(column > 0, column, 1.0)
+    length = np.linalg.norm(scaled, axis=1)
+    distance = upper / length
+    reach = float(np.max(np.abs(distance))) or 1.0
+    found = linprog(
+        np.append(np.zeros(A.shape[1]), -1.0),
+        A_ub=np.column_stack([scaled / length[:, None], np.ones(len(A))]),
+        b_ub=distance / reach,
+        bounds=[(None, None)] * A.shape[1] + [(0, 1)],
+    )
+    return found.x is not None and bool(found.x[-1] > INTERIOR)
+
+
+def pad_contact(
+    *,
+    friction: float,
+    normal: Sequence[float],
+    half_width: Sequence[float],
+    force: Sequence[float],
+    pull: bool = False,
+    components: Sequence[str] = WRENCH_COMPONENTS,
+    name: str = "pad",
+) -> Contact:
+    """A pad that presses with f_n = normal · f, least <= f_n <= most, and needs no more than that: 17 rows.
+
+    The rows of friction, tilt and torsion are in N: the normal force that lacks, at most 0.
+
+    Args:
+        friction: Coefficient of friction with the object, > 0.
+        normal: From the hand into the object, in tip axes, Shape (3,): pressing is positive.
+        half_width: Of the pad along its axes a and b (`mrts.cell.hands.contact.contact_axes`) [m]; planar: [a].
+        force: Least and most normal force, 0 <= least < most [N].
+        pull: That the normal is meant to point out of the object, as from inside a hollow: a cell file is refused where
+            it does so without.
+        components: Of the wrench in tip axes.
+        name: Of the contact.
+
+    Raises:
+        InputError: If a value breaks a rule.
+    """
+    check_type("contact: pull", pull, bool)
+    axes = contact_axes("normal", normal, components)
+    needed = _normal_force_needed(_pyramid(friction, components), _half_widths("half_width", half_width, components))
+    pair = holds(force, 2)
+    if not pair or not all(is_number(value, 0, LARGEST_NUMBER) for value in force) or not force[0] < force[1]:
+        rule = "must be [least, most] normal force in N with 0 <= least < most: a pad presses and cannot pull."
+        raise InputError("contact", rule, key="force", value=force)
+    given = as_given("pad", friction=friction, normal=normal, half_width=half_width, force=force, pull=pull or None)
+    return _surface_contact(name, needed, axes, normal_force=(force[0], force[1]), pressed=0.0, given=given)
+
+
+def suction_contact(
+    *,
+    holding_force: float,
+    friction: float,
+    radius: float,
+    normal: Sequence[float],
+    pull: bool = False,
+    components: Sequence[str] = WRENCH_COMPONENTS,
+    name: str = "suction",
+) -> Contact:
+    """A cup that the vacuum presses on the object with its holding force, so that f_n >= -holding_force: 17 rows.
+
+    Its lip bears holding_force + f_n, f_n = normal · f, by friction, at the corners of the square inside its circle: so
+    what the rows admit a round lip of that radius bears. They are in N: the normal force that it takes, at most the
+    holding force.
+
+    Args:
+        holding_force: By which it can pull at most, underpressure times area [N].
+        friction: Coefficient of friction of the lip with the object, > 0.
+        radius: Of the lip [m].
+        normal: From the hand into the object, in tip axes, Shape (3,).
+        pull: That the normal is meant to point out of the object, as from inside a hollow: a cell file is refused where
+            it does so without.
+        components: Of the wrench in tip axes.
+        name: Of the contact.
+
+    Raises:
+        InputError: If a value breaks a rule.
+    """
+    check_type("contact: pull", pull, bool)
+    axes = contact_axes("normal", normal, components)
+    holding, width = _positive("holding_force", holding_force), _positive("radius", radius)
+    in_space = len(components) == len(WRENCH_COMPONENTS)
+    widths = [width / np.sqrt(2)] * 2 if in_space else [width]
+    needed = _normal_force_needed(_pyramid(friction, components), widths)
+    given = as_given(
+        "suction", holding_force=holding_force, friction=friction, radius=radius, normal=normal, pull=pull or None
+    )
+    return _surface_contact(name, needed, axes, normal_force=(-holding, np.inf), pressed=holding, given=given)
+
+
+def gripper_contact(
+    *,
+    force: float,
+    friction: float,
+    half_width: Sequence[float],
+    axis: Sequence[float],
+    components: Sequence[str] = WRENCH_COMPONENTS,
+    name: str = "gripper",
+) -> Contact:
+    """Two pads, one from each side, whose normal forces add up to twice the grip force: 30 rows, in a plane 3.
+
+    What the object pulls along the axis one pad bears more and the other less, as where the jaws are coupled. The pads
+    count as lying in one plane at the tip's origin: how far the jaws are open adds no lever. The rows are in N: the sum
+    of both normal forces that it takes.
+
+    Args:
+        force: Grip force: with which each pad presses when nothing pulls [N].
+        friction: Coefficient of friction of the pads with the object, > 0.
+        half_width: Of a pad along the axes a and b (`mrts.cell.hands.contact.contact_axes`) [m]; planar: [a].
+        axis: Along which the jaws close, in tip axes, Shape (3,).
+        components: Of the wrench in tip axes.
+        name: Of the contact.
+
+    Raises:
+        InputError: If a value breaks a rule.
+    """
+    axes = contact_axes("axis", axis, components)
+    both = 2 * _positive("force", force)
+    mu, widths = _pyramid(friction, components), _half_widths("half_width", half_width, components)
+    rows = _in_plane(mu, *widths) if len(widths) == 1 else _in_space(mu, *widths)
+    return Contact(
+        name=name,
+        frame="tip",
+        rows=tuple(rows),
+        units=("N",) * len(rows),
+        A=in_tip_axes(np.array(list(rows.values())), axes),
+        lower=np.full(len(rows), -both),
+        upper=np.full(len(rows), both),
+        given=as_given("gripper", force=force, friction=friction, half_width=half_width, axis=axis),
+    )
+
+
+KINDS: dict[str, Callable[..., Contact]] = {
+    "box": box_contact,
+    "pad": pad_contact,
+    "suction": suction_contact,
+    "gripper": gripper_contact,
+    "rows": rows_contact,
+}
+"""By the key of a cell file."""
+
+
+def _positive(key: str, value: object) -> float:
+    """A number that a hand needs.
+
+    Raises:
+        InputError: Unless it is at least `SMALLEST` and finite.
+    """
+    if not is_number(value, SMALLEST, LARGEST_NUMBER):
+        raise InputError("contact", f"must be a number > 0, at least {SMALLEST:g}.", key=key, value=value)
+    return float(value)  # type: ignore[arg-type]  # is_number has seen to it
+
+
+def _pyramid(friction: object, components: Sequence[str]) -> float:
+    """Largest tangential over normal force along one contact axis, by itself.
+
+    In space the pyramid is the one inside Coulomb's round cone, friction / √2 along each axis, so that a surface which
+    keeps it keeps the cone. In a plane there is one direction, and both are the same.
+
+    Args:
+        friction: Coefficient of friction.
+        components: Of the wrench.
+
+    Raises:
+        InputError: Unless it is a number > 0.
+    """
+    given = _positive("friction", friction)
+    return given / np.sqrt(2) if len(components) == len(WRENCH_COMPONENTS) else given
+
+
+def _half_widths(key: str, values: object, components: Sequence[str]) -> list[float]:
+    """Half widths of a surface along its axes a and b; in a planar cell along a alone.
+
+    Raises:
+        InputError: If they are others, or not > 0.
+    """
+    count = 2 if len(components) == len(WRENCH_COMPONENTS) else 1
+    if not holds(values, count):
+        what = "[a, b], both half widths" if count > 1 else "[a]: in a planar cell the contact is a line"
+        raise InputError("contact", f"must be {what}, in m.", key=key, value=values)
+    return [_positive(key, value) for value in values]
+
+
+def _normal_force_needed(mu: float, widths: Sequence[float]) -> dict[str, Array]:
+    """What normal force each demand needs: a surface that presses with f_n can exert F if no row of F exceeds f_n.
+
+    Of a rectangle the 16 rows of S. Caron, Q.-C. Pham, Y. Nakamura, "Stability of surface contacts for humanoid
+    robots: closed-form formulae of the contact wrench cone for rectangular support areas", IEEE ICRA 2015; of a line in
+    a plane 4. They are exactly the wrenches of forces at its corners inside friction pyramids.
+
+    Args:
+        mu: Of the pyramid, from `_pyramid`.
+        widths: Half widths of the surface.
+
+    Returns:
+        By name rows over (f_a, f_b, f_n, m_a, m_b, m_n) or (f_a, f_n, m), Shape (6,) or (3,), in N of normal force.
+    """
+    if len(widths) == 1:
+        (width,) = widths
+        rows = {f"friction {sign}a": [float(f"{sign}1") / mu, 0, 0] for sign in "+-"}
+        rows |= {f"tilt {sign}": [0, 0, float(f"{sign}1") / width] for sign in "+-"}
+        return {name: np.array(row, dtype=np.float64) for name, row in rows.items()}
+    X, Y = widths
+    f_a, f_b, _, m_a, m_b, m_n = np.eye(6)
+    found: dict[str, Array] = {}
+    for name, row in (("friction", f_a / mu), ("friction", f_b / mu), ("tilt", m_a / Y), ("tilt", m_b / X)):
+        axis = "a" if row[0] or row[3] else "b"
+        found |= {f"{name} {sign}{axis}": float(f"{sign}1") * row for sign in "+-"}
+    for number, (turn, first, second) in enumerate(product((1, -1), repeat=3), start=1):
+        row = turn * m_n + first * (Y * f_a + turn * mu * m_a) + second * (X * f_b + turn * mu * m_b)
+        found[f"torsion {number}"] = row / (mu * (X + Y))
+    return found
+
+
+def _surface_contact(
+    name: str,
+    needed: dict[str, Array],
+    axes: Array,
+    *,
+    normal_force: tuple[float, float],
+    pressed: float,
+    given: dict[str, Any],
+) -> Contact:
+    """A surface that holds by friction what its normal force and what presses it besides can bear.
+
+    Args:
+        name: Of the contact.
+        needed: Normal force that each demand needs, from `_normal_force_needed`.
+        axes: Turns a triple of a wrench from tip into contact axes (`mrts.cell.hands.contact.contact_axes`).
+        normal_force: Least and most f_n [N].
+        pressed: What presses the surface besides f_n [N].
+        given: Its entry in a cell file.
+    """
+    along = np.zeros(len(next(iter(needed.values()))))
+    along[2 if len(along) == len(WRENCH_COMPONENTS) else 1] = 1.0
+    rows = np.array([along, *(row - along for row in needed.values())])
+    return Contact(
+        name=name,
+        frame="tip",
+        rows=(NORMAL_FORCE, *needed),
+        units=("N",) * len(rows),
+        A=in_tip_axes(rows, axes),
+        lower=np.array([normal_force[0], *(-np.inf for _ in needed)]),
+        upper=np.array([normal_force[1], *(pressed for _ in needed)]),
+        given=given,
+    )
+
+
+def _in_plane(mu: float, width: float) -> dict[str, Array]:
+    """Rows over (f_a, f_n, m)."""
+    f_a, f_n, m = np.eye(3)
+    return {"friction a": f_a / mu, "along the axis": f_n, "tilt": m / width}
+
+
+def _in_space(mu: float, X: float, Y: float) -> dict[str, Array]:
+    """Rows over (f_a, f_b, f_n, m_a, m_b, m_n): the sum of normal forces that each demand takes, of both signs.
+
+    Corner i at (x_i, y_i) carries d_i n along the axis, |d_i| <= s_i, and friction |f_a|, |f_b| <= μ s_i, where the
+    s_i >= 0 add up to both normal forces. These rows are the facets of what the corners reach together. Reflection of
+    a, of b and of the axis, and friction the other way, turn one facet into others: of each kind one is written down.
+    """
+    f_a, f_b, f_n, m_a, m_b, m_n = np.eye(6)
+    found = {
+        "friction a": f_a / mu,
+        "friction b": f_b / mu,
+        "along the axis": f_n,
+        "tilt a": m_a / Y,
+        "tilt b": m_b / X,
+        "torsion": m_n / (mu * (X + Y)),
+    }
+    around = Y * f_a / mu + X * f_b / mu + m_n / mu
+    kinds = (
+        (Y * (f_a / mu + f_n) + m_a + m_n / mu) / (2 * Y + X),
+        (X * (f_b / mu + f_n) + m_b + m_n / mu) / (2 * X + Y),
+        (around + (X + Y) * f_n + m_a + m_b) / (2 * (X + Y)),
+        (around + (X - Y) * f_n - m_a + m_b) / (2 * (X + Y)),
+    )
+    reflections = np.array([[-1, 1, 1, 1, -1, -1], [1, -1, 1, -1, 1, -1], [1, 1, -1, -1, -1, 1], [-1, -1, 1, 1, 1, -1]])
+    for kind in kinds:
+        for chosen in product((False, True), repeat=4):
+            row = kind * np.prod(reflections[list(chosen)], axis=0)
+            if not any(np.array_equal(row, side) or np.array_equal(row, -side) for side in found.values()):
+                found[f"combined {len(found) - 5}"] = row
+    return found

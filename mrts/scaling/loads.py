@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: MIT
+"""The range of c² at the samples of a motion, for a load that is known or for one that is known within a box.
+
+At a fixed c² the loads that the arms can carry form a convex set, so it holds the box if it holds its corners (proof in
+docs/uncertain_load.md). The range that is guaranteed for a whole box is therefore the intersection of the ranges of its
+corners: no grid, no nonlinear program, nothing approximate. Where a fixed distribution leaves c² as the only unknown,
+the worst load of every row follows in closed form, and no corner is enumerated.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.argument_types import Progress
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.load_box import OFFSETS, LoadBox, LoadPoint
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import Side
+from mrts.program.closed_form import LoadSensitivity, ends_in_closed_form, load_sensitivity, worst_parameters
+from mrts.program.infeasibility import Conflict
+from mrts.program.motion_rows import MotionRows, motion_rows
+from mrts.program.range_ends import chosen_rows
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_ranges import SampleRanges, first_least, statuses, with_end_problem, without_speed_at_rest
+from mrts.program.trajectory_programs import motion_ranges
+from mrts.scaling.options import Options, load_box
+from mrts.scaling.range import ScalingRange, common_range, intersect
+
+INERT = 1e-12
+"""A parameter that changes the object's wrench by no more than this share of it has no effect along a motion."""
+
+GRID_POINTS = 51
+"""Loads of `grid` where no number is given."""
+
+LARGEST_GRID = 10_000
+
+
+@dataclass(frozen=True, repr=False)
+class LoadStudy(InNotebooks):
+    """What was asked of an uncertain load, and the answer for each load that was looked at.
+
+    Attributes:
+        question: "guaranteed" (every load of the box), "possible" (some load, sample by sample) or "grid:N".
+        box: The box.
+        points: Loads that were evaluated one by one; empty where a fixed distribution was answered in closed form.
+        ranges: Their ranges over the motion.
+        not_converged: Samples where the search of `possible` was not verified and a corner's range stands.
+    """
+
+    question: str
+    box: LoadBox
+    points: tuple[LoadPoint, ...]
+    ranges: tuple[ScalingRange, ...]
+    not_converged: tuple[int, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<LoadStudy {self.sentence()}>"
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """The range of every load that was looked at."""
+        rows = [(str(point), repr(found).strip("<>")) for point, found in zip(self.points, self.ranges, strict=True)]
+        yield NotebookTable(("load", "range"), rows)
+
+    def sentence(self) -> str:
+        """The question and the box in words."""
+        what = self.box.description()
+        if self.question == "guaranteed":
+            return f"for every load of the box ({what})"
+        if self.question == "possible":
+            missed = f"; {len(self.not_converged)} samples not converged" if self.not_converged else ""
+            return f"at best, for some load of the box at each sample ({what}{missed})"
+        low, high = (self.box.mass * factor for factor in self.box.ranges["mass"])
+        return f"for {len(self.points)} masses from {low:.4g} to {high:.4g} kg, all else nominal"
+
+    def to_json(self) -> dict[str, Any]:
+        """The study as JSON values."""
+        return {
+            "question": self.question,
+            "ranges": {name: list(pair) for name, pair in self.box.ranges.items()},
+            "outer_hull": self.box.outer_hull,
+            "principal_axes": self.box.principal_axes.tolist(),
+            "principal_moments": self.box.principal_moments.tolist(),
+            "points": [
+                point.to_json() | found.to_json() for point, found in zip(self.points, self.ranges, strict=True)
+            ],
+            "not_converged": list(self.not_converged),
+        }
+
+
+def range_at_samples(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    options: Options,
+    progress: Progress = lambda _done, _total: None,
+    high: float = np.inf,
+    rows: MotionRows | None = None,
+) -> tuple[ScalingRange, LoadStudy | None]:
+    """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was found of an uncertain load.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        options: Which load is asked about, and how the programs are made and solved; checked.
+        progress: Told how far the work on an uncertain load is.
+        high: Of several intervals the highest is found that does not begin above this c².
+        rows: As in `motion_ranges`.
+
+    Raises:
+        InputError: If there is no box, or the question does not fit it.
+        SolverError: If no solver answers.
+    """
+    if options.load == "nominal":
+        return common_range(partial(ranges_of_load, cell, motion, options, None, rows=rows), high), None
+    box = load_box(cell, options.load)
+    if options.load == "possible":
+        from mrts.scaling.possible_load import possible_range  # noqa: PLC0415 (its nonlinear program is rarely asked for)
+
+        return possible_range(cell, motion, options, box, progress, high)
+    if options.load == "guaranteed":
+        varying = effective_parameters(cell, motion, box)
+        if options.sharing is not None and not any(name in OFFSETS for name in varying):
+            closed = _in_closed_form(cell, motion, options, box, varying)
+            if closed is not None:
+                return intersect(closed), LoadStudy("guaranteed", box, (), ())
+        points = box.corners(varying)
+    else:
+        points = mass_grid(box, options.load)
+    of_points = ranges_of_loads(cell, motion, options, points, progress, high)
+
+    def find(below: float) -> SampleRanges:
+        ranges = [
+            known.samples if below == high else ranges_of_load(cell, motion, options, point.load, below)
+            for point, known in zip(points, of_points, strict=True)
+        ]
+        return with_all_rows(cell, motion, options, _intersection(points, ranges))
+
+    return common_range(find, high), LoadStudy(options.load, box, points, of_points)
+
+
+def ranges_of_load(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    options: Options,
+    load: Array | None,
+    high: float,
+    rows: MotionRows | None = None,
+) -> SampleRanges:
+    """Ranges of c² at all samples.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        options: How the programs are made and solved.
+        load: Load vector, Shape (10,); None is the cell's.
+        high: As in `range_at_samples`.
+        rows: As in `motion_ranges`.
+
+    Raises:
+        SolverError: If no solver answers.
+    """
+    return motion_ranges(cell, motion, options.formulation, options.sharing, options.solver, load, high, rows)
+
+
+def ranges_of_loads(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    options: Options,
+    points: Sequence[LoadPoint],
+    progress: Progress,
+    high: float,
+) -> tuple[ScalingRange, ...]:
+    """The range over the motion of each load; arguments as in `range_at_samples`."""
+    found, rows = [], motion_rows(cell, motion)
+    for number, point in enumerate(points):
+        progress(number, len(points))
+        found.append(common_range(partial(ranges_of_load, cell, motion, options, point.load, rows=rows), high))
+    progress(len(points), len(points))
+    return tuple(found)
+
+
+def with_all_rows(cell: Cell, motion: CoordinatedMotion, options: Options, samples: SampleRanges) -> SampleRanges:
+    """Ranges each of whose ends is that of some load, which can name all rows that set an end."""
+    lower, upper = samples.lower_loads, samples.upper_loads
+    if options.sharing is not None or lower is None or upper is None:
+        return samples
+    return with_end_problem(cell, motion, samples, partial(_load_of_end, lower, upper))
+
+
+def _load_of_end(lower: Sequence[LoadPoint], upper: Sequence[LoadPoint], sample: int, side: Side) -> Array:
+    return (lower if side == "lower" else upper)[sample].load
+
+
+def effective_parameters(
+    cell: Cell, motion: CoordinatedMotion, box: LoadBox, parts: tuple[str, ...] = ("P", "Q")
+) -> tuple[str, ...]:
+    """Parameters that change the object's wrench along this motion: corners that differ in others coincide.
+
+    Args:
+        cell: The cell.
+        motion: Its motion.
+        box: The box.
+        parts: What the wrench is made of: P c² + Q, with S r̈ where the speed varies.
+    """
+
+    def wrenches(load: Array) -> list[Array]:
+        terms = cell.functions("terms", motion.samples, motion.inputs(load))
+        return [terms[part] for part in parts]  # compared each by itself: how fast the motion is given does not move Q
+
+    nominal = wrenches(box.nominal_point().load)
+    found = []
+    for name in box.varying:
+        ends = [wrenches(box.load_at({name: end})) for end in box.ranges[name]]
+        for end, part in product(ends, range(len(parts))):
+            change = float(np.max(np.abs(end[part] - nominal[part])))
+            if change > INERT * float(np.max(np.abs(nominal[part]))):
+                found.append(name)
+                break
+    return tuple(found)
+
+
+def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
+    """The paper's exhaustive search along k_m (below (46)): evenly spaced masses, both ends included.
+
+    Args:
+        box: What the load is known within.
+        question: "grid", or "grid:N" for N masses.
+
+    Raises:
+        InputError: If it is another question, or the mass does not vary.
+    """
+    match = re.fullmatch(r"grid(?::([0-9]{1,9}))?", question)
+    if not match:
+        raise InputError("load", "must be nominal, guaranteed, possible, or grid:N such as grid:51.", value=question)
+    if "mass" not in box.varying:
+        raise InputError("load", "a grid runs along the mass, which does not vary in this cell.", value=question)
+    count = int(match.group(1) or GRID_POINTS)
+    if not 2 <= count <= LARGEST_GRID:  # noqa: PLR2004 (both ends)
+        raise InputError("load", f"a grid takes 2 to {LARGEST_GRID} masses.", value=question)
+    factors = np.linspace(*box.ranges["mass"], count).tolist()
+    return tuple(LoadPoint({"mass": factor}, box.load_at({"mass": factor})) for factor in factors)
+
+
+def ends_of_loads(
+    points: Sequence[LoadPoint],
+    ranges: Sequence[SampleRanges],
+    ends: tuple[Array, Array],
+    places: tuple[NDArray[np.int_], NDArray[np.int_]],
+    conflicts: tuple[Conflict, ...],
+) -> SampleRanges:
+    """Ranges of which the lower and the upper end of each sample are those of some load.
+
+    Args:
+        points: The loads.
+        ranges: Their ranges.
+        ends: Lower and upper end, each Shape (N,).
+        places: Which load sets each, likewise.
+        conflicts: Of the samples that have no range.
+    """
+    (lower, upper), (at_low, at_high) = ends, places
+    return SampleRanges(
+        time=ranges[0].time,
+        status=statuses(lower, upper, conflicts),
+        lower=lower,
+        upper=upper,
+        rows=chosen_rows([found.rows for found in ranges], np.stack(places)),
+        conflicts=conflicts,
+        fallbacks=sum(found.fallbacks for found in ranges),
+        lower_loads=tuple(points[index] for index in at_low),
+        upper_loads=tuple(points[index] for index in at_high),
+        several=any(found.several for found in ranges),
+    )
+
+
+def _intersection(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
+    """The intersection of the ranges of all loads at every sample, with the load that sets each end."""
+    low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
+    at_low, at_high = first_least(-low), first_least(high)
+    conflicts: dict[int, Conflict] = {}
+    for point, found in zip(points, ranges, strict=True):
+        for conflict in found.conflicts:
+            worst = conflicts.get(conflict.sample)
+            if worst is None or conflict.widening > worst.widening:
+                conflicts[conflict.sample] = replace(conflict, load=point)
+    ordered = tuple(conflicts[sample] for sample in sorted(conflicts))
+    ends = np.max(low, axis=0), np.min(high, axis=0)
+    return ends_of_loads(points, ranges, ends, (at_low, at_high), ordered)
+
+
+def problem_of_load(cell: Cell, motion: CoordinatedMotion, options: Options, load: Array) -> SampleProblem:
+    """Rows with a load, Shape (10,), or one a sample, Shape (N, 10)."""
+    return build_sample_problem(cell, motion, formulation=options.formulation, sharing=options.sharing, load=load)
+
+
+def _in_closed_form(
+    cell: Cell, motion: CoordinatedMotion, options: Options, box: LoadBox, varying: tuple[str, ...]
+) -> SampleRanges | None:
+    """The guaranteed range of a fixed distribution, no corner enumerated; None if it needs the corners all the same."""
+    least = {name: box.ranges[name][0] for name in varying}
+    rows = partial(problem_of_load, cell, motion, options)
+    problem = without_speed_at_rest(rows(box.load_at(least)))
+    if problem.speed is not None:
+        return None  # a row then leaves a union of intervals for each load: the corners are looked at
+    sensitivity = load_sensitivity(
+        problem, [rows(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
+    )
+    ends = ends_in_closed_form(problem, sensitivity)
+    if np.any(ends.undecided):
+        return None
+    return SampleRanges(
+        time=motion.object.time,
+        status=statuses(ends.lower, ends.upper, ()),
+        lower=ends.lower,
+        upper=ends.upper,
+        rows=ends.rows,
+        conflicts=(),
+        fallbacks=0,
+        lower_loads=_worst_loads(problem, sensitivity, box, varying, ends.lower),
+        upper_loads=_worst_loads(problem, sensitivity, box, varying, ends.upper),
+    )
+
+
+def _worst_loads(
+    problem: SampleProblem, sensitivity: LoadSensitivity, box: LoadBox, varying: tuple[str, ...], c2: Array
+) -> tuple[LoadPoint, ...]:
+    """The load that sets one end of each sample, of c², Shape (N,)."""
+    largest = worst_parameters(problem, sensitivity, np.where(np.isfinite(c2), c2, 0.0))
+    keys = [(*row, finite) for row, finite in zip(map(tuple, largest.tolist()), np.isfinite(c2).tolist(), strict=True)]
+    points = {}
+    for key in set(keys):
+        values = {name: box.ranges[name][int(high)] for name, high in zip(varying, key[:-1], strict=True)}
+        points[key] = LoadPoint(values, box.load_at(values)) if key[-1] else box.nominal_point()
+    return tuple(points[key] for key in keys)

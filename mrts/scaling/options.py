@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: MIT
+"""What is asked of a motion: the arguments that scaling, timing, rankings, sweeps and what-if share."""
+
+from dataclasses import dataclass, replace
+from types import NoneType
+from typing import Literal, Self
+
+from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, as_array
+from mrts.base.load_box import LoadBox
+from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.cell.cell import Cell
+from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.program.formulation import DistributionName, FormulationName
+from mrts.program.load_sharing import LoadSharing, check_distribution
+from mrts.program.rate_limits import RateLimits
+from mrts.program.solvers import DEFAULT_SOLVER, check_solver
+from mrts.program.torque_distribution import torque_weights
+
+Selection = Literal["auto", "fastest", "nominal"] | float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(InNotebooks):
+    """What was asked of a motion, as `mrts.scale` documents its arguments.
+
+    A saved result keeps neither `select`, as it has the c², nor `solver` and `between`.
+
+    Attributes:
+        select: Which c² of the range is chosen.
+        sharing: A fixed distribution of the load; None leaves it to the quadratic program.
+        formulation: Unknowns of the programs.
+        weights: W of the quadratic program, as in `mrts.scale`.
+        solver: Name in the registry.
+        load: "nominal", "guaranteed", "possible" or "grid:N"; "auto" until it is checked.
+        distribute: "least-torque" is the quadratic program alone, "reserve" keeps most of every limit free before it.
+        between: Share of a limit by which it may be overstepped between the samples; None for the bare samples.
+        rates: Limits of rates that are kept; None where torques may change as fast as they like.
+    """
+
+    select: Selection = "auto"
+    sharing: LoadSharing | None = None
+    formulation: FormulationName = "wrench"
+    weights: Array | float | None = None
+    solver: str = DEFAULT_SOLVER
+    load: str = "auto"
+    distribute: DistributionName = "least-torque"
+    between: float | None = BETWEEN
+    rates: RateLimits | None = None
+
+    def __post_init__(self) -> None:
+        """Torques may be distributed later: the weights are then what they are now.
+
+        Raises:
+            InputError: If the weights are not numbers of one shape.
+        """
+        if self.weights is not None:
+            weights = as_array("weights", self.weights)
+            weights.setflags(write=False)
+            object.__setattr__(self, "weights", weights)
+
+    def checked(self, cell: Cell) -> Self:
+        """These options of a cell, with what "auto" asks of its load.
+
+        Raises:
+            InputError: If one breaks a rule, or they do not go together.
+        """
+        names = ("auto", "fastest", "nominal")
+        known = self.select in names if isinstance(self.select, str) else isinstance(self.select, int | float)
+        if not known or isinstance(self.select, bool):
+            raise InputError("select", "must be 'auto', 'fastest', 'nominal' or a number.", value=self.select)
+        check_type("sharing", self.sharing, LoadSharing, NoneType)
+        check_distribution(self.distribute, self.sharing)
+        check_type("formulation", self.formulation, str)
+        check_solver(self.solver)
+        load = self._question(cell)
+        torque_weights(self.weights, cell)
+        if self.rates is not None:
+            for name, value, only in (
+                ("distribute", self.distribute, "least-torque"),
+                ("formulation", self.formulation, "wrench"),
+            ):
+                if value != only:
+                    rule = f"with rates it must be '{only}': torques are chosen for the whole motion."
+                    raise InputError(name, rule, value=value)
+            if load == "possible":
+                raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=load)
+        return replace(self, load=load, between=checked_tolerance(self.between))
+
+    def _question(self, cell: Cell) -> str:
+        check_type("load", self.load, str)
+        if self.load == "auto":
+            return "nominal" if cell.load_box is None else "guaranteed"
+        if self.load == "possible" and self.select != "auto":
+            raise InputError(
+                "select",
+                "what is possible leaves open which load it is, so no c² and no torques are chosen. Ask for the "
+                "guaranteed range, or give the cell a known load.",
+                value=self.select,
+            )
+        if self.load != "nominal":
+            load_box(cell, self.load)
+        return self.load
+
+
+def load_box(cell: Cell, question: str) -> LoadBox:
+    """What the load is known within.
+
+    Args:
+        cell: The cell.
+        question: That is asked of it.
+
+    Raises:
+        InputError: If the cell's load does not vary.
+    """
+    if cell.load_box is None:
+        raise InputError(
+            "load",
+            "the cell says nothing of how its load varies: add 'variation' under 'object' in the cell file, such as "
+            "'variation: {mass: [0.5, 2.0]}'.",
+            value=question,
+        )
+    return cell.load_box
