@@ -32,7 +32,6 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.load_box import LoadBox, load_vector
 from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, WRENCH_UNITS, ChainsRecord
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import multiply
 from mrts.base.version import __version__
 from mrts.cell.hands.kinds import wrench_bounds
 from mrts.cell.motors.joint_motors import given_torque_limits
@@ -217,18 +216,10 @@ def build_robot(
             check_plane_kept(path, key, plane, T_world_base, T_object_tip, model, rotation_keys)
         contacts = build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R)
     mistakes.raise_noted()
-    *frames, tip = model.zero_frames()
     given_friction = robot.motors.friction is not None
     built = Robot(
         name=robot.name,
-        joints=tuple(joints),
-        joint_types=tuple(joint.kind for joint in model.joints),
-        axes=np.array([multiply(frame.R, joint.axis) for joint, frame in zip(model.joints, frames, strict=True)]),
-        points=np.array([frame.p for frame in frames]),
-        T_base_tip=tip,
-        position_lower=np.array([joint.lower for joint in model.joints]),
-        position_upper=np.array([joint.upper for joint in model.joints]),
-        velocity_limit=np.array([np.inf if joint.velocity is None else joint.velocity for joint in model.joints]),
+        **model.of_robot(),
         T_world_base=T_world_base,
         T_object_tip=T_object_tip,
         posture=np.array(robot.posture, dtype=float),
@@ -253,7 +244,6 @@ def build_robot(
         motors=motors,
         contacts=contacts,
         contact_rate=_contact_rate(robot.contact_rate, components),
-        held_numbers=model.held_numbers(),
     )
     of_poses = (*robot.base.degrees_remarks(f"{key}.base"), *robot.grasp.degrees_remarks(f"{key}.grasp"))
     return BuiltRobot(built, model, urdf, (*of_poses, *of_motors))

@@ -2,11 +2,12 @@
 """What cell files and their URDFs say, as the build time reads them; nothing is generated."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_xacro
@@ -14,11 +15,14 @@ from mrts.base.manifest import MANIFEST_NAME
 from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
 from mrts.cell.record import CellManifest
+from mrts.cell.robot import Robot
 from mrts.kernel.cache_folder import cache_folder
 
 if TYPE_CHECKING:
-    from mrts.base.formats.urdf_tree import Survey, UrdfTree
+    from mrts.base.formats.urdf_tree import UrdfTree
 
+Survey = Callable[[str | None, str], tuple[Robot, Array]]
+"""The arm of a URDF from a base link, None for its root, to a tip link, and centres of mass of its joints' bodies."""
 
 CELL_FILE = "cell.yaml"
 """What `mrts new` and `mrts demo` call a cell file."""
@@ -56,7 +60,7 @@ class UrdfReading(NamedTuple):
 
     path: Path
     tree: "UrdfTree | None"
-    survey: "Survey | None"
+    survey: Survey | None
     mistakes: tuple[InputError, ...]
     remarks: tuple[Remark, ...] = ()
     meshes: tuple[str, ...] = ()
