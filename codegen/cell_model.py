@@ -80,14 +80,7 @@ class CellModel:
 
 
 def read_cell_model(path: Path) -> CellModel:
-    """A cell file with its URDFs; what is worth a remark is logged.
-
-    Args:
-        path: The cell file.
-
-    Raises:
-        InputError: If the cell file or a URDF breaks a rule.
-    """
+    """A cell file with its URDFs; what is worth a remark is logged."""
     cell = build_cell_model(path, read_cell_description(path))
     for remark in cell.record.remarks:
         logger.warning(remark.text)
@@ -101,9 +94,6 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         path: The cell file, for messages.
         description: Its content.
         folder: That URDFs are relative to, absolute; None is where the cell file stands.
-
-    Raises:
-        InputError: If a URDF or an array of the cell file breaks a rule.
     """
     folder = path.resolve().parent if folder is None else folder
     carried, mistakes = description.object, Mistakes()
@@ -138,12 +128,7 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
 
 
 def cell_manifest(cell: CellModel, chains: ChainsRecord) -> CellManifest:
-    """The manifest of a cell.
-
-    Args:
-        cell: The cell.
-        chains: What was generated for its chains.
-    """
+    """The manifest of a cell."""
     return CellManifest(
         **dict(chains),
         **dict(cell.record),
@@ -186,9 +171,6 @@ def build_robot(
         plane: Of the cell.
         folder: That URDFs are relative to, absolute.
         lenient: As in `mrts_codegen.urdf.link_inertia.link_inertia`.
-
-    Raises:
-        InputError: If the URDF or an array of the robot breaks a rule; carries all that do.
     """
     reference = robot.reference(f"{key}.urdf")
     urdf_path, content = reference.path(path, folder), reference.content(path, folder)

@@ -30,11 +30,7 @@ class CellReading:
 
 
 def read_cell(path: Path) -> CellReading:
-    """Read a cell file and its URDFs, and go on where something is wrong.
-
-    Args:
-        path: The cell file.
-    """
+    """Read a cell file and its URDFs, and go on where something is wrong."""
     mistakes = Mistakes()
     with mistakes.noted():
         data = read_data(path, "cell file")

@@ -28,22 +28,13 @@ SHAPING = (
 
 
 def text_key(path: Path) -> str:
-    """Hash of a cell file's text and of what reads it: its manifest is the same while the hashes of its URDFs are.
-
-    Raises:
-        InputError: If the cell file cannot be read.
-    """
+    """Hash of a cell file's text and of what reads it: its manifest is the same while the hashes of its URDFs are."""
     text = read_regular(path, "cell file", MAX_YAML_BYTES)
     return hashlib.sha256(emitter_key().encode() + text).hexdigest()
 
 
 def is_as_made(path: Path, manifest: CellManifest) -> bool:
-    """Whether the files that a cell file names hold what a manifest was made from.
-
-    Args:
-        path: The cell file.
-        manifest: Of a cell file of the same text.
-    """
+    """Whether the files that a cell file names hold what a manifest was made from."""
     folder, shape = path.resolve().parent, manifest.object_shape
     known = [(robot_reference(robot.source), robot.source.sha256) for robot in manifest.robots]
     if shape is not None and shape.mesh is not None:
@@ -55,15 +46,7 @@ def is_as_made(path: Path, manifest: CellManifest) -> bool:
 
 
 def content_key(path: Path, references: Iterable[FileReference]) -> str:
-    """Hash of all that a generated cell depends on: cell file, URDFs, mesh, this package and CasADi's version.
-
-    Args:
-        path: The cell file.
-        references: What it says of where its URDFs and its mesh are.
-
-    Raises:
-        InputError: If a file cannot be read.
-    """
+    """Hash of all that a generated cell depends on: cell file, URDFs, mesh, this package and CasADi's version."""
     folder = path.resolve().parent
     parts = [text_key(path), *(reference.sha256(path, folder) for reference in references)]
     return hashlib.sha256("".join(parts).encode()).hexdigest()

@@ -138,10 +138,6 @@ def build_robot_model(
         tip_link: Last link.
         held: Joints that stand still, with their positions, as from `held_positions`.
         lenient: As in `link_inertia`.
-
-    Raises:
-        InputError: If a link is unknown, the tip is not below the base, a joint type cannot be modelled, or a
-            body is not physical; carries all that are not.
     """
     held = held or {}
     links = {link.name: link for link in urdf.links}
@@ -265,16 +261,7 @@ def _chain(
 
 
 def check_tree(path: Path, links: Mapping[str, Any], joints: Sequence[UrdfJoint]) -> None:
-    """Check that joints make a tree of links.
-
-    Args:
-        path: The URDF, for messages.
-        links: By name.
-        joints: All of the URDF.
-
-    Raises:
-        InputError: If a link is not there, hangs twice, or in a loop.
-    """
+    """Check that joints make a tree of links."""
     parents: dict[str, str] = {}
     for joint in joints:
         for end in (joint.parent, joint.child):

@@ -26,12 +26,7 @@ from mrts.cell.robot import Robot, RobotSource
 
 
 def urdf_mistakes(path: Path, urdf: Urdf) -> tuple[tuple[InputError, ...], tuple[Remark, ...]]:
-    """What breaks a rule in the joints and the masses of a URDF, on any chain or none, and what is let pass.
-
-    Args:
-        path: The file, for messages.
-        urdf: What `parse_urdf` returned.
-    """
+    """What breaks a rule in the joints and the masses of a URDF, on any chain or none, and what is let pass."""
     mistakes, remarks = Mistakes(), list[Remark]()
     with mistakes.noted():
         check_tree(path, {link.name: link for link in urdf.links}, urdf.joints)
@@ -46,15 +41,7 @@ def urdf_mistakes(path: Path, urdf: Urdf) -> tuple[tuple[InputError, ...], tuple
 
 
 def urdf_tree(path: Path, urdf: Urdf) -> UrdfTree:
-    """Links and joints of a URDF.
-
-    Args:
-        path: The file, for messages.
-        urdf: What `parse_urdf` returned.
-
-    Raises:
-        InputError: If it is no tree.
-    """
+    """Links and joints of a URDF."""
     links = tuple(link.name for link in urdf.links)
     check_tree(path, dict.fromkeys(links), urdf.joints)
     joints = {
@@ -76,9 +63,6 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> t
     Returns:
         The arm, efforts that the URDF lacks infinite, and the centre of mass of what each joint carries up to the next,
         base frame with every joint at zero, Shape (n, 3) [m].
-
-    Raises:
-        InputError: If there is no such chain, or it breaks a rule of cells.
     """
     model = build_robot_model(path, urdf, base_link, tip_link)
     efforts = [joint.effort or np.inf for joint in model.joints]
