@@ -30,19 +30,15 @@ def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
 
     All cells with the same chains share one C file, whatever the numbers in their cell files.
     """
-    from mrts_codegen.content_key import text_key  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.content_key import is_as_made, text_key  # noqa: PLC0415 (build time, on demand)
 
     text = text_key(path)
     described = cache_folder("cells", text) / MANIFEST_NAME
     manifest = _manifest_as_made(path, described)
-    if manifest is not None:
-        return manifest, _source_in_cache(manifest)
-    key = _content_key(path)
-    manifest = _manifest(_model(path, key))
-    if (text_key(path), _content_key(path)) == (text, key):
-        write_text_atomically(described, manifest.to_json(), private=True)
-    else:  # a file was written meanwhile: what was read may be another cell than the keys say
-        _model.cache_clear()
+    if manifest is None:
+        manifest = _manifest(cell_model(path))
+        if text_key(path) == text and is_as_made(path, manifest):  # else a file was written meanwhile
+            write_text_atomically(described, manifest.to_json(), private=True)
     return manifest, _source_in_cache(manifest)
 
 
@@ -53,14 +49,6 @@ def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     manifest = _if_sound(described, partial(verified_manifest, described))
     sound = manifest is not None and is_as_made(path, manifest) and _is_source(_source_in_cache(manifest), manifest)
     return manifest if sound else None
-
-
-def _content_key(path: Path) -> str:
-    """Hash of all that a generated cell depends on."""
-    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.content_key import content_key  # noqa: PLC0415
-
-    return content_key(path, read_cell_description(path).references)
 
 
 def described_in_cache(description: object, folder: Path) -> tuple[CellManifest, Path]:
@@ -204,13 +192,21 @@ def emitted(functions: dict[str, Any]) -> str:
 
 
 def cell_model(path: Path) -> Any:
-    """A cell with its URDFs."""
-    return _model(path, _content_key(path))
+    """A cell with its URDFs; the last one is not read again while its files are the same."""
+    from mrts_codegen.content_key import is_as_made, text_key  # noqa: PLC0415 (build time, on demand)
+
+    text = text_key(path)
+    model = _model(path, text)
+    if not is_as_made(path, model.record):
+        _model.cache_clear()
+        model = _model(path, text)
+    if text_key(path) != text:
+        _model.cache_clear()
+    return model
 
 
 @lru_cache(maxsize=1)
-def _model(path: Path, _key: str) -> Any:
-    """The same, read from files of this content."""
+def _model(path: Path, _text: str) -> Any:
     from mrts_codegen.cell_model import read_cell_model  # noqa: PLC0415 (build time, on demand)
 
     return read_cell_model(path)
