@@ -22,6 +22,7 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.urdf_tree import JointEnds, UrdfTree
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.motors.joint_motors import JointMotors
 from mrts.cell.robot import Robot, RobotSource
 
 
@@ -90,6 +91,10 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> t
             effort=None,
             friction=None,
         ),
+        held={},
+        motors=JointMotors.unknown(len(effort)),
+        contacts=(),
+        contact_rate=np.full(6, np.inf),
     )
     pairs = zip(model.zero_frames()[:-1], model.joints, strict=True)
     return robot, np.array([frame.p + frame.R @ joint.body.com for frame, joint in pairs])

@@ -138,5 +138,5 @@ def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
     """A cell with its URDFs (None if something is wrong), and all that is wrong."""
     from mrts_codegen.cell_reading import read_cell  # noqa: PLC0415 (build time, on demand)
 
-    found = read_cell(path)
-    return found.model, found.mistakes
+    model, mistakes = read_cell(path)
+    return model, mistakes
