@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.c_text import smooth_source
+from mrts.kernel.binding import bind, structure
+from mrts.kernel.c_text import SMOOTH_FILES, smooth_source
 from mrts.kernel.compiled_cache import library_or_rebuilt
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.foreign_arrays import INFINITY, interruptible
@@ -19,24 +20,9 @@ FOUND = 0
 """The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
 
 _SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
-_FLAGS = ("timed", "again", "moving", "given_start", "given_end", "held_start", "held_end")
-_INDICES = ("first", "count", "place", "limited")
 _NUMBERS = ("time", "effort", "longest", "uneven", "relaxed")
-_ARRAYS = (
-    "step", "square", "rate", "root", "offset", "entry", "lower", "upper", "change", "weight", "q1", "q2", "q3",
-    "jerk", "around",
-)  # fmt: skip
 
-
-class _Program(ctypes.Structure):
-    """`mrts_smooth_program` of smooth_program.h."""
-
-    _fields_ = (
-        *((name, ctypes.c_int) for name in (*_SIZES, *_FLAGS)),
-        *((name, ctypes.c_void_p) for name in _INDICES),
-        *((name, ctypes.c_double) for name in _NUMBERS),
-        *((name, ctypes.c_void_p) for name in _ARRAYS),
-    )
+PROGRAM = structure(SMOOTH_FILES, "mrts_smooth_program")
 
 
 @dataclass(frozen=True)
@@ -161,8 +147,8 @@ class SmoothPrograms:
     """
 
     def __init__(self, library: ctypes.CDLL) -> None:
+        bind(library, SMOOTH_FILES)
         self._work, self._solve = library.mrts_smooth_work, library.mrts_smooth_solve
-        self._work.restype = ctypes.c_longlong
 
     def solve(self, rows: PathRows, ask: Ask, x: Array, u: Array, free: Array) -> Solved:
         """Solve a program; the answer is written to x, u and free.
@@ -178,7 +164,7 @@ class SmoothPrograms:
             How it ended.
         """
         numbers = {name: min(getattr(ask, name), INFINITY) for name in _NUMBERS}
-        program = _Program(**rows.sizes, **numbers)
+        program = PROGRAM(**rows.sizes, **numbers)
         for name in ("timed", "moving"):
             setattr(program, name, getattr(ask, name))
         program.again = ask.last is not None
@@ -187,13 +173,12 @@ class SmoothPrograms:
         for name, array in {**rows.arrays, "around": ask.around}.items():
             setattr(program, name, array.ctypes.data)
         share, iterations = ctypes.c_double(), ctypes.c_int()
-        work = np.empty(self._work(ctypes.byref(program))) if ask.last is None else ask.last
-        arrays = (x, u, free, work, ask.around, *rows.arrays.values())  # a call that is left behind keeps them
+        work = np.empty(self._work(program)) if ask.last is None else ask.last
+        program.kept = ask.around, rows  # by a call that is left behind
 
         def solve() -> int:
-            pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays[:4]]
             reached = ctypes.byref(share), ctypes.byref(iterations)
-            return int(self._solve(ctypes.byref(program), *pointers[:3], *reached, pointers[3]))
+            return int(self._solve(program, x, u, free, *reached, work))
 
         status = interruptible(solve)
         return Solved(status == FOUND, share.value, iterations.value, work)
