@@ -24,8 +24,7 @@ from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines, root_in_base
-from mrts_codegen.urdf.urdf_elements import Urdf
-from mrts_codegen.urdf.urdf_file import parse_urdf
+from mrts_codegen.urdf.urdf_file import Urdf, parse_urdf
 from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 
 from mrts.base.arrays import Array

@@ -13,7 +13,6 @@ import casadi as ca
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.equations.cooperative_terms import (
     CooperativeTerms,
-    SampleSymbols,
     cooperative_terms,
     sample_symbols,
     split_joints,
@@ -33,32 +32,23 @@ class Sample:
 
     cell: CellModel
     geometry: Geometry
-    symbols: SampleSymbols
+    symbols: Named
 
     @cached_property
     def terms(self) -> CooperativeTerms:
         """Made for who asks for them first: kinematics do without."""
         return cooperative_terms(self.cell, self.symbols, self.geometry)
 
-    def inputs(self) -> Named:
-        """The seven inputs of every function of a moving sample."""
-        s = self.symbols
-        return {
-            "q": s.q,
-            "dq": s.dq,
-            "ddq": s.ddq,
-            "object_rotation": s.R_world_object,
-            "object_twist": s.twist,
-            "object_acceleration": s.acceleration,
-            "load": s.load,
-        }
+    def arms(self, name: str) -> list[Any]:
+        """An input over all joints, one piece an arm."""
+        return split_joints(self.cell, self.symbols[name])
 
 
 def _kinematics(sample: Sample) -> tuple[Named, Named]:
-    q = sample.symbols.q
+    q = sample.symbols["q"]
     rotations, positions, jacobians = [], [], []
     geometry = sample.geometry
-    for model, base, q_robot in zip(geometry.models, geometry.bases, split_joints(sample.cell, q), strict=True):
+    for model, base, q_robot in zip(geometry.models, geometry.bases, sample.arms("q"), strict=True):
         pose = forward_kinematics(model, q_robot)
         R_world_base = ca.SX(base.R)
         positions.append(ca.SX(base.p) + R_world_base @ pose.p_base_tip)
@@ -72,12 +62,12 @@ def _kinematics(sample: Sample) -> tuple[Named, Named]:
 
 
 def _bias_acceleration(sample: Sample) -> tuple[Named, Named]:
-    s, cell = sample.symbols, sample.cell
+    s = sample.symbols
     columns = [
-        bias_acceleration(model, q, dq)[list(cell.components)]
-        for model, q, dq in zip(sample.geometry.models, split_joints(cell, s.q), split_joints(cell, s.dq), strict=True)
+        bias_acceleration(model, q, dq)[list(sample.cell.components)]
+        for model, q, dq in zip(sample.geometry.models, sample.arms("q"), sample.arms("dq"), strict=True)
     ]
-    return {"q": s.q, "dq": s.dq}, {"bias_acceleration": ca.horzcat(*columns)}
+    return {"q": s["q"], "dq": s["dq"]}, {"bias_acceleration": ca.horzcat(*columns)}
 
 
 def _geometric_stiffness(sample: Sample) -> tuple[Named, Named] | None:
@@ -86,9 +76,9 @@ def _geometric_stiffness(sample: Sample) -> tuple[Named, Named] | None:
     if load is None:
         return None
     wrench, torques = load
-    joints = split_joints(sample.cell, sample.symbols.q)
+    joints = sample.arms("q")
     blocks = [ca.jacobian(torque, q) for torque, q in zip(torques, joints, strict=True)]
-    return {"q": sample.symbols.q, "wrench": wrench}, {"geometric_stiffness": block_diagonal(blocks)}
+    return {"q": sample.symbols["q"], "wrench": wrench}, {"geometric_stiffness": block_diagonal(blocks)}
 
 
 def _geometric_stiffness_rate(sample: Sample) -> tuple[Named, Named] | None:
@@ -97,8 +87,8 @@ def _geometric_stiffness_rate(sample: Sample) -> tuple[Named, Named] | None:
     if load is None:
         return None
     wrench, torques = load
-    rate = ca.jtimes(ca.jtimes(ca.vertcat(*torques), s.q, s.dq), s.q, s.dq)
-    return {"q": s.q, "dq": s.dq, "wrench": wrench}, {"geometric_stiffness_rate": rate}
+    rate = ca.jtimes(ca.jtimes(ca.vertcat(*torques), s["q"], s["dq"]), s["q"], s["dq"])
+    return {"q": s["q"], "dq": s["dq"], "wrench": wrench}, {"geometric_stiffness_rate": rate}
 
 
 def _torques_of_wrenches(sample: Sample) -> tuple[Any, list[Any]] | None:
@@ -107,7 +97,7 @@ def _torques_of_wrenches(sample: Sample) -> tuple[Any, list[Any]] | None:
     size = len(cell.components)
     if all(len(model.joints) <= size for model in cell.models):
         return None
-    rows, joints = list(cell.components), split_joints(cell, sample.symbols.q)
+    rows, joints = list(cell.components), sample.arms("q")
     J = [ca.densify(frame_jacobian(model, q)[rows, :]) for model, q in zip(geometry.models, joints, strict=True)]
     wrench = ca.SX.sym("wrench", sum(of_arm.size1() for of_arm in J))
     parts = ca.vertsplit(wrench, J[0].size1())
@@ -115,9 +105,9 @@ def _torques_of_wrenches(sample: Sample) -> tuple[Any, list[Any]] | None:
 
 
 def _dynamics(sample: Sample) -> tuple[Named, Named]:
-    s, cell = sample.symbols, sample.cell
-    pieces = list(zip(sample.geometry.models, split_joints(cell, s.q), split_joints(cell, s.dq), strict=True))
-    return {"q": s.q, "dq": s.dq}, {
+    s = sample.symbols
+    pieces = list(zip(sample.geometry.models, sample.arms("q"), sample.arms("dq"), strict=True))
+    return {"q": s["q"], "dq": s["dq"]}, {
         "mass_matrix": block_diagonal([mass_matrix(model, q) for model, q, _ in pieces]),
         "coriolis_torque": ca.vertcat(*(coriolis_torque(model, q, dq) for model, q, dq in pieces)),
         "gravity_torque": sample.terms.G,
@@ -127,17 +117,17 @@ def _dynamics(sample: Sample) -> tuple[Named, Named]:
 def _terms(sample: Sample) -> tuple[Named, Named]:
     t = sample.terms
     outputs = {"E": t.E, "A": t.A, "G": t.G, "J": ca.horzcat(*t.J), "B": ca.horzcat(*t.B)}
-    return sample.inputs(), outputs | {"P": t.P, "S": t.S, "Q": t.Q}
+    return sample.symbols, outputs | {"P": t.P, "S": t.S, "Q": t.Q}
 
 
 def _wrench_form(sample: Sample) -> tuple[Named, Named]:
-    return sample.inputs(), wrench_form(sample.terms).outputs()
+    return sample.symbols, wrench_form(sample.terms)
 
 
 def _torque_form(sample: Sample) -> tuple[Named, Named] | None:
     if any(J.size1() != J.size2() for J in sample.terms.J):
         return None
-    return sample.inputs(), torque_form(sample.terms).outputs()
+    return sample.symbols, torque_form(sample.terms)
 
 
 def _fixed_distribution(sample: Sample) -> tuple[Named, Named]:
@@ -145,7 +135,7 @@ def _fixed_distribution(sample: Sample) -> tuple[Named, Named]:
     shares = ca.SX.sym("shares", count)
     internal = ca.SX.sym("internal_wrench", count * len(sample.cell.components))
     form = fixed_distribution(sample.cell, sample.geometry, sample.terms, shares, internal)
-    return sample.inputs() | {"shares": shares, "internal_wrench": internal}, form.outputs()
+    return sample.symbols | {"shares": shares, "internal_wrench": internal}, form
 
 
 BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {

@@ -17,29 +17,6 @@ from mrts.base.manifest import LOAD_ENTRIES
 
 
 @dataclass(frozen=True)
-class SampleSymbols:
-    """Inputs of every function of a sample.
-
-    Attributes:
-        q: Joint positions of all arms in order, Shape (m,) [rad or m].
-        dq: Their q', Shape (m,).
-        ddq: Their q'', Shape (m,).
-        R_world_object: Rotation of the object, Shape (3, 3).
-        twist: Its [p'; φ'] in world axes, Shape (6,) [m/s, rad/s].
-        acceleration: Its [p''; φ''] in world axes, Shape (6,) [m/s², rad/s²].
-        load: Load vector, `LOAD_ENTRIES`.
-    """
-
-    q: Any
-    dq: Any
-    ddq: Any
-    R_world_object: Any
-    twist: Any
-    acceleration: Any
-    load: Any
-
-
-@dataclass(frozen=True)
 class CooperativeTerms:
     """Terms of the cell; m joints in all, n arms, w wrench components.
 
@@ -68,18 +45,16 @@ class CooperativeTerms:
     Q: Any
 
 
-def sample_symbols(cell: CellModel) -> SampleSymbols:
-    """Fresh symbols for one sample of a cell."""
-    count = sum(len(model.joints) for model in cell.models)
-    return SampleSymbols(
-        q=ca.SX.sym("q", count),
-        dq=ca.SX.sym("dq", count),
-        ddq=ca.SX.sym("ddq", count),
-        R_world_object=ca.SX.sym("R", 3, 3),
-        twist=ca.SX.sym("twist", 6),
-        acceleration=ca.SX.sym("acceleration", 6),
-        load=ca.SX.sym("load", len(LOAD_ENTRIES)),
-    )
+def sample_symbols(cell: CellModel) -> dict[str, Any]:
+    """Inputs of every function of a moving sample, by name.
+
+    Joint positions, q' and q'' of all arms in order, each Shape (m,); of the object its rotation, Shape (3, 3),
+    [p'; φ'] and [p''; φ''] in world axes, each Shape (6,); the load vector, `LOAD_ENTRIES`.
+    """
+    m = sum(len(model.joints) for model in cell.models)
+    shapes = {"q": (m,), "dq": (m,), "ddq": (m,), "object_rotation": (3, 3), "object_twist": (6,)}
+    shapes |= {"object_acceleration": (6,), "load": (len(LOAD_ENTRIES),)}
+    return {name: ca.SX.sym(name, *shape) for name, shape in shapes.items()}
 
 
 def split_joints(cell: CellModel, stacked: Any) -> list[Any]:
@@ -92,49 +67,33 @@ def split_joints(cell: CellModel, stacked: Any) -> list[Any]:
     return pieces
 
 
-def cooperative_terms(cell: CellModel, symbols: SampleSymbols, geometry: Geometry) -> CooperativeTerms:
+def cooperative_terms(cell: CellModel, symbols: dict[str, Any], geometry: Geometry) -> CooperativeTerms:
     """Stack the terms of all arms and the object (definitions above (22)); no inverse of a Jacobian.
 
     Args:
         cell: The cell.
-        symbols: The sample.
+        symbols: The sample, from `sample_symbols`.
         geometry: Its geometry.
     """
-    rows = list(cell.components)
-    arms, J, B, offsets = [], [], [], []
-    for model, down, base, grasp, q, dq, ddq in zip(
-        geometry.models,
-        geometry.down,
-        geometry.bases,
-        geometry.grasps,
-        split_joints(cell, symbols.q),
-        split_joints(cell, symbols.dq),
-        split_joints(cell, symbols.ddq),
-        strict=True,
-    ):
-        arms.append(scaled_arm_terms(model, q, dq, ddq, down))
-        J.append(ca.densify(frame_jacobian(model, q)[rows, :]))
-        offsets.append(contact_offset(symbols.R_world_object, grasp.p))
-        B.append(grasp_map(offsets[-1], base.R, cell.components))
-    carried = object_terms(
-        symbols.load,
-        symbols.R_world_object,
-        symbols.twist,
-        symbols.acceleration,
-        geometry.gravity,
-        cell.components,
+    rows, R, G = list(cell.components), symbols["object_rotation"], geometry
+    joints = [split_joints(cell, symbols[name]) for name in ("q", "dq", "ddq")]
+    arms = [scaled_arm_terms(*of_arm) for of_arm in zip(G.models, *joints, G.down, strict=True)]
+    offsets = [contact_offset(R, grasp.p) for grasp in G.grasps]
+    P, S, Q = object_terms(
+        symbols["load"], R, symbols["object_twist"], symbols["object_acceleration"], G.gravity, cell.components
     )
+    E, A, gravity_torque = (ca.densify(ca.vertcat(*of_arms)) for of_arms in zip(*arms, strict=True))
     return CooperativeTerms(
-        E=ca.densify(ca.vertcat(*(arm.E for arm in arms))),
-        A=ca.densify(ca.vertcat(*(arm.A for arm in arms))),
-        G=ca.densify(ca.vertcat(*(arm.G for arm in arms))),
-        J=J,
-        B=B,
-        B_last_inverse=grasp_map_inverse(offsets[-1], geometry.bases[-1].R, cell.components),
+        E=E,
+        A=A,
+        G=gravity_torque,
+        J=[ca.densify(frame_jacobian(model, q)[rows, :]) for model, q in zip(G.models, joints[0], strict=True)],
+        B=[grasp_map(offset, base.R, cell.components) for offset, base in zip(offsets, G.bases, strict=True)],
+        B_last_inverse=grasp_map_inverse(offsets[-1], G.bases[-1].R, cell.components),
         offsets=offsets,
-        P=carried.P,
-        S=carried.S,
-        Q=carried.Q,
+        P=P,
+        S=S,
+        Q=Q,
     )
 
 

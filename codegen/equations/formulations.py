@@ -8,7 +8,6 @@ Every formulation gives, for its unknowns x (c² last),
 so that each limit on a torque or a wrench is one two-sided linear row, whatever the formulation.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -17,33 +16,16 @@ from mrts_codegen.equations.cooperative_terms import CooperativeTerms, inverse_j
 from mrts_codegen.equations.geometry import Geometry
 from mrts_codegen.equations.spatial_algebra import block_diagonal, cross
 
-
-@dataclass(frozen=True)
-class Formulation:
-    """Affine maps from the unknowns x (k of them, c² last) to torques, wrenches and balance.
-
-    Attributes:
-        torque_map: Shape (m, k).
-        torque_offset: Shape (m,) [N m].
-        wrench_map: Shape (n w, k).
-        wrench_offset: Shape (n w,) [N, N m].
-        equality_map: Shape (e, k), e may be 0.
-        equality_rhs: Shape (e,).
-    """
-
-    torque_map: Any
-    torque_offset: Any
-    wrench_map: Any
-    wrench_offset: Any
-    equality_map: Any
-    equality_rhs: Any
-
-    def outputs(self) -> dict[str, Any]:
-        """Named dense outputs of the generated function."""
-        return {name: ca.densify(value) for name, value in vars(self).items() if value.numel() > 0}
+FORMULATION = ("torque_map", "torque_offset", "wrench_map", "wrench_offset", "equality_map", "equality_rhs")
+"""Of the unknowns x (k of them, c² last): Shapes (m, k), (m,) [N m], (n w, k), (n w,) [N, N m], (e, k), (e,)."""
 
 
-def wrench_form(terms: CooperativeTerms) -> Formulation:
+def formulation(*values: Any) -> dict[str, Any]:
+    """Torques, wrenches and balance as affine maps of the unknowns, by name; `values` as in `FORMULATION`."""
+    return {name: ca.densify(value) for name, value in zip(FORMULATION, values, strict=False)}
+
+
+def wrench_form(terms: CooperativeTerms) -> dict[str, Any]:
     """Eq. (20): unknowns [F_1 … F_{n-1}, c²]; F_n = B_n⁻¹ (Q + c² P - Σ B_i F_i) leaves no equality.
 
     No inverse of a Jacobian, so it holds for redundant arms and at singularities.
@@ -56,17 +38,15 @@ def wrench_form(terms: CooperativeTerms) -> Formulation:
     J_T = block_diagonal([J.T for J in terms.J])
     torque_map = J_T @ wrench_map
     torque_map[:, -1] += terms.E
-    return Formulation(
+    return formulation(
         torque_map,
         J_T @ wrench_offset + terms.G,
         wrench_map,
         wrench_offset,
-        ca.SX.zeros(0, w * free + 1),
-        ca.SX.zeros(0),
     )
 
 
-def torque_form(terms: CooperativeTerms) -> Formulation:
+def torque_form(terms: CooperativeTerms) -> dict[str, Any]:
     """Eqs. (21), (22), (23), (27): unknowns [τ, c²] on A_1 x = b_1, A_1 = [L, -P - L E], b_1 = L G + Q.
 
     Every Jacobian must be square and well-conditioned.
@@ -75,7 +55,7 @@ def torque_form(terms: CooperativeTerms) -> Formulation:
     L = load_map(terms, J_D)
     joints = terms.E.numel()
     wrench_map, wrench_offset = wrench_of_torque(terms, J_D)
-    return Formulation(
+    return formulation(
         ca.horzcat(ca.SX.eye(joints), ca.SX.zeros(joints, 1)),
         ca.SX.zeros(joints),
         wrench_map,
@@ -92,7 +72,7 @@ def wrench_of_torque(terms: CooperativeTerms, J_D: Any) -> tuple[Any, Any]:
 
 def fixed_distribution(
     cell: CellModel, geometry: Geometry, terms: CooperativeTerms, shares: Any, internal_wrench: Any
-) -> Formulation:
+) -> dict[str, Any]:
     """Eqs. (36), (37): the only unknown is c²; every torque is a_i c² + b_i, every wrench likewise.
 
     Args:
@@ -105,13 +85,11 @@ def fixed_distribution(
     wrench_map = _shared_wrench(cell, geometry, terms, shares, terms.P)
     wrench_offset = _shared_wrench(cell, geometry, terms, shares, terms.Q) + internal_wrench
     J_T = block_diagonal([J.T for J in terms.J])
-    return Formulation(
+    return formulation(
         J_T @ wrench_map + terms.E,
         J_T @ wrench_offset + terms.G,
         wrench_map,
         wrench_offset,
-        ca.SX.zeros(0, 1),
-        ca.SX.zeros(0),
     )
 
 

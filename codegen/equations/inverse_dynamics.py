@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Recursive Newton-Euler inverse dynamics of one arm and the terms of its time-scaled motion."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -11,21 +10,6 @@ from mrts_codegen.equations.spatial_algebra import cross
 from mrts_codegen.urdf.robot_model import RobotModel
 
 from mrts.base.arrays import Array
-
-
-@dataclass(frozen=True)
-class ScaledArmTerms:
-    """Torque of one arm under r(t), without its contact wrench: E ṙ² + A r̈ + G.
-
-    Attributes:
-        E: Inertial torque of the given motion, Shape (n,) [N m].
-        A: Torque per time-warp acceleration, Shape (n,) [N m s²].
-        G: Gravity torque, Shape (n,) [N m].
-    """
-
-    E: Any
-    A: Any
-    G: Any
 
 
 def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any) -> Any:
@@ -58,10 +42,10 @@ def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any)
     return ca.vertcat(*torques)
 
 
-def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Array) -> ScaledArmTerms:
+def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Array) -> tuple[Any, Any, Any]:
     """Eqs. (11), (12), (13): with q̇ = q' ṙ and q̈ = q'' ṙ² + q' r̈ the torque is E ṙ² + A r̈ + G (+ JᵀF).
 
-    E = D q'' + q' C q', A = D q', G the gravity torque.
+    E = D q'' + q' C q' [N m], A = D q' [N m s²], G the gravity torque [N m], each Shape (n,).
 
     Args:
         robot: The arm.
@@ -71,10 +55,10 @@ def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Arra
         gravity: Downward gravity in base axes, Shape (3,) [m/s²].
     """
     rest, weightless = ca.SX.zeros(len(robot.joints)), np.zeros(3)
-    return ScaledArmTerms(
-        E=inverse_dynamics(robot, q, dq, ddq, weightless),
-        A=inverse_dynamics(robot, q, rest, dq, weightless),
-        G=inverse_dynamics(robot, q, rest, rest, gravity),
+    return (
+        inverse_dynamics(robot, q, dq, ddq, weightless),
+        inverse_dynamics(robot, q, rest, dq, weightless),
+        inverse_dynamics(robot, q, rest, rest, gravity),
     )
 
 

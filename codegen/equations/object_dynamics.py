@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The wrench that the carried object needs: P ṙ² + S r̈ + Q."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -9,21 +8,6 @@ from mrts_codegen.equations.spatial_algebra import cross
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import LOAD_ENTRIES
-
-
-@dataclass(frozen=True)
-class ObjectTerms:
-    """Balance of the object, forces on top of moments about the object frame's origin (nominally the com), world axes.
-
-    Attributes:
-        P: Inertial wrench of the given motion, Shape (w,) [N, N m].
-        S: Wrench per time-warp acceleration, Shape (w,) [N s², N m s²].
-        Q: Wrench that carries the weight, Shape (w,) [N, N m].
-    """
-
-    P: Any
-    S: Any
-    Q: Any
 
 
 def load_inertia(load: Any) -> Any:
@@ -60,8 +44,11 @@ def angular_balance(inertia: Any, h: Any, acceleration: Any, w: Any, dw: Any) ->
 
 def object_terms(
     load: Any, R_world_object: Any, twist: Any, acceleration: Any, gravity: Array, components: tuple[int, ...]
-) -> ObjectTerms:
-    """Eqs. (5), (15), (16), (17), (18): both balances stacked, split by powers of ṙ and r̈; linear in the load.
+) -> tuple[Any, Any, Any]:
+    """Eqs. (5), (15), (16), (17), (18): P, S and Q, each Shape (w,) [N, N m, of S times s²], linear in the load.
+
+    Both balances stacked, forces on top of moments about the object frame's origin, world axes: P ṙ² + S r̈ + Q is the
+    wrench that the object needs.
 
     Args:
         load: Load vector, `LOAD_ENTRIES`.
@@ -80,4 +67,4 @@ def object_terms(
     S = ca.vertcat(m * v + cross(w, h), I_w @ w + cross(h, v))
     Q = ca.vertcat(m * upward, cross(h, upward))
     rows = list(components)
-    return ObjectTerms(ca.densify(P[rows]), ca.densify(S[rows]), ca.densify(Q[rows]))
+    return ca.densify(P[rows]), ca.densify(S[rows]), ca.densify(Q[rows])

@@ -3,14 +3,14 @@
 
 import difflib
 from pathlib import Path
-from typing import Any
 
+from mrts_codegen.urdf.urdf_file import Urdf, UrdfJoint
 from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, position_limits
 
 from mrts.base.errors import InputError
 
 
-def held_positions(path: Path, key: str, urdf_path: Path, urdf: Any, fixed: dict[str, float]) -> dict[str, float]:
+def held_positions(path: Path, key: str, urdf_path: Path, urdf: Urdf, fixed: dict[str, float]) -> dict[str, float]:
     """Positions of the joints that stand still: those of `fixed`, and what moves with them (mimic) [rad or m].
 
     Args:
@@ -39,7 +39,9 @@ def held_positions(path: Path, key: str, urdf_path: Path, urdf: Any, fixed: dict
     return held
 
 
-def _check_joint(path: Path, key: str, urdf_path: Path, joints: dict[str, Any], name: str, position: float) -> None:
+def _check_joint(
+    path: Path, key: str, urdf_path: Path, joints: dict[str, UrdfJoint], name: str, position: float
+) -> None:
     if name not in joints:
         movable = [joint.name for joint in joints.values() if joint.type in MOVING_TYPES]
         close = difflib.get_close_matches(name, movable, n=1)

@@ -3,10 +3,10 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from mrts_codegen.cell_file import INERTIA_TOLERANCE, inertia_problem, triangle_excess
+from mrts_codegen.urdf.urdf_file import Link
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
@@ -60,7 +60,7 @@ class Inertia:
         return Inertia(mass, com, at_com)
 
 
-def is_point(link: Any) -> bool:
+def is_point(link: Link) -> bool:
     """Whether a link of a URDF has a mass but no extent: no moment of inertia of its own.
 
     Args:
@@ -83,7 +83,7 @@ def nearest_inertia(inertia: Array) -> Array:
     return multiply(axes * (sums @ second), axes.T)
 
 
-def link_inertia(path: Path, link: Any, remarks: list[Remark], *, lenient: bool = False) -> Inertia:
+def link_inertia(path: Path, link: Link, remarks: list[Remark], *, lenient: bool = False) -> Inertia:
     """Mass properties of a link in its own frame; without mass there is no body.
 
     Args:
@@ -105,7 +105,7 @@ def link_inertia(path: Path, link: Any, remarks: list[Remark], *, lenient: bool 
             text = f"{path.name}: link '{link.name}' has an inertia but no mass; it counts as a frame without a body."
             remarks.append(Remark("massless-inertia", text))
         return Inertia.zero()
-    T_link_com: RigidTransform = inertial.origin
+    T_link_com = inertial.origin
     if is_point(link):
         return Inertia(inertial.mass, np.zeros(3), np.zeros((3, 3))).seen_from(T_link_com)
     if lenient and inertia_problem(inertial.inertia, rods=True):

@@ -4,10 +4,11 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from mrts_codegen.urdf.link_inertia import Inertia, is_point, link_inertia
+from mrts_codegen.urdf.urdf_file import Urdf, UrdfJoint
 from mrts_codegen.urdf.urdf_joint import (
     MOVING_TYPES,
     friction,
@@ -106,7 +107,7 @@ class RobotModel:
 
 def build_robot_model(
     path: Path,
-    urdf: Any,
+    urdf: Urdf,
     base_link: str | None,
     tip_link: str,
     held: Mapping[str, float] | None = None,
@@ -133,36 +134,75 @@ def build_robot_model(
     check_tree(path, links, urdf.joints)
     base_link = base_link or next(name for name in links if name not in joint_above)
     chain = _chain(path, links, joint_above, base_link, tip_link)
-    bodies = _Bodies(path, links, urdf.joints, held, lenient=lenient)
     moving = [joint for joint in chain if joint.type in MOVING_TYPES and joint.name not in held]
-    moving_names, stops = {joint.name for joint in moving}, {joint.child for joint in moving}
+    stops = {joint.child for joint in moving}
+    hanging: dict[str, list[UrdfJoint]] = {}
+    for joint in urdf.joints:
+        hanging.setdefault(joint.parent, []).append(joint)
+    mistakes, remarks = Mistakes(), list[Remark]()
+
+    def carried(first: str) -> tuple[Inertia, bool, tuple[str, ...]]:
+        """All that a joint carries up to the next, in the frame of its first link; whether held joints place any."""
+        total, by_held, points = Inertia.zero(), False, list[str]()
+        pending = [(first, RigidTransform.identity())]
+        while pending:
+            link, T_body_link = pending.pop()
+            with mistakes.noted():
+                total = total + link_inertia(path, links[link], remarks, lenient=lenient).seen_from(T_body_link)
+                points += [link] if is_point(links[link]) else []
+            below = [joint for joint in hanging.get(link, []) if joint.child not in stops]
+            by_held |= any(joint.name in held for joint in below)
+            pending += [
+                (joint.child, T_body_link @ joint_pose(path, joint, held.get(joint.name, 0.0))) for joint in below
+            ]
+        return total, by_held, tuple(points)
 
     joints = []
     placement, placed_by_held = RigidTransform.identity(), False
-    for urdf_joint in chain:
-        with bodies.mistakes.noted():
-            _check_kind(path, urdf_joint, moves=urdf_joint.name in moving_names)
-            placement = placement @ joint_pose(path, urdf_joint, held.get(urdf_joint.name, 0.0))
-            placed_by_held |= urdf_joint.name in held
-            if urdf_joint.name in moving_names:
-                body = bodies.carried(urdf_joint.child, stops)
-                joints.append(_joint(path, urdf_joint, placement, body, placed_by_held=placed_by_held))
-                placement, placed_by_held = RigidTransform.identity(), False
-    bodies.mistakes.raise_noted()
+    for joint in chain:
+        with mistakes.noted():
+            moves = joint.child in stops
+            _check_kind(path, joint, moves=moves)
+            placement = placement @ joint_pose(path, joint, held.get(joint.name, 0.0))
+            placed_by_held |= joint.name in held
+            if not moves:
+                continue
+            body, laden_by_held, point_links = carried(joint.child)
+            lower, upper = position_limits(path, joint)
+            coulomb, viscous = friction(path, joint)
+            joints.append(
+                Joint(
+                    name=joint.name,
+                    kind="prismatic" if joint.type == "prismatic" else "revolute",
+                    axis=unit_axis(path, joint),
+                    placement=placement,
+                    body=body,
+                    lower=lower,
+                    upper=upper,
+                    effort=joint.effort or None,
+                    velocity=velocity_limit(path, joint),
+                    coulomb=coulomb,
+                    viscous=viscous,
+                    placed_by_held=placed_by_held,
+                    laden_by_held=laden_by_held,
+                    point_links=point_links,
+                )
+            )
+            placement, placed_by_held = RigidTransform.identity(), False
+    mistakes.raise_noted()
     if not joints:
         raise InputError(path, f"no joint moves between '{base_link}' and '{tip_link}'.", key="tip_link")
-    remarks = (*bodies.remarks, *_follower_remarks(path, urdf.joints, moving))
     return RobotModel(
         base_link=base_link,
         tip_link=tip_link,
         joints=tuple(joints),
         tip=placement,
         tip_by_held=placed_by_held,
-        remarks=remarks,
+        remarks=(*remarks, *_follower_remarks(path, urdf.joints, moving)),
     )
 
 
-def _follower_remarks(path: Path, joints: list[Any], moving: list[Any]) -> Iterator[Remark]:
+def _follower_remarks(path: Path, joints: Sequence[UrdfJoint], moving: list[UrdfJoint]) -> Iterator[Remark]:
     """Joints off the chain that follow one of it: the model leaves them at zero."""
     for leader in moving:
         followers = [f"'{joint.name}'" for joint in joints if joint.mimic and joint.mimic.joint == leader.name]
@@ -174,7 +214,7 @@ def _follower_remarks(path: Path, joints: list[Any], moving: list[Any]) -> Itera
             )
 
 
-def _check_kind(path: Path, joint: Any, *, moves: bool) -> None:
+def _check_kind(path: Path, joint: UrdfJoint, *, moves: bool) -> None:
     """Refuse a joint on the chain that cannot be modelled."""
     if joint.type not in {*MOVING_TYPES, "fixed"}:
         raise InputError(
@@ -192,12 +232,14 @@ def _check_kind(path: Path, joint: Any, *, moves: bool) -> None:
         )
 
 
-def _chain(path: Path, links: dict[str, Any], joint_above: dict[str, Any], base_link: str, tip_link: str) -> list[Any]:
+def _chain(
+    path: Path, links: dict[str, Any], joint_above: dict[str, UrdfJoint], base_link: str, tip_link: str
+) -> list[UrdfJoint]:
     """The URDF's joints from base link to tip link."""
     for key, name in (("base_link", base_link), ("tip_link", tip_link)):
         if name not in links:
             raise InputError(path, f"there is no such link. Its links are: {', '.join(links)}.", key=key, value=name)
-    chain: list[Any] = []
+    chain: list[UrdfJoint] = []
     link = tip_link
     while link != base_link:
         if link not in joint_above:
@@ -207,7 +249,7 @@ def _chain(path: Path, links: dict[str, Any], joint_above: dict[str, Any], base_
     return chain[::-1]
 
 
-def check_tree(path: Path, links: Mapping[str, Any], joints: Sequence[Any]) -> None:
+def check_tree(path: Path, links: Mapping[str, Any], joints: Sequence[UrdfJoint]) -> None:
     """Check that joints make a tree of links.
 
     Args:
@@ -236,78 +278,3 @@ def check_tree(path: Path, links: Mapping[str, Any], joints: Sequence[Any]) -> N
             raise InputError(path, "the joints form a loop; a URDF must be a tree.", key=f"link '{link}'")
     if not links:
         raise InputError(path, "has no <link>.")
-
-
-def _joint(path: Path, joint: Any, placement: RigidTransform, body: "_Carried", *, placed_by_held: bool) -> Joint:
-    lower, upper = position_limits(path, joint)
-    coulomb, viscous = friction(path, joint)
-    return Joint(
-        name=joint.name,
-        kind="prismatic" if joint.type == "prismatic" else "revolute",
-        axis=unit_axis(path, joint),
-        placement=placement,
-        body=body.inertia,
-        lower=lower,
-        upper=upper,
-        effort=joint.limit.effort if joint.limit is not None and joint.limit.effort else None,
-        velocity=velocity_limit(path, joint),
-        coulomb=coulomb,
-        viscous=viscous,
-        placed_by_held=placed_by_held,
-        laden_by_held=body.by_held,
-        point_links=body.point_links,
-    )
-
-
-class _Carried(NamedTuple):
-    """All that a joint carries up to the next, in the frame of its first link.
-
-    Attributes:
-        inertia: Of all of it.
-        by_held: Whether held joints place any.
-        point_links: Links that have a mass but no extent.
-    """
-
-    inertia: Inertia
-    by_held: bool
-    point_links: tuple[str, ...]
-
-
-class _Bodies:
-    """What hangs together where nothing moves.
-
-    Args:
-        path: The URDF, for messages.
-        links: By name.
-        joints: All of the URDF.
-        held: Positions of those that do not stand at zero.
-        lenient: As in `link_inertia`.
-    """
-
-    def __init__(
-        self, path: Path, links: dict[str, Any], joints: list[Any], held: Mapping[str, float], *, lenient: bool
-    ) -> None:
-        self._path, self._links, self._held, self._lenient = path, links, held, lenient
-        self._below: dict[str, list[Any]] = {}
-        for joint in joints:
-            self._below.setdefault(joint.parent, []).append(joint)
-        self.remarks: list[Remark] = []
-        self.mistakes = Mistakes()
-
-    def carried(self, first: str, stops: set[str]) -> _Carried:
-        """All that a joint carries up to the next, from its first link to where other moving joints begin."""
-        total, by_held, points = Inertia.zero(), False, list[str]()
-        pending = [(first, RigidTransform.identity())]
-        while pending:
-            link, T_body_link = pending.pop()
-            with self.mistakes.noted():
-                body = link_inertia(self._path, self._links[link], self.remarks, lenient=self._lenient)
-                total = total + body.seen_from(T_body_link)
-                points += [link] if is_point(self._links[link]) else []
-            below = [joint for joint in self._below.get(link, []) if joint.child not in stops]
-            by_held |= any(joint.name in self._held for joint in below)
-            pending += [
-                (joint.child, T_body_link @ joint_pose(self._path, joint, self._held.get(joint.name, 0.0)))
-                for joint in below
-            ]
-        return _Carried(total, by_held, tuple(points))

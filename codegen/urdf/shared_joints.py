@@ -4,8 +4,9 @@
 from collections.abc import Mapping, Sequence
 from itertools import combinations, permutations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from mrts_codegen.urdf.urdf_file import Urdf, UrdfJoint
 from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, joint_pose
 
 from mrts.base.errors import InputError
@@ -39,7 +40,7 @@ def check_machines(path: Path, arms: Sequence["BuiltRobot"]) -> tuple[tuple[str,
     return tuple(machines)
 
 
-def root_in_base(path: Path, urdf: Any, base_link: str, held: Mapping[str, float]) -> RigidTransform:
+def root_in_base(path: Path, urdf: Urdf, base_link: str, held: Mapping[str, float]) -> RigidTransform:
     """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero.
 
     Args:
@@ -54,9 +55,9 @@ def root_in_base(path: Path, urdf: Any, base_link: str, held: Mapping[str, float
     return T.inverse()
 
 
-def joints_to(joint_above: Mapping[str, Any], link: str) -> list[Any]:
+def joints_to(joint_above: Mapping[str, UrdfJoint], link: str) -> list[UrdfJoint]:
     """Joints from the URDF's root to a link."""
-    joints: list[Any] = []
+    joints: list[UrdfJoint] = []
     while link in joint_above:
         joints.insert(0, joint_above[link])
         link = joints[0].parent

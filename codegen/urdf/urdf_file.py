@@ -5,16 +5,19 @@ Document types are refused (entity bombs), and a missing mass or a missing entry
 default. Libraries that read URDFs import all that draws them first: 1 s of each first use of a cell.
 """
 
+from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, nan
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 from lxml import etree
-from mrts_codegen.urdf.urdf_elements import INERTIA_KEYS, Link, Urdf, UrdfJoint, joint_of, link_of
 
+from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER, text_of
+from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, snap_rotation
 
 FILES_KEPT = 16
 """URDFs that are not parsed again while their text stays the same: many cells are made of a few."""
@@ -26,6 +29,74 @@ JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "plan
 XACRO_NAMESPACE = "http://www.ros.org/wiki/xacro"
 _HARMLESS = ("NS_ERR_UNDEFINED_NAMESPACE", "ERR_UNKNOWN_VERSION")
 _JOINT_CHILDREN = ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics")
+INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+"""Attributes of <inertia>."""
+
+
+@dataclass(frozen=True)
+class Inertial:
+    """Mass [kg], inertia about the com in the axes of the origin, Shape (3, 3) [kg m²], and its place in the link."""
+
+    mass: float
+    inertia: Array
+    origin: RigidTransform
+
+
+class Link(NamedTuple):
+    """A link; inertial is None where it says nothing of mass."""
+
+    name: str
+    inertial: Inertial | None
+
+
+class Mimic(NamedTuple):
+    """That a joint stands at multiplier times the position of another, plus offset."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class UrdfJoint:
+    """A joint; a limit is None where the URDF says nothing, friction and damping are then 0.
+
+    Attributes:
+        name: Its own.
+        type: Of `JOINT_TYPES`.
+        parent: Link that it hangs from.
+        child: Link that hangs from it.
+        origin: Frame of the child in the parent, at position zero.
+        axis: As given, of any length, Shape (3,).
+        lower: [rad or m].
+        upper: [rad or m].
+        velocity: [rad/s or m/s].
+        effort: [N m or N].
+        friction: [N m or N].
+        damping: [N m s/rad or N s/m].
+        mimic: What it follows.
+    """
+
+    name: str
+    type: str
+    parent: str
+    child: str
+    origin: RigidTransform
+    axis: Array
+    lower: float | None
+    upper: float | None
+    velocity: float | None
+    effort: float | None
+    friction: float
+    damping: float
+    mimic: Mimic | None
+
+
+class Urdf(NamedTuple):
+    """All links and joints, in the order of the file."""
+
+    links: tuple[Link, ...]
+    joints: tuple[UrdfJoint, ...]
 
 
 def parse_urdf(path: Path, content: bytes) -> Urdf:
@@ -60,10 +131,10 @@ def _parsed(path: Path, text: str) -> Urdf:
     links, joints = [], []
     for link in root.findall("link"):
         with mistakes.noted():
-            links.append(_checked_link(path, link))
+            links.append(_link(path, link))
     for joint in root.findall("joint"):
         with mistakes.noted():
-            joints.append(_checked_joint(path, joint))
+            joints.append(_joint(path, joint))
     mistakes.raise_noted()
     return Urdf(tuple(links), tuple(joints))
 
@@ -89,29 +160,72 @@ def _parse(path: Path, text: str) -> Any:
     return root
 
 
-def _checked_link(path: Path, link: Any) -> Link:
+def _link(path: Path, link: Any) -> Link:
     name = _attribute(path, link, "name", "a <link>")
-    inertial = _only(path, f"link '{name}'", link, "inertial")
-    return link_of(name, None if inertial is None else _checked_inertial(path, name, inertial))
+    where = f"link '{name}'"
+    inertial = _only(path, where, link, "inertial")
+    if inertial is None:
+        return Link(name, None)
+    mass, inertia = (_only(path, where, inertial, tag) for tag in ("mass", "inertia"))
+    if mass is None or mass.get("value") is None:
+        raise InputError(path, "its <inertial> needs <mass value=…> in kg.", key=where)
+    if inertia is None or any(inertia.get(key) is None for key in INERTIA_KEYS):
+        raise InputError(path, f"its <inertial> needs <inertia> with {', '.join(INERTIA_KEYS)}.", key=where)
+    for child in inertial:
+        _check_numbers(path, where, child)
+    xx, xy, xz, yy, yz, zz = (float(inertia.get(key)) for key in INERTIA_KEYS)
+    matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return Link(name, Inertial(float(mass.get("value")), matrix, _origin(inertial)))
 
 
-def _checked_joint(path: Path, joint: Any) -> UrdfJoint:
+def _joint(path: Path, joint: Any) -> UrdfJoint:
     name = _attribute(path, joint, "name", "a <joint>")
     where = f"joint '{name}'"
     kind = _attribute(path, joint, "type", where)
     if kind not in JOINT_TYPES:
         raise InputError(path, f"must be one of {', '.join(JOINT_TYPES)}.", key=f"{where} type", value=kind)
+    parts = {}
     for tag in _JOINT_CHILDREN:
-        child = _only(path, where, joint, tag)
+        parts[tag] = child = _only(path, where, joint, tag)
         if child is not None:
             _check_numbers(path, where, child)
         elif tag in {"parent", "child"}:
             raise InputError(path, f"a <{tag} link=…> element is needed.", key=where)
-    for tag in ("parent", "child"):
-        _attribute(path, joint.find(tag), "link", where)
-    if joint.find("mimic") is not None:
-        _attribute(path, joint.find("mimic"), "joint", f"{where}, <mimic>")
-    return joint_of(joint)
+    axis, limit, mimic, dynamics = (parts[tag] for tag in ("axis", "limit", "mimic", "dynamics"))
+    parent, below = (_attribute(path, parts[tag], "link", where) for tag in ("parent", "child"))
+    followed = None
+    if mimic is not None:
+        leader = _attribute(path, mimic, "joint", f"{where}, <mimic>")
+        followed = Mimic(leader, float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0)))
+    limits = {} if limit is None else dict(limit.attrib)
+    damped = {} if dynamics is None else dict(dynamics.attrib)
+    return UrdfJoint(
+        name=name,
+        type=kind,
+        parent=parent,
+        child=below,
+        origin=_origin(joint),
+        axis=_vector(None if axis is None else axis.get("xyz"), (1.0, 0.0, 0.0)),
+        lower=float(limits["lower"]) if "lower" in limits else None,
+        upper=float(limits["upper"]) if "upper" in limits else None,
+        velocity=float(limits["velocity"]) if "velocity" in limits else None,
+        effort=float(limits["effort"]) if "effort" in limits else None,
+        friction=float(damped.get("friction", 0)),
+        damping=float(damped.get("damping", 0)),
+        mimic=followed,
+    )
+
+
+def _origin(element: Any) -> RigidTransform:
+    origin = element.find("origin")
+    if origin is None:
+        return RigidTransform.identity()
+    p, rpy = (_vector(origin.get(key), (0.0, 0.0, 0.0)) for key in ("xyz", "rpy"))
+    return RigidTransform(snap_rotation(rotation_from_rpy(*rpy.tolist())), p)
+
+
+def _vector(text: str | None, default: tuple[float, ...]) -> Array:
+    return np.array(default if text is None else [float(word) for word in text.split()])
 
 
 def _check_names_differ(path: Path, root: Any) -> None:
@@ -125,18 +239,6 @@ def _check_names_differ(path: Path, root: Any) -> None:
             if name in seen:
                 raise InputError(path, f"two {tag}s have this name.", key=f"{tag} '{name}'")
             seen.add(name)
-
-
-def _checked_inertial(path: Path, link: str, inertial: Any) -> Any:
-    where = f"link '{link}'"
-    mass, inertia = (_only(path, where, inertial, tag) for tag in ("mass", "inertia"))
-    if mass is None or mass.get("value") is None:
-        raise InputError(path, "its <inertial> needs <mass value=…> in kg.", key=where)
-    if inertia is None or any(inertia.get(key) is None for key in INERTIA_KEYS):
-        raise InputError(path, f"its <inertial> needs <inertia> with {', '.join(INERTIA_KEYS)}.", key=where)
-    for child in inertial:
-        _check_numbers(path, where, child)
-    return inertial
 
 
 def _only(path: Path, where: str, element: Any, tag: str) -> Any:

@@ -3,9 +3,9 @@
 
 from math import cos, sin
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from mrts_codegen.urdf.urdf_file import UrdfJoint
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
@@ -18,7 +18,7 @@ NO_LIMIT = 1e9
 a giganewton, and none of the URDFs that people publish has a real limit above 1e5."""
 
 
-def unit_axis(path: Path, joint: Any) -> Array:
+def unit_axis(path: Path, joint: UrdfJoint) -> Array:
     """Direction of a joint's axis in its own frame, Shape (3,).
 
     Raises:
@@ -27,20 +27,18 @@ def unit_axis(path: Path, joint: Any) -> Array:
     length = float(np.sqrt(sum(joint.axis * joint.axis)))
     if not 0 < length < np.inf:
         raise InputError(path, "must not be zero.", key=f"joint '{joint.name}' axis", value=joint.axis.tolist())
-    axis: Array = joint.axis / length
-    return axis
+    return np.asarray(joint.axis / length)
 
 
-def position_limits(path: Path, joint: Any) -> tuple[float, float]:
+def position_limits(path: Path, joint: UrdfJoint) -> tuple[float, float]:
     """Lower and upper position limit [rad or m], infinite where there is none.
 
     Raises:
         InputError: If the lower one exceeds the upper one.
     """
-    limit = joint.limit
-    if joint.type == "continuous" or limit is None:
+    if joint.type == "continuous":
         return -np.inf, np.inf
-    lower, upper = (None if value is None or abs(value) >= NO_LIMIT else value for value in (limit.lower, limit.upper))
+    lower, upper = (None if value is None or abs(value) >= NO_LIMIT else value for value in (joint.lower, joint.upper))
     if lower is not None and upper is not None and lower > upper:
         raise InputError(
             path,
@@ -51,41 +49,38 @@ def position_limits(path: Path, joint: Any) -> tuple[float, float]:
     return -np.inf if lower is None else float(lower), np.inf if upper is None else float(upper)
 
 
-def velocity_limit(path: Path, joint: Any) -> float | None:
+def velocity_limit(path: Path, joint: UrdfJoint) -> float | None:
     """Largest velocity [rad/s or m/s], None if the URDF says nothing.
 
     Raises:
         InputError: If it is negative.
     """
-    velocity = None if joint.limit is None else joint.limit.velocity
+    velocity = joint.velocity
     if velocity is not None and velocity < 0:
         raise InputError(path, "must be >= 0.", key=f"joint '{joint.name}' velocity limit", value=velocity)
     return float(velocity) if velocity and velocity < NO_LIMIT else None
 
 
-def friction(path: Path, joint: Any) -> tuple[float, float]:
+def friction(path: Path, joint: UrdfJoint) -> tuple[float, float]:
     """Dry friction [N m or N] and damping [N m s/rad or N s/m] of a joint, 0 where the URDF says nothing.
 
     Raises:
         InputError: If one is negative, or so large that nothing would move.
     """
-    values = []
     for name in ("friction", "damping"):
-        value = 0.0 if joint.dynamics is None else getattr(joint.dynamics, name)
-        if not 0 <= value < NO_LIMIT:
+        if not 0 <= getattr(joint, name) < NO_LIMIT:
             key = f"joint '{joint.name}', <dynamics> {name}"
-            raise InputError(path, f"must be >= 0 and below {NO_LIMIT:.0e}.", key=key, value=value)
-        values.append(value)
-    return values[0], values[1]
+            raise InputError(path, f"must be >= 0 and below {NO_LIMIT:.0e}.", key=key, value=getattr(joint, name))
+    return joint.friction, joint.damping
 
 
-def joint_pose(path: Path, joint: Any, position: float = 0.0) -> RigidTransform:
+def joint_pose(path: Path, joint: UrdfJoint, position: float = 0.0) -> RigidTransform:
     """Frame of the child link in the frame of the parent link, where the joint stands at a position [rad or m].
 
     Raises:
         InputError: If the joint must move and its axis is zero.
     """
-    T: RigidTransform = joint.origin
+    T = joint.origin
     if position == 0:
         return T
     axis = unit_axis(path, joint)

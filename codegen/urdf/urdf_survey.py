@@ -7,7 +7,7 @@ import numpy as np
 from mrts_codegen.urdf.link_inertia import link_inertia
 from mrts_codegen.urdf.robot_model import build_robot_model, check_tree
 from mrts_codegen.urdf.shared_joints import root_in_base
-from mrts_codegen.urdf.urdf_elements import Urdf
+from mrts_codegen.urdf.urdf_file import Urdf
 from mrts_codegen.urdf.urdf_joint import (
     MOVING_TYPES,
     NO_LIMIT,

@@ -4,19 +4,22 @@
 Here and in `source_files.py` beside it, and nowhere else, the run time calls the build time (`mrts_codegen`).
 """
 
+from collections.abc import Callable
 from functools import lru_cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord
+from mrts.base.errors import InputError
+from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
 from mrts.cell.record import CellManifest, read_generated, verified_manifest
-from mrts.cell.sound_files import if_sound, is_source
 from mrts.kernel.c_text import one_file
-from mrts.kernel.cache_folder import cache_folder
+from mrts.kernel.cache_folder import cache_folder, only_ours
 
 if TYPE_CHECKING:
     from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
+
+Record = TypeVar("Record", bound=ChainsRecord)
 
 CACHED_STEM = "cell"
 """Names of generated functions in the cache begin so: cells of other names share them."""
@@ -58,8 +61,8 @@ def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     """
     from mrts_codegen.content_key import is_as_made  # noqa: PLC0415 (build time, on demand)
 
-    manifest = if_sound(described, partial(verified_manifest, described))
-    sound = manifest is not None and is_as_made(path, manifest) and is_source(_source_in_cache(manifest), manifest)
+    manifest = _if_sound(described, partial(verified_manifest, described))
+    sound = manifest is not None and is_as_made(path, manifest) and _is_source(_source_in_cache(manifest), manifest)
     return manifest if sound else None
 
 
@@ -120,8 +123,8 @@ def _chains_in_cache(cell: Any) -> tuple[Path, ChainsRecord | None]:
     from mrts_codegen.content_key import chains_key  # noqa: PLC0415 (build time, on demand)
 
     folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
-    chains = if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
-    return folder, chains if chains is not None and is_source(folder / chains.source, chains) else None
+    chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
+    return folder, chains if chains is not None and _is_source(folder / chains.source, chains) else None
 
 
 def _source_in_cache(manifest: CellManifest) -> Path:
@@ -286,3 +289,32 @@ def read_to_generate(path: Path) -> Any | None:
         return None
     cell = cell_model(path)
     return cell if _chains_in_cache(cell)[1] is None else None
+
+
+def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
+    """What a file of the cache holds; None where it is missing or damaged.
+
+    Args:
+        path: The file.
+        read: Reads and checks its text.
+    """
+    try:
+        return read(path.read_text(encoding="utf-8")) if only_ours(path) else None
+    except (InputError, ValueError):
+        return None
+
+
+def _is_source(path: Path, chains: ChainsRecord) -> bool:
+    """Whether a C file of the cache is there and whole.
+
+    Args:
+        path: The file.
+        chains: What it was generated for.
+    """
+    if not only_ours(path):
+        return False
+    try:
+        check_source(path, chains, path.read_text(encoding="utf-8"))
+    except (InputError, ValueError):
+        return False
+    return True

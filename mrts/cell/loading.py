@@ -4,12 +4,13 @@
 from os import PathLike
 from pathlib import Path
 from types import NoneType
+from typing import Any
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.regular_file import is_folder
 from mrts.cell.cell import Cell
-from mrts.cell.functions import CellFunctions, compiled_functions
-from mrts.cell.generation import described_in_cache, generated_in_cache
+from mrts.cell.functions import CellFunctions, compiled_functions, uncompiled_functions
+from mrts.cell.generation import described_in_cache, generated_in_cache, motion_functions_of, read_to_generate
 from mrts.cell.record import CellManifest, CellRecord, read_generated
 from mrts.cell.source_files import is_generated
 
@@ -55,3 +56,30 @@ def cell_from_manifest(manifest: CellManifest, functions: CellFunctions, folder:
     """
     record = {name: getattr(manifest, name) for name in CellRecord.model_fields}
     return Cell(**record, functions=functions, folder=folder)
+
+
+def uncompiled_cell(model: Any, folder: Path) -> Cell:
+    """A cell that can follow motions, and nothing else.
+
+    Args:
+        model: The cell with its URDFs, as from `mrts.cell.generation`.
+        folder: That its URDFs are relative to, absolute.
+    """
+    manifest, functions = motion_functions_of(model)
+    return cell_from_manifest(manifest, uncompiled_functions(manifest, functions), folder)
+
+
+def cell_to_compile(path: Path | str) -> Cell | None:
+    """The cell of a file that would have to be generated and compiled first, as `uncompiled_cell`; None of any other.
+
+    Args:
+        path: A cell file, or a folder that `mrts generate` wrote.
+
+    Raises:
+        InputError: If the cell file or a URDF breaks a rule.
+    """
+    path = as_path("path", path)
+    if is_generated(path):
+        return None
+    model = read_to_generate(path)
+    return None if model is None else uncompiled_cell(model, path.resolve().parent)

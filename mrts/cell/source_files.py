@@ -62,28 +62,18 @@ class UrdfReading(NamedTuple):
     meshes: tuple[str, ...] = ()
 
 
-class NamedFiles(NamedTuple):
-    """Where the files are that a cell file names: URDFs or xacros of its robots in their order, mesh of its object."""
-
-    urdfs: tuple[Path, ...]
-    mesh: Path | None
-
-
-def named_files(path: Path) -> NamedFiles:
-    """Where the files are that a cell file names.
+def described(path: Path) -> Any:
+    """A validated cell file, its defaults filled in: `references` are the files that it names, `model_dump` its keys.
 
     Args:
         path: The cell file.
 
     Raises:
-        InputError: If the cell file breaks a rule or a package is missing.
+        InputError: If the cell file breaks a rule.
     """
     from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
 
-    description = read_cell_description(path)
-    found = [reference.path(path, path.resolve().parent) for reference in description.references]
-    robots = len(description.robots)
-    return NamedFiles(tuple(found[:robots]), next(iter(found[robots:]), None))
+    return read_cell_description(path)
 
 
 def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
@@ -95,9 +85,7 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     Raises:
         InputError: If the cell file breaks a rule, a package is missing, or a xacro cannot be expanded.
     """
-    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
-
-    folder, found, description = path.resolve().parent, {}, read_cell_description(path)
+    folder, found, description = path.resolve().parent, {}, described(path)
     for robot, reference in zip(description.robots, description.urdf_references, strict=True):
         file = reference.path(path, folder)
         if is_xacro(file):
@@ -174,20 +162,6 @@ def cell_file_in(manifest: CellManifest, folder: Path, beside: Path | None) -> s
     return text
 
 
-def all_cell_keys(path: Path) -> dict[str, Any]:
-    """Keys and values of a cell file, with the default of each key that it leaves out, None where there is none.
-
-    Args:
-        path: The cell file.
-
-    Raises:
-        InputError: If the cell file breaks a rule.
-    """
-    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
-
-    return read_cell_description(path).model_dump()
-
-
 def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
     """A cell with its URDFs (None if something is wrong), and all that is wrong.
 
@@ -198,12 +172,3 @@ def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
 
     found = read_cell(path)
     return found.model, found.mistakes
-
-
-def arms_alone_of(cell: Any) -> tuple[Any, ...]:
-    """A cell of each arm by itself.
-
-    Args:
-        cell: With its URDFs, as from `read_without_generating`.
-    """
-    return tuple(cell.arms_alone())

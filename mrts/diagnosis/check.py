@@ -11,9 +11,9 @@ from mrts.base.formats.pose import Pose
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
+from mrts.cell.loading import uncompiled_cell
 from mrts.cell.remarks.joint_sources import joint_sources
-from mrts.cell.source_files import arms_alone_of, is_generated, read_without_generating
-from mrts.cell.uncompiled import uncompiled_cell
+from mrts.cell.source_files import is_generated, read_without_generating
 from mrts.diagnosis.arm_reach import ArmReach, of_machine, reach_of
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.diagnosis.motion_units import motion_units
@@ -84,7 +84,7 @@ def _with_reach(
     except MotionError as error:
         swapped = swapped_columns(cell, motion) if isinstance(motion, JointTable) else ()
         return replace(found, problem=str(error), remarks=(*found.remarks, *swapped))
-    arms = [uncompiled_cell(alone, cell.folder or Path()) for alone in arms_alone_of(model)]
+    arms = [uncompiled_cell(alone, cell.folder or Path()) for alone in model.arms_alone()]
     reaches: list[ArmReach] = []
     remarks = [*found.remarks]
     explained = any(remark.code in OF_PLACES for remark in remarks)

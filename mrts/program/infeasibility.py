@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow
-from mrts.program.elastic_program import least_widening
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.speed_intervals import highest_intervals, speed_unit
-from mrts.program.widening import widening_at
+from mrts.program.widening import least_widening, widening_at
 
 CERTIFICATE_TOLERANCE = 1e-9
 """A certificate must separate the limits by more than this share of their size, or nothing is proved."""
@@ -194,8 +194,10 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
     for _ in range(SEARCH_ROUNDS):
         part = problem.at(open_ones)
         level = least[open_ones, None] * (1 - CLOSEST) * part.is_limit
-        found = highest_intervals(replace(part, lower=part.lower - level, upper=part.upper + level))
-        admitted, open_ones = ~found.undecided, open_ones[~found.undecided]
+        wider = replace(part, lower=part.lower - level, upper=part.upper + level)
+        found = highest_intervals(wider, np.full(part.samples, np.inf))
+        admitted = found.status[0] == OPTIMAL
+        open_ones = open_ones[admitted]
         if not open_ones.size:
             break
         low, high = np.sqrt(found.lower[admitted]), np.sqrt(found.upper[admitted])

@@ -18,15 +18,15 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import squared_limits
+from mrts.limits import limit_rows
 from mrts.limits.rows import ActiveRow, LimitRows, side_size
-from mrts.program.elastic_program import Widening, least_widening
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.torque_distribution import distribute_torques
 from mrts.program.trajectory_programs import BLOCK, motion_torques
+from mrts.program.widening import Widening, least_widening
 
 LEAST_SHARE = 0.01
 """Of a limit: torques are not asked to keep more than 99 % of every limit free."""
@@ -229,7 +229,7 @@ def plan_reserve(
             problem = build_sample_problem(
                 cell, motion, formulation=formulation, sharing=sharing, load=vector, samples=block
             )
-            given = squared_limits(cell, motion).given.at(block)
+            given = limit_rows(cell, motion).at(block)
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
                 at_best = _shares_moved(problem, least_shares(problem, c2, solver))

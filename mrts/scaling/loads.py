@@ -27,6 +27,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side
 from mrts.program.closed_form import LoadSensitivity, ends_in_closed_form, load_sensitivity, worst_parameters
 from mrts.program.infeasibility import Conflict
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.range_ends import chosen_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import SampleRanges, first_least, statuses, with_end_problem, without_speed_at_rest
@@ -101,6 +102,7 @@ def range_at_samples(
     options: Options,
     progress: Progress = lambda _done, _total: None,
     high: float = np.inf,
+    rows: MotionRows | None = None,
 ) -> tuple[ScalingRange, LoadStudy | None]:
     """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was found of an uncertain load.
 
@@ -110,13 +112,14 @@ def range_at_samples(
         options: Which load is asked about, and how the programs are made and solved; checked.
         progress: Told how far the work on an uncertain load is.
         high: Of several intervals the highest is found that does not begin above this c².
+        rows: As in `motion_ranges`.
 
     Raises:
         InputError: If there is no box, or the question does not fit it.
         SolverError: If no solver answers.
     """
     if options.load == "nominal":
-        return common_range(partial(ranges_of_load, cell, motion, options, None), high), None
+        return common_range(partial(ranges_of_load, cell, motion, options, None, rows=rows), high), None
     box = load_box(cell, options.load)
     if options.load == "possible":
         from mrts.scaling.possible_load import possible_range  # noqa: PLC0415 (its nonlinear program is rarely asked for)
@@ -144,7 +147,12 @@ def range_at_samples(
 
 
 def ranges_of_load(
-    cell: Cell, motion: CoordinatedMotion, options: Options, load: Array | None, high: float
+    cell: Cell,
+    motion: CoordinatedMotion,
+    options: Options,
+    load: Array | None,
+    high: float,
+    rows: MotionRows | None = None,
 ) -> SampleRanges:
     """Ranges of c² at all samples.
 
@@ -154,11 +162,12 @@ def ranges_of_load(
         options: How the programs are made and solved.
         load: Load vector, Shape (10,); None is the cell's.
         high: As in `range_at_samples`.
+        rows: As in `motion_ranges`.
 
     Raises:
         SolverError: If no solver answers.
     """
-    return motion_ranges(cell, motion, options.formulation, options.sharing, options.solver, load, high)
+    return motion_ranges(cell, motion, options.formulation, options.sharing, options.solver, load, high, rows)
 
 
 def ranges_of_loads(
@@ -170,10 +179,10 @@ def ranges_of_loads(
     high: float,
 ) -> tuple[ScalingRange, ...]:
     """The range over the motion of each load; arguments as in `range_at_samples`."""
-    found = []
+    found, rows = [], motion_rows(cell, motion)
     for number, point in enumerate(points):
         progress(number, len(points))
-        found.append(common_range(partial(ranges_of_load, cell, motion, options, point.load), high))
+        found.append(common_range(partial(ranges_of_load, cell, motion, options, point.load, rows=rows), high))
     progress(len(points), len(points))
     return tuple(found)
 

@@ -21,7 +21,7 @@ from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
 from mrts.cell.robot import Robot
-from mrts.cell.source_files import all_cell_keys, named_files, urdf_files
+from mrts.cell.source_files import described, urdf_files
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
@@ -137,16 +137,17 @@ def _study_files(path: Path, given: dict[str, Any]) -> tuple[tuple[StudyFile, ..
         path: The cell file.
         given: Its keys and values; changed.
     """
-    urdfs, files = [], named_files(path)
-    for robot, (file, _), origin in zip(given["robots"], urdf_files(path).values(), files.urdfs, strict=True):
+    urdfs, found = [], [reference.path(path, path.resolve().parent) for reference in described(path).references]
+    origins, meshes = found[: len(given["robots"])], found[len(given["robots"]) :]
+    for robot, (file, _), origin in zip(given["robots"], urdf_files(path).values(), origins, strict=True):
         content = read_regular(file, "URDF", MAX_URDF_BYTES)
         arguments = robot.pop("xacro_args", None) or {}
         urdfs.append(StudyFile(robot["urdf"], str(file.absolute()), content, str(origin.absolute()), arguments))
         if file != origin:
             robot["urdf"] = str(file)
-    if files.mesh is None:
+    if not meshes:
         return tuple(urdfs), None
-    content, where = read_regular(files.mesh, "mesh", MAX_FILE_BYTES), str(files.mesh.absolute())
+    content, where = read_regular(meshes[0], "mesh", MAX_FILE_BYTES), str(meshes[0].absolute())
     return tuple(urdfs), StudyFile(given["object"]["shape"]["mesh"], where, content, where)
 
 
@@ -213,7 +214,7 @@ def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any
     Raises:
         InputError: If the file breaks a rule.
     """
-    filled = all_cell_keys(path)
+    filled: dict[str, Any] = described(path).model_dump()
     _angles_for_quaternions({"cell": filled})
     for robot, arm, as_given in zip(filled["robots"], cell.robots, given["robots"], strict=True):
         _fill_robot(robot, arm, len(cell.wrench_components))

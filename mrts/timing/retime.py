@@ -26,7 +26,7 @@ from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import CONVERGED
-from mrts.scaling.motion_remarks import interpolated_timing, lasting, timing_remarks
+from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
 from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.torques import with_torques
@@ -131,7 +131,7 @@ def _fastest(compared: ConstantFactor, end_speeds: tuple[float, float], progress
     cell, given, options = compared.cell, compared.motion, replace(compared.options, rates=None)
     if options.between is not None:
         check_held_between(cell, given)
-    remarks = timing_remarks(cell, given, lambda: compared.factor.range)
+    remarks = motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
 
     def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
         found = fastest_timing(compared, path, end_speeds, progress, refined=refined)

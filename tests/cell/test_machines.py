@@ -137,9 +137,9 @@ def test_two_machines_of_a_kind_are_fine(tmp_path):
     def apart(robots):
         robots[1]["base"]["xyz"][0] += 5.0
 
-    assert [len(robot.model.joints) for robot in read(machine_cell(tmp_path, apart)).robots] == [5, 5]
+    assert [len(model.joints) for model in read(machine_cell(tmp_path, apart)).models] == [5, 5]
     (tmp_path / "copy.urdf").write_text(machine().replace('mass value="5"', 'mass value="5.5"'), encoding="utf-8")
-    assert len(read(machine_cell(tmp_path, other_path)).robots) == 2
+    assert len(read(machine_cell(tmp_path, other_path)).models) == 2
 
 
 @pytest.mark.parametrize(
@@ -226,7 +226,7 @@ def one_machine(folder):
 
 def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
     cell = one_machine(tmp_path)
-    assert cell.functions.manifest.machines == [("left", "right")]
+    assert cell.functions.manifest.machines == (("left", "right"),)
     left, right = cell.robots
     for change in (
         lambda: cell.with_base("left", xyz=left.T_world_base.p + STEP),
@@ -251,7 +251,7 @@ def test_two_machines_do_not_come_to_stand_in_one_place(tmp_path):
 
     cell = mrts.load_cell(machine_cell(tmp_path, apart))
     left, right = cell.robots
-    assert cell.functions.manifest.machines == []
+    assert cell.functions.manifest.machines == ()
     assert cell.with_base("right", xyz=right.T_world_base.p + STEP)
     with pytest.raises(mrts.InputError, match="would stand in one place, which makes them arms of one machine"):
         cell.with_base("right", xyz=left.T_world_base.p)

@@ -9,10 +9,10 @@ import yaml
 from conftest import DATA
 from mrts_codegen.cell_file import cell_description
 from mrts_codegen.cell_model import build_cell_model
-from mrts_codegen.hand_file import KINDS
 
 import mrts
 from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
+from mrts.cell.hands.kinds import KINDS
 
 SQUEEZE = DATA.parent / "squeeze" / "cell.yaml"
 PAD = {"friction": 0.5, "normal": [0, 0, 1], "half_width": [0.03, 0.02], "force": [0, 100]}
@@ -77,7 +77,7 @@ def test_a_normal_that_points_out_of_a_face_is_refused(shape, kind, tmp_path):
         for sign, pull in ((1, False), (1, True), (-1, True)):
             described = hand | {"normal": (sign * normal).tolist(), "pull": pull}
             model = read(squeezed({"shape": given}, grasp=grasp, contact=[{kind: described}]), tmp_path)
-            assert "contact-normal" not in {remark.code for remark in model.remarks}
+            assert "contact-normal" not in {remark.code for remark in model.record.remarks}
         described = hand | {"normal": (-normal).tolist()}
         with pytest.raises(mrts.InputError) as refused:
             read(squeezed({"shape": given}, grasp=grasp, contact=[{kind: described}]), tmp_path)
@@ -94,7 +94,7 @@ def test_where_no_face_tells_the_centre_of_mass_hints(shape, tmp_path):
     for sign, codes in ((1, []), (-1, ["contact-normal"])):
         contact = [{"pad": PAD | {"normal": [0, 0, sign]}}]
         model = read(squeezed({"shape": shape} if shape else None, contact=contact), tmp_path)
-        assert [remark.code for remark in model.remarks] == codes
+        assert [remark.code for remark in model.record.remarks] == codes
 
 
 def test_on_an_edge_the_normals_of_both_faces_are_right():
@@ -104,7 +104,7 @@ def test_on_an_edge_the_normals_of_both_faces_are_right():
             contact = [{"pad": PAD | {"normal": (sign * np.array(into)).tolist()}}]
             cell = squeezed({"shape": {"box": SIDES.tolist()}}, grasp=grasp, contact=contact)
             if right:
-                assert read(cell).remarks == ()
+                assert read(cell).record.remarks == ()
             else:
                 with pytest.raises(mrts.InputError, match="points out of the object"):
                     read(cell)

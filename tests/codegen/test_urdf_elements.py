@@ -28,13 +28,14 @@ def test_a_urdf_says_what_yourdfpy_reads(name):
         assert (one.name, one.type, one.parent, one.child) == (other.name, other.type, other.parent, other.child)
         np.testing.assert_array_equal(one.axis, other.axis)
         _assert_same_pose(one.origin, other.origin)
-        for part in ("limit", "mimic"):
-            mine, given = getattr(one, part), getattr(other, part)
-            assert (mine is None) == (given is None)
-            assert mine is None or vars(mine) == {key: vars(given)[key] for key in vars(mine)}
-        if one.dynamics is not None:
-            assert one.dynamics.damping == float(other.dynamics.damping or 0)
-            assert one.dynamics.friction == float(other.dynamics.friction or 0)
+        for key in ("lower", "upper", "velocity", "effort"):
+            assert getattr(one, key) == getattr(other.limit, key, None)
+        assert (one.mimic is None) == (other.mimic is None)
+        if one.mimic is not None:
+            mimic = other.mimic
+            assert one.mimic == (mimic.joint, mimic.multiplier, mimic.offset)
+        assert one.damping == float(getattr(other.dynamics, "damping", None) or 0)
+        assert one.friction == float(getattr(other.dynamics, "friction", None) or 0)
 
 
 def _assert_same_pose(ours, theirs):

@@ -204,8 +204,8 @@ def test_the_gap_of_a_planar_arm_is_what_its_links_lack(tmp_path):
 
 
 def _uncompiled(path):
+    from mrts.cell.loading import uncompiled_cell  # noqa: PLC0415
     from mrts.cell.source_files import read_without_generating  # noqa: PLC0415
-    from mrts.cell.uncompiled import uncompiled_cell  # noqa: PLC0415
 
     return uncompiled_cell(read_without_generating(path)[0], path.parent)
 

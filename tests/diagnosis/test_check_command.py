@@ -10,8 +10,8 @@ from conftest import DATA
 from damaged_cells import sound, written
 
 import mrts
+from mrts.cell.loading import cell_to_compile
 from mrts.cell.remarks.assumptions import NO_COLLISIONS
-from mrts.cell.uncompiled import cell_to_compile
 from mrts.cli import main
 
 UR5 = DATA.parent / "dual_ur5"

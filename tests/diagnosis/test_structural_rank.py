@@ -6,7 +6,7 @@ from damaged_cells import sound, written
 
 import mrts
 from mrts.base.errors import InputError
-from mrts.cell.uncompiled import cell_to_compile
+from mrts.cell.loading import cell_to_compile
 from mrts.starting.reading import Given, request_of
 
 Y, Z = "0 1 0", "0 0 1"

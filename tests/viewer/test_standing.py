@@ -9,7 +9,7 @@ from casadi_cells import casadi_cell
 from conftest import DATA
 
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.uncompiled import cell_to_compile
+from mrts.cell.loading import cell_to_compile
 from mrts.cli import main
 from mrts.drawing.bodies.cell_shapes import body_poses
 from mrts.viewer.motion_viewer import MotionViewer

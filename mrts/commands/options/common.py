@@ -130,7 +130,7 @@ def limited_cell_option(
         motion: That the arms must follow: where they cannot, nothing is compiled first.
         closure: Of a motion of joints.
     """
-    from mrts.cell.uncompiled import cell_to_compile
+    from mrts.cell.loading import cell_to_compile
 
     uncompiled = None if motion is None else cell_to_compile(options.cell)
     if uncompiled is not None and motion is not None:

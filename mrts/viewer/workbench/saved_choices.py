@@ -17,8 +17,8 @@ from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.generation import cell_model, described_model
+from mrts.cell.loading import uncompiled_cell
 from mrts.cell.robot import Robot
-from mrts.cell.uncompiled import uncompiled_cell
 from mrts.motion.motion_file import MotionDescription
 from mrts.viewer.workbench.choices import Choices, Given
 from mrts.viewer.workbench.edited_yaml import Key, edited_yaml
