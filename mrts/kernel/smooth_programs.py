@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import SMOOTH_FILES, smooth_source
-from mrts.kernel.compiled_cache import library_or_rebuilt
-from mrts.kernel.compiler import find_compiler
+from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 from mrts.kernel.foreign_arrays import INFINITY, interruptible
 
 FOUND = 0
