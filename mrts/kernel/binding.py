@@ -13,7 +13,7 @@ from mrts.kernel.c_text import one_text
 NUMBERS: dict[str, Any] = {"int": ctypes.c_int, "long long": ctypes.c_longlong, "double": ctypes.c_double}
 NUMBERS |= {"mrts_real": ctypes.c_double}
 
-FUNCTION = re.compile(r"^MRTS_EXPORT (void|int|long long) (mrts_\w+)\(([^{}]*)\) \{", re.MULTILINE)
+FUNCTION = re.compile(r"^MRTS_EXPORT (void|int|long long) (mrts_\w+)\(([^{};]*)\) \{", re.MULTILINE)
 
 
 class Address:
