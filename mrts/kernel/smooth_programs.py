@@ -19,8 +19,6 @@ FOUND = 0
 """The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
 
 _SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
-_NUMBERS = ("time", "effort", "longest", "uneven", "relaxed")
-
 PROGRAM = structure(SMOOTH_FILES, "mrts_smooth_program")
 
 
@@ -87,11 +85,48 @@ def _used(free: Array, columns: NDArray[np.int_]) -> NDArray[np.int_]:
     return used
 
 
-@dataclass(frozen=True, kw_only=True)
-class Ask:
-    """What is looked for along a path; see `mrts_smooth_program`.
+@dataclass(frozen=True)
+class Solved:
+    """How a program ended.
 
     Attributes:
+        found: Whether there is an answer.
+        share: By which limits of changes and jerks are passed.
+        iterations: How many it took.
+        work: What to start from in a program on the same rows, with the same weights, that is near.
+    """
+
+    found: bool
+    share: float
+    iterations: int
+    work: Array
+
+
+def solve_smooth(
+    rows: PathRows,
+    x: Array,
+    u: Array,
+    free: Array,
+    *,
+    around: Array,
+    time: float = 0.0,
+    effort: float = 0.0,
+    longest: float = np.inf,
+    uneven: float = 0.0,
+    relaxed: float = 0.0,
+    timed: bool = False,
+    moving: bool = False,
+    given: tuple[bool, bool] = (False, False),
+    held: tuple[bool, bool] = (False, False),
+    last: Array | None = None,
+) -> Solved:
+    """Solve a program; the answer is written to x, u and free. See `mrts_smooth_program`.
+
+    Args:
+        rows: The path.
+        x: Read where it is given, Shape (n,).
+        u: Shape (n,).
+        free: F, read where it is given, Shape (n, f).
         around: x > 0 where tangents are laid, contiguous, Shape (n,).
         time: Weight of the duration.
         effort: Weight of the effort.
@@ -102,94 +137,47 @@ class Ask:
         moving: Tangents are laid anew in each iteration.
         given: Whether x is given at the first and the last node.
         held: Whether F is.
-        last: Work of an answer on the same rows, with the same weights, that is near; it is started from.
-    """
+        last: Work of an answer that is started from.
 
-    around: Array
-    time: float = 0.0
-    effort: float = 0.0
-    longest: float = np.inf
-    uneven: float = 0.0
-    relaxed: float = 0.0
-    timed: bool = False
-    moving: bool = False
-    given: tuple[bool, bool] = (False, False)
-    held: tuple[bool, bool] = (False, False)
-    last: Array | None = None
-
-
-@dataclass(frozen=True)
-class Solved:
-    """How a program ended.
-
-    Attributes:
-        found: Whether there is an answer.
-        share: By which limits of changes and jerks are passed.
-        iterations: How many it took.
-        work: What to give to `Ask.last`.
-    """
-
-    found: bool
-    share: float
-    iterations: int
-    work: Array
-
-
-class SmoothPrograms:
-    """The programs in a library of their own.
-
-    Args:
-        library: The library.
-
-    Raises:
-        AttributeError: If it lacks a function.
-    """
-
-    def __init__(self, library: ctypes.CDLL) -> None:
-        bind(library, SMOOTH_FILES)
-        self._work, self._solve = library.mrts_smooth_work, library.mrts_smooth_solve
-
-    def solve(self, rows: PathRows, ask: Ask, x: Array, u: Array, free: Array) -> Solved:
-        """Solve a program; the answer is written to x, u and free.
-
-        Args:
-            rows: The path.
-            ask: What is looked for.
-            x: Read where it is given, Shape (n,).
-            u: Shape (n,).
-            free: F, read where it is given, Shape (n, f).
-
-        Returns:
-            How it ended.
-        """
-        numbers = {name: min(getattr(ask, name), INFINITY) for name in _NUMBERS}
-        program = PROGRAM(**rows.sizes, **numbers)
-        for name in ("timed", "moving"):
-            setattr(program, name, getattr(ask, name))
-        program.again = ask.last is not None
-        program.given_start, program.given_end = ask.given
-        program.held_start, program.held_end = ask.held
-        for name, array in {**rows.arrays, "around": ask.around}.items():
-            setattr(program, name, array.ctypes.data)
-        share, iterations = ctypes.c_double(), ctypes.c_int()
-        work = np.empty(self._work(program)) if ask.last is None else ask.last
-        program.kept = ask.around, rows  # by a call that is left behind
-
-        def solve() -> int:
-            reached = ctypes.byref(share), ctypes.byref(iterations)
-            return int(self._solve(program, x, u, free, *reached, work))
-
-        status = interruptible(solve)
-        return Solved(status == FOUND, share.value, iterations.value, work)
-
-
-@lru_cache(maxsize=1)
-def smooth_programs() -> SmoothPrograms:
-    """The programs, compiled on first use.
+    Returns:
+        How it ended.
 
     Raises:
         CompilerError: If there is no compiler, or it fails.
     """
+    library = _library()
+    program = PROGRAM(
+        **rows.sizes,
+        **{name: array.ctypes.data for name, array in rows.arrays.items()},
+        time=time,
+        effort=effort,
+        longest=min(longest, INFINITY),
+        uneven=uneven,
+        relaxed=relaxed,
+        timed=timed,
+        moving=moving,
+        again=last is not None,
+        around=around.ctypes.data,
+        given_start=given[0],
+        given_end=given[1],
+        held_start=held[0],
+        held_end=held[1],
+    )
+    program.kept = around, rows  # by a call that is left behind
+    share, iterations = ctypes.c_double(), ctypes.c_int()
+    work = np.empty(library.mrts_smooth_work(program)) if last is None else last
+
+    def solve() -> int:
+        reached = ctypes.byref(share), ctypes.byref(iterations)
+        return int(library.mrts_smooth_solve(program, x, u, free, *reached, work))
+
+    status = interruptible(solve)
+    return Solved(status == FOUND, share.value, iterations.value, work)
+
+
+@lru_cache(maxsize=1)
+def _library() -> ctypes.CDLL:
+    """The programs in a library of their own, compiled on first use."""
     return library_or_rebuilt(
-        find_compiler(), "mrts_smooth", smooth_source(), lambda library: SmoothPrograms(ctypes.CDLL(str(library)))
+        find_compiler(), "mrts_smooth", smooth_source(), lambda library: bind(ctypes.CDLL(str(library)), SMOOTH_FILES)
     )
