@@ -90,71 +90,6 @@ class FactorAsked:
         return self.c * float(np.max(real[(real > 0) & (real < 1)], initial=0.0))
 
 
-class FactorProgram:
-    """The linear program over z = [F, share].
-
-    Args:
-        program: The rows of a motion, its time for σ.
-    """
-
-    def __init__(self, program: SmoothProgram) -> None:
-        n, r, f = program.free.shape
-        self.program = program
-        self.limited = np.flatnonzero(np.isfinite(program.change))
-        self.allowed = np.outer(program.step, program.change[self.limited] * (1 - 3 * RATE_MARGIN))
-        node, places = np.arange(n)[:, None, None], np.arange(n * r).reshape(n, r)
-        largest = np.max(np.abs(program.free), axis=(0, 1))
-        scaled = program.free / np.where(largest > 0, largest, 1.0)  # HiGHS drops what is below 1e-9
-        entries = np.nonzero(scaled)
-        columns = np.broadcast_to(node * f + np.arange(f), program.free.shape)[entries]
-        rows = np.broadcast_to(places[:, :, None], program.free.shape)[entries]
-        self._values = sparse.csr_array((scaled[entries], (rows, columns)), shape=(n * r, n * f + 1))
-        here = places[:-1, self.limited].ravel()
-        by_share = sparse.diags_array(1 / self.allowed.ravel())
-        self._changes = by_share @ (self._values[here + r] - self._values[here])
-        count = len(here)
-        last = np.full(count, n * f)
-        self._share = sparse.csr_array((np.ones(count), (np.arange(count), last)), shape=(count, n * f + 1))
-        self._widening = np.where(program.lower < program.upper, TORQUE_WIDENING, 0.0)
-
-    def asked(self, c: float) -> FactorAsked:
-        """The least w at a factor that the rows admit.
-
-        Raises:
-            SolverError: If HiGHS finds no answer.
-        """
-        program = self.program
-        n, r, f = program.free.shape
-        fixed = program.square * c**2 + program.root * c + program.offset
-        upper, lower = (
-            (program.upper + self._widening - fixed).ravel(),
-            (program.lower - self._widening - fixed).ravel(),
-        )
-        above, below = np.isfinite(upper), np.isfinite(lower)
-        moved = (c / self.allowed * np.diff(fixed[:, self.limited], axis=0)).ravel()
-        unit = max(1.0, float(np.max(np.abs(moved))) / SPREAD)
-        moved, changes = moved / unit, (c / unit) * self._changes
-        found = _solved(
-            np.append(np.zeros(n * f), 1.0),
-            sparse.vstack([self._values[above], -self._values[below], changes - self._share, -changes - self._share]),
-            np.concatenate([upper[above], -lower[below], -moved, moved]),
-        )
-        if found.status != 0:
-            raise SolverError(f"what the rates admit at c = {c:.6g} was not found; HiGHS: {found.message}")
-        rows = np.zeros((2, n * r))
-        parts = np.split(-found.ineqlin.marginals, np.cumsum([above.sum(), below.sum(), len(moved)]))
-        rows[0, above], rows[1, below] = parts[:2]
-        by_side, by_change = unit * rows.reshape(2, n, r), np.stack(parts[2:]).reshape(2, *self.allowed.shape)
-        line = (self._growth(program.square, c, by_side, by_change), self._growth(program.root, c, by_side, by_change))
-        return FactorAsked(c, unit * float(found.fun), line, by_side, by_change)
-
-    def _growth(self, of: Array, c: float, rows: Array, changes: Array) -> float:
-        """How the share grows with what multiplies a column of the rows, by the multipliers."""
-        by_rows = np.sum((rows[0] - rows[1]) * of)
-        moved = c / self.allowed * np.diff(of[:, self.limited], axis=0)
-        return float(by_rows + np.sum((changes[0] - changes[1]) * moved))
-
-
 def _solved(cost: Array, A: sparse.csr_array, b: Array) -> OptimizeResult:
     """The z of least cost with A z <= b and its last >= 0, by HiGHS: by its interior point first, which is faster."""
     ask = partial(
@@ -209,8 +144,26 @@ class RatedFactors:
         self.problems = [build_sample_problem(cell, motion, sharing=sharing, load=load, varying=True) for load in loads]
         self.program = path_program(cell, motion, self.problems, rates)
         self.by_jerk = self._end_by_jerk()
-        changes = FactorProgram(self.program)
-        self.changes = changes if changes.limited.size else None
+        self._limited = np.flatnonzero(np.isfinite(self.program.change))
+        if self._limited.size:
+            self._pack()
+
+    def _pack(self) -> None:
+        """Matrices of the linear programs over z = [F, share]."""
+        program = self.program
+        n, r, f = program.free.shape
+        self._allowed = np.outer(program.step, program.change[self._limited] * (1 - 3 * RATE_MARGIN))
+        largest = np.max(np.abs(program.free), axis=(0, 1))
+        scaled = program.free / np.where(largest > 0, largest, 1.0)  # HiGHS drops what is below 1e-9
+        blocks, nothing = sparse.block_diag(list(scaled), format="csr"), sparse.csr_array((n * r, 1))
+        self._values = sparse.hstack([blocks, nothing], format="csr")
+        here = np.arange(n * r).reshape(n, r)[:-1, self._limited].ravel()
+        by_share = sparse.diags_array(1 / self._allowed.ravel())
+        self._changes = by_share @ (self._values[here + r] - self._values[here])
+        self._share = sparse.hstack(
+            [sparse.csr_array((len(here), n * f)), sparse.csr_array(np.ones((len(here), 1)))], format="csr"
+        )
+        self._widening = np.where(program.lower < program.upper, TORQUE_WIDENING, 0.0)
 
     def fastest(self, lower: float, upper: float) -> tuple[float, RatesAtEnd | None]:
         """The largest c² that rates admit, and what binds there; `upper` and None if they do not bind.
@@ -227,9 +180,9 @@ class RatedFactors:
         """
         end = self.by_jerk if self.by_jerk is not None and self.by_jerk.c2 < upper else None
         c2 = upper if end is None else end.c2
-        if self.changes is not None and not np.isfinite(c2):
+        if self._limited.size and not np.isfinite(c2):
             c2 = self._ruled_out(lower)
-        if self.changes is None or not np.isfinite(c2) or c2 < lower:
+        if not self._limited.size or not np.isfinite(c2) or c2 < lower:
             return c2, end
         if c2 > 0 and self._carried(c2):
             return c2, end
@@ -242,7 +195,7 @@ class RatedFactors:
         Raises:
             SolverError: If HiGHS finds no answer.
         """
-        if self.changes is None or lower <= 0:  # however slowly it may be played, nothing changes fast
+        if not self._limited.size or lower <= 0:  # however slowly it may be played, nothing changes fast
             return lower, None
         found = self._followed(lower, (0.0, upper), faster=True)
         return (lower, None) if found is None else (found.c2, found)
@@ -257,8 +210,45 @@ class RatedFactors:
             return self.by_jerk
         if self._carried(c2):
             return None
-        asked = None if self.changes is None else self.changes.asked(float(np.sqrt(c2)))
+        asked = self._asked(float(np.sqrt(c2))) if self._limited.size else None
         return None if asked is None or asked.is_admitted else self._binding(asked)
+
+    def _asked(self, c: float) -> FactorAsked:
+        """The least w at a factor that the rows admit.
+
+        Raises:
+            SolverError: If HiGHS finds no answer.
+        """
+        program = self.program
+        n, r, f = program.free.shape
+        fixed = program.square * c**2 + program.root * c + program.offset
+        upper, lower = (
+            (program.upper + self._widening - fixed).ravel(),
+            (program.lower - self._widening - fixed).ravel(),
+        )
+        above, below = np.isfinite(upper), np.isfinite(lower)
+        moved = (c / self._allowed * np.diff(fixed[:, self._limited], axis=0)).ravel()
+        unit = max(1.0, float(np.max(np.abs(moved))) / SPREAD)
+        moved, changes = moved / unit, (c / unit) * self._changes
+        found = _solved(
+            np.append(np.zeros(n * f), 1.0),
+            sparse.vstack([self._values[above], -self._values[below], changes - self._share, -changes - self._share]),
+            np.concatenate([upper[above], -lower[below], -moved, moved]),
+        )
+        if found.status != 0:
+            raise SolverError(f"what the rates admit at c = {c:.6g} was not found; HiGHS: {found.message}")
+        rows = np.zeros((2, n * r))
+        parts = np.split(-found.ineqlin.marginals, np.cumsum([above.sum(), below.sum(), len(moved)]))
+        rows[0, above], rows[1, below] = parts[:2]
+        by_side, by_change = unit * rows.reshape(2, n, r), np.stack(parts[2:]).reshape(2, *self._allowed.shape)
+        line = (self._growth(program.square, c, by_side, by_change), self._growth(program.root, c, by_side, by_change))
+        return FactorAsked(c, unit * float(found.fun), line, by_side, by_change)
+
+    def _growth(self, of: Array, c: float, rows: Array, changes: Array) -> float:
+        """How the share grows with what multiplies a column of the rows, by the multipliers."""
+        by_rows = np.sum((rows[0] - rows[1]) * of)
+        moved = c / self._allowed * np.diff(of[:, self._limited], axis=0)
+        return float(by_rows + np.sum((changes[0] - changes[1]) * moved))
 
     def _carried(self, c2: float) -> bool:
         """Whether torques within the rates are found at a c² > 0: much sooner than by HiGHS, but no proof if not."""
@@ -269,12 +259,11 @@ class RatedFactors:
 
     def _followed(self, c2: float, within: tuple[float, float], *, faster: bool) -> RatesAtEnd | None:
         """The first c² from a given one on that rates admit, or the first not ruled out beyond what is of interest."""
-        assert self.changes is not None  # noqa: S101 (checked by every caller)
         c, refusing = float(np.sqrt(c2)), None
         for _ in range(MOST_CUTS):
             if refusing is not None and not within[0] <= c * c <= within[1]:
                 return replace(self._binding(refusing), c2=c * c)
-            asked = self.changes.asked(c)
+            asked = self._asked(c)
             if asked.is_admitted:
                 return None if refusing is None else self._binding(asked)
             c, refusing = asked.next(faster=faster), asked
@@ -282,10 +271,9 @@ class RatedFactors:
 
     def _ruled_out(self, lower: float) -> float:
         """A c² that rates rule out where nothing else limits it; infinity if there is none."""
-        assert self.changes is not None  # noqa: S101 (checked by every caller)
         c = max(1.0, float(np.sqrt(lower)))
         for _ in range(MOST_FASTER):
-            if not self.changes.asked(c).is_admitted:
+            if not self._asked(c).is_admitted:
                 return c * c
             c *= FASTER
         return float(np.inf)
@@ -304,16 +292,15 @@ class RatedFactors:
 
     def _binding(self, asked: FactorAsked) -> RatesAtEnd:
         """The rates of the segment that matters most, and the limits that bind at its ends."""
-        assert self.changes is not None  # noqa: S101 (checked by every caller)
         weight = np.sum(asked.changes, axis=0)
         segment, place = (int(one) for one in np.unravel_index(np.argmax(weight), weight.shape))
         rows_each = self.program.square.shape[1] // len(self.problems)
-        load = int(self.changes.limited[place]) // rows_each
+        load = int(self._limited[place]) // rows_each
         problem, first = self.problems[load], load * rows_each
         least = FELT * max(float(np.max(asked.rows)), float(np.max(weight)))
         at_ends = np.max(asked.rows[:, segment : segment + 2, first : first + len(problem.names)], axis=1)
         rates = [
-            self._rate(int(self.changes.limited[place]), rises=side == 0)
+            self._rate(int(self._limited[place]), rises=side == 0)
             for side, place in np.argwhere(asked.changes[:, segment] > least).tolist()
         ]
         limits = [problem.active_row(row, upper=side == 0) for side, row in np.argwhere(at_ends > least).tolist()]

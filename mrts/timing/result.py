@@ -165,7 +165,7 @@ class RetimingResult(InNotebooks, JsonOutput):
 
     @property
     def effort(self) -> float | None:
-        """∫ τᵀWτ dt of the motion at the timing [s; N² m² s with W = 1]; None without one."""
+        """∫ τᵀWτ dt of the motion at the timing [N² m² s with W = 1]; None without one."""
         done = None if self.retimed is None else self.retimed.trajectory
         if done is None:
             return None

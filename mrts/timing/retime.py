@@ -118,12 +118,11 @@ def retime(
         cell, rates, distribute, options.load, weigh=weigh, least_energy_in=least_energy_in,
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
-    kept = options if smooth is None else replace(options, rates=rate_limits(cell, rates))
-    compared = ConstantFactor(cell, coordinate(cell, motion, closure), kept)
-    given, end_speeds = compared.motion, (start_speed, end_speed)
+    options = options if smooth is None else replace(options, rates=rate_limits(cell, rates))
+    given, end_speeds = coordinate(cell, motion, closure), (start_speed, end_speed)
+    compared = ConstantFactor(cell, given, options)
     if options.between is not None:
         check_held_between(cell, given)
-    remarks = motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
     first = fastest_timing(compared, given, end_speeds, progress)
     fastest = refined_timing(
         first, lambda path: fastest_timing(compared, path, end_speeds, progress, refined=True), options.between
@@ -132,7 +131,7 @@ def retime(
         return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    time = given.object.time
+    time, remarks = given.object.time, motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
     remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
     added = interpolated_timing(given, first.duration, fastest.duration)
     return _played(fastest, options, "fastest timing", remarks, added)

@@ -33,11 +33,6 @@ class TimedPiece:
     rates: Array
 
     @property
-    def arc(self) -> Array:
-        """Arc length at the samples, from the start of the piece, Shape (n,)."""
-        return self.piece.arc
-
-    @property
     def arc_speed(self) -> Array:
         """Speed along the arc length at the samples, Shape (n,)."""
         return self.along_arc(self.x)
@@ -68,7 +63,7 @@ class TimedPiece:
             time: Of the given motion, Shape (N,) [s].
         """
         own = time[self.piece.first :][: len(self.x)].tolist()
-        return {"r": own, "s": self.arc.tolist(), "speed": self.arc_speed.tolist()}
+        return {"r": own, "s": self.piece.arc.tolist(), "speed": self.arc_speed.tolist()}
 
 
 @dataclass(frozen=True, kw_only=True)

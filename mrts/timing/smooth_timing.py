@@ -63,7 +63,7 @@ class SmoothQuestion:
 
     @property
     def rates(self) -> RateLimits:
-        """Limits of rates, those of the rule."""
+        """Limits of rates."""
         rates = self.bare.options.rates
         assert rates is not None  # noqa: S101 (else no smooth timing is asked for)
         return rates

@@ -24,7 +24,7 @@ def test_a_smooth_result_carries_the_fastest_timing_that_it_is_measured_against(
     assert np.sum(own.segment_times) == pytest.approx(smooth.smooth.bound, rel=1e-12)
     assert smooth.smooth.bound == fastest.duration < smooth.duration
     (piece,) = smooth.pieces
-    np.testing.assert_allclose(piece.arc[[0, -1]], own.arc[[0, -1]], rtol=1e-9)
+    np.testing.assert_allclose(piece.piece.arc[[0, -1]], own.piece.arc[[0, -1]], rtol=1e-9)
     assert np.max(piece.arc_speed) < np.max(own.arc_speed)
 
 
