@@ -18,11 +18,7 @@ from mrts.cell.source_files import cell_file_in
 
 
 def cell_text(cell: Cell, path: Path | str | None) -> str:
-    """The text of a cell file; see `mrts.Cell.to_yaml`.
-
-    Raises:
-        InputError: If a cell file cannot hold the cell, a URDF is not there as it was, or the file cannot be written.
-    """
+    """The text of a cell file; see `mrts.Cell.to_yaml`."""
     target = None if path is None else as_path("path", path)
     _refuse_what_no_file_holds(cell)
     assert cell.folder is not None  # noqa: S101 (refused above)
@@ -63,11 +59,7 @@ def _refuse_what_no_file_holds(cell: Cell) -> None:
 
 
 def manifest_of(cell: Cell) -> CellManifest:
-    """The manifest of a cell as it is now.
-
-    Raises:
-        InputError: If a manifest cannot hold it.
-    """
+    """The manifest of a cell as it is now."""
     ours = {name: getattr(cell, name) for name in CellRecord.model_fields}
     ours["robots"] = tuple(replace(robot, source=_source_now(robot)) for robot in cell.robots)
     try:

@@ -17,8 +17,7 @@ from random_programs import cell_programs, hard_programs
 
 import mrts
 from mrts.kernel.c_text import programs_source
-from mrts.kernel.compiled_cache import library_in_cache
-from mrts.kernel.compiler import find_compiler
+from mrts.kernel.compiler import find_compiler, library_in_cache
 from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_programs
 from mrts.program.convex_program import ConvexPrograms, optimality_error

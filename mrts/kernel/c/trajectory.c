@@ -3,7 +3,7 @@
  * The range of c^2 and the torques along a whole trajectory: the generated wrench form evaluated at each sample, its
  * rows put together, and the programs solved, each started from the answer at the sample before.
  */
-#include "lanes/forms.h"
+#include "lanes/lanes.h"
 #include "basis/kept_basis.h"
 #include "least_torques.h"
 #include "speed_intervals.h"
