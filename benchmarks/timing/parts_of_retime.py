@@ -22,7 +22,7 @@ POINTS, REPEATS = 1000, 9
 
 PARTS = {
     "mrts.timing.retime:factor_question": "the given motion, its arms closed",
-    "mrts.timing.retime:timing_remarks": "remarks, doubtful gaps",
+    "mrts.timing.retime:motion_remarks": "remarks, doubtful gaps",
     "mrts.timing.retime:check_held_between": "remarks, doubtful gaps",
     "mrts.timing.fastest_timing:path_pieces": "path and its pieces",
     "mrts.timing.fastest_timing:closed_piece": "path and its pieces",

@@ -47,12 +47,6 @@ def cross(first: Array, second: Array) -> Array:
     return found
 
 
-def largest_sizes(values: Array) -> Array:
-    """The largest of each column without its sign, Shape (k,), of values of Shape (N, k): across rows numpy is slow."""
-    largest: Array = np.max(np.abs(np.ascontiguousarray(values.T)), axis=1)
-    return largest
-
-
 def median(values: Array) -> float:
     """The median of numbers, Shape (N,), N at least 1: the same as numpy's, without its handling of axes."""
     middle = len(values) // 2

@@ -38,6 +38,9 @@ def _refuse_what_no_file_holds(cell: Cell) -> None:
     if cell.reserve:
         rule = "a cell file holds no reserve: write cell.with_reserve(0), and give the reserve to what is asked of it."
         raise InputError(where, rule, key="reserve", value=cell.reserve)
+    if cell.limits:
+        rule = "a cell file holds no functions: write cell.with_limits(), and give them to the cell that is read."
+        raise InputError(where, rule, key="limits")
     if not cell.enforces_velocity_limits:
         rule = "a cell file cannot leave velocity limits out: write the cell before without_velocity_limits()."
         raise InputError(where, rule, key="enforces_velocity_limits", value=False)

@@ -14,8 +14,7 @@ from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
 from mrts.kernel.c_text import cell_source, motion_source
 from mrts.kernel.cell_library import CellLibrary, MotionLibrary
-from mrts.kernel.compiled_cache import library_or_rebuilt
-from mrts.kernel.compiler import find_compiler
+from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 from mrts.kernel.function_shapes import check_shapes
 
 

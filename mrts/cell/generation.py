@@ -143,14 +143,17 @@ def export_to(
         vectors: Its test vectors.
         path_samples: The first so many of them are one motion with the nominal load.
         precision: "double" or "float".
-        parts: Of `mrts_codegen.embedded.parts.PARTS`; none at all is all.
+        parts: Of `mrts_codegen.embedded.export_library.PARTS`; none at all is all.
         name: Prefix of every name in the library; None is the cell's.
 
     Returns:
         The files, relative to the folder.
     """
-    from mrts_codegen.embedded.export_library import export_library, write_library  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.embedded.parts import PARTS  # noqa: PLC0415
+    from mrts_codegen.embedded.export_library import (  # noqa: PLC0415 (build time, on demand)
+        PARTS,
+        export_library,
+        write_library,
+    )
     from mrts_codegen.generate import generate_cell  # noqa: PLC0415
 
     cell = generate_cell(path, bake=True)
@@ -170,7 +173,7 @@ def export_to(
 
 def comes_with_tests(parts: tuple[str, ...]) -> bool:
     """Whether an exported library of these parts has tests and an example, and so wants vectors: one of all parts."""
-    from mrts_codegen.embedded.parts import is_whole  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.embedded.export_library import is_whole  # noqa: PLC0415 (build time, on demand)
 
     return not parts or is_whole(parts)
 

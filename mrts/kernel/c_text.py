@@ -19,8 +19,8 @@ TRACKING_FILES = tuple(f"tracking/{name}.c" for name in ("null_space", "tracking
 """Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
 
 CELL_FILES = (
-    *(*PROGRAM_FILES, "lanes/forms.c", "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
-    *("trajectory.c", "one_unknown/one_unknown.c"),
+    *(*PROGRAM_FILES, "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
+    *("least_torques.c", "trajectory.c", "one_unknown/one_unknown.c"),
     *(*TRACKING_FILES, "tracking/closure.c"),
     *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
     *(f"variants/{name}.c" for name in ("end_rows", "ranges")),

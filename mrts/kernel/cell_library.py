@@ -12,25 +12,13 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
-from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, over_chunks, pointer, work_arrays
+from mrts.kernel.binding import bind, structure
+from mrts.kernel.c_text import CELL_FILES, TRACKING_FILES
+from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, over_chunks, work_arrays
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
 from mrts.kernel.sample_terms import SampleTerms
 
-
-class _Limits(ctypes.Structure):
-    """`mrts_limits` of rows.h."""
-
-    _fields_ = [
-        ("rows", ctypes.c_int),
-        ("start", ctypes.c_void_p),
-        ("column", ctypes.c_void_p),
-        ("value", ctypes.c_void_p),
-        ("lower", ctypes.c_void_p),
-        ("upper", ctypes.c_void_p),
-        ("group", ctypes.c_void_p),
-        ("base", ctypes.c_void_p),
-        ("axes", ctypes.c_void_p),
-    ]
+LIMITS = structure(CELL_FILES, "mrts_limits")
 
 
 class SparseLimits:
@@ -86,7 +74,7 @@ class SparseLimits:
         ]
         if base is not None:
             self._arrays += [np.ascontiguousarray(base), np.array(axes, dtype=np.int32)]
-        self.structure = _Limits(self.rows, *(pointer(array) for array in self._arrays))
+        self.structure = LIMITS(self.rows, *(array.ctypes.data for array in self._arrays))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,10 +117,13 @@ class MotionLibrary:
 
     Raises:
         OSError: If it cannot be opened.
+        AttributeError: If it lacks a function.
     """
 
+    _files = TRACKING_FILES
+
     def __init__(self, manifest: Manifest, library: Path) -> None:
-        self.opened = ctypes.CDLL(str(library))
+        self.opened = bind(ctypes.CDLL(str(library)), self._files)
         self.records = manifest.functions
         self.robots = len(manifest.robots)
         self.joints = sum(len(robot.joints) for robot in manifest.robots)
@@ -155,6 +146,8 @@ class CellLibrary(MotionLibrary):
         AttributeError: If it lacks a function.
     """
 
+    _files = CELL_FILES
+
     def __init__(self, manifest: Manifest, library: Path) -> None:
         keep_freed_memory()
         super().__init__(manifest, library)
@@ -169,8 +162,8 @@ class CellLibrary(MotionLibrary):
         given, strides = sample_inputs(record, samples, inputs)
         outputs = {item.name: np.empty((samples, item.shape[1], item.shape[0])) for item in record.outputs}
         self.opened.mrts_map(
-            ctypes.cast(getattr(self.opened, record.symbol), ctypes.c_void_p),
-            ctypes.c_longlong(samples),
+            self.address(name),
+            samples,
             len(given),
             pointers(given),
             strides,
@@ -202,7 +195,7 @@ class CellLibrary(MotionLibrary):
             dual=np.zeros((2, N, k), dtype=np.float32),
         )
         outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
-        self.over_samples("mrts_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)
+        self.over_samples("mrts_ranges", samples, inputs, limits, [terms], [np.minimum(most, INFINITY)], outputs)
         return found
 
     def speed_ranges(
@@ -229,7 +222,7 @@ class CellLibrary(MotionLibrary):
             gap=gap,
         )
         outputs = [found.lower, found.upper, gap, *found.status, found.effect, *found.basis, *found.dual]
-        self.over_samples("mrts_speed_ranges", samples, inputs, limits, terms, np.minimum(most, INFINITY), outputs)
+        self.over_samples("mrts_speed_ranges", samples, inputs, limits, [terms], [np.minimum(most, INFINITY)], outputs)
         return found
 
     def torques(
@@ -256,9 +249,8 @@ class CellLibrary(MotionLibrary):
         torque, wrench = np.zeros((samples, self.joints)), np.zeros((samples, self.wrenches))
         status = np.full(samples, STOPPED, dtype=np.uint8)
         W = np.ascontiguousarray(weights)
-        for_all = (ctypes.c_int(1), pointer(W), ctypes.c_double(widening))
         outputs: list[NDArray[Any]] = [torque, wrench, status]
-        self.over_samples("mrts_torques", samples, inputs, limits, terms, c2, outputs, for_all)
+        self.over_samples("mrts_torques", samples, inputs, limits, [terms], [c2], outputs, (1, W, widening))
         return torque, wrench, status
 
     def over_samples(
@@ -267,42 +259,53 @@ class CellLibrary(MotionLibrary):
         samples: int,
         inputs: dict[str, Array],
         limits: SparseLimits,
-        terms: SampleTerms,
-        asked: Array,
+        terms: Sequence[SampleTerms],
+        asked: Sequence[Array],
         outputs: Sequence[NDArray[Any]],
         for_all: tuple[Any, ...] = (),
-    ) -> None:
-        """Call a C function of whole trajectories for all samples, in pieces.
+        *,
+        function: str = "wrench_form",
+        one_piece: int = 0,
+    ) -> bool:
+        """Call a C function of whole trajectories for all samples, in pieces; False if it met what is no number.
 
         Args:
             name: Of the function.
             samples: N.
-            inputs: Of the wrench form, by name.
+            inputs: Of the generated function that it evaluates, by name.
             limits: Rows over torques and wrenches.
             terms: What is added at every sample.
-            asked: What the function takes of each sample, Shape (N,).
-            outputs: What it fills, each with N entries.
+            asked: What the function takes of each sample, each with N entries.
+            outputs: What it fills, likewise.
             for_all: What it takes besides, one for all samples.
+            function: Short name of the generated function.
+            one_piece: Samples up to which one thread takes them all.
         """
-        each = np.ascontiguousarray(asked)
-        given, strides = sample_inputs(self.records["wrench_form"], samples, inputs)
+        each = [np.ascontiguousarray(values) for values in asked]
+        given, strides = sample_inputs(self.records[function], samples, inputs)
+        failures: list[int] = []
 
         def run(first: int, count: int) -> None:
-            work = work_arrays(self.opened, name, limits.rows)
             failed = getattr(self.opened, name)(
-                ctypes.c_longlong(count),
-                pointers(given, first, strides),
-                strides,
-                ctypes.byref(limits.structure),
-                ctypes.byref(terms.structure(first)),
-                pointer(each[first:]),
+                *(count, pointers(given, first, strides), strides, limits.structure),
+                *(added.structure(first) for added in terms),
+                *(values[first:] for values in each),
                 *for_all,
-                *(pointer(output[first:]) for output in outputs),
-                *(pointer(array) for array in work),
+                *(output[first:] for output in outputs),
+                *work_arrays(self.opened, name, limits.rows),
             )
-            assert failed == 0  # noqa: S101 (`SparseLimits` has looked at the limits)
+            failures.append(failed)
 
-        over_chunks(self.opened, samples, run)
+        if samples <= one_piece:
+            run(0, samples)
+        else:
+            over_chunks(self.opened, samples, run)
+        assert 1 not in failures  # noqa: S101 (`SparseLimits` has looked at the limits)
+        return not any(failures)
+
+    def address(self, function: str) -> ctypes.c_void_p:
+        """Of a generated function, by its short name."""
+        return ctypes.cast(getattr(self.opened, self.records[function].symbol), ctypes.c_void_p)
 
 
 def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:

@@ -36,11 +36,6 @@ def keep_freed_memory() -> None:
     np.empty(FREED, dtype=np.uint8)  # nobody writes to it, so it takes no page
 
 
-def pointer(array: NDArray[Any]) -> ctypes.c_void_p:
-    """Address of an array's first entry."""
-    return ctypes.c_void_p(array.ctypes.data)
-
-
 def work_arrays(library: ctypes.CDLL, function: str, *sizes: int) -> list[NDArray[Any]]:
     """The work arrays, reals and ints, that a function of the kernel says it wants.
 

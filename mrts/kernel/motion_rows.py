@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Rows along a path, a motion between its samples, and what limits lack, each in one foreign call (kernel/c/dense)."""
 
-import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,19 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.kernel.binding import structure
+from mrts.kernel.c_text import CELL_FILES
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
-from mrts.kernel.foreign_arrays import over_chunks, pointer
+from mrts.kernel.foreign_arrays import over_chunks
 from mrts.kernel.programs import STOPPED
 from mrts.kernel.sample_terms import SampleTerms
 
-
-class _Path(ctypes.Structure):
-    """`mrts_joint_path` of path_places.c."""
-
-    _fields_ = [
-        *((name, ctypes.c_void_p) for name in ("time", "q", "dq", "ddq", "weight", "at", "whole")),
-        ("places", ctypes.c_int),
-    ]
+PATH = structure(CELL_FILES, "mrts_joint_path")
 
 
 def path_places(
@@ -51,7 +45,7 @@ def path_places(
         of the object position, Shape (p (N - 1), 3), rotation, (…, 3, 3), twist and acceleration, each (…, 6).
     """
     given = [np.ascontiguousarray(array, dtype=np.float64) for array in (*path, weights[1], weights[0], weights[2])]
-    along = _Path(*(pointer(array) for array in given), len(weights[0]))
+    along = PATH(*(array.ctypes.data for array in given), len(weights[0]))
     asked: list[NDArray[Any]] = [np.ascontiguousarray(array, dtype=np.float64) for array in (*speeds, geometry)]
     taken = np.array(components, dtype=np.int32)
     count = len(weights[0]) * (len(path[0]) - 1)
@@ -60,10 +54,10 @@ def path_places(
 
     def run(first: int, samples: int) -> None:
         library.opened.mrts_path_places(
-            ctypes.c_longlong(first),
-            ctypes.c_longlong(samples),
-            ctypes.byref(along),
-            *(pointer(array) for array in [*asked, taken, *found]),
+            first,
+            samples,
+            along,
+            *[*asked, taken, *found],
         )
 
     over_chunks(library.opened, count, run)
@@ -95,7 +89,7 @@ def widenings(
     """
     per_limit = np.ascontiguousarray(units)
     share, status = np.zeros(samples), np.full(samples, STOPPED, dtype=np.uint8)
-    library.over_samples("mrts_widenings", samples, inputs, limits, terms, c2, [share, status], (pointer(per_limit),))
+    library.over_samples("mrts_widenings", samples, inputs, limits, [terms], [c2], [share, status], (per_limit,))
     return share, status
 
 
@@ -148,5 +142,5 @@ def path_rows(
     found = PathRows(*(np.empty((samples, *shape)) for shape in shapes))
     per_limit = np.ascontiguousarray(units)
     outputs = list(vars(found).values())
-    library.over_samples("mrts_path_rows", samples, inputs, limits, terms, torque_rate, outputs, (pointer(per_limit),))
+    library.over_samples("mrts_path_rows", samples, inputs, limits, [terms], [torque_rate], outputs, (per_limit,))
     return found

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Samples whose wrenches balance fixes, whole trajectories in one foreign call (mrts/kernel/c/one_unknown)."""
 
-import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.cell_library import CellLibrary, SparseLimits, pointers, sample_inputs
-from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
+from mrts.kernel.foreign_arrays import INFINITY
 from mrts.kernel.sample_terms import SampleTerms
 
 ONE_PIECE = 16_384
@@ -76,8 +75,12 @@ class KnownWrenches:
         N, rows = self.samples, self.limits.rows
         tied = np.zeros((2, N, rows), dtype=np.int8)
         found = KnownRanges(np.zeros(N), np.zeros(N), np.zeros(N), tied)
-        each = np.ascontiguousarray(np.minimum(most, INFINITY))
-        self._run("mrts_known_ranges", (terms,), (each,), (found.lower, found.upper, found.effect, *tied))
+        self._run(
+            "mrts_known_ranges",
+            (terms,),
+            (np.minimum(most, INFINITY),),
+            (found.lower, found.upper, found.effect, *tied),
+        )
         return found
 
     def planes(self, terms: SampleTerms, rate_terms: SampleTerms) -> KnownPlanes | None:
@@ -94,33 +97,13 @@ class KnownWrenches:
     def _run(
         self, name: str, terms: Sequence[SampleTerms], each: Sequence[Array], outputs: Sequence[NDArray[Any]]
     ) -> bool:
-        """Call a C function of whole trajectories for all samples, in pieces; False if it met what is no number."""
-        opened, record = self.compiled.opened, self.compiled.records[self.function]
-        given, strides = sample_inputs(record, self.samples, self.inputs)
-        failures = []
-
-        def run(first: int, count: int) -> None:
-            work = work_arrays(opened, name, self.limits.rows)
-            failed = getattr(opened, name)(
-                ctypes.c_longlong(count),
-                pointers(given, first, strides),
-                strides,
-                ctypes.byref(self.limits.structure),
-                *(ctypes.byref(added.structure(first)) for added in terms),
-                *(pointer(values[first:]) for values in each),
-                ctypes.cast(getattr(opened, record.symbol), ctypes.c_void_p),
-                len(given),
-                *(pointer(output[first:]) for output in outputs),
-                *(pointer(array) for array in work),
-            )
-            failures.append(failed)
-
-        if self.samples <= ONE_PIECE:
-            run(0, self.samples)
-        else:
-            over_chunks(opened, self.samples, run)
-        assert 1 not in failures  # noqa: S101 (`SparseLimits` has looked at the limits)
-        return not any(failures)
+        of = self.compiled
+        run = of.address(self.function), len(of.records[self.function].inputs)
+        return of.over_samples(
+            *(name, self.samples, self.inputs, self.limits, terms, each, outputs, run),
+            function=self.function,
+            one_piece=ONE_PIECE,
+        )
 
 
 def known_values(
@@ -135,17 +118,8 @@ def known_values(
         inputs: Of the function, by name.
         c2: One for all samples.
     """
-    opened, record = compiled.opened, compiled.records[function]
-    given, strides = sample_inputs(record, samples, inputs)
+    given, strides = sample_inputs(compiled.records[function], samples, inputs)
     torque, wrench = np.empty((samples, compiled.joints)), np.empty((samples, compiled.wrenches))
-    opened.mrts_known_torques(
-        ctypes.c_longlong(samples),
-        pointers(given),
-        strides,
-        ctypes.c_double(c2),
-        ctypes.cast(getattr(opened, record.symbol), ctypes.c_void_p),
-        len(given),
-        pointer(torque),
-        pointer(wrench),
-    )
+    run = compiled.address(function), len(given)
+    compiled.opened.mrts_known_torques(samples, pointers(given), strides, c2, *run, torque, wrench)
     return torque, wrench

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.c_text import programs_source
-from mrts.kernel.compiled_cache import library_or_rebuilt
-from mrts.kernel.compiler import find_compiler
-from mrts.kernel.foreign_arrays import INFINITY, over_chunks, pointer, work_arrays
+from mrts.kernel.binding import bind
+from mrts.kernel.c_text import PROGRAM_FILES, programs_source
+from mrts.kernel.compiler import find_compiler, library_or_rebuilt
+from mrts.kernel.foreign_arrays import INFINITY, over_chunks, work_arrays
 
 CORNERS = 64
 """Most corners of a projection, `MRTS_CORNERS` of reachability/projection.h."""
@@ -48,9 +48,7 @@ class Programs:
     """
 
     def __init__(self, library: ctypes.CDLL) -> None:
-        self._library = library
-        for name in ("lp_batch", "qp_batch", "interval_batch", "effects", "project_batch", "backward", "forward"):
-            getattr(library, f"mrts_{name}")
+        self._library = bind(library, PROGRAM_FILES)
 
     def linear_programs(self, g: Array, A: Array, lower: Array, upper: Array) -> tuple[Array, Array, NDArray[np.uint8]]:
         """Minimise gᵀx in every program of a batch; shapes as in `quadratic_programs`."""
@@ -99,8 +97,7 @@ class Programs:
         low, high, gap = np.zeros((3, count))
         dual, status = np.zeros((2, count, rows)), np.full(count, STOPPED, dtype=np.uint8)
         work = work_arrays(self._library, "mrts_interval_batch", k, rows)
-        pointers = [pointer(array) for array in (*given, low, high, gap, *dual, status, *work)]
-        self._library.mrts_interval_batch(ctypes.c_longlong(count), k, rows, *pointers)
+        self._library.mrts_interval_batch(count, k, rows, *given, low, high, gap, *dual, status, *work)
         high[high >= INFINITY] = np.inf
         return low, high, gap, dual, status
 
@@ -135,12 +132,9 @@ class Programs:
 
         def project(first: int, samples: int) -> None:
             outputs: list[NDArray[Any]] = [number, corners, status]
-            pointers = [pointer(array[first:]) for array in [*arrays, *outputs]]
+            pieces = [array[first:] for array in [*arrays, *outputs]]
             work = work_arrays(self._library, "mrts_project_batch", k, len(taken))
-            self._library.mrts_project_batch(
-                *(ctypes.c_longlong(samples), k, all_rows, len(taken), pointer(taken), *pointers),
-                *(pointer(array) for array in work),
-            )
+            self._library.mrts_project_batch(samples, k, all_rows, len(taken), taken, *pieces, *work)
 
         over_chunks(self._library, count, project)
         taken_corners = np.flatnonzero(np.arange(CORNERS) < number[:, None])
@@ -163,12 +157,7 @@ class Programs:
         planes = np.empty((len(corners) + 2 * count, 3))
         found = HalfPlanes(np.zeros(count + 1, dtype=np.int64), planes, np.zeros(count), np.zeros(count))
         given = [np.ascontiguousarray(array) for array in (number, corners, unit, cap)]
-        self._library.mrts_half_planes(
-            ctypes.c_longlong(count),
-            *(pointer(array) for array in given),
-            *(ctypes.c_double(bound) for bound in (box, near)),
-            *(pointer(array) for array in (found.start, planes, found.low, found.high)),
-        )
+        self._library.mrts_half_planes(count, *given, box, near, found.start, planes, found.low, found.high)
         return found._replace(planes=planes[: found.start[-1]])
 
     def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
@@ -180,10 +169,7 @@ class Programs:
         """
         count, all_rows, k = A.shape
         given, effect = np.ascontiguousarray(A), np.zeros((count, k))
-        arrays = (np.ascontiguousarray(rows), given, effect)
-        self._library.mrts_effects(
-            ctypes.c_longlong(count), k, all_rows, len(rows), *(pointer(array) for array in arrays)
-        )
+        self._library.mrts_effects(count, k, all_rows, len(rows), np.ascontiguousarray(rows), given, effect)
         return effect
 
     def backward(
@@ -202,10 +188,8 @@ class Programs:
         Returns:
             The sample that has none, -1 if all have one.
         """
-        run = self._library.mrts_backward
-        run.restype = ctypes.c_longlong
         arrays = (step, rise, start, planes, lower, upper, self._segment_work(start))
-        return int(run(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays)))
+        return int(self._library.mrts_backward(len(step), *arrays))
 
     def forward(
         self,
@@ -221,7 +205,7 @@ class Programs:
         x = np.zeros(len(step) + 1)
         x[0] = first
         arrays = (step, rise, start, planes, lower, upper, x, self._segment_work(start))
-        self._library.mrts_forward(ctypes.c_longlong(len(step)), *(pointer(array) for array in arrays))
+        self._library.mrts_forward(len(step), *arrays)
         return x
 
     def _batch(self, name: str, arrays: list[Array]) -> tuple[Array, Array, NDArray[np.uint8]]:
@@ -229,15 +213,12 @@ class Programs:
         arrays = [np.ascontiguousarray(np.clip(array, -INFINITY, INFINITY)) for array in arrays]
         x, dual, status = np.zeros((count, k)), np.zeros((count, rows + k)), np.zeros(count, dtype=np.uint8)
         work = work_arrays(self._library, name, k, rows)
-        pointers = [pointer(array) for array in (*arrays, x, dual, status, *work)]
-        getattr(self._library, name)(ctypes.c_longlong(count), k, rows, *pointers)
+        getattr(self._library, name)(count, k, rows, *arrays, x, dual, status, *work)
         return x, dual, status
 
     def _segment_work(self, start: NDArray[np.int64]) -> Array:
         """Work of both passes, from how many half-planes each sample has."""
-        run = self._library.mrts_segment_work
-        run.restype = ctypes.c_longlong
-        return np.zeros(run(ctypes.c_longlong(2 * int(np.max(np.diff(start))))))
+        return np.zeros(self._library.mrts_segment_work(2 * int(np.max(np.diff(start)))))
 
 
 def compiled_programs(command: tuple[str, ...]) -> Programs:

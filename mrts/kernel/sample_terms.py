@@ -1,23 +1,19 @@
 # SPDX-License-Identifier: MIT
 """What is added at every sample to a generated function and its limits, as C reads it."""
 
-import ctypes
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.foreign_arrays import pointer
+from mrts.kernel.binding import structure
 
 FIELDS = ("torque_square", "torque_offset", "square", "offset", "margin", "torque_speed", "speed")
 
 
-class TermsStructure(ctypes.Structure):
-    """`mrts_terms` of rows.h."""
-
-    _fields_ = [(name, ctypes.c_void_p) for name in FIELDS]
+TERMS = structure(("rows.c",), "mrts_terms")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,11 +48,11 @@ class SampleTerms:
         some = {name: getattr(self, name) for name in FIELDS}
         return type(self)(**{name: None if terms is None else terms[samples] for name, terms in some.items()})
 
-    def structure(self, sample: int = 0) -> TermsStructure:
+    def structure(self, sample: int = 0) -> Any:
         """What C takes; valid while these terms live.
 
         Args:
             sample: The first.
         """
         given = (getattr(self, name) for name in FIELDS)
-        return TermsStructure(*(None if terms is None else pointer(terms[sample:]) for terms in given))
+        return TERMS(*(None if terms is None else terms[sample:].ctypes.data for terms in given))

@@ -10,33 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.c_text import smooth_source
-from mrts.kernel.compiled_cache import library_or_rebuilt
-from mrts.kernel.compiler import find_compiler
+from mrts.kernel.binding import bind, structure
+from mrts.kernel.c_text import SMOOTH_FILES, smooth_source
+from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 from mrts.kernel.foreign_arrays import INFINITY, interruptible
 
 FOUND = 0
 """The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
 
 _SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
-_FLAGS = ("timed", "again", "moving", "given_start", "given_end", "held_start", "held_end")
-_INDICES = ("first", "count", "place", "limited")
-_NUMBERS = ("time", "effort", "longest", "uneven", "relaxed")
-_ARRAYS = (
-    "step", "square", "rate", "root", "offset", "entry", "lower", "upper", "change", "weight", "q1", "q2", "q3",
-    "jerk", "around",
-)  # fmt: skip
-
-
-class _Program(ctypes.Structure):
-    """`mrts_smooth_program` of smooth_program.h."""
-
-    _fields_ = (
-        *((name, ctypes.c_int) for name in (*_SIZES, *_FLAGS)),
-        *((name, ctypes.c_void_p) for name in _INDICES),
-        *((name, ctypes.c_double) for name in _NUMBERS),
-        *((name, ctypes.c_void_p) for name in _ARRAYS),
-    )
+PROGRAM = structure(SMOOTH_FILES, "mrts_smooth_program")
 
 
 @dataclass(frozen=True)
@@ -102,11 +85,48 @@ def _used(free: Array, columns: NDArray[np.int_]) -> NDArray[np.int_]:
     return used
 
 
-@dataclass(frozen=True, kw_only=True)
-class Ask:
-    """What is looked for along a path; see `mrts_smooth_program`.
+@dataclass(frozen=True)
+class Solved:
+    """How a program ended.
 
     Attributes:
+        found: Whether there is an answer.
+        share: By which limits of changes and jerks are passed.
+        iterations: How many it took.
+        work: What to start from in a program on the same rows, with the same weights, that is near.
+    """
+
+    found: bool
+    share: float
+    iterations: int
+    work: Array
+
+
+def solve_smooth(
+    rows: PathRows,
+    x: Array,
+    u: Array,
+    free: Array,
+    *,
+    around: Array,
+    time: float = 0.0,
+    effort: float = 0.0,
+    longest: float = np.inf,
+    uneven: float = 0.0,
+    relaxed: float = 0.0,
+    timed: bool = False,
+    moving: bool = False,
+    given: tuple[bool, bool] = (False, False),
+    held: tuple[bool, bool] = (False, False),
+    last: Array | None = None,
+) -> Solved:
+    """Solve a program; the answer is written to x, u and free. See `mrts_smooth_program`.
+
+    Args:
+        rows: The path.
+        x: Read where it is given, Shape (n,).
+        u: Shape (n,).
+        free: F, read where it is given, Shape (n, f).
         around: x > 0 where tangents are laid, contiguous, Shape (n,).
         time: Weight of the duration.
         effort: Weight of the effort.
@@ -117,95 +137,47 @@ class Ask:
         moving: Tangents are laid anew in each iteration.
         given: Whether x is given at the first and the last node.
         held: Whether F is.
-        last: Work of an answer on the same rows, with the same weights, that is near; it is started from.
-    """
+        last: Work of an answer that is started from.
 
-    around: Array
-    time: float = 0.0
-    effort: float = 0.0
-    longest: float = np.inf
-    uneven: float = 0.0
-    relaxed: float = 0.0
-    timed: bool = False
-    moving: bool = False
-    given: tuple[bool, bool] = (False, False)
-    held: tuple[bool, bool] = (False, False)
-    last: Array | None = None
-
-
-@dataclass(frozen=True)
-class Solved:
-    """How a program ended.
-
-    Attributes:
-        found: Whether there is an answer.
-        share: By which limits of changes and jerks are passed.
-        iterations: How many it took.
-        work: What to give to `Ask.last`.
-    """
-
-    found: bool
-    share: float
-    iterations: int
-    work: Array
-
-
-class SmoothPrograms:
-    """The programs in a library of their own.
-
-    Args:
-        library: The library.
-
-    Raises:
-        AttributeError: If it lacks a function.
-    """
-
-    def __init__(self, library: ctypes.CDLL) -> None:
-        self._work, self._solve = library.mrts_smooth_work, library.mrts_smooth_solve
-        self._work.restype = ctypes.c_longlong
-
-    def solve(self, rows: PathRows, ask: Ask, x: Array, u: Array, free: Array) -> Solved:
-        """Solve a program; the answer is written to x, u and free.
-
-        Args:
-            rows: The path.
-            ask: What is looked for.
-            x: Read where it is given, Shape (n,).
-            u: Shape (n,).
-            free: F, read where it is given, Shape (n, f).
-
-        Returns:
-            How it ended.
-        """
-        numbers = {name: min(getattr(ask, name), INFINITY) for name in _NUMBERS}
-        program = _Program(**rows.sizes, **numbers)
-        for name in ("timed", "moving"):
-            setattr(program, name, getattr(ask, name))
-        program.again = ask.last is not None
-        program.given_start, program.given_end = ask.given
-        program.held_start, program.held_end = ask.held
-        for name, array in {**rows.arrays, "around": ask.around}.items():
-            setattr(program, name, array.ctypes.data)
-        share, iterations = ctypes.c_double(), ctypes.c_int()
-        work = np.empty(self._work(ctypes.byref(program))) if ask.last is None else ask.last
-        arrays = (x, u, free, work, ask.around, *rows.arrays.values())  # a call that is left behind keeps them
-
-        def solve() -> int:
-            pointers = [ctypes.c_void_p(array.ctypes.data) for array in arrays[:4]]
-            reached = ctypes.byref(share), ctypes.byref(iterations)
-            return int(self._solve(ctypes.byref(program), *pointers[:3], *reached, pointers[3]))
-
-        status = interruptible(solve)
-        return Solved(status == FOUND, share.value, iterations.value, work)
-
-
-@lru_cache(maxsize=1)
-def smooth_programs() -> SmoothPrograms:
-    """The programs, compiled on first use.
+    Returns:
+        How it ended.
 
     Raises:
         CompilerError: If there is no compiler, or it fails.
     """
+    library = _library()
+    program = PROGRAM(
+        **rows.sizes,
+        **{name: array.ctypes.data for name, array in rows.arrays.items()},
+        time=time,
+        effort=effort,
+        longest=min(longest, INFINITY),
+        uneven=uneven,
+        relaxed=relaxed,
+        timed=timed,
+        moving=moving,
+        again=last is not None,
+        around=around.ctypes.data,
+        given_start=given[0],
+        given_end=given[1],
+        held_start=held[0],
+        held_end=held[1],
+    )
+    program.kept = around, rows  # by a call that is left behind
+    share, iterations = ctypes.c_double(), ctypes.c_int()
+    work = np.empty(library.mrts_smooth_work(program)) if last is None else last
+
+    def solve() -> int:
+        reached = ctypes.byref(share), ctypes.byref(iterations)
+        return int(library.mrts_smooth_solve(program, x, u, free, *reached, work))
+
+    status = interruptible(solve)
+    return Solved(status == FOUND, share.value, iterations.value, work)
+
+
+@lru_cache(maxsize=1)
+def _library() -> ctypes.CDLL:
+    """The programs in a library of their own, compiled on first use."""
     return library_or_rebuilt(
-        find_compiler(), "mrts_smooth", smooth_source(), lambda library: SmoothPrograms(ctypes.CDLL(str(library)))
+        find_compiler(), "mrts_smooth", smooth_source(), lambda library: bind(ctypes.CDLL(str(library)), SMOOTH_FILES)
     )

@@ -10,16 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.kernel.binding import structure
+from mrts.kernel.c_text import TRACKING_FILES
 from mrts.kernel.cell_library import CellLibrary, MotionLibrary, pointers, sample_inputs
-from mrts.kernel.foreign_arrays import over_chunks, pointer
+from mrts.kernel.foreign_arrays import over_chunks
 
 FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, LEFT_LIMITS, REFUSED = range(10)
 """How following ends for an arm, as in follow.h."""
 
-OUTCOME = np.dtype(
-    [(name, np.int32) for name in ("code", "sample", "joint", "start")] + [("amount", np.float64, (2,))], align=True
-)
-"""`mrts_outcome` of follow.h."""
+OUTCOME = np.dtype(structure(TRACKING_FILES, "mrts_outcome"))
 
 PATH = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
 """What is known of the object at each sample, and its shape there."""
@@ -31,40 +30,9 @@ CLOSURE_SIZES = 6
 """Numbers of each arm, `MRTS_CLOSURE_SIZES` of closure.c."""
 
 
-class _Preference(ctypes.Structure):
-    """`mrts_preference` of null_space.h."""
-
-    _fields_ = [
-        ("lower", ctypes.c_void_p),
-        ("upper", ctypes.c_void_p),
-        ("zone", ctypes.c_void_p),
-        ("push", ctypes.c_double),
-    ]
-
-
-class _Tracking(ctypes.Structure):
-    """`mrts_tracking` of tracking.h."""
-
-    _fields_ = [
-        ("steps", ctypes.c_int),
-        *((name, ctypes.c_double) for name in NUMBERS),
-        ("components", ctypes.c_int * 6),
-        ("wish", _Preference),
-        ("geometry", ctypes.c_void_p),
-    ]
-
-
-class _Following(ctypes.Structure):
-    """`mrts_following` of follow.h."""
-
-    _fields_ = [
-        ("task", _Tracking),
-        ("start_steps", ctypes.c_int),
-        ("further", ctypes.c_int),
-        ("further_steps", ctypes.c_int),
-        ("past", ctypes.c_double),
-        ("turns", ctypes.c_void_p),
-    ]
+FOLLOWING, TRACKING, PREFERENCE = (
+    structure(TRACKING_FILES, f"mrts_{name}") for name in ("following", "tracking", "preference")
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,13 +77,13 @@ class TrackingRule:
     zone: Array
     turns: NDArray[np.bool_]
 
-    def structure(self, steps: int, geometry: Array | None = None) -> _Tracking:
+    def structure(self, steps: int, geometry: Array | None = None) -> Any:
         """As C reads it, which keeps none of the arrays alive."""
-        return _Tracking(
+        return TRACKING(
             steps=steps,
             components=(ctypes.c_int * 6)(*self.components),
-            wish=_Preference(*(pointer(array) for array in (self.lower, self.upper, self.zone)), self.push),
-            geometry=None if geometry is None else pointer(geometry),
+            wish=PREFERENCE(*(array.ctypes.data for array in (self.lower, self.upper, self.zone)), self.push),
+            geometry=None if geometry is None else geometry.ctypes.data,
             **{name: getattr(self, name) for name in NUMBERS},
         )
 
@@ -169,20 +137,12 @@ def follow_variants(
     }
     arrays, strides = strided(variants, shapes, given)
     further = shapes["further"][0]
-    structure = _Following(
-        *(rule.structure(rule.steps), rule.start_steps, further, rule.further_steps, rule.past, pointer(rule.turns))
-    )
+    task, turns = rule.structure(rule.steps), rule.turns.ctypes.data
+    following = FOLLOWING(task, rule.start_steps, further, rule.further_steps, rule.past, turns)
     q, dq, ddq = (np.zeros((variants, samples, m)) for _ in range(3))
     outcome = np.zeros((variants, library.robots), dtype=OUTCOME)
     outcome["code"][refused] = REFUSED
-    library.opened.mrts_follow(
-        ctypes.c_longlong(variants),
-        ctypes.c_longlong(samples),
-        ctypes.byref(structure),
-        pointers(arrays),
-        strides,
-        *(pointer(array) for array in (q, dq, ddq, outcome)),
-    )
+    library.opened.mrts_follow(variants, samples, following, pointers(arrays), strides, q, dq, ddq, outcome)
     return FollowedVariants(q, dq, ddq, outcome)
 
 
@@ -227,13 +187,7 @@ def hold_grasps(
         places[2] = None
     q, at = np.array(start, dtype=np.float64), np.ascontiguousarray(geometry)
     sizes = [np.zeros((count, library.robots)) for _ in range(3)]
-    library.opened.mrts_hold(
-        ctypes.c_longlong(count),
-        ctypes.byref(rule.structure(steps, at)),
-        places,
-        strides,
-        *(pointer(array) for array in (q, *sizes)),
-    )
+    library.opened.mrts_hold(count, rule.structure(steps, at), places, strides, q, *sizes)
     return HeldGrasps(q, *sizes)
 
 
@@ -294,12 +248,8 @@ def closure_sizes(
 
     def run(first: int, count: int) -> None:
         most = np.zeros((library.robots, CLOSURE_SIZES))
-        library.opened.mrts_closure(
-            ctypes.c_longlong(count),
-            pointers(given, first, strides),
-            strides,
-            *(pointer(array) for array in (at[first:], placed, taken, most)),
-        )
+        here = pointers(given, first, strides)
+        library.opened.mrts_closure(count, here, strides, at[first:], placed, taken, most)
         found.append(most)
 
     over_chunks(library.opened, samples, run)

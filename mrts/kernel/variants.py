@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Ranges of c² of many variants of one cell along its motion, one foreign call (mrts/kernel/c/variants)."""
 
-import ctypes
 from collections.abc import Mapping
 
 import numpy as np
@@ -9,7 +8,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.cell_library import CellLibrary, SparseLimits, pointers
-from mrts.kernel.foreign_arrays import INFINITY, pointer, work_arrays
+from mrts.kernel.foreign_arrays import INFINITY, work_arrays
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import PATH, FollowedVariants, strided
 
@@ -69,15 +68,8 @@ def variant_ranges(
     first = np.ascontiguousarray(order, dtype=np.int32)
     skipped = np.ascontiguousarray(~followed.followed, dtype=np.uint8)
     found = np.zeros(variants, dtype=range_record(library.unknowns))
-    work = work_arrays(library.opened, "mrts_variant_ranges", limits.rows, samples)
     library.opened.mrts_variant_ranges(
-        ctypes.c_longlong(variants),
-        ctypes.c_longlong(samples),
-        pointers(arrays),
-        strides,
-        ctypes.byref(limits.structure),
-        ctypes.byref(terms.structure()),
-        *(pointer(array) for array in (first, skipped, found)),
-        *(pointer(array) for array in work),
+        *(variants, samples, pointers(arrays), strides, limits.structure, terms.structure(), first, skipped, found),
+        *work_arrays(library.opened, "mrts_variant_ranges", limits.rows, samples),
     )
     return found

@@ -60,12 +60,7 @@ class ObjectAxes:
 
 
 def object_axes(cell: Cell, motion: CoordinatedMotion) -> ObjectAxes:
-    """The axes of a cell's wrenches along a motion.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-    """
+    """The axes of a cell's wrenches along a motion."""
     axes = triple_axes(cell.wrench_components)
     base = np.array([robot.T_world_base.R[:, axes] for robot in cell.robots])
     return ObjectAxes(motion.object.rotation, base, tuple(axes))

@@ -5,11 +5,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows, RowName
+
+
+def limit_name(limit: Callable[..., object]) -> str:
+    """What a limit is called in messages and files."""
+    return str(getattr(limit, "__name__", repr(limit)))
 
 
 def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMotion) -> LimitRows:
@@ -49,40 +53,21 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
             given = (
                 f"{values.dtype} of shape {values.shape}" if isinstance(values, np.ndarray) else type(values).__name__
             )
-            raise InputError(
-                where, f"must be real numbers of shape {shape}: {meaning}, r = {count} names; not {given}.", key=field
-            )
-        _check_numbers(where, field, values, rows)
+            rule = f"must be real numbers of shape {shape}: {meaning}, r = {count} names; not {given}."
+            raise InputError(where, rule, key=field)
+        bounds = field in {"lower", "upper"}
+        wrong = np.argwhere(np.isnan(values) if bounds else ~np.isfinite(values))
+        if len(wrong):
+            along_motion = field in {"rate", "speed", "square"}
+            row, place = wrong[0][-1 if along_motion else 0], f" at sample {wrong[0][0]}" if along_motion else ""
+            rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
+            raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=field)
     if rows.object_matrix is not None and not (rows.object_axes and rows.object_axes.fit(cell, motion)):
         rule = "must be mrts.limits.object_axes.object_axes(cell, motion) where there is a object_matrix."
         raise InputError(where, rule, key="object_axes")
     in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
     if not in_order.all():
         row = int(np.argmin(in_order))
-        raise InputError(
-            where,
-            f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}.",
-            key="lower, upper",
-        )
+        rule = f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}."
+        raise InputError(where, rule, key="lower, upper")
     return rows
-
-
-def _check_numbers(where: str, field: str, values: Array, rows: LimitRows) -> None:
-    """Refuse what is not a number, and in a matrix or a column what is not finite."""
-    if not values.size:
-        return
-    bounds = field in {"lower", "upper"}
-    right = ~np.isnan(values) if bounds else np.isfinite(values)
-    if right.all():
-        return
-    wrong = np.argwhere(~right)
-    along_motion = field in {"rate", "speed", "square"}
-    row = int(wrong[0][-1 if along_motion else 0])
-    place = f" at sample {int(wrong[0][0])}" if along_motion else ""
-    rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
-    raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=field)
-
-
-def limit_name(limit: Callable[..., object]) -> str:
-    """What a limit is called in messages and files."""
-    return str(getattr(limit, "__name__", repr(limit)))

@@ -3,14 +3,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from typing import Any, Literal
+from functools import lru_cache
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.cell.cell import Cell
 from mrts.kernel.cell_library import SparseLimits
 from mrts.limits.object_axes import ObjectAxes
 
@@ -153,6 +154,23 @@ class LimitRows:
     square: Array | None = None
     size: Array | None = None
 
+    @classmethod
+    def of(cls, cell: Cell, *, names: Sequence[RowName], lower: Array, upper: Array, **terms: Any) -> Self:
+        """Rows of a cell, with zeros for the matrices that are not given.
+
+        Args:
+            cell: The cell.
+            names: One a row.
+            lower: Shape (r,).
+            upper: Shape (r,).
+            **terms: The other attributes.
+        """
+        matrices = {
+            "torque_matrix": np.zeros((len(names), sum(len(robot.joints) for robot in cell.robots))),
+            "wrench_matrix": np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),
+        }
+        return cls(names=tuple(names), lower=lower, upper=upper, **matrices | terms)
+
     def units(self) -> Array:
         """What 100 % of each limit is, Shape (r,): its larger side; for a zero, the largest of its group, or 1."""
         if self.size is not None:
@@ -216,11 +234,7 @@ class LimitRows:
         return np.where(lines, self.speed * np.reshape(np.asarray(speed, dtype=np.float64), (-1, 1)), 0.0)
 
     def share(self, value: Array) -> Array:
-        """The share of its limit that each value uses, Shape (N, r): 1 is at the limit, the nearer of both sides.
-
-        Args:
-            value: From `value`.
-        """
+        """The share of its limit that each value uses, Shape (N, r): 1 is at the limit, the nearer of both sides."""
         used = []
         low, high = self.side_sizes()
         for limit, size, distance in ((self.lower, low, value - self.lower), (self.upper, high, self.upper - value)):
@@ -231,14 +245,10 @@ class LimitRows:
         return np.asarray(np.maximum(*used), dtype=np.float64)
 
     def excess(self, value: Array) -> Array:
-        """How far each value is beyond its limits in `units`, below 0 within them, Shape (N, r).
-
-        Args:
-            value: From `value`.
-        """
+        """How far each value is beyond its limits in `units`, below 0 within them, Shape (N, r)."""
         return np.asarray(np.maximum(self.lower - value, value - self.upper) / self.units(), dtype=np.float64)
 
-    @cached_property
+    @property
     def alike_speeds(self) -> NDArray[np.bool_]:
         """Speeds that are limited alike in both directions: they are always at their upper limit, Shape (r,)."""
         if self.speed is None:
@@ -259,10 +269,6 @@ class LimitRows:
         object_axes = None if self.object_axes is None else self.object_axes.at(samples)
         return replace(self, object_axes=object_axes, rate=rate, speed=speed, square=square)
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name != "sparse"}  # it holds addresses
-
-    @cached_property
     def sparse(self) -> SparseLimits:
         """The rows as C reads them."""
         turned = self.object_axes
@@ -304,8 +310,6 @@ class LimitRows:
 
     def bounded(self) -> "LimitRows":
         """Only the rows that have a limit on some side."""
-        if not self.names:
-            return self
         return self.only(np.isfinite(self.lower) | np.isfinite(self.upper))
 
     @property
@@ -358,21 +362,22 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
     pieces = [piece for piece in given if piece.names] or given[:1]
 
     def column(parts: list[Array | None]) -> Array | None:
-        there = [part for part in parts if part is not None]
-        if not there:
+        samples = [len(part) for part in parts if part is not None]
+        if not samples:
             return None
-        whole = np.zeros((sum(len(piece.names) for piece in pieces), len(there[0])))
+        whole = np.zeros((len(names), samples[0]))  # row by row in memory: rows without the term cost nothing
         start = 0
         for piece, part in zip(pieces, parts, strict=True):
-            stop = start + len(piece.names)
             if part is not None:
-                whole[start:stop] = part.T
-            start = stop
-        return whole.T  # row by row in memory: rows without the term cost nothing
+                whole[start : start + len(piece.names)] = part.T
+            start += len(piece.names)
+        return whole.T
 
+    names = tuple(name for piece in pieces for name in piece.names)
     turned = [piece for piece in pieces if piece.object_matrix is not None]
+    sized = any(piece.size is not None for piece in pieces)
     return LimitRows(
-        names=tuple(name for piece in pieces for name in piece.names),
+        names=names,
         lower=np.concatenate([piece.lower for piece in pieces]),
         upper=np.concatenate([piece.upper for piece in pieces]),
         torque_matrix=np.concatenate([piece.torque_matrix for piece in pieces]),
@@ -382,7 +387,5 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
         rate=column([piece.rate for piece in pieces]),
         speed=column([piece.speed for piece in pieces]),
         square=column([piece.square for piece in pieces]),
-        size=None
-        if all(piece.size is None for piece in pieces)
-        else np.concatenate([piece.units() for piece in pieces]),
+        size=np.concatenate([piece.units() for piece in pieces]) if sized else None,
     )

@@ -11,10 +11,9 @@ from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import rows_by_limit
-from mrts.limits.motor_limits import CurveRow, curve_rows, motor_limits
+from mrts.limits.cell_limits import CurveRow, curve_rows, motor_limits, velocity_limits
 from mrts.limits.row_check import limit_name
 from mrts.limits.rows import LimitRows, RowName, stack_rows
-from mrts.limits.velocity_limits import velocity_limits
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 

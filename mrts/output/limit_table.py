@@ -4,8 +4,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from mrts.scaling.limit_use import limit_uses
-from mrts.scaling.result_tables import limit_tables
+from mrts.scaling.limit_use import limit_tables, limit_uses
 
 if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
@@ -24,18 +23,18 @@ AT_LIMIT = 0.9995
 
 
 def limit_table(result: "ScalingResult") -> Iterator[str]:
-    """The tables of `mrts.scaling.result_tables.limit_tables` below one another.
+    """The tables of `mrts.scaling.limit_use.limit_tables` below one another.
 
     Args:
         result: A result with a trajectory.
     """
     tables = list(limit_tables(result))
-    names = max(LEAST_NAME_WIDTH, *(len(INDENT + row.name) for _, rows in tables for row in rows))
+    names = max(LEAST_NAME_WIDTH, *(len(INDENT + row[0]) for table in tables for row in table.rows))
     yield f"{'':<{names}} {'least':>11} {'largest':>11} {'used':>6}  limits"
-    for title, rows in tables:
-        yield title
-        for row in rows:
-            yield f"{INDENT + row.name:<{names}} {row.least:>11} {row.largest:>11} {row.used:>6}  {row.limits}"
+    for table in tables:
+        yield table.head[0]
+        for name, least, largest, used, limits in table.rows:
+            yield f"{INDENT + name:<{names}} {least:>11} {largest:>11} {used:>6}  {limits}"
 
 
 def next_limits_line(result: "ScalingResult") -> Iterator[str]:

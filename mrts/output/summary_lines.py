@@ -142,10 +142,10 @@ def _rate_lines(result: ScalingResult) -> Iterator[str]:
     """What changes fastest of each kind whose rate is limited, kept or not."""
     assert result.trajectory is not None  # noqa: S101 (checked by every caller)
     told: set[str] = set()
-    for use in rate_uses(result.trajectory, result.options.rates):
+    for use in rate_uses(result):
         if use.name.kind not in told:
             told.add(use.name.kind)
-            numbers = f"{use.largest:.4g} of {use.limit:.4g} {use.name.unit}"
+            numbers = f"{use.size:.4g} of {use.upper:.4g} {use.name.unit}"
             yield f"{use.name}: {100 * use.share:.3g} % of its limit ({numbers}) at t = {use.time:.4g} s"
 
 

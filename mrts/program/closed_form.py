@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.program.range_ends import BINDING_TOLERANCE, RangeEnds, codes_of_sides, rows_of_problem
+from mrts.program.range_ends import BINDING_TOLERANCE, RangeEnds, rows_of_problem
 from mrts.program.sample_problem import SampleProblem
 
 
@@ -77,7 +77,8 @@ def tied_codes(sides: NDArray[np.int8], lower: Array) -> NDArray[np.int32]:
     sides[0, still] = 0
     first = np.zeros((*sides.shape[:2], 1), dtype=np.int32)
     first[0, still] = -1 - sides.shape[2]
-    return np.concatenate([first, codes_of_sides(sides)], axis=2)
+    codes = sides * np.arange(1, sides.shape[2] + 1, dtype=np.int32)
+    return np.concatenate([first, codes], axis=2)
 
 
 def tied_sides(ends: Array, c2: Array, by_upper: NDArray[np.bool_]) -> NDArray[np.int8]:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
-from mrts.limits.squared_rows import CAPS_TIE
 from mrts.program.closed_form import tied_codes
 from mrts.program.convex_program import ConvexPrograms
 from mrts.program.linear_programs import effect_of_speed
+from mrts.program.motion_rows import CAPS_TIE
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.solvers import DEFAULT_SOLVER, solve_programs

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
+from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow
-from mrts.program.elastic_program import least_widening
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.speed_intervals import highest_intervals, speed_unit
-from mrts.program.widening import widening_at
+from mrts.program.widening import least_widening, widening_at
 
 CERTIFICATE_TOLERANCE = 1e-9
 """A certificate must separate the limits by more than this share of their size, or nothing is proved."""
@@ -116,12 +116,12 @@ def find_conflicts(
     if part.speed is not None:
         return _conflicts_along_speed(part, time[samples], samples, solver)
     x_lower = np.append(np.full(part.unknowns - 1, -np.inf), 0.0)
-    found = least_widening(
+    widening, row_dual, _ = least_widening(
         part.A, part.lower, part.upper, part.is_limit, x_lower, solver, "whether the limits hold together"
     )
     conflicts: list[Conflict | None] = []
     for index, sample in enumerate(samples):
-        sides = _crossed(part, index) or _certified(part, index, found.row_dual[index])
+        sides = _crossed(part, index) or _certified(part, index, row_dual[index])
         if not sides:
             conflicts.append(None)
             continue
@@ -131,8 +131,8 @@ def find_conflicts(
                 float(time[sample]),
                 tuple(part.active_row(row, upper=multiplier > 0) for row, multiplier in sides),
                 tuple(float(multiplier / part.unit[row]) for row, multiplier in sides),
-                float(found.share[index]),
-                tuple(float(found.share[index] * part.unit[row]) for row, _ in sides),
+                float(widening[index]),
+                tuple(float(widening[index] * part.unit[row]) for row, _ in sides),
             )
         )
     return conflicts
@@ -194,8 +194,10 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
     for _ in range(SEARCH_ROUNDS):
         part = problem.at(open_ones)
         level = least[open_ones, None] * (1 - CLOSEST) * part.is_limit
-        found = highest_intervals(replace(part, lower=part.lower - level, upper=part.upper + level))
-        admitted, open_ones = ~found.undecided, open_ones[~found.undecided]
+        wider = replace(part, lower=part.lower - level, upper=part.upper + level)
+        found = highest_intervals(wider, np.full(part.samples, np.inf))
+        admitted = found.status[0] == OPTIMAL
+        open_ones = open_ones[admitted]
         if not open_ones.size:
             break
         low, high = np.sqrt(found.lower[admitted]), np.sqrt(found.upper[admitted])

@@ -4,8 +4,8 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.limits.squared_rows import binds
 from mrts.program.convex_program import ConvexPrograms
+from mrts.program.motion_rows import binds
 from mrts.program.range_ends import BINDING_TOLERANCE, RangeEnds, codes_of_duals, rows_of_problem
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.solvers import Answers, solve_programs

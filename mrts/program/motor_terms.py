@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import LimitRows
 from mrts.motion.rows_at_rest import REST
 
 
@@ -49,6 +50,10 @@ class MotorTerms:
         """
         return self.square * speed**2 + self.friction(speed)
 
+    def margin(self, rows: LimitRows) -> Array | None:
+        """By how much limits move inward where friction may act in both directions, Shape (N, r); None if none does."""
+        return None if self.turning is None else self.turning @ np.abs(rows.torque_matrix).T
+
     def friction(self, speed: float | Array) -> Array:
         """The part of τ that friction is at ṙ, Shape (N, m) [N m or N].
 
@@ -59,12 +64,7 @@ class MotorTerms:
 
 
 def motor_terms(cell: Cell, motion: CoordinatedMotion) -> MotorTerms | None:
-    """Rotor inertia and friction of a cell along a motion; None where its motors are ideal.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-    """
+    """Rotor inertia and friction of a cell along a motion; None where its motors are ideal."""
     motors = [robot.motors for robot in cell.robots]
     if not any(motor.has_effect for motor in motors):
         return None

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.kernel.smooth_programs import Ask, PathRows, Solved, path_rows, smooth_programs
+from mrts.kernel.smooth_programs import PathRows, Solved, path_rows, solve_smooth
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 
 NEAR = 0.1
@@ -26,13 +26,9 @@ class KernelSolver:
     Attributes:
         iterations: How many the last program took.
         steps: Profiles that were found.
-
-    Raises:
-        CompilerError: If there is no C compiler, or it fails.
     """
 
     def __init__(self) -> None:
-        self._programs = smooth_programs()
         self._rows: tuple[SmoothProgram, PathRows] | None = None
         self._last: tuple[SmoothProgram, Goal, Array, Array] | None = None  # program, goal, x and iterates
         self.iterations = self.steps = 0
@@ -115,8 +111,8 @@ class KernelSolver:
             names = ("step", "square", "rate", "root", "offset", "lower", "upper", "change", "weight")
             arrays = {name: getattr(program, name) for name in (*names, "q1", "q2", "q3", "jerk")}
             self._rows = program, path_rows(program.free, program.columns, **arrays)
-        ask = Ask(held=_given(program.end_free), **options)
-        solved = self._programs.solve(self._rows[1], ask, found.x, found.u, found.free)
+        held = _given(program.end_free)
+        solved = solve_smooth(self._rows[1], found.x, found.u, found.free, held=held, **options)
         self.iterations = solved.iterations
         return solved
 

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import SolverError
-from mrts.limits.rows import STANDSTILL, ActiveRow, LimitRows, RowName, Side
-from mrts.limits.squared_rows import SpeedCaps, binds
+from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
+from mrts.program.motion_rows import MotionRows, binds
 from mrts.program.sample_problem import SampleProblem
 
 BINDING_TOLERANCE = 1e-7
@@ -87,24 +86,16 @@ def rows_of_problem(problem: SampleProblem, codes: NDArray[np.int32]) -> Binding
     return BindingRows(problem.names, np.stack([problem.limit_lower, problem.limit_upper]), codes)
 
 
-def codes_of_sides(sides: NDArray[np.int8]) -> NDArray[np.int32]:
-    """Codes of rows that bind in their order: 1 at their upper, -1 at their lower limit, 0 for none, Shape (…, r)."""
-    return np.asarray(sides * np.arange(1, sides.shape[-1] + 1), dtype=np.int32)
-
-
-def kernel_rows(
-    given: LimitRows, kept: NDArray[np.int_], caps: SpeedCaps, basis: NDArray[np.int16], dual: NDArray[np.float32]
-) -> BindingRows:
+def kernel_rows(form: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> BindingRows:
     """The rows of the kernel's bases.
 
     Args:
-        given: The rows of a motion.
-        kept: Those that the kernel has, Shape (r,); row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its
-            upper one.
-        caps: The rows that bound c² alone.
+        form: The rows of a motion, of which the kernel has the r that are no caps; row r + k - 1 of a basis is c² >= 0
+            at its lower side, a cap at its upper one.
         basis: As the kernel gives them, Shape (2, N, k).
         dual: Their multipliers, likewise.
     """
+    given, kept = form.given, np.flatnonzero(~form.is_cap)
     size = np.abs(dual)
     order = np.argsort(-size, axis=2, kind="stable")
     sides, size = np.take_along_axis(basis, order, axis=2).astype(np.int32), np.take_along_axis(size, order, axis=2)
@@ -115,14 +106,9 @@ def kernel_rows(
     code = np.where((sides > 0) | alike[place], 1 + place, -1 - place)
     code[of_c2 & (sides > 0)] = 0
     capped = np.any(strong & of_c2 & (sides > 0), axis=2)
-    of_caps = np.where(capped[:, :, None] & binds(caps.share), cap_codes(given, caps), 0)
+    of_caps = np.where(capped[:, :, None] & binds(form.cap_share), form.cap_code, 0)
     codes = np.concatenate([of_caps, np.where(strong, code, 0)], axis=2).astype(np.int32)
     return BindingRows(given.names, np.stack([given.lower, given.upper]), codes)
-
-
-def cap_codes(given: LimitRows, caps: SpeedCaps) -> NDArray[np.int_]:
-    """Code of each cap at the side on which it bounds c², Shape (N, s)."""
-    return np.where(caps.upper | given.alike_speeds[caps.places], 1 + caps.places, -1 - caps.places)
 
 
 @dataclass
@@ -146,30 +132,12 @@ class RangeEnds:
     several: bool = False
 
     def replace(self, samples: NDArray[np.int_], other: "RangeEnds") -> None:
-        """Take some samples from another batch, which must have found them."""
-        require_decided(samples, other.undecided)
-        self.lower[samples], self.upper[samples] = np.minimum(other.lower, other.upper), other.upper
+        """Take some samples from another batch."""
+        self.lower[samples], self.upper[samples] = other.lower, other.upper
         self.rows = self.rows.with_samples(samples, other.rows.codes)
+        self.undecided[samples] = other.undecided
         self.fallbacks += other.fallbacks
         self.several |= other.several
-
-
-def require_decided(samples: NDArray[np.int_], undecided: NDArray[np.bool_]) -> None:
-    """Refuse to go on where limits hold together but no range was found.
-
-    Args:
-        samples: Indices of the samples.
-        undecided: Which of them have no range.
-
-    Raises:
-        SolverError: If one has none.
-    """
-    if np.any(undecided):
-        sample = int(samples[int(np.argmax(undecided))])
-        raise SolverError(
-            f"no solver found the range of c² at sample {sample}, although its limits hold together. This is a defect "
-            "of mrts or of extremely scaled data: please report the cell and the motion."
-        )
 
 
 def codes_of_duals(

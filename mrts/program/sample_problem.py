@@ -15,12 +15,11 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.motion_rows import path_rows
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.limits import squared_limits
 from mrts.limits.rows import ActiveRow, LimitRows, RowName
-from mrts.limits.squared_rows import SquaredRows, side_share
 from mrts.program.formulation import FORMULATIONS, FormulationName
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.motor_terms import MotorTerms, motor_terms
+from mrts.program.motion_rows import MotionRows, largest_square, motion_rows, side_share
+from mrts.program.motor_terms import MotorTerms
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
@@ -113,8 +112,7 @@ class SampleProblem:
 
     def cap(self) -> Array:
         """Largest value of the last unknown that the caps allow, infinity where they do not bound it, Shape (N,)."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(1 / np.max(self.cap_share, axis=1, initial=0.0), dtype=np.float64)
+        return largest_square(self.cap_share)
 
     def torque(self, x: Array) -> Array:
         """Torques of unknowns x, Shape (N, k), as Shape (N, m) [N m]."""
@@ -193,6 +191,7 @@ def build_sample_problem(
     load: Array | None = None,
     samples: NDArray[np.int_] | None = None,
     varying: bool = False,
+    rows: MotionRows | None = None,
 ) -> SampleProblem:
     """Evaluate the generated formulation along the motion and put every limit into rows.
 
@@ -206,6 +205,7 @@ def build_sample_problem(
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         samples: Indices of the samples to take; None takes all.
         varying: Whether the speed varies.
+        rows: From `motion_rows`, where they are at hand; None puts them together.
 
     Raises:
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
@@ -218,24 +218,33 @@ def build_sample_problem(
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":
         _check_invertible(cell, motion)
-    limits, motors = squared_limits(cell, motion), motor_terms(cell, motion)
-    if varying and samples is None and sharing is None and formulation == "wrench" and not limits.crosses:
-        return _path_problem(cell, motion.samples, inputs, limits, motors)
-    count = motion.samples
+    form = motion_rows(cell, motion) if rows is None else rows
+    of_kernel = varying and samples is None and sharing is None and formulation == "wrench" and form.sparse is not None
+    count, limits, motors = motion.samples, form.rows, form.motors
     if samples is not None:
-        one_for_all = {name for name, value in inputs.items() if value.ndim == 1}
-        inputs = {name: value if name in one_for_all else value[samples] for name, value in inputs.items()}
-        count = len(samples)
-    maps = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
-    places = slice(None) if samples is None else samples
-    if motors is not None:
-        motors = motors.at(places)
-        maps["torque_offset"] = maps["torque_offset"] + motors.dry
-        maps["torque_map"][:, :, -1] += motors.square
-        if varying:
-            maps["torque_map"][:, :, -2] += motors.rate
-    problem = _problem(limits, maps, motors, places, varying=varying)
-    if "equality_map" not in maps:
+        inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
+        count, limits, motors = len(samples), limits.at(samples), None if motors is None else motors.at(samples)
+    if of_kernel:
+        found = _kernel_rows(cell, count, inputs, form)
+    else:
+        found = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
+        found |= _rows_of_maps(limits, form.size, found, motors, varying=varying)
+    torque_speed, speed = None if motors is None else motors.speed, limits.speed
+    if torque_speed is not None:
+        speed = torque_speed @ limits.torque_matrix.T + (0.0 if speed is None else speed)
+    balance = found.pop("equality_map", None), found.pop("equality_rhs", None)
+    problem = SampleProblem(
+        **found,
+        torque_speed=torque_speed,
+        names=form.given.names,
+        unit=form.unit,
+        is_limit=np.ones(len(form.size), dtype=bool),
+        is_cap=form.is_cap,
+        speed=None if speed is None else speed / form.size,
+        limit_lower=form.given.lower,
+        limit_upper=form.given.upper,
+    )
+    if balance[0] is None:
         return problem
     nothing = np.zeros(len(cell.wrench_components))
     return problem.with_rows(
@@ -243,9 +252,9 @@ def build_sample_problem(
         unit=nothing + 1,
         is_limit=nothing > 0,
         is_cap=nothing > 0,
-        A=maps["equality_map"],
-        lower=maps["equality_rhs"],
-        upper=maps["equality_rhs"],
+        A=balance[0],
+        lower=balance[1],
+        upper=balance[1],
         limit_lower=nothing,
         limit_upper=nothing,
     )
@@ -275,19 +284,17 @@ def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varyin
     return maps
 
 
-def _problem(
-    form: SquaredRows,
-    maps: dict[str, Array],
-    motors: MotorTerms | None,
-    samples: NDArray[np.int_] | slice,
-    *,
-    varying: bool,
-) -> SampleProblem:
-    """The limits over the unknowns, each row in its unit; the maps have what motors add to c² and r̈ already."""
-    rows = form.rows.at(samples)
+def _rows_of_maps(
+    rows: LimitRows, size: Array, maps: dict[str, Array], motors: MotorTerms | None, *, varying: bool
+) -> dict[str, Array]:
+    """The limits over the unknowns, each row divided by its size; what motors add to c² and r̈ is added to the maps."""
+    if motors is not None:
+        maps["torque_offset"] = maps["torque_offset"] + motors.dry
+        maps["torque_map"][:, :, -1] += motors.square
+        if varying:
+            maps["torque_map"][:, :, -2] += motors.rate
     moves = rows.of_forces
     count, _, unknowns = maps["torque_map"].shape
-    size = form.size
     A, offset = np.zeros((count, len(size), unknowns)), np.zeros((count, len(size)))
     M_torque, M_wrench = rows.torque_matrix[moves], rows.wrench_matrix[moves]
     A[:, moves] = M_torque @ maps["torque_map"] + M_wrench @ maps["wrench_map"]
@@ -300,55 +307,23 @@ def _problem(
         A[:, :, -1] += rows.square
     if rows.rate is not None and varying:
         A[:, :, -2] += rows.rate
-    inward = _margin(motors, rows)
+    inward = None if motors is None else motors.margin(rows)
     margin = np.zeros(1) if inward is None else inward
     lower, upper = (rows.lower + margin - offset) / size, (rows.upper - margin - offset) / size
-    return _with_rows(form, motors, rows, maps, A=A / size[:, None], lower=lower, upper=upper)
+    return {"A": A / size[:, None], "lower": lower, "upper": upper}
 
 
-def _path_problem(
-    cell: Cell, count: int, inputs: dict[str, Array], form: SquaredRows, motors: MotorTerms | None
-) -> SampleProblem:
-    """The rows of the wrench form where the speed varies, by the kernel in one call."""
-    library, rows = cell.library, form.rows
+def _kernel_rows(cell: Cell, count: int, inputs: dict[str, Array], form: MotionRows) -> dict[str, Array]:
+    """Maps and rows of the wrench form where the speed varies, by the kernel in one call."""
+    library, rows, motors = cell.library, form.rows, form.motors
     terms, rate = SampleTerms(square=rows.square), np.zeros((count, library.joints))
     if motors is not None:
-        rate, margin = motors.rate, _margin(motors, rows)
+        rate, margin = motors.rate, motors.margin(rows)
         terms = replace(terms, torque_square=motors.square, torque_offset=motors.dry, margin=margin)
-    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse, form.size, terms, rate)
+    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse(), form.size, terms, rate)
     if rows.rate is not None:
         found.A[:, :, -2] += rows.rate / form.size
-    maps = {name: getattr(found, name) for name in ("torque_map", "torque_offset", "wrench_map", "wrench_offset")}
-    return _with_rows(form, motors, rows, maps, A=found.A, lower=found.lower, upper=found.upper)
-
-
-def _margin(motors: MotorTerms | None, rows: LimitRows) -> Array | None:
-    """By how much limits move inward where friction may act in both directions, Shape (N, r); None where none does."""
-    return None if motors is None or motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T
-
-
-def _with_rows(
-    form: SquaredRows, motors: MotorTerms | None, rows: LimitRows, maps: dict[str, Array], **found: Array
-) -> SampleProblem:
-    """The problem of rows that were put together, with their terms in ṙ."""
-    torque_speed, speed = None if motors is None else motors.speed, rows.speed
-    if torque_speed is not None:
-        speed = torque_speed @ rows.torque_matrix.T + (0.0 if speed is None else speed)
-    return SampleProblem(
-        torque_map=maps["torque_map"],
-        torque_speed=torque_speed,
-        torque_offset=maps["torque_offset"],
-        wrench_map=maps["wrench_map"],
-        wrench_offset=maps["wrench_offset"],
-        names=form.given.names,
-        unit=form.unit,
-        is_limit=np.ones(len(form.size), dtype=bool),
-        is_cap=form.is_cap,
-        speed=None if speed is None else speed / form.size,
-        limit_lower=form.given.lower,
-        limit_upper=form.given.upper,
-        **found,
-    )
+    return dict(vars(found))
 
 
 def _check_invertible(cell: Cell, motion: CoordinatedMotion) -> None:

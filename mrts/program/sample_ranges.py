@@ -9,26 +9,25 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow, Side
-from mrts.limits.squared_rows import binds
 from mrts.program.closed_form import ends_in_closed_form
 from mrts.program.end_rows import rows_at_end, tight_codes
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
 from mrts.program.linear_programs import ends_by_linear_programs
+from mrts.program.motion_rows import binds
 from mrts.program.range_ends import BindingRows, RangeEnds, codes_of_duals, no_codes, rows_of_problem
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.speed_intervals import highest_intervals
+from mrts.program.speed_intervals import highest_intervals, intervals_below
 
 REST_TOLERANCE = 1e-12
 """A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""
-
-MOST_INTERVALS = 100
-"""Of one sample: more are not looked for."""
 
 POINT_TOLERANCE = 1e-9
 """Relative overlap by which rounding may miss a range that is a single point."""
@@ -93,7 +92,15 @@ class SampleRanges(InNotebooks):
         }
 
 
-def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float = np.inf) -> SampleRanges:
+def sample_ranges(
+    problem: SampleProblem,
+    time: Array,
+    solver: str,
+    high: float = np.inf,
+    *,
+    doubtful: bool = False,
+    effect: float = 0.0,
+) -> SampleRanges:
     """Step 1 of MMTSF: min and max of c² at every sample, with binding rows.
 
     One unknown (a fixed distribution, a single arm) is an intersection of intervals; more are linear programs.
@@ -103,61 +110,63 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float 
         time: Shape (N,) [s].
         solver: Name in the registry.
         high: Of several intervals the highest is found that does not begin above this c².
+        doubtful: Whether all of them may be infeasible, which is then looked at first.
+        effect: Largest effect of c² at other samples of the motion.
 
     Raises:
         InputError: If there is no such solver.
         SolverError: If no solver answers.
     """
-    problem = without_speed_at_rest(problem)
-
-    def find(part: SampleProblem) -> RangeEnds:
-        if part.speed is not None:
-            return _ends_of_intervals(part, high)
-        return ends_in_closed_form(part) if part.unknowns == 1 else ends_by_linear_programs(part, solver)
-
-    ends = find(problem)
-    conflicts: dict[int, Conflict] = {}
+    problem = without_speed_at_rest(problem, effect)
+    none, samples = np.full(problem.samples, np.inf), np.arange(problem.samples)
+    ends = RangeEnds(
+        none, -none, rows_of_problem(problem, no_codes(len(samples))), np.ones(len(samples), dtype=bool), 0
+    )
+    if not doubtful:
+        ends.replace(samples, _ends(problem, solver, high))
+    conflicts: list[Conflict] = []
     if np.any(ends.undecided):
-        suspects = np.flatnonzero(ends.undecided)
-        found = find_conflicts(problem, time, suspects, solver)
-        conflicts = {conflict.sample: conflict for conflict in found if conflict is not None}
-        marginal = np.array([sample for sample in suspects if sample not in conflicts], dtype=int)
-        if marginal.size:
-            ends.replace(marginal, find(_widened(problem.at(marginal))))
-    infeasible = np.array(list(conflicts), dtype=int)
-    ends.lower[infeasible], ends.upper[infeasible] = np.inf, -np.inf
+        found = find_conflicts(problem, time, np.flatnonzero(ends.undecided), solver)
+        conflicts = [conflict for conflict in found if conflict is not None]
+    infeasible = np.array([conflict.sample for conflict in conflicts], dtype=int)
+    ends.lower[infeasible], ends.upper[infeasible], ends.undecided[infeasible] = np.inf, -np.inf, False
+    ends.rows = ends.rows.with_samples(infeasible, no_codes(len(infeasible)))
+    for widen in (False, True) if doubtful else (True,):
+        left = np.flatnonzero(ends.undecided)
+        if left.size:
+            part = problem.at(left)
+            ends.replace(left, _ends(_widened(part) if widen else part, solver, high))
+            ends.lower[left] = np.minimum(ends.lower[left], ends.upper[left])
+    if np.any(ends.undecided):
+        raise SolverError(
+            f"no solver found the range of c² at t = {time[np.argmax(ends.undecided)]:.6g} s, although its limits hold "
+            "together. This is a defect of mrts or of extremely scaled data: please report the cell and the motion."
+        )
     return SampleRanges(
         time=time,
-        status=statuses(ends.lower, ends.upper, conflicts.values()),
+        status=statuses(ends.lower, ends.upper, conflicts),
         lower=ends.lower,
         upper=ends.upper,
-        rows=ends.rows.with_samples(infeasible, no_codes(len(infeasible))),
-        conflicts=tuple(conflicts.values()),
+        rows=ends.rows,
+        conflicts=tuple(conflicts),
         fallbacks=ends.fallbacks,
         several=ends.several,
     )
 
 
-def _ends_of_intervals(problem: SampleProblem, high: float) -> RangeEnds:
-    """The ends where rows have a term in ṙ: of the highest interval that does not begin above a c²."""
-    found = highest_intervals(problem)
-    several = bool(np.any(found.gap > 0))
-    for _ in range(MOST_INTERVALS):
-        above = np.flatnonzero((found.lower > high) & (found.gap > 0))
-        if not above.size:
-            break
-        below = highest_intervals(problem.at(above), found.gap[above])
-        found.gap[above] = 0.0
-        lowered = np.flatnonzero(~below.undecided)
-        found.put(above[lowered], below, lowered)
-    lower, upper = found.lower, found.upper
+def _ends(problem: SampleProblem, solver: str, high: float) -> RangeEnds:
+    if problem.speed is None:
+        return ends_in_closed_form(problem) if problem.unknowns == 1 else ends_by_linear_programs(problem, solver)
+    found, several = intervals_below(partial(highest_intervals, problem), np.full(problem.samples, np.inf), high)
     if problem.unknowns == 1:
-        codes = tight_codes(problem, lower, upper)
+        codes = tight_codes(problem, found.lower, found.upper)
     else:
-        caps, capped = problem.is_cap, upper >= problem.cap() * (1 - POINT_TOLERANCE)
-        found.dual[1][:, caps] = capped[:, None] * binds(problem.cap_share) * np.sign(problem.square[:, caps])
-        codes = np.stack([codes_of_duals(problem, found.dual[0], lower == 0), codes_of_duals(problem, found.dual[1])])
-    return RangeEnds(lower, upper, rows_of_problem(problem, codes), found.undecided, 0, several)
+        low, top = found.dual.copy()
+        caps, capped = problem.is_cap, found.upper >= problem.cap() * (1 - POINT_TOLERANCE)
+        top[:, caps] = capped[:, None] * binds(problem.cap_share) * np.sign(problem.square[:, caps])
+        codes = np.stack([codes_of_duals(problem, low, found.lower == 0), codes_of_duals(problem, top)])
+    rows = rows_of_problem(problem, codes)
+    return RangeEnds(found.lower, found.upper, rows, found.status[0] != OPTIMAL, 0, several)
 
 
 def statuses(lower: Array, upper: Array, conflicts: Iterable[Conflict]) -> tuple[RangeStatus, ...]:

@@ -12,8 +12,8 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples, denser
 from mrts.limits.rows import ActiveRow, Side
-from mrts.program.doubtful_gaps import doubtful_gaps, turning
 from mrts.program.excess import Excess
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_ranges import SampleRanges
 
 WIDE, CLOSE = np.arange(1, 4) / 4, np.arange(1, 8) / 8
@@ -26,7 +26,10 @@ COARSE = 64
 """Motions of fewer samples are looked at in every gap: neighbours may not show what happens in one."""
 
 MOST_ROUNDS = 24
-"""A gap is then 4⁻²⁴ of what it was, beyond `mrts.program.doubtful_gaps.RESOLUTION`."""
+"""A gap is then 4⁻²⁴ of what it was, beyond `RESOLUTION`."""
+
+RESOLUTION = 1e-6
+"""Share of the duration below which no two samples are told apart: what jumps there has been seen on both sides."""
 
 MOST_PLACES = 8
 """Places that are looked at for each sample of the motion, at most."""
@@ -40,18 +43,12 @@ NUDGE = 1e-3
 SIDES: tuple[Side, Side] = ("lower", "upper")
 
 
-@dataclass(frozen=True)
-class Asked:
-    """What is asked along any motion of a cell.
+Ranges = Callable[[CoordinatedMotion, MotionRows], SampleRanges]
+"""The ranges of c² along a motion with its limits, of intervals that do not begin above the end of the range."""
 
-    Attributes:
-        ranges: The ranges of c² along a motion, of intervals that do not begin above the end of the range.
-        widening: By how much all limits must move outward at some samples of a motion, each with a load, Shape (k, 10),
-            or None for the cell's, and a c², Shape (k,).
-    """
-
-    ranges: Callable[[CoordinatedMotion], SampleRanges]
-    widening: Callable[[CoordinatedMotion, NDArray[np.intp], Array | None, Array], Array]
+Needed = Callable[[CoordinatedMotion, MotionRows, NDArray[np.intp], Array | None, Array], Array]
+"""By how much all limits must move outward at some samples of a motion, each with a load, Shape (k, 10), or None for
+the cell's, and a c², Shape (k,)."""
 
 
 @dataclass(frozen=True)
@@ -129,20 +126,22 @@ class Looked:
 
     Attributes:
         motion: There, and at both ends of the motion.
+        rows: Its limits.
         ends: Of the ranges at the places alone.
     """
 
     motion: CoordinatedMotion
+    rows: MotionRows
     ends: Ends
 
-    def overstepped(self, asked: Asked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
+    def overstepped(self, widening: Needed, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
         """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
         beyond = (self.ends.upper < c2 if side == "upper" else self.ends.lower > c2) | self.ends.outside(c2)
         places = np.flatnonzero(beyond)
         if not len(places):
             return places, np.zeros(0)
         loads = self.ends.loads(places, side)
-        return places, asked.widening(self.motion, places + 1, loads, np.full(len(places), c2))
+        return places, widening(self.motion, self.rows, places + 1, loads, np.full(len(places), c2))
 
 
 @dataclass(frozen=True)
@@ -152,14 +151,14 @@ class Refinement:
     Attributes:
         motion: The motion with the samples that had to be added; the given one where none had to.
         looked: All places that were looked at; None if none had to be.
-        asked: What was asked there.
+        widening: What is needed there.
         left: What is left between the samples, at the ends of the range.
         ends: c²⁻ and c²⁺ at the given samples.
     """
 
     motion: CoordinatedMotion
     looked: Looked | None
-    asked: Asked
+    widening: Needed
     left: Excess
     ends: tuple[float, float]
 
@@ -169,17 +168,18 @@ class Refinement:
             return self.left
         worst = self.left if self.left.passes else Excess(0.0, self.left.tolerance)
         for side in SIDES:
-            places, share = self.looked.overstepped(self.asked, c2, side)
+            places, share = self.looked.overstepped(self.widening, c2, side)
             worst = _worse(worst, self.looked.ends, places, share, side)
         return worst
 
 
 def refine(
     cell: Cell,
-    motion: CoordinatedMotion,
+    given: tuple[CoordinatedMotion, MotionRows],
     found: SampleRanges,
     whole: tuple[float, float],
-    asked: Asked,
+    ranges: Ranges,
+    widening: Needed,
     tolerance: float,
 ) -> Refinement:
     """Look between the samples of a motion wherever its range of c² may be narrower, and add what samples that takes.
@@ -190,22 +190,24 @@ def refine(
 
     Args:
         cell: The cell.
-        motion: Its motion.
+        given: Its motion, and its limits along it.
         found: The ranges at its samples, which have a c² in common.
         whole: c²⁻ and c²⁺, the ends of the interval of the largest speeds that they have in common.
-        asked: How ranges and rows are found at other places.
+        ranges: Finds them at other places.
+        widening: Finds what is needed there.
         tolerance: Share of a limit by which it may be overstepped.
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
         SolverError: If no solver answers.
     """
+    motion, rows = given
     known = Ends.of(found)
     none = Excess(0.0, tolerance)
     if whole[1] <= 0:
-        return Refinement(motion, None, asked, none, whole)
+        return Refinement(motion, None, widening, none, whole)
     looked: Looked | None = None
-    allowed, left = _allowed(motion, known, asked, tolerance), none
+    allowed, left = _allowed(motion, rows, known, widening, tolerance), none
     for turn in range(MOST_ROUNDS):
         everywhere = turn == 0 and (motion.samples < COARSE or allowed is None or found.several)
         gaps = _doubtful(known, allowed, everywhere=everywhere)
@@ -217,19 +219,24 @@ def refine(
             break
         at = (known.time[gaps][:, None] + np.diff(known.time)[gaps][:, None] * inside).ravel()
         there = between_samples(cell, motion, at)
-        new = Looked(there, Ends.of(asked.ranges(there), slice(1, -1)))
+        rows = motion_rows(cell, there)
+        new = Looked(there, rows, Ends.of(ranges(there, rows), slice(1, -1)))
         known = known.joined(new.ends)
         inner = np.arange(1, there.samples - 1, dtype=np.intp)
-        looked = new if looked is None else Looked(denser(looked.motion, there, inner), looked.ends.joined(new.ends))
+        if looked is None:
+            looked = new
+        else:
+            joined = denser(looked.motion, there, inner)
+            looked = Looked(joined, motion_rows(cell, joined), looked.ends.joined(new.ends))
         if not np.all(new.ends.upper > 0):
             break  # nothing moves there: that settles the outcome
-        allowed = allowed or _allowed(there, new.ends, asked, tolerance, first=1)
+        allowed = allowed or _allowed(there, rows, new.ends, widening, tolerance, first=1)
     if looked is None:
-        return Refinement(motion, None, asked, left, whole)
-    added, left = _needed(looked, asked, whole, left)
+        return Refinement(motion, None, widening, left, whole)
+    added, left = _needed(looked, widening, whole, left)
     if len(added):
         motion = denser(motion, looked.motion, added + 1)
-    return Refinement(motion, looked, asked, left, whole)
+    return Refinement(motion, looked, widening, left, whole)
 
 
 def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, side: Side) -> Excess:
@@ -242,7 +249,7 @@ def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, si
 
 
 def _allowed(
-    motion: CoordinatedMotion, known: Ends, asked: Asked, tolerance: float, first: int = 0
+    motion: CoordinatedMotion, rows: MotionRows, known: Ends, widening: Needed, tolerance: float, first: int = 0
 ) -> tuple[float, float] | None:
     """By how much 1 / c²⁺ and c²⁻ may rise before a limit is overstepped by the tolerance; None without a c²⁺."""
     low, high = known.whole()
@@ -252,7 +259,7 @@ def _allowed(
     loads = [known.loads(places[[end]], side) for end, side in enumerate(SIDES)]
     carried = None if loads[0] is None or loads[1] is None else np.concatenate([loads[0], loads[1]])
     c2 = np.array([low * (1 - NUDGE), high * (1 + NUDGE)])
-    slow, fast = asked.widening(motion, places + first, carried, c2) / NUDGE
+    slow, fast = widening(motion, rows, places + first, carried, c2) / NUDGE
     rise = tolerance / fast if fast > 0 else np.inf
     return float(rise / high), float(tolerance / slow * low if slow > 0 else tolerance * high)
 
@@ -279,7 +286,9 @@ def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Ex
     return worst
 
 
-def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Excess) -> tuple[NDArray[np.intp], Excess]:
+def _needed(
+    looked: Looked, widening: Needed, whole: tuple[float, float], left: Excess
+) -> tuple[NDArray[np.intp], Excess]:
     """Places that must join the samples, the worst where an end oversteps limits too far, and what is left then."""
     added = []
     for side, c2 in zip(SIDES, whole, strict=True):
@@ -287,7 +296,7 @@ def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Exce
         if not np.isfinite(c2):
             added += [np.argmin(order)] if np.isfinite(np.min(order)) else []
             continue
-        places, share = looked.overstepped(asked, c2, side)
+        places, share = looked.overstepped(widening, c2, side)
         if len(places) and np.max(share) > left.tolerance:
             added.append(places[np.argmin(order[places])])
             if np.any(looked.ends.outside(c2)):
@@ -295,6 +304,41 @@ def _needed(looked: Looked, asked: Asked, whole: tuple[float, float], left: Exce
         else:
             left = _worse(left, looked.ends, places, share, side)
     return _distinct(map(int, added)), left
+
+
+def doubtful_gaps(time: Array, value: Array, allowed: float) -> NDArray[np.intp]:
+    """Gaps between samples in which a quantity may exceed its largest sample by more than is allowed.
+
+    A quantity that turns inside a gap, smoothly or at a corner, lies above its samples by at most a quarter of the gap
+    times the change of slope around it.
+
+    Args:
+        time: Of N >= 2 samples, Shape (N,) [s].
+        value: Shape (N,), finite.
+        allowed: By how much.
+
+    Returns:
+        Indices of the samples before the gaps.
+    """
+    step = np.diff(time)
+    above = np.maximum(value[:-1], value[1:]) + turning(step, value) > np.max(value) + allowed
+    return np.flatnonzero(above & (step > RESOLUTION * time[-1]))
+
+
+def turning(step: Array, value: Array) -> Array:
+    """By how much a quantity may exceed its samples in each gap, Shape (N - 1,).
+
+    Args:
+        step: Widths of the gaps, Shape (N - 1,) [s].
+        value: At the samples, Shape (N,).
+    """
+    slope = np.diff(value) / step
+    change = np.abs(np.diff(slope))
+    if not len(change):
+        return np.full(len(step), np.inf)
+    before, after = np.concatenate([change[:1], change]), np.concatenate([change, change[-1:]])
+    bump: Array = step * (before + after) / 4
+    return bump
 
 
 def _distinct(places: Iterable[int]) -> NDArray[np.intp]:

@@ -4,19 +4,25 @@
 Found by the kernel whatever solver is chosen: mrts/kernel/c/speed_intervals.c.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.programs import OPTIMAL, default_programs
+from mrts.kernel.cell_library import KernelRanges
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
 from mrts.program.convex_program import scales
 from mrts.program.linear_programs import NO_EFFECT
 from mrts.program.sample_problem import SampleProblem
 
+MOST_INTERVALS = 100
+"""Of one sample: more are not looked for."""
 
-@dataclass
+
+@dataclass(frozen=True)
 class SpeedIntervals:
     """The highest interval of c² of each of N samples.
 
@@ -25,43 +31,63 @@ class SpeedIntervals:
         upper: Its largest, infinity where nothing bounds it, minus infinity where there is none, Shape (N,).
         gap: A c² in the gap between it and a lower interval, 0 where there is no other, Shape (N,).
         dual: Multipliers of the rows that set the lower and the upper end, Shape (2, N, r); of caps there are none.
-        undecided: Samples that have no interval, or where none was found, Shape (N,).
+        status: Of the kernel, Shape (1, N).
     """
 
     lower: Array
     upper: Array
     gap: Array
     dual: Array
-    undecided: NDArray[np.bool_]
-
-    def put(self, samples: NDArray[np.int_], other: "SpeedIntervals", which: NDArray[np.int_]) -> None:
-        """Take some samples from some of another batch."""
-        for name in ("lower", "upper", "gap", "undecided"):
-            getattr(self, name)[samples] = getattr(other, name)[which]
-        self.dual[:, samples] = other.dual[:, which]
+    status: NDArray[np.uint8]
 
 
-def highest_intervals(problem: SampleProblem, most: Array | None = None) -> SpeedIntervals:
+Intervals = TypeVar("Intervals", SpeedIntervals, KernelRanges)
+
+
+def intervals_below(find: Callable[[Array], Intervals], most: Array, high: float) -> tuple[Intervals, bool]:
+    """The highest intervals of c² that do not begin above a c², and whether some sample has others.
+
+    Args:
+        find: Highest intervals below a c² of each sample, Shape (N,).
+        most: Largest c² of each sample, Shape (N,).
+        high: The c².
+    """
+    found, lowest = find(most), np.zeros(len(most), dtype=bool)
+    several = bool(np.any(np.asarray(found.gap) > 0))
+    for _ in range(MOST_INTERVALS):
+        gap = np.asarray(found.gap)
+        above = (gap > 0) & (found.lower > high) & ~lowest
+        if not np.any(above):
+            break
+        tried = np.where(above, gap, most)
+        below = find(tried)
+        nothing = above & (below.status[0] == INFEASIBLE)
+        lowest |= nothing
+        if not np.any(nothing):
+            most, found = tried, below
+    return found, several
+
+
+def highest_intervals(problem: SampleProblem, most: Array) -> SpeedIntervals:
     """The highest interval of c² that each sample admits.
 
     Args:
         problem: Rows with a column of ṙ.
-        most: Largest c² that is asked for, Shape (N,); None for any.
+        most: Largest c² that is asked for, Shape (N,).
     """
     assert problem.speed is not None  # noqa: S101 (as in `speed_unit`)
-    rows, cap = ~problem.is_cap, problem.cap()
-    cap = cap if most is None else np.minimum(cap, most)
+    rows, cap = ~problem.is_cap, np.minimum(problem.cap(), most)
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
     column, row = scales(A, lower == upper)
     scaled = A * column[:, None] * row[:, :, None]
     low, high, gap, of_rows, status = default_programs().speed_intervals(
         scaled, lower * row, upper * row, column, problem.speed[:, rows] * row, cap
     )
-    undecided, dual = status != OPTIMAL, np.zeros((2, *problem.lower.shape))
+    nothing, dual = status != OPTIMAL, np.zeros((2, *problem.lower.shape))
     dual[:, :, rows] = of_rows * row
     high = np.where(speed_unit(problem) == 0, cap, high)
-    low[undecided], high[undecided], gap[undecided] = np.inf, -np.inf, 0.0
-    return SpeedIntervals(low, high, gap, dual, undecided)
+    low[nothing], high[nothing], gap[nothing] = np.inf, -np.inf, 0.0
+    return SpeedIntervals(low, high, gap, dual, status[None])
 
 
 def speed_unit(problem: SampleProblem) -> Array:

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The programs of a whole trajectory: by the compiled kernel in one call, or put together here for another solver."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,30 +11,21 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.cell_library import CellLibrary, KernelRanges, SparseLimits
+from mrts.kernel.cell_library import KernelRanges
 from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, KnownWrenches
-from mrts.kernel.programs import INFEASIBLE, OPTIMAL
+from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.limits import squared_limits
-from mrts.limits.rows import LimitRows, Side
-from mrts.limits.squared_rows import SpeedCaps, SquaredRows, binds
+from mrts.limits.rows import Side
 from mrts.program.closed_form import tied_codes, tied_sides
 from mrts.program.formulation import FormulationName
-from mrts.program.infeasibility import Conflict, find_conflicts
+from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.motor_terms import MotorTerms, motor_terms
-from mrts.program.range_ends import BindingRows, cap_codes, kernel_rows, no_codes, rows_of_problem
+from mrts.program.motion_rows import MotionRows, binds, motion_rows
+from mrts.program.range_ends import BindingRows, kernel_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import (
-    MOST_INTERVALS,
-    REST_TOLERANCE,
-    SampleRanges,
-    sample_ranges,
-    statuses,
-    with_end_problem,
-    without_speed_at_rest,
-)
+from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, with_end_problem
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
+from mrts.program.speed_intervals import intervals_below
 from mrts.program.torque_distribution import TORQUE_WIDENING, distribute_torques, known_torques
 
 BLOCK = 4096
@@ -53,6 +43,7 @@ def motion_ranges(
     solver: str,
     load: Array | None = None,
     high: float = np.inf,
+    rows: MotionRows | None = None,
 ) -> SampleRanges:
     """Least and largest c² at every sample (step 1 of MMTSF).
 
@@ -64,16 +55,18 @@ def motion_ranges(
         solver: Name in the registry; "kernel" takes the compiled path where it applies.
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         high: Of several intervals the highest is found that does not begin above this c².
+        rows: From `motion_rows`, where they are at hand; None puts them together.
 
     Raises:
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
-    if fast is not None and not fast.quadratic:
-        found = _compiled_ranges(cell, motion, fast, solver, load, high)
+    rows = motion_rows(cell, motion) if rows is None else rows
+    one_unknown = sharing is not None or len(cell.robots) == 1
+    if _is_for_kernel(cell, rows, formulation, solver) and not (one_unknown and rows.has_speed_terms):
+        found = _kernel_ranges(cell, motion, sharing, solver, load, high, rows)
     else:
-        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load)
+        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load, rows=rows)
         found = sample_ranges(problem, motion.object.time, solver, high)
     if sharing is not None:
         return found
@@ -84,71 +77,55 @@ def _load_at(load: Array | None, sample: int, _side: Side) -> Array | None:
     return load if load is None or load.ndim == 1 else load[sample]
 
 
-def _compiled_ranges(
-    cell: Cell, motion: CoordinatedMotion, fast: "CompiledTrajectory", solver: str, load: Array | None, high: float
+def _kernel_ranges(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    sharing: LoadSharing | None,
+    solver: str,
+    load: Array | None,
+    high: float,
+    rows: MotionRows,
 ) -> SampleRanges:
     """The ranges by the kernel; what it does not settle is left to the solvers."""
-    most, several = fast.caps.largest(), False
+    most, several, time, library = rows.most, False, motion.object.time, cell.library
     found: KnownRanges | KernelRanges
-    if fast.one_unknown:
-        found = fast.known(cell, motion, load).ranges(fast.terms(), most)
+    if sharing is not None or library.robots == 1:
+        found = _known(cell, motion, sharing, load, rows).ranges(rows.terms(), most)
         undecided = found.lower > found.upper
     else:
-        given = motion.samples, _inputs(cell, motion, load), fast.sparse(), fast.terms()
-        if fast.has_speed_terms:
-            found, several = _intervals_below(partial(fast.compiled.speed_ranges, *given), most, high)
+        assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
+        given = motion.samples, _inputs(cell, motion, load), rows.sparse, rows.terms()
+        if rows.has_speed_terms:
+            found, several = intervals_below(partial(library.speed_ranges, *given), most, high)
         else:
-            found = fast.compiled.ranges(*given, most)
+            found = library.ranges(*given, most)
         undecided = np.any(found.status != OPTIMAL, axis=0)
-    at_rest = found.effect <= REST_TOLERANCE * np.max(found.effect, initial=0.0)
+    effect = float(np.max(found.effect, initial=0.0))
+    at_rest = found.effect <= REST_TOLERANCE * effect
     lower, upper = found.lower + 0.0, np.where(at_rest, most, found.upper) + 0.0  # 0 has no sign
     suspects = np.flatnonzero(undecided | (at_rest & (lower > 0)))
-    rows = fast.rows_at_ends(found, (lower, upper), at_rest)
+    binding = _rows_at_ends(rows, found, (lower, upper), at_rest)
     conflicts: list[Conflict] = []
     fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
-        part = _settle(cell, motion, fast.sharing, load, block, float(np.max(found.effect)), solver, high)
+        problem = build_sample_problem(cell, motion, sharing=sharing, load=load, samples=block, rows=rows)
+        part = sample_ranges(problem, time[block], solver, high, doubtful=True, effect=effect)
         lower[block], upper[block] = part.lower, part.upper
-        rows = rows.with_samples(block, part.rows.codes)
+        binding = binding.with_samples(block, part.rows.codes)
         conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
         fallbacks += part.fallbacks
         several |= part.several
     return SampleRanges(
-        time=motion.object.time,
+        time=time,
         status=statuses(lower, upper, conflicts),
         lower=lower,
         upper=upper,
-        rows=rows,
+        rows=binding,
         conflicts=tuple(conflicts),
         fallbacks=fallbacks,
         several=several,
     )
-
-
-def _intervals_below(find: Callable[[Array], KernelRanges], most: Array, high: float) -> tuple[KernelRanges, bool]:
-    """The highest intervals of c² that do not begin above a c², and whether some sample has others.
-
-    Args:
-        find: Highest intervals below a c² of each sample, Shape (N,).
-        most: Largest c² of each sample, Shape (N,).
-        high: The c².
-    """
-    found, lowest = find(most), np.zeros(len(most), dtype=bool)
-    assert found.gap is not None  # noqa: S101 (rows have terms in c)
-    several = bool(np.any(found.gap > 0))
-    for _ in range(MOST_INTERVALS):
-        gap = np.asarray(found.gap)
-        above = (gap > 0) & (found.lower > high) & ~lowest
-        if not np.any(above):
-            break
-        tried = np.where(above, gap, most)
-        below = find(tried)
-        nothing = above & (below.status[0] == INFEASIBLE)
-        lowest |= nothing
-        if not np.any(nothing):
-            most, found = tried, below
-    return found, several
 
 
 def motion_torques(
@@ -178,16 +155,16 @@ def motion_torques(
     if formulation == "wrench" and (sharing is not None or len(cell.robots) == 1):
         check_solver(solver)
         return *known_torques(cell, motion, sharing, c2), 0
-    fast = compiled_trajectory(cell, motion, formulation, sharing, solver)
-    if fast is None:
-        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing)
+    rows = motion_rows(cell, motion)
+    if not _is_for_kernel(cell, rows, formulation, solver) or rows.sparse is None:
+        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, rows=rows)
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
         return problem.torque(x), problem.wrench(x), fallbacks
-    torque, wrench, status = fast.compiled.torques(
+    torque, wrench, status = cell.library.torques(
         motion.samples,
         _inputs(cell, motion, None),
-        fast.sparse(),
-        fast.terms(float(np.sqrt(c2))),
+        rows.sparse,
+        rows.terms(float(np.sqrt(c2))),
         np.full(motion.samples, c2),
         weights,
         TORQUE_WIDENING,
@@ -195,7 +172,7 @@ def motion_torques(
     missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
     for start in range(0, len(missing), BLOCK):
         block = missing[start : start + BLOCK]
-        problem = build_sample_problem(cell, motion, samples=block)
+        problem = build_sample_problem(cell, motion, samples=block, rows=rows)
         x, by_another = distribute_torques(problem, c2, weights, solver)
         torque[block], wrench[block] = problem.torque(x), problem.wrench(x)
         fallbacks += by_another
@@ -216,189 +193,59 @@ def motion_planes(
     Returns:
         Half-planes, and Shape (N,); None where the compiled path does not answer.
     """
-    fast = compiled_trajectory(cell, motion, "wrench", sharing, DEFAULT_SOLVER)
-    if fast is None or not fast.one_unknown or fast.quadratic:
+    if sharing is None and len(cell.robots) > 1:
         return None
-    motors = fast.motors
-    by_rate = SampleTerms(torque_square=None if motors is None else motors.rate, square=fast.rows.rate)
-    planes = fast.known(cell, motion, load).planes(fast.terms(), by_rate)
-    return None if planes is None else (planes, fast.caps.largest())
+    rows = motion_rows(cell, motion)
+    if rows.has_speed_terms or not _is_for_kernel(cell, rows, "wrench", DEFAULT_SOLVER):
+        return None
+    by_rate = SampleTerms(torque_square=None if rows.motors is None else rows.motors.rate, square=rows.kept.rate)
+    planes = _known(cell, motion, sharing, load, rows).planes(rows.terms(), by_rate)
+    return None if planes is None else (planes, rows.most)
 
 
-@dataclass(frozen=True)
-class CompiledTrajectory:
-    """What the compiled path takes.
-
-    Attributes:
-        compiled: The cell's library.
-        form: All rows.
-        samples: N.
-        motors: What motors add.
-        sharing: A fixed distribution of the load.
-    """
-
-    compiled: CellLibrary
-    form: SquaredRows
-    samples: int
-    motors: MotorTerms | None
-    sharing: LoadSharing | None
-
-    @cached_property
-    def caps(self) -> SpeedCaps:
-        """The rows that only bound c²."""
-        return self.form.caps(self.samples)
-
-    @property
-    def one_unknown(self) -> bool:
-        """Whether c² is the only unknown."""
-        return self.sharing is not None or self.compiled.robots == 1
-
-    @property
-    def has_speed_terms(self) -> bool:
-        """Whether a row has a term in ṙ beside others."""
-        return self.form.rows.speed is not None or (self.motors is not None and self.motors.speed is not None)
-
-    @property
-    def quadratic(self) -> bool:
-        """Whether rows are quadratic in c, the only unknown: their intervals are found in numpy."""
-        return self.one_unknown and self.has_speed_terms
-
-    @property
-    def rows(self) -> LimitRows:
-        """The rows that it takes."""
-        return self.form.uncapped
-
-    def passed_caps(self, c2: Array, samples: NDArray[np.intp]) -> Array:
-        """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,).
-
-        Args:
-            c2: Shape (k,).
-            samples: Shape (k,).
-        """
-        form = self.form
-        if form.rows.square is None or not np.any(form.is_cap):
-            return np.zeros(len(samples))
-        lower, upper, size = form.rows.lower[form.is_cap], form.rows.upper[form.is_cap], form.size[form.is_cap]
-        value = form.rows.square[np.ix_(samples, form.is_cap)] * c2[:, None]
-        return np.asarray(np.max(np.maximum(value - upper, lower - value) / size, axis=1, initial=0.0))
-
-    def sparse(self) -> SparseLimits:
-        """The rows that it takes, as C reads them."""
-        return self.rows.sparse
-
-    def known(self, cell: Cell, motion: CoordinatedMotion, load: Array | None) -> KnownWrenches:
-        """The samples of a motion where c² is the only unknown."""
-        inputs, function = _inputs(cell, motion, load), "wrench_form"
-        if self.sharing is not None:
-            inputs, function = inputs | self.sharing.inputs(cell, motion), "fixed_distribution"
-        return KnownWrenches(self.compiled, function, motion.samples, inputs, self.sparse())
-
-    def rows_at_ends(
-        self, found: KnownRanges | KernelRanges, ends: tuple[Array, Array], at_rest: NDArray[np.bool_]
-    ) -> BindingRows:
-        """The rows of both ends.
-
-        Args:
-            found: What the kernel found.
-            ends: Lower and upper end of every sample, each Shape (N,).
-            at_rest: Samples at which c² moves nothing but caps, Shape (N,).
-        """
-        given, caps = self.form.given, self.caps
-        if isinstance(found, KnownRanges):
-            sides = np.zeros((2, len(at_rest), len(given.names)), dtype=np.int8)
-            sides[:, :, self.form.kept] = found.tied
-            sides[1, at_rest] = 0
-            if caps.places.size:
-                with np.errstate(divide="ignore"):
-                    sides[1][:, caps.places] = tied_sides(1 / caps.share, ends[1], caps.upper)
-            return BindingRows(given.names, np.stack([given.lower, given.upper]), tied_codes(sides, ends[0]))
-        rows = kernel_rows(given, self.form.kept, caps, found.basis, found.dual)
-        still = np.flatnonzero(at_rest & np.isfinite(ends[1]))
-        rows.codes[1, still] = 0
-        rows.codes[1, still, : len(caps.places)] = np.where(binds(caps.share), cap_codes(given, caps), 0)[still]
-        return rows
-
-    def terms(self, speed: float | Array | None = None) -> SampleTerms:
-        """What is added at every sample, those in ṙ at a speed, or by themselves where it is to be found.
-
-        Args:
-            speed: ṙ, one for all samples, or Shape (N, 1).
-        """
-        rows, motors = self.rows, self.motors
-        if rows.speed is None or speed is None:
-            of_rows = SampleTerms(square=rows.square, speed=rows.speed)
-        else:
-            of_rows = SampleTerms(square=rows.square, offset=rows.speed * speed)
-        if motors is None:
-            return of_rows
-        return replace(
-            of_rows,
-            torque_square=motors.square,
-            torque_offset=motors.friction(0.0 if speed is None else speed),
-            torque_speed=motors.speed if speed is None else None,
-            margin=None if motors.turning is None else motors.turning @ np.abs(rows.torque_matrix).T,
-        )
+def _is_for_kernel(cell: Cell, rows: MotionRows, formulation: FormulationName, solver: str) -> bool:
+    """Whether the compiled path answers: wrench form, no sides that cross."""
+    check_solver(solver)
+    few = len(rows.kept.names) + cell.library.unknowns <= MOST_ROWS
+    return solver == "kernel" and formulation == "wrench" and rows.sparse is not None and few
 
 
-def compiled_trajectory(
-    cell: Cell, motion: CoordinatedMotion, formulation: FormulationName, sharing: LoadSharing | None, solver: str
-) -> CompiledTrajectory | None:
-    """The compiled path where it answers: wrench form, no sides that cross.
+def _known(
+    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None, rows: MotionRows
+) -> KnownWrenches:
+    """The samples of a motion where c² is the only unknown."""
+    assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
+    inputs, function = _inputs(cell, motion, load), "wrench_form"
+    if sharing is not None:
+        inputs, function = inputs | sharing.inputs(cell, motion), "fixed_distribution"
+    return KnownWrenches(cell.library, function, motion.samples, inputs, rows.sparse)
+
+
+def _rows_at_ends(
+    rows: MotionRows, found: KnownRanges | KernelRanges, ends: tuple[Array, Array], at_rest: NDArray[np.bool_]
+) -> BindingRows:
+    """The rows of both ends.
 
     Args:
-        cell: The cell.
-        motion: Its motion.
-        formulation: As in `motion_ranges`.
-        sharing: Likewise.
-        solver: Likewise.
-
-    Raises:
-        InputError: If there is no such solver.
+        rows: All.
+        found: What the kernel found.
+        ends: Lower and upper end of every sample, each Shape (N,).
+        at_rest: Samples at which c² moves nothing but caps, Shape (N,).
     """
-    check_solver(solver)
-    compiled = cell.library
-    if solver != "kernel" or formulation != "wrench":
-        return None
-    form = squared_limits(cell, motion)
-    if len(form.kept) + compiled.unknowns > MOST_ROWS or form.crosses:
-        return None
-    return CompiledTrajectory(compiled, form, motion.samples, motor_terms(cell, motion), sharing)
+    given = rows.given
+    if isinstance(found, KnownRanges):
+        sides = np.zeros((2, len(at_rest), len(given.names)), dtype=np.int8)
+        sides[:, :, ~rows.is_cap] = found.tied
+        sides[1, at_rest] = 0
+        with np.errstate(divide="ignore"):
+            sides[1][:, rows.is_cap] = tied_sides(1 / rows.cap_share, ends[1], rows.cap_code > 0)
+        return BindingRows(given.names, np.stack([given.lower, given.upper]), tied_codes(sides, ends[0]))
+    binding = kernel_rows(rows, found.basis, found.dual)
+    still, caps = np.flatnonzero(at_rest & np.isfinite(ends[1])), rows.cap_code.shape[1]
+    binding.codes[1, still] = 0
+    binding.codes[1, still, :caps] = np.where(binds(rows.cap_share), rows.cap_code, 0)[still]
+    return binding
 
 
 def _inputs(cell: Cell, motion: CoordinatedMotion, load: Array | None) -> dict[str, Array]:
     return motion.inputs(cell.load if load is None else load) | {GEOMETRY: cell.geometry}
-
-
-def _settle(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    sharing: LoadSharing | None,
-    load: Array | None,
-    samples: NDArray[np.int_],
-    speed: float,
-    solver: str,
-    high: float,
-) -> SampleRanges:
-    """Ranges of samples that the kernel found infeasible or could not decide."""
-    given = build_sample_problem(cell, motion, sharing=sharing, load=load, samples=samples)
-    problem = without_speed_at_rest(given, speed)
-    time = motion.object.time[samples]
-    found = find_conflicts(problem, time, np.arange(len(samples)), solver)
-    conflicts = tuple(conflict for conflict in found if conflict is not None)
-    still = np.array([index for index, conflict in enumerate(found) if conflict is None], dtype=int)
-    lower, upper = np.full(len(samples), np.inf), np.full(len(samples), -np.inf)
-    rows, fallbacks, several = rows_of_problem(problem, no_codes(len(samples))), 0, False
-    if still.size:
-        part = sample_ranges(problem.at(still), time[still], solver, high)
-        lower[still], upper[still], fallbacks, several = part.lower, part.upper, part.fallbacks, part.several
-        rows = rows.with_samples(still, part.rows.codes)
-    return SampleRanges(
-        time=time,
-        status=statuses(lower, upper, conflicts),
-        lower=lower,
-        upper=upper,
-        rows=rows,
-        conflicts=conflicts,
-        fallbacks=fallbacks,
-        several=several,
-    )

@@ -48,7 +48,7 @@ def limiting_rows(result: ScalingResult, timing: RetimingResult | None) -> Limit
     """
     names, shares = limit_courses(result)
     forced, binding = _forced(result, names)
-    rates = [use.name for use in rate_uses(result.trajectory, result.options.rates)] if result.trajectory else []
+    rates = [use.name for use in rate_uses(result)]
     setting = (
         _of_timing(timing, [*names, *rates]) if timing is not None and timing.retimed is not None else _of_range(result)
     )

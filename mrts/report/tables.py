@@ -204,10 +204,10 @@ def rates_table(result: ScalingResult, limiting: LimitingRows) -> list[Html]:
     """
     if result.trajectory is None:
         return []
-    rows, uses = [], rate_uses(result.trajectory, result.options.rates)
+    rows, uses = [], rate_uses(result)
     for use in sorted(uses, key=lambda use: use.name not in limiting.setting):
         unit = use.name.unit
-        numbers = (f"{use.limit:.4g} {unit}", f"{use.largest:.4g} {unit}", f"{100 * use.share:.1f} %")
+        numbers = (f"{use.upper:.4g} {unit}", f"{use.size:.4g} {unit}", f"{100 * use.share:.1f} %")
         rows.append((_marked(use.name, limiting), *numbers, f"{use.time:.4g} s"))
     kept = "They are kept" if result.options.rates is not None else "They are reported, and bound nothing"
     note = f"{kept}; differences of neighbouring samples."

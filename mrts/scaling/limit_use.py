@@ -2,17 +2,18 @@
 """What a trajectory makes of the quantities that are limited, and how much of each limit it uses."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.cell.cell import Cell
+from mrts.base.interval_text import interval_text
+from mrts.base.notebook.in_notebooks import NotebookTable
 from mrts.limits import all_rows
-from mrts.limits.rows import TORQUE_SPEED, RowName
+from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName
 from mrts.program.motor_terms import motor_terms
-from mrts.program.rate_limits import RateLimits, given_rate_limits, rate_names
+from mrts.program.rate_limits import given_rate_limits, rate_names
 
 if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
@@ -21,13 +22,23 @@ if TYPE_CHECKING:
 NOTHING = 1e-8
 """Share of its limit below which a value is 0: programs meet limits to 1e-9, and a limit of 0 is passed by as much."""
 
+TITLES = {"torque": "torque", "wrench": "contact wrench", "velocity": "velocity", "": "other"}
+"""Of tables by the kind of their limits; those of the last are of kinds that mrts does not know."""
+
+ELSEWHERE = ("contact", TORQUE_SPEED, "motor speed")
+"""Kinds that are summed up elsewhere."""
+
+LIMIT_DIGITS = 6
+"""Significant digits of a limit: as many as it is given with."""
+
 
 @dataclass(frozen=True)
 class LimitUse:
-    """How much of its limits one row uses along a trajectory.
+    """How much of its limits one row, or how fast it changes, uses along a trajectory.
 
     Of a torque-speed line, values are torques, limits what the motor gives at the speed of that moment, unbounded where
-    it would brake, and the share is that of what the line gives at standstill.
+    it would brake, and the share is that of what the line gives at standstill. Rates are differences of neighbouring
+    samples.
 
     Attributes:
         name: What the row limits.
@@ -37,7 +48,7 @@ class LimitUse:
         largest: Its largest value.
         share: The largest share of a limit that is used; 1 is at the limit. Of a limit of zero, what 100 % is says
             `LimitRows.units`; without a limit it is 0.
-        time: When that is [s].
+        time: When that is, of a rate at the first of the two samples [s].
         step: The largest change from one sample to the next.
         step_share: The same as a share of the limit, of its larger side.
         limited: Whether there is a limit on some side.
@@ -54,56 +65,50 @@ class LimitUse:
     step_share: float
     limited: bool
 
+    @property
+    def size(self) -> float:
+        """The largest value without its sign."""
+        return max(-self.least, self.largest)
+
     def step_json(self) -> dict[str, str | float]:
         """Entry of "largest_step" in the JSON result."""
         name = self.name
         place = {"robot": name.robot, "element": name.element, "unit": name.unit}
         return place | {"step": self.step, "share": self.step_share}
 
-
-@dataclass(frozen=True)
-class RateUse:
-    """How fast a torque, a wrench component or an acceleration changes, of which that is limited.
-
-    Attributes:
-        name: What the rate is of.
-        limit: Of it.
-        largest: Its largest size, by differences of neighbouring samples.
-        share: The same as a share of the limit.
-        time: When that is: at the first of the two samples [s].
-    """
-
-    name: RowName
-    limit: float
-    largest: float
-    share: float
-    time: float
-
-    def to_json(self) -> dict[str, str | float]:
+    def rate_json(self) -> dict[str, str | float]:
         """Entry of "rates" in the JSON result."""
         name = self.name
         place: dict[str, str | float] = {"kind": name.kind, "robot": name.robot, "element": name.element}
-        numbers = {"limit": self.limit, "largest": self.largest, "share": self.share, "time": self.time}
+        numbers = {"limit": self.upper, "largest": self.size, "share": self.share, "time": self.time}
         return place | {"unit": name.unit} | numbers
 
 
 @dataclass(frozen=True)
 class LimitedQuantities:
-    """Quantities of one kind and one robot along a trajectory, limited or not; k of them at N samples.
+    """Quantities along a trajectory, limited or not; k of them at N samples.
 
     Attributes:
-        names: Joint, wrench component, or what else the rows call their elements.
-        units: One a quantity.
+        rows: What they are.
         values: Shape (N, k).
         lower: Minus infinity where unbounded, at the speed of each sample, Shape (N, k).
         upper: Infinity where unbounded, likewise.
     """
 
-    names: tuple[str, ...]
-    units: tuple[str, ...]
+    rows: tuple[RowName, ...]
     values: Array
     lower: Array
     upper: Array
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Joint, wrench component, or what else the rows call their elements."""
+        return tuple(name.element for name in self.rows)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """One a quantity."""
+        return tuple(name.unit for name in self.rows)
 
     def only(self, chosen: Sequence[bool]) -> Self:
         """Some of the quantities.
@@ -112,15 +117,12 @@ class LimitedQuantities:
             chosen: Which, Shape (k,).
         """
         own = [place for place, taken in enumerate(chosen) if taken]
-        names, units = (tuple(of[place] for place in own) for of in (self.names, self.units))
-        return replace(
-            self,
-            names=names,
-            units=units,
-            values=self.values[:, own],
-            lower=self.lower[:, own],
-            upper=self.upper[:, own],
-        )
+        rows = tuple(self.rows[place] for place in own)
+        return type(self)(rows, self.values[:, own], self.lower[:, own], self.upper[:, own])
+
+    def of(self, kind: str, robot: str) -> Self:
+        """Those of one kind and one robot, as in `RowName`."""
+        return self.only([(name.kind, name.robot) == (kind, robot) for name in self.rows])
 
 
 def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUse]:
@@ -135,40 +137,63 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
     return sorted((use for use in result.limit_uses if use.limited), key=lambda use: -use.share)
 
 
-def found_limit_uses(cell: Cell, done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
-    """What a trajectory makes of all rows in their order, with those that have no limit.
+def found_limit_uses(result: "ScalingResult") -> tuple[LimitUse, ...]:
+    """What the trajectory of a result makes of all rows in their order, with those that have no limit."""
+    done = result.trajectory
+    if done is None:
+        return ()
+    rows = all_rows(result.cell, result.motion)
+    found, share = _quantities(rows, done), rows.share(_values(rows, done))
+    moving = rows.moving(done.c)
+    driven = LimitedQuantities(
+        found.rows, found.values, np.where(moving > 0, -np.inf, found.lower), np.where(moving < 0, np.inf, found.upper)
+    )
+    return _uses(driven, share, rows.units(), done.time)
 
-    Args:
-        cell: The cell, with the limits that count.
-        done: The trajectory.
-    """
-    rows = all_rows(cell, done.motion)
-    value = rows.value(done.torque, done.wrench, 0.0, done.c)
-    share = rows.share(value)
+
+def rate_uses(result: "ScalingResult") -> list[LimitUse]:
+    """All rates that are limited by falling share: those that the result keeps, or else those that the cell gives."""
+    if result.trajectory is None or not _limits_rates(result):
+        return []
+    rates = _rates(result)
+    rates = rates.only(np.isfinite(rates.upper[0]).tolist())
+    limit = rates.upper[0]
+    uses = _uses(rates, np.abs(rates.values) / limit, limit, result.trajectory.time)
+    return sorted(uses, key=lambda use: -use.share)
+
+
+def _uses(found: LimitedQuantities, share: Array, units: Array, time: Array) -> tuple[LimitUse, ...]:
+    """The uses of quantities, each at the sample that uses the largest share, Shape (N, k); units are 100 %, (k,)."""
     at = np.argmax(share, axis=0)
-    moving = np.broadcast_to(rows.moving(done.c), value.shape)
-    value, units = value - moving, rows.units()
-    steps = np.max(np.abs(np.diff(value, axis=0)), axis=0, initial=0.0)
-    value = np.where(np.abs(value) < NOTHING * units, 0.0, value)
-    at_use = moving[at, range(len(at))]
-    lower = np.where(at_use > 0, -np.inf, rows.lower - at_use)
-    upper = np.where(at_use < 0, np.inf, rows.upper - at_use)
-    limited = np.isfinite(rows.lower) | np.isfinite(rows.upper)
+    limited = np.any(np.isfinite(found.lower) | np.isfinite(found.upper), axis=0)
+    steps = np.max(np.abs(np.diff(found.values, axis=0)), axis=0, initial=0.0)
+    values = np.where(np.abs(found.values) < NOTHING * units, 0.0, found.values)
     return tuple(
         LimitUse(
             name=name,
-            lower=float(lower[row]),
-            upper=float(upper[row]),
-            least=float(np.min(value[:, row])),
-            largest=float(np.max(value[:, row])),
+            lower=float(found.lower[at[row], row]),
+            upper=float(found.upper[at[row], row]),
+            least=float(np.min(values[:, row])),
+            largest=float(np.max(values[:, row])),
             share=max(0.0, float(share[at[row], row])),
-            time=float(done.time[at[row]]),
+            time=float(time[at[row]]),
             step=float(steps[row]),
             step_share=float(steps[row] / units[row]),
             limited=bool(limited[row]),
         )
-        for row, name in enumerate(rows.names)
+        for row, name in enumerate(found.rows)
     )
+
+
+def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:
+    """The row of one kind that changes most from one sample to the next, as a share of its limit; None without one.
+
+    Args:
+        result: The result.
+        kind: As in `RowName`; rows without a limit do not count.
+    """
+    bounded = [use for use in limit_uses(result) if use.name.kind == kind]
+    return max(bounded, key=lambda use: use.step_share, default=None)
 
 
 def limit_courses(result: "ScalingResult") -> tuple[tuple[RowName, ...], Array]:
@@ -183,49 +208,30 @@ def limit_courses(result: "ScalingResult") -> tuple[tuple[RowName, ...], Array]:
     Raises:
         ValueError: If there is no trajectory.
     """
-    done = result.trajectory
-    if done is None:
-        raise ValueError("there is no trajectory to draw")
     rows = all_rows(result.cell, result.motion).bounded()
-    return rows.names, np.maximum(rows.share(rows.value(done.torque, done.wrench, 0.0, done.c)), 0.0)
+    return rows.names, np.maximum(rows.share(_values(rows, _trajectory(result))), 0.0)
 
 
-def rate_uses(done: "ScaledTrajectory", kept: RateLimits | None) -> list[RateUse]:
-    """All rates that are limited by falling share, kept or not.
+def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
+    """Quantities of one kind along the trajectory of a result, such as the torques of a robot, with their limits.
 
     Args:
-        done: The trajectory.
-        kept: The limits that it keeps; None where it keeps none, and then those that the cell gives tell.
+        result: A result with a trajectory.
+        kind: As in `RowName`; limits of a torque are also those of torque-speed lines.
+        robot: As there.
+
+    Raises:
+        ValueError: If there is no trajectory.
     """
-    if kept is None and not given_rate_limits(done.cell).limits_something:
-        return []
-    found = []
-    for names, values, limits in _rate_quantities(done, kept):
-        if not np.any(np.isfinite(limits)):
-            continue
-        rates = np.abs(_steps(done, values))
-        at = np.argmax(rates, axis=0)
-        for place in np.flatnonzero(np.isfinite(limits)).tolist():
-            largest, limit = float(rates[at[place], place]), float(limits[place])
-            found.append(RateUse(names[place], limit, largest, largest / limit, float(done.time[at[place]])))
-    return sorted(found, key=lambda use: -use.share)
-
-
-def _steps(done: "ScaledTrajectory", values: Array) -> Array:
-    """How fast values change between the samples, Shape (N - 1, k)."""
-    return np.asarray(np.diff(values, axis=0) / np.diff(done.time)[:, None])
-
-
-def _rate_quantities(
-    done: "ScaledTrajectory", kept: RateLimits | None
-) -> Iterator[tuple[tuple[RowName, ...], Array, Array]]:
-    """What torque rates, wrench rates and jerks are rates of: names, values, Shape (N, k), and limits, Shape (k,)."""
-    limits = given_rate_limits(done.cell) if kept is None else kept
-    motors = motor_terms(done.cell, done.motion)
-    torque = done.torque if motors is None else done.torque - motors.dry  # dry friction steps: no timing changes that
-    quantities = (torque, limits.torque), (done.wrench, limits.wrench), (done.ddq, limits.jerk)
-    for names, (values, of_kind) in zip(rate_names(done.cell), quantities, strict=True):
-        yield names, values, of_kind
+    found = _quantities(all_rows(result.cell, result.motion), _trajectory(result))
+    chosen = found.of(kind, robot)
+    if kind == "torque":
+        lines = found.of(TORQUE_SPEED, robot)
+        for row, name in enumerate(lines.names):
+            joint = chosen.names.index(name)
+            chosen.lower[:, joint] = np.maximum(chosen.lower[:, joint], lines.lower[:, row])
+            chosen.upper[:, joint] = np.minimum(chosen.upper[:, joint], lines.upper[:, row])
+    return chosen
 
 
 def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
@@ -244,20 +250,9 @@ def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuan
     Raises:
         ValueError: If there is no trajectory.
     """
-    if result.trajectory is None:
-        raise ValueError("there is no trajectory to draw")
-    found = {
-        names[0].kind: (names, values, limits)
-        for names, values, limits in _rate_quantities(result.trajectory, result.options.rates)
-    }
-    names, values, limits = found[kind]
-    rates = _steps(result.trajectory, values)
-    own = [place for place, name in enumerate(names) if name.robot == robot]
-    values = np.concatenate([rates, rates[-1:]])[:, own]
-    upper = np.broadcast_to(limits[own], values.shape)
-    return LimitedQuantities(
-        tuple(names[place].element for place in own), tuple(names[place].unit for place in own), values, -upper, upper
-    )
+    found = _rates(result).of(kind, robot)
+    values, lower, upper = (np.concatenate([of, of[-1:]]) for of in (found.values, found.lower, found.upper))
+    return LimitedQuantities(found.rows, values, lower, upper)
 
 
 def limited_rate_kinds(result: "ScalingResult") -> list[str]:
@@ -266,47 +261,82 @@ def limited_rate_kinds(result: "ScalingResult") -> list[str]:
     Args:
         result: The result.
     """
-    if result.trajectory is None:
+    if result.trajectory is None or not _limits_rates(result):
         return []
-    quantities = _rate_quantities(result.trajectory, result.options.rates)
-    return list(dict.fromkeys(names[0].kind for names, _, limits in quantities if np.any(np.isfinite(limits))))
+    rates = _rates(result)
+    limited = np.isfinite(rates.upper[0]).tolist()
+    return list(dict.fromkeys(name.kind for name, has in zip(rates.rows, limited, strict=True) if has))
 
 
-def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:
-    """The row of one kind that changes most from one sample to the next, as a share of its limit; None without one.
-
-    Args:
-        result: The result.
-        kind: As in `RowName`; rows without a limit do not count.
-    """
-    bounded = [use for use in limit_uses(result) if use.name.kind == kind]
-    return max(bounded, key=lambda use: use.step_share, default=None)
-
-
-def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
-    """Quantities of one kind along the trajectory of a result, such as the torques of a robot, with their limits.
-
-    Args:
-        result: A result with a trajectory.
-        kind: As in `RowName`.
-        robot: Likewise.
-
-    Raises:
-        ValueError: If there is no trajectory.
-    """
-    done = result.trajectory
-    if done is None:
+def _trajectory(result: "ScalingResult") -> "ScaledTrajectory":
+    if result.trajectory is None:
         raise ValueError("there is no trajectory to draw")
-    rows = all_rows(result.cell, result.motion)
-    kinds, robots = (np.array([getattr(name, part) for name in rows.names]) for part in ("kind", "robot"))
-    chosen = rows.only((kinds == kind) & (robots == robot))
-    value = chosen.value(done.torque, done.wrench, 0.0, done.c)
-    lower, upper = (np.broadcast_to(limit, value.shape).copy() for limit in (chosen.lower, chosen.upper))
-    elements = tuple(name.element for name in chosen.names)
-    if kind == "torque":
-        lines = rows.only((kinds == TORQUE_SPEED) & (robots == robot))
-        for row, (name, moving) in enumerate(zip(lines.names, lines.moving(done.c).T, strict=True)):
-            joint = elements.index(name.element)
-            lower[:, joint] = np.maximum(lower[:, joint], lines.lower[row] - moving)
-            upper[:, joint] = np.minimum(upper[:, joint], lines.upper[row] - moving)
-    return LimitedQuantities(elements, tuple(name.unit for name in chosen.names), value, lower, upper)
+    return result.trajectory
+
+
+def _values(rows: LimitRows, done: "ScaledTrajectory") -> Array:
+    return rows.value(done.torque, done.wrench, 0.0, done.c)
+
+
+def _quantities(rows: LimitRows, done: "ScaledTrajectory") -> LimitedQuantities:
+    """What rows limit, with what the limits of torque-speed lines are at the speed of each sample."""
+    values = _values(rows, done)
+    moving = np.broadcast_to(rows.moving(done.c), values.shape)
+    return LimitedQuantities(rows.names, values - moving, rows.lower - moving, rows.upper - moving)
+
+
+def _limits_rates(result: "ScalingResult") -> bool:
+    return result.options.rates is not None or given_rate_limits(result.cell).limits_something
+
+
+def _rates(result: "ScalingResult") -> LimitedQuantities:
+    """Torque rates, wrench rates and jerks between the samples, Shape (N - 1, k)."""
+    done, kept = _trajectory(result), result.options.rates
+    limits = given_rate_limits(result.cell) if kept is None else kept
+    motors = motor_terms(result.cell, result.motion)
+    torque = done.torque if motors is None else done.torque - motors.dry  # dry friction steps: no timing changes that
+    values = np.hstack([torque, done.wrench, done.ddq])
+    rates = np.diff(values, axis=0) / np.diff(done.time)[:, None]
+    limit = np.broadcast_to(np.concatenate([limits.torque, limits.wrench, limits.jerk]), rates.shape)
+    return LimitedQuantities(sum(rate_names(result.cell), ()), rates, -limit, limit)
+
+
+def limit_tables(result: "ScalingResult") -> Iterator[NotebookTable]:
+    """Least and largest value of each torque, contact wrench and velocity, its limits and how much of them is used.
+
+    "binds" stands at the limits that end the range, where its end was chosen: no distribution of torques gets past
+    them. Another one at 100 % is where this distribution puts it. What a limit of yours bounds comes last; motors and
+    hands have tables of their own.
+
+    Args:
+        result: The result; without a trajectory there are none.
+    """
+    binding = (
+        set() if result.c2 is None else {row.name for _, end in result.range.ends_at(result.c2) for row in end.rows}
+    )
+    for kind, title in TITLES.items():
+        uses = [use for use in result.limit_uses if _is_listed(use, kind)]
+        told = "" if kind != "velocity" or result.cell.enforces_velocity_limits else " (limits not enforced)"
+        if uses:
+            rows = [_limit_row(use, binds=use.name in binding) for use in uses]
+            yield NotebookTable((f"{title}{told}", "least", "largest", "used", "limits"), rows)
+
+
+def _is_listed(use: LimitUse, kind: str) -> bool:
+    """Whether a use stands in the table of a kind, or, if it has none, in that of all others."""
+    name = use.name
+    if not kind:
+        return use.limited and name.kind not in {*TITLES, *ELSEWHERE}
+    return name.kind == kind and (use.limited or kind != "velocity" or name.robot != "object")
+
+
+def _limit_row(use: LimitUse, *, binds: bool) -> tuple[str, ...]:
+    name, unit = use.name, use.name.unit
+    limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS) if use.limited else f"none, {unit}".rstrip(", ")
+    return (
+        f"{name.robot}/{name.element}" if name.kind in TITLES else name.short,
+        f"{use.least:.4g}",
+        f"{use.largest:.4g}",
+        f"{round(100 * use.share, 1):g} %" if use.limited else "",
+        f"{limits}{', binds' if binds else ''}",
+    )

@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: MIT
 """What a user should know of a given motion before trusting the range that it has."""
 
-from collections.abc import Callable, Iterator
-from typing import NamedTuple
-from weakref import WeakKeyDictionary
+from collections.abc import Callable
 
 import numpy as np
 
-from mrts.base.arrays import Array, largest_sizes
+from mrts.base.arrays import Array
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
@@ -51,57 +49,25 @@ OF_CONSTANT_FACTOR = ("not-at-rest", "factor-above-10")
 """Codes of remarks that tell nothing where the speed varies along the path."""
 
 
-class _Roughness(NamedTuple):
-    """What a motion has of jumps and noise.
-
-    Attributes:
-        jumping: Samples at which a joint's velocity jumps.
-        jump: Sample, joint and size of the largest [rad/s or m/s]; None without one.
-        noisy: The joint with the most noise; None if none counts.
-    """
-
-    jumping: int
-    jump: tuple[int, int, float] | None
-    noisy: int | None
-
-
-_SEEN: WeakKeyDictionary[CoordinatedMotion, _Roughness] = WeakKeyDictionary()
-"""Of motions that still exist: a timing and what it is compared with both ask for it."""
-
-
-def given_remarks(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
-    """Those of a cell and of its motion as they are given, but for what is taken for granted.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-    """
-    return [remark for remark in (*cell.all_remarks, *motion.remarks) if remark.severity != "assumption"]
-
-
-def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange) -> tuple[Remark, ...]:
-    """All remarks of a cell, its motion and the range that was found, in this order.
+def motion_remarks(
+    cell: Cell, motion: CoordinatedMotion, find: Callable[[], ScalingRange], *, constant: bool
+) -> tuple[Remark, ...]:
+    """All remarks of a cell and its motion as they are given, but for what is taken for granted.
 
     Args:
         cell: The cell.
         motion: Its motion, as given.
-        found: The range of c².
+        find: Finds the range of c²; of a timing it is asked for only where accelerations look like noise.
+        constant: Whether the factor of speed is constant, or varies from rest to rest.
     """
-    remarks = [*given_remarks(cell, motion), *_not_at_rest(cell, motion), *_rough(cell, motion, lambda: found)]
+    remarks = [remark for remark in (*cell.all_remarks, *motion.remarks) if remark.severity != "assumption"]
+    if not constant:
+        return (*remarks, *_rough(cell, motion, find))
+    found = find()
+    remarks += [*_not_at_rest(cell, motion), *_rough(cell, motion, find)]
     if found.status.admits_motion and found.upper is not None:
         remarks += _fast(found.upper)
     return tuple(remarks)
-
-
-def timing_remarks(cell: Cell, motion: CoordinatedMotion, found: Callable[[], ScalingRange]) -> tuple[Remark, ...]:
-    """Those that hold as well where the speed varies along the path, from rest to rest and at its fastest.
-
-    Args:
-        cell: The cell.
-        motion: Its motion, as given.
-        found: Finds the range of c², which is asked for only where accelerations look like noise.
-    """
-    return (*given_remarks(cell, motion), *_rough(cell, motion, found))
 
 
 def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
@@ -111,19 +77,6 @@ def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
         remarks: Of the motion.
     """
     return tuple(remark for remark in remarks if remark.code not in OF_CONSTANT_FACTOR)
-
-
-def _rough(cell: Cell, motion: CoordinatedMotion, found: Callable[[], ScalingRange]) -> list[Remark]:
-    """Accelerations like noise where they set the range, or else single jumps of velocity."""
-    seen = _SEEN.get(motion)
-    if seen is None:
-        jumping, jump = _jumps(motion)
-        seen = _SEEN[motion] = _Roughness(jumping, jump, _noisy_joint(motion, many_jumps=jumping > MOST_JUMPS))
-    if seen.noisy is not None:
-        told = found()
-        if told.status.admits_motion and told.upper is not None and _set_by_torques(told.upper):
-            return [_noise(cell, motion, told.upper, seen.noisy)]
-    return [_jump(cell, motion, *seen.jump)] if seen.jump is not None and seen.jumping <= MOST_JUMPS else []
 
 
 def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
@@ -147,45 +100,40 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
     return remarks
 
 
-def _jumps(motion: CoordinatedMotion) -> tuple[int, tuple[int, int, float] | None]:
-    """At how many inner samples velocities step as no smooth motion's do, and sample, joint and size of the largest."""
-    q, time = motion.q, motion.object.time
-    velocity = (q[1:] - q[:-1]) / (time[1:] - time[:-1])[:, None]
-    step = np.abs(velocity[1:] - velocity[:-1])
+def _rough(cell: Cell, motion: CoordinatedMotion, find: Callable[[], ScalingRange]) -> list[Remark]:
+    """Accelerations like noise where they set the range, or else single jumps of velocity."""
+    if motion.samples < FEWEST_SAMPLES:
+        return []
+    jumps = _velocity_jumps(motion)
+    jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
+    noise = noise_share(motion.ddq)
+    largest = np.max(np.abs(motion.ddq), axis=0)
+    noise[largest < SIGNIFICANT * np.max(largest)] = 0.0
+    joint = int(np.argmax(noise))
+    if noise[joint] >= NOISY or jumping > MOST_JUMPS:
+        found = find()
+        if found.status.admits_motion and found.upper is not None and _set_by_torques(found.upper):
+            return [_noise(cell, motion, found.upper, joint)]
+    if not 0 < jumping <= MOST_JUMPS:
+        return []
+    place, joint = (int(index) for index in np.unravel_index(int(np.argmax(jumps)), jumps.shape))
+    text = (
+        f"the motion jumps at t = {motion.object.time[place + 1]:.4g} s (sample {place + 1}): the velocity of "
+        f"{_joint_names(cell)[joint]} changes there by {jumps[place, joint]:.3g} {_unit(cell, joint)}/s from one "
+        f"sample to the next, more than {JUMP:g} times what it does around it. Check that row of the table."
+    )
+    return [Remark("jump", text, place + 1)]
+
+
+def _velocity_jumps(motion: CoordinatedMotion) -> Array:
+    """Steps of joint velocities at inner samples that no smooth motion takes, zero elsewhere, Shape (N - 2, m)."""
+    step = np.abs(np.diff(np.diff(motion.q, axis=0) / np.diff(motion.object.time)[:, None], axis=0))
     least = LEAST_STEP * np.max(np.abs(motion.dq), initial=0.0)
-    if motion.samples < FEWEST_SAMPLES or not np.any(step > least):
-        return 0, None
     around = np.zeros_like(step)
     for distance in range(2, NEIGHBOURS + 1):
         around[distance:] = np.maximum(around[distance:], step[:-distance])
         around[:-distance] = np.maximum(around[:-distance], step[distance:])
-    jumps = np.where((step > JUMP * around) & (step > least), step, 0.0)
-    jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
-    place, joint = (int(index) for index in np.unravel_index(int(np.argmax(jumps)), jumps.shape))
-    return jumping, (place + 1, joint, float(jumps[place, joint])) if jumping else None
-
-
-def _jump(cell: Cell, motion: CoordinatedMotion, sample: int, joint: int, size: float) -> Remark:
-    """The largest of them."""
-    text = (
-        f"the motion jumps at t = {motion.object.time[sample]:.4g} s (sample {sample}): the velocity of "
-        f"{_joint_names(cell)[joint]} changes there by {size:.3g} {_unit(cell, joint)}/s from one "
-        f"sample to the next, more than {JUMP:g} times what it does around it. Check that row of the table."
-    )
-    return Remark("jump", text, sample)
-
-
-def _noisy_joint(motion: CoordinatedMotion, *, many_jumps: bool) -> int | None:
-    """The joint whose accelerations change most from sample to sample like noise; None if none do."""
-    if motion.samples < FEWEST_SAMPLES:
-        return None
-    largest = largest_sizes(motion.ddq)
-    if not many_jumps and not _may_be_noisy(motion.ddq, largest):
-        return None
-    share = noise_share(motion.ddq)
-    share[largest < SIGNIFICANT * np.max(largest)] = 0.0
-    joint = int(np.argmax(share))
-    return None if share[joint] < NOISY and not many_jumps else joint
+    return np.where((step > JUMP * around) & (step > least), step, 0.0)
 
 
 def _set_by_torques(end: RangeEnd) -> bool:
@@ -206,45 +154,20 @@ def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, joint: int) -> 
 def noise_share(values: Array) -> Array:
     """Standard deviation of what is noise, as a share of the largest value, Shape (k,).
 
+    Fourth differences leave nothing of a smooth motion, and the lower quartile of their sizes nothing of few corners;
+    those of every second sample, every fourth and so on count too, as there may be many between the rows of a table.
+
     Args:
         values: Shape (N, k), N at least `FEWEST_SAMPLES`.
     """
-    size = np.zeros(values.shape[1])
-    for differences in _fourth_differences(values):
-        sizes, place = np.abs(np.ascontiguousarray(differences.T)), len(differences) // 4
-        sizes.partition(place)
-        size = np.maximum(size, sizes[:, place])
-    largest = largest_sizes(values)
-    return np.asarray(size / NORMAL_DIFFERENCE / np.where(largest > 0, largest, 1.0))
-
-
-def _may_be_noisy(values: Array, largest: Array) -> bool:
-    """Whether the share of noise may reach `NOISY`: of squares the lower quartile is at most 4/3 of the mean.
-
-    Args:
-        values: As in `noise_share`.
-        largest: Of them, Shape (k,).
-    """
-    least = 3 / 4 * (NOISY * NORMAL_DIFFERENCE * largest) ** 2
-    least[largest == 0] = np.inf
-    return any(
-        np.any(np.ones(len(differences)) @ (differences * differences) >= least * len(differences))
-        for differences in _fourth_differences(values)
-    )
-
-
-def _fourth_differences(values: Array) -> Iterator[Array]:
-    """Of every sample, every second and so on, each Shape (…, k): between rows of a table there may be many samples.
-
-    They leave nothing of a smooth motion, and the lower quartile of their sizes nothing of few corners.
-    """
-    stride = 1
+    size, stride = np.zeros(values.shape[1]), 1
     while len(values) >= FEWEST_SAMPLES * stride:
-        differences = values[::stride]
-        for _ in range(4):
-            differences = differences[1:] - differences[:-1]
-        yield differences
+        differences = np.abs(np.diff(values[::stride], 4, axis=0))
+        place = len(differences) // 4
+        size = np.maximum(size, np.partition(differences, place, axis=0)[place])
         stride *= 2
+    largest = np.max(np.abs(values), axis=0)
+    return np.asarray(size / NORMAL_DIFFERENCE / np.where(largest > 0, largest, 1.0))
 
 
 def _fast(end: RangeEnd) -> list[Remark]:
@@ -266,18 +189,12 @@ def interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRa
         bare: Its range at the given samples.
         finer: Its range with those that were added.
     """
-    course = motion.object.course
-    if isinstance(course, Geodesic | WaypointPath) or bare.upper is None or not np.isfinite(bare.upper.c2):
+    if bare.upper is None or not np.isfinite(bare.upper.c2):
         return ()
+    high = bare.upper.c2
     least = 0.0 if finer.upper is None or not finer.status.admits_motion else finer.upper.c2
-    if least >= bare.upper.c2 * (1 - REMARKED):
-        return ()
-    text = (
-        f"between the given samples the motion is the spline that mrts lays through them, known only as well as they "
-        f"are: there c²⁺ is {100 * (1 - least / bare.upper.c2):.2g} % less than {bare.upper.c2:.4g} at the samples. "
-        "Where that matters, give more of them."
-    )
-    return (Remark("between-samples", text),)
+    lost = 1 - least / high
+    return _of_spline(motion, lost, f": there c²⁺ is {100 * lost:.2g} % less than {high:.4g} at the samples")
 
 
 def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) -> tuple[Remark, ...]:
@@ -288,12 +205,17 @@ def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) ->
         bare: Duration with limits kept at the given samples [s].
         finer: With those that were added [s].
     """
-    if isinstance(motion.object.course, Geodesic | WaypointPath) or finer <= bare * (1 + REMARKED):
+    lost = finer / bare - 1
+    told = f": limits kept there too make the timing {100 * lost:.2g} % longer than {bare:.4g} s"
+    return _of_spline(motion, lost, told)
+
+
+def _of_spline(motion: CoordinatedMotion, lost: float, told: str) -> tuple[Remark, ...]:
+    if isinstance(motion.object.course, Geodesic | WaypointPath) or lost <= REMARKED:
         return ()
     text = (
-        f"between the given samples the motion is the spline that mrts lays through them, known only as well as they "
-        f"are: limits kept there too make the timing {100 * (finer / bare - 1):.2g} % longer than {bare:.4g} s. Where "
-        "that matters, give more of them."
+        "between the given samples the motion is the spline that mrts lays through them, known only as well as they "
+        f"are{told}. Where that matters, give more of them."
     )
     return (Remark("between-samples", text),)
 

@@ -13,8 +13,8 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.limits.rows import ActiveRow, Side
 from mrts.program.range_status import RangeStatus
-from mrts.program.sample_ranges import MOST_INTERVALS, POINT_TOLERANCE, SampleRanges, first_least
-from mrts.scaling.result_tables import range_ends
+from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
+from mrts.program.speed_intervals import MOST_INTERVALS
 
 if TYPE_CHECKING:
     from mrts.program.constant_rates import RatedFactors, RatesAtEnd
@@ -93,7 +93,13 @@ class ScalingRange(InNotebooks):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Both ends and what sets them."""
-        yield range_ends(self)
+        rows = []
+        for name, end in (("c²⁺", self.upper), ("c²⁻", self.lower)) if self.status.admits_motion else ():
+            if end is not None:
+                speed = f"{np.sqrt(max(end.c2, 0.0)):.4g} ×" if np.isfinite(end.c2) else "∞"
+                place = "nothing limits it" if end.time is None else end.place()
+                rows.append((name, f"{end.c2:.6g}" if np.isfinite(end.c2) else "∞", speed, place))
+        yield NotebookTable(("end", "c²", "speed", "set"), rows)
 
     def notebook_words(self) -> list[str]:
         """The outcome."""

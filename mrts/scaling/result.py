@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: MIT
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
-import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, as_path, check_callable
+from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import SolverError
+from mrts.base.json_output import JsonOutput
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
@@ -21,17 +19,16 @@ from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import squared_limits
+from mrts.limits import limit_rows
 from mrts.program.excess import Excess
 from mrts.program.motor_terms import motor_terms
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import PlanReserve, plan_reserve
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.scaling.limit_use import LimitUse, found_limit_uses, largest_step, limit_uses, rate_uses
+from mrts.scaling.limit_use import LimitUse, found_limit_uses, largest_step, limit_tables, limit_uses, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
-from mrts.scaling.result_tables import limit_tables, result_rows
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 if TYPE_CHECKING:
@@ -63,7 +60,7 @@ class Residuals(InNotebooks):
 
 
 @dataclass(frozen=True, repr=False)
-class ScalingResult(InNotebooks):
+class ScalingResult(InNotebooks, JsonOutput):
     """What `mrts.scale` found.
 
     Attributes:
@@ -114,14 +111,20 @@ class ScalingResult(InNotebooks):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Range and chosen speed, then what is made of each limited quantity."""
-        yield NotebookTable(("", ""), list(result_rows(self)))
-        for title, rows in limit_tables(self):
-            yield NotebookTable((title, "least", "largest", "used", "limits"), rows)
+        rows = [("outcome", self.status.value)]
+        if self.status.admits_motion:
+            rows.append(("range of c²", self.range.text()))
+        if self.trajectory is not None:
+            given = self.motion.object.time[-1]
+            rows.append(("chosen c²", f"{self.c2:.4g}"))
+            rows.append(("duration", f"{self.duration:.4g} s, as given {given:.4g} s"))
+        yield NotebookTable(("", ""), rows)
+        yield from limit_tables(self)
 
     @cached_property
     def limit_uses(self) -> tuple[LimitUse, ...]:
         """What the trajectory makes of each quantity that can be limited; nothing without a trajectory."""
-        return () if self.trajectory is None else found_limit_uses(self.cell, self.trajectory)
+        return found_limit_uses(self)
 
     @property
     def status(self) -> RangeStatus:
@@ -323,22 +326,8 @@ class ScalingResult(InNotebooks):
             "reserve": self.reserve and self.reserve.to_json(),
             "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
             "excess": self.excess and self.excess.to_json(),
-            "rates": [use.to_json() for use in rate_uses(self.trajectory, self.options.rates)]
-            if self.trajectory
-            else [],
+            "rates": [use.rate_json() for use in rate_uses(self)],
         }
-
-    def json_text(self) -> str:
-        """`to_json` as text."""
-        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
-
-    def write_json(self, path: Path | str) -> None:
-        """Write `json_text` to a file, whole or not at all.
-
-        Raises:
-            InputError: If the file cannot be written.
-        """
-        write_text_atomically(as_path("path", path), self.json_text() + "\n")
 
 
 def fallbacks_text(count: int) -> str:
@@ -364,7 +353,7 @@ def kept_text(reserve: float, warnings: Iterable[Remark] = ()) -> str:
 
 def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
     """Largest excess over a limit, as a share of it."""
-    rows, worst = squared_limits(cell, done.motion).given, 0.0
+    rows, worst = limit_rows(cell, done.motion), 0.0
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)
         here = rows.at(part)

@@ -23,12 +23,13 @@ from mrts.program.excess import BETWEEN
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict, conflicts_at
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.motion_widening import motion_widening
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
-from mrts.program.search import Asked, Refinement, refine
+from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.loads import range_at_samples, ranges_of_load
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
@@ -147,7 +148,7 @@ def chosen_factor(
     """
     result, refinement = admissible_range(cell, motion, options, progress)
     result, factors = within_rate_limits(result)
-    remarks, own = motion_remarks(cell, motion, result.range), motion.object.time
+    remarks, own = motion_remarks(cell, motion, lambda: result.range, constant=True), motion.object.time
     remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(result.motion.object.time, own))
     result = replace(result, warnings=remarks + result.warnings)
     if not result.status.admits_motion or options.load == "possible":
@@ -188,8 +189,8 @@ def admissible_range(
     """
     sharing, formulation, tolerance = options.sharing, options.formulation, options.between
 
-    def result(path: CoordinatedMotion) -> ScalingResult:
-        found, study = range_at_samples(cell, path, options, progress)
+    def result(path: CoordinatedMotion, rows: MotionRows) -> ScalingResult:
+        found, study = range_at_samples(cell, path, options, progress, rows=rows)
         return ScalingResult(
             cell=cell,
             motion=path,
@@ -201,7 +202,8 @@ def admissible_range(
             options=options,
         )
 
-    first = result(motion)
+    rows = motion_rows(cell, motion)
+    first = result(motion, rows)
     given = first.range
     prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
     if tolerance is None or options.load == "possible" or prescribed or not given.status.admits_motion:
@@ -210,18 +212,22 @@ def admissible_range(
     assert given.lower is not None and given.upper is not None  # noqa: S101, PT018 (the range admits motion)
     high = given.upper.c2
 
-    def ranges(path: CoordinatedMotion) -> SampleRanges:
+    def ranges(path: CoordinatedMotion, there: MotionRows) -> SampleRanges:
         if options.load == "nominal":
-            return ranges_of_load(cell, path, options, None, high)
-        return range_at_samples(cell, path, options, high=high)[0].samples
+            return ranges_of_load(cell, path, options, None, high, there)
+        return range_at_samples(cell, path, options, high=high, rows=there)[0].samples
 
-    def widening(path: CoordinatedMotion, places: NDArray[np.intp], loads: Array | None, c2: Array) -> Array:
-        return motion_widening(cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places)
+    def widening(
+        path: CoordinatedMotion, there: MotionRows, places: NDArray[np.intp], loads: Array | None, c2: Array
+    ) -> Array:
+        return motion_widening(
+            cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places, rows=there
+        )
 
-    refined = refine(cell, motion, given.samples, (given.lower.c2, high), Asked(ranges, widening), tolerance)
+    refined = refine(cell, (motion, rows), given.samples, (given.lower.c2, high), ranges, widening, tolerance)
     if refined.motion is motion:
         return first, refined
-    finer = result(refined.motion)
+    finer = result(refined.motion, motion_rows(cell, refined.motion))
     return replace(finer, warnings=interpolated(motion, given, finer.range)), refined
 
 

@@ -14,7 +14,7 @@ from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.cell.motors.joint_duty import JointDuty, joint_duty
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.torque_limits import torque_limits
+from mrts.limits.cell_limits import torque_limits
 from mrts.program.motor_terms import motor_terms
 
 

@@ -13,7 +13,6 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_widening import motion_widening
-from mrts.program.rate_limits import RateLimits
 from mrts.program.reserve import TORQUES
 from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
 from mrts.scaling.limit_use import rate_uses
@@ -21,16 +20,16 @@ from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
-OVERRATED = "above-rated"
+EXCEEDS_RATED_TORQUE = "above-rated"
 """Code of the remark on torques that a motor does not bear for ever."""
 
-HASTY = "rate-passed"
+EXCEEDS_RATE_LIMIT = "rate-passed"
 """Code of the remark on rates that pass their limit, which nothing keeps."""
 
 STEPS = "step-at-ends"
 """Code of the remark on torques that must jump where a motion starts or ends, whatever its speed."""
 
-OF_TORQUES = (OVERRATED, HASTY, STEPS)
+OF_TORQUES = (EXCEEDS_RATED_TORQUE, EXCEEDS_RATE_LIMIT, STEPS)
 """Codes of remarks that are found again with other torques."""
 
 RATE_TOLERANCE = 1e-6
@@ -63,14 +62,11 @@ def with_torques(result: ScalingResult, given: tuple[Array, Array] | None = None
 
         torque, wrench, fallbacks = *torques_within_rates(cell, motion, options.sharing, options.rates, c2, W), 0
     holding, unheld = _holding(cell, motion, options)
-    done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
-    return replace(
-        result,
-        trajectory=done,
-        fallbacks=result.fallbacks + fallbacks,
-        warnings=tuple(dict.fromkeys(before + unheld + _overrated(done) + _hasty(done, options.rates))),
-    ).checked()
+    done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
+    result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
+    told = before + unheld + _overrated(done) + _fast_rates(result)
+    return replace(result, warnings=tuple(dict.fromkeys(told))).checked()
 
 
 def distributed_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2: float) -> tuple[Array, Array, int]:
@@ -151,29 +147,29 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
         f"for ever ('rated'{also}): repeated without a pause it overheats. Pause without the load, or carry "
         "less; to play the motion slower saves only what its accelerations take."
     )
-    return (Remark(OVERRATED, text),)
+    return (Remark(EXCEEDS_RATED_TORQUE, text),)
 
 
-def _hasty(done: ScaledTrajectory, kept: RateLimits | None) -> tuple[Remark, ...]:
+def _fast_rates(result: ScalingResult) -> tuple[Remark, ...]:
     """What to say of rates that are above their limits, at the samples or where the motion starts and ends."""
-    if kept is not None:
-        return _steps_at_ends(done)
-    passed = [use for use in rate_uses(done, None) if use.share > 1 + RATE_TOLERANCE]
+    if result.options.rates is not None:
+        return _steps_at_ends(result.motion)
+    passed = [use for use in rate_uses(result) if use.share > 1 + RATE_TOLERANCE]
     if not passed:
         return ()
     worst, *others = passed
     also = f"; {len(others)} more pass theirs" if others else ""
     text = (
-        f"{worst.name} reaches {worst.largest:.4g} {worst.name.unit} at t = {worst.time:.4g} s, "
+        f"{worst.name} reaches {worst.size:.4g} {worst.name.unit} at t = {worst.time:.4g} s, "
         f"{100 * worst.share:.0f} % of its limit{also}. Rates are reported only; --rates keeps them, at a speed that "
         "varies --profile smooth (in Python rates=True)."
     )
-    return (Remark(HASTY, text),)
+    return (Remark(EXCEEDS_RATE_LIMIT, text),)
 
 
-def _steps_at_ends(done: ScaledTrajectory) -> tuple[Remark, ...]:
+def _steps_at_ends(motion: CoordinatedMotion) -> tuple[Remark, ...]:
     """That a motion accelerates from standstill on, or until it stands."""
-    first, last = pushing_ends(done.motion.dq, done.motion.ddq)
+    first, last = pushing_ends(motion.dq, motion.ddq)
     if not (first or last):
         return ()
     where = " and ".join(word for word, pushes in (("starts", first), ("ends", last)) if pushes)

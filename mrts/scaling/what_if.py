@@ -19,7 +19,6 @@ from mrts.following.following_again import FollowedAgain, following_again
 from mrts.limits.rows import ActiveRow
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.range import ScalingRange
-from mrts.scaling.result_tables import changes_table
 from mrts.scaling.scale import within_rate_limits
 
 if TYPE_CHECKING:
@@ -170,7 +169,13 @@ class WhatIf(InNotebooks):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """What gains most, what loses most, what cannot be played."""
-        yield changes_table(self)
+        rows = [
+            (str(one.change), one.amount if one.after.duration is not None else one.after.status,
+             ", ".join(one.after.limits) or one.after.reason)
+            for group in self.sorted()
+            for one in group[:MOST_LOSSES]
+        ]  # fmt: skip
+        yield NotebookTable(("change", "effect", "then limited by"), rows)
 
     @property
     def without_effect(self) -> tuple[str, ...]:

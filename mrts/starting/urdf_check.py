@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What is wrong with one URDF, and what it says of its arms, before there is a cell."""
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
+from mrts.base.json_output import JsonOutput
 from mrts.base.remark import Remark, Severity
 from mrts.cell.remarks.assumptions import first_few
 from mrts.cell.remarks.unit_remarks import urdf_remarks
@@ -33,7 +33,7 @@ def is_urdf(path: Path) -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class UrdfCheck:
+class UrdfCheck(JsonOutput):
     """What `check_urdf` found.
 
     Attributes:
@@ -77,9 +77,9 @@ class UrdfCheck:
             yield from (f"  missing: {sentence}" for sentence in missing(arm))
         yield from map(str, self._told("warning"))
 
-    def json_text(self) -> str:
-        """All of it as JSON."""
-        told = {
+    def to_json(self) -> dict[str, Any]:
+        """All of it as JSON values."""
+        return {
             "status": self.status,
             "urdf": str(self.urdf),
             "mistakes": mistakes_json(self.mistakes),
@@ -89,7 +89,6 @@ class UrdfCheck:
             "hints": [remark.to_json() for remark in self._told("hint")],
             "warnings": [remark.to_json() for remark in self._told("warning")],
         }
-        return json.dumps(told, allow_nan=False, ensure_ascii=False)
 
     def _told(self, severity: Severity) -> list[Remark]:
         return [remark for remark in self.remarks if remark.severity == severity]

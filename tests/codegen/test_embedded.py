@@ -368,7 +368,7 @@ def test_text_from_a_urdf_cannot_leave_its_string(tmp_path):
     assert main(["export", str(tmp_path / "cell.yaml"), "-o", str(folder)]) == 0
     source = folder / "src/planar_dual_arm.c"
     run(tool("gcc", "gcc"), *WARNINGS, f"-I{folder}/include", "-c", source, "-o", tmp_path / "o")
-    text = (folder / "src/parts/settings.c").read_text()
+    text = (folder / "src/planar_dual_arm_tables.h").read_text()
     assert "el\\042bow\\134 \\052/" in text
     assert nasty not in text
 

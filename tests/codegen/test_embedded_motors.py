@@ -188,6 +188,57 @@ def test_horizons_and_loads_take_what_their_ranges_have_in_common(gapped):
     assert np.allclose((both.lower, both.upper), (np.max(ranges, axis=0)[0], np.min(ranges, axis=0)[1]), atol=0)
 
 
+def test_slower_intervals_are_found_below_a_cap(gapped):
+    library, cell, motion = gapped
+    feasible, high, statuses = slice(40, motion.samples - 1), np.inf, []
+    for _ in range(motion.samples):
+        desktop = motion_ranges(cell, motion, "wrench", None, DEFAULT_SOLVER, high=high)
+        lower, upper = desktop.lower[feasible].max(), desktop.upper[feasible].min()
+        if lower <= upper:
+            break
+        high = upper
+    for _ in range(motion.samples):
+        horizon, one = library.Horizon(), library.Range()
+        library.call("horizon_start", horizon)
+        for index in range(feasible.start, feasible.stop):
+            library.call(FREE, library.sample(motion, index), library.settings, one, library.workspace)
+            library.call("horizon_add", horizon, one)
+        statuses.append(horizon.status)
+        if horizon.status != EMPTY:
+            break
+        library.settings.most = horizon.upper
+    library.call("default_settings", library.settings)
+    assert (statuses[0], statuses[-1]) == (EMPTY, OK)
+    assert (horizon.lower, horizon.upper) == pytest.approx((lower, upper), rel=SAME_TORQUE, abs=SAME_TORQUE)
+
+
+def test_a_guaranteed_range_goes_down_to_slower_intervals(gapped):
+    library, _, motion = gapped
+    nominal, both, apart = list(library.settings.load), library.Range(), 0
+    for index, factor in ((index, factor) for index in range(55, 80) for factor in (0.5, 0.7, 1.2, 1.5, 2.0)):
+        sample, loads, ranges = library.sample(motion, index), (type(library.settings.load) * 2)(), []
+        for load, mass in zip(loads, (nominal[0], factor * nominal[0]), strict=True):
+            load[:] = library.settings.load[:] = [mass, *nominal[1:]]
+            ranges.append(library.range(sample)[1])
+        library.settings.load[:] = nominal
+        if not all(found.size for found in ranges):
+            continue
+        lower, upper = np.array(ranges)[:, 0].T
+        status = library.call(
+            "guaranteed_range", sample, library.settings, loads, 2, both, None, None, library.workspace
+        )
+        if lower.max() <= upper.min():
+            assert (both.lower, both.upper) == pytest.approx((lower.max(), upper.min()), rel=SAME_TORQUE)
+        elif status == OK:
+            apart += 1
+            assert both.upper <= upper.min()
+            for load in loads:
+                library.settings.load[:] = list(load)
+                assert library.torques(sample, both.upper)[0] == OK
+            library.settings.load[:] = nominal
+    assert apart
+
+
 def terms_of(library, sample):
     """Terms of a sample by name."""
     joints, part, wrenches = (library.sizes[name] for name in ("JOINTS", "WRENCH", "WRENCHES"))

@@ -87,7 +87,7 @@ def test_another_number_of_a_cell_file_needs_no_generation(tmp_path, monkeypatch
 
     first = read()
     monkeypatch.setattr("mrts_codegen.generate.generate_chains", None)
-    monkeypatch.setattr("mrts.kernel.compiled_cache.compile_library", None)
+    monkeypatch.setattr("mrts.kernel.compiler.compile_library", None)
     description["name"] = "another"
     description["gravity"] = [0.0, -1.6, 0.0]
     description["robots"][0]["base"] = {"xyz": [0.05, 0.1, 0.0], "rpy": [0.0, 0.0, 0.2]}

@@ -17,13 +17,12 @@ from random_programs import cell_programs, hard_programs
 
 import mrts
 from mrts.kernel.c_text import programs_source
-from mrts.kernel.compiled_cache import library_in_cache
-from mrts.kernel.compiler import find_compiler
+from mrts.kernel.compiler import find_compiler, library_in_cache
 from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_programs
 from mrts.program.convex_program import ConvexPrograms, optimality_error
+from mrts.program.motion_rows import motion_rows
 from mrts.program.solvers import solve_programs
-from mrts.program.trajectory_programs import compiled_trajectory
 
 LINEAR_PROGRAMS = 34_000
 
@@ -246,12 +245,12 @@ def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch
         result = mrts.scale(cell, motion)
         assert result.fallbacks == 0
         timed = mrts.retime(cell, motion, between=None)
-        fast = compiled_trajectory(cell.without_velocity_limits(), motion, "wrench", None, "kernel")
+        rows = motion_rows(cell.without_velocity_limits(), motion)
         ends = cell.library.ranges(
             motion.samples,
             motion.inputs(cell.load) | {"geometry": cell.geometry},
-            fast.sparse(),
-            fast.terms(),
+            rows.sparse,
+            rows.terms(),
             np.full(motion.samples, np.inf),
         )
         results.append(

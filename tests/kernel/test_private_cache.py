@@ -14,8 +14,7 @@ from conftest import DATA, ROOT
 import mrts
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel.cache_folder import cache_folder, only_ours
-from mrts.kernel.compiled_cache import library_in_cache
-from mrts.kernel.compiler import find_compiler
+from mrts.kernel.compiler import find_compiler, library_in_cache
 
 pytestmark = pytest.mark.quick
 

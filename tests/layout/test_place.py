@@ -17,7 +17,7 @@ import mrts
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.layout.layout_search import LayoutSearch
 from mrts.layout.place import SEED
-from mrts.limits.velocity_limits import velocity_limits
+from mrts.limits.cell_limits import velocity_limits
 from mrts.studies.sampling import sample_points
 from mrts.studies.spreads import Range
 

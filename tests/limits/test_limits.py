@@ -9,10 +9,9 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits.rows import LimitRows
-from mrts.limits.squared_rows import binds, squared
 from mrts.output.embedded_limits import embedded_limits
 from mrts.output.summary_lines import scaling_lines
-from mrts.program.range_ends import cap_codes
+from mrts.program.motion_rows import binds, squared
 from mrts.report.page import report_html
 from mrts.scaling.limit_use import limit_uses
 from mrts.viewer.player_state import PlayerState
@@ -213,15 +212,14 @@ def test_limits_of_the_speed_alone_are_squared_exactly():
         wrench_matrix=np.zeros((count, 3)),
         speed=rng.normal(size=(samples, count)) * (rng.random((samples, count)) < 0.8),
     )
-    form = squared(given)
+    form = squared(given, samples)
     none = np.zeros((samples, 2)), np.zeros((samples, 3))
     for speed in rng.uniform(0, 3, 50):
         inside = given.excess(given.value(*none, 0.0, speed)) <= 0
         np.testing.assert_array_equal(form.rows.excess(form.rows.value(*none, 0.0, speed)) <= 0, inside)
-        cap = form.caps(samples)
-        np.testing.assert_array_equal(speed**2 <= cap.largest(), np.all(inside[:, form.is_cap], axis=1))
+        np.testing.assert_array_equal(speed**2 <= form.most, np.all(inside[:, form.is_cap], axis=1))
     assert 0 < np.count_nonzero(form.is_cap) < count
-    assert set(np.sign(cap_codes(given, cap)[binds(cap.share)])) == {-1, 1}
+    assert set(np.sign(form.cap_code[binds(form.cap_share)])) == {-1, 1}
 
 
 WRONG_ROWS = {

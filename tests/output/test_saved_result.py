@@ -17,7 +17,7 @@ from saved_files import contents
 import mrts
 from mrts.cli import main
 from mrts.figures import range_figure, trajectory_figure, write_figure
-from mrts.limits.torque_limits import torque_limits
+from mrts.limits.cell_limits import torque_limits
 from mrts.output.saved_json import Description
 from mrts.output.summary_lines import scaling_lines
 from mrts.output.trajectory_table import trajectory_csv

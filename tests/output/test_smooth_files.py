@@ -159,10 +159,10 @@ def test_the_command_line_writes_all_files_with_the_torques_of_one_load(tmp_path
 def test_lines_tell_what_changes_nearest_to_its_limit(smooth):
     lines = list(retiming_lines(smooth))
     for kind in ("torque rate", "wrench rate", "jerk"):
-        use = next(one for one in rate_uses(smooth.retimed.trajectory, smooth.smooth.rates) if one.name.kind == kind)
+        use = next(one for one in rate_uses(smooth.retimed) if one.name.kind == kind)
         (line,) = (line for line in lines if line.startswith(f"{use.name}: "))
         assert f"{100 * use.share:.3g} % of its limit" in line
-        assert f"of {use.limit:.4g} {use.name.unit}" in line
+        assert f"of {use.upper:.4g} {use.name.unit}" in line
 
 
 def test_json_has_the_profile_the_rates_and_the_bound(smooth, planar_cell, lift):

@@ -14,8 +14,8 @@ from motions_between import DENSE, KINDS, corner_of, dense_excess, draw
 import mrts
 from mrts.following.coordinate import coordinate
 from mrts.following.denser_motion import between_samples, denser
-from mrts.program.doubtful_gaps import doubtful_gaps
 from mrts.program.excess import BETWEEN
+from mrts.program.search import doubtful_gaps
 
 TURN = DATA.parent / "dual_ur5" / "lift_and_turn.yaml"
 DRAWN = int(os.environ.get("BETWEEN_MOTIONS", "10"))

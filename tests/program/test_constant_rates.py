@@ -55,7 +55,7 @@ def pushed(tmp_path):
 
 
 def shares(result):
-    return {use.name.kind: use.share for use in reversed(rate_uses(result.trajectory, result.options.rates))}
+    return {use.name.kind: use.share for use in reversed(rate_uses(result))}
 
 
 @pytest.mark.quick
@@ -259,7 +259,7 @@ def test_random_cells_against_an_independent_program(seed, tmp_path):
     c = result.trajectory.c
     assert c < free.trajectory.c
     assert oracle.excess(c * (1 - BISECTED)) < 0 < oracle.excess(c * (1 + BISECTED))
-    assert all(use.share <= 1 + KEPT for use in rate_uses(result.trajectory, result.options.rates))
+    assert all(use.share <= 1 + KEPT for use in rate_uses(result))
     assert result.range.upper.rows
     residuals = result.residuals()
     assert max(residuals.arms, residuals.object) < 1e-7 * np.max(np.abs(result.trajectory.torque))

@@ -47,14 +47,14 @@ def kept(planar_cell, lift):
 def test_rates_are_reported_and_bind_nothing(reported, lifted):
     assert reported.trajectory.c2 == lifted.trajectory.c2
     np.testing.assert_array_equal(reported.trajectory.torque, lifted.trajectory.torque)
-    uses = rate_uses(reported.trajectory, None)
+    uses = rate_uses(reported)
     done, worst = reported.trajectory, uses[0]
     assert [use.share for use in uses] == sorted((use.share for use in uses), reverse=True)
     assert len(uses) == 2 + 3 + 2
     by_name = {str(use.name): use for use in uses}
     elbow = by_name["left/shoulder torque rate"]
     rates = np.abs(np.diff(done.torque[:, 0])) / np.diff(done.time)
-    assert elbow.largest == np.max(rates)
+    assert elbow.size == np.max(rates)
     assert elbow.time == done.time[np.argmax(rates)]
     duty = done.duty["left"]
     for kind, values in (("torque rate", duty.torque_rate_share), ("jerk", duty.jerk_share)):
@@ -62,7 +62,7 @@ def test_rates_are_reported_and_bind_nothing(reported, lifted):
         np.testing.assert_allclose(found, [share for share in values if share > 0], rtol=1e-12)
     warning = next(one for one in reported.warnings if one.code == "rate-passed")
     assert worst.share > 1
-    assert f"{worst.name} reaches {worst.largest:.4g} {worst.name.unit}" in warning.text
+    assert f"{worst.name} reaches {worst.size:.4g} {worst.name.unit}" in warning.text
     assert f"{100 * worst.share:.0f} % of its limit" in warning.text
     assert "--rates keeps them, at a speed that varies --profile smooth" in warning.text
     assert any(
@@ -72,14 +72,11 @@ def test_rates_are_reported_and_bind_nothing(reported, lifted):
 
 def test_rates_that_are_kept_warn_of_nothing_but_steps_at_the_ends(kept, reported):
     assert kept.trajectory.c2 < reported.trajectory.c2
-    assert rate_uses(kept.trajectory, kept.options.rates)[0].share == pytest.approx(1, abs=1e-7)
+    assert rate_uses(kept)[0].share == pytest.approx(1, abs=1e-7)
     assert [one.code for one in kept.warnings] == ["step-at-ends"]
     assert "starts and ends at rest but accelerates there" in kept.warnings[0].text
     assert "They are kept" in rates_table(kept, limiting_rows(kept, None))[1]
-    assert all(
-        str(use.name) in rates_table(kept, limiting_rows(kept, None))[0]
-        for use in rate_uses(kept.trajectory, kept.options.rates)
-    )
+    assert all(str(use.name) in rates_table(kept, limiting_rows(kept, None))[0] for use in rate_uses(kept))
 
 
 def test_a_quintic_profile_has_no_step_at_its_ends(planar_cell, lift):
@@ -112,7 +109,7 @@ def test_a_range_that_rates_leave_empty_is_saved(planar_cell, lift, tmp_path, li
     upper = lifted.range.upper
     empty = mrts.ScalingRange(mrts.ScalingStatus.EMPTY, upper, replace(upper, c2=1.0), lifted.range.samples)
     limits = mrts.scale(planar_cell, lift, rates=100.0).options
-    mrts.save_result(replace(lifted, found=empty, trajectory=None, rule=limits), tmp_path / "empty.npz")
+    mrts.save_result(replace(lifted, found=empty, c2=None, trajectory=None, options=limits), tmp_path / "empty.npz")
     again = mrts.load_result(tmp_path / "empty.npz")
     assert (again.range.status, again.range.lower, again.range.upper) == (empty.status, upper, replace(upper, c2=1.0))
 

@@ -12,8 +12,8 @@ from reference import ReferenceCell, highs_cost
 import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.kernel.programs import OPTIMAL, STOPPED
+from mrts.program.motion_rows import motion_rows
 from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
-from mrts.program.trajectory_programs import compiled_trajectory
 
 pytestmark = pytest.mark.quick
 
@@ -111,9 +111,9 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
     cell = CELLS[kind](dual_ur5).without_velocity_limits()
     given = yaml.safe_load((DATA.parent / "dual_ur5" / "lift_and_turn.yaml").read_text()) | {"samples": SAMPLES}
     motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
-    fast, inputs = compiled_trajectory(cell, motion, "wrench", None, "kernel"), motion.inputs(cell.load)
-    ends = fast.compiled.ranges(
-        SAMPLES, inputs | {GEOMETRY: cell.geometry}, fast.sparse(), fast.terms(1.0), np.full(SAMPLES, np.inf)
+    rows, inputs = motion_rows(cell, motion), motion.inputs(cell.load)
+    ends = cell.library.ranges(
+        SAMPLES, inputs | {GEOMETRY: cell.geometry}, rows.sparse, rows.terms(1.0), np.full(SAMPLES, np.inf)
     )
     share = rng.choice([0.9, 1.0, 1.2], p=[0.8, 0.1, 0.1], size=SAMPLES)
     c2 = ends.lower + share * (np.minimum(ends.upper, 10 * np.median(ends.upper)) - ends.lower)
@@ -126,8 +126,8 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
     def least(samples):
         some = {name: value[samples] if value.ndim > 1 else value for name, value in inputs.items()}
         here = some | {GEOMETRY: cell.geometry}
-        terms = fast.terms(1.0).at(samples)
-        return fast.compiled.torques(len(samples), here, fast.sparse(), terms, c2[samples], W, TORQUE_WIDENING)
+        terms = rows.terms(1.0).at(samples)
+        return cell.library.torques(len(samples), here, rows.sparse, terms, c2[samples], W, TORQUE_WIDENING)
 
     every = np.arange(SAMPLES)
     torque, wrench, status = least(every)

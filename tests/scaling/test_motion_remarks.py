@@ -13,7 +13,7 @@ from mrts.motion.object_courses import geodesic_motion, spline_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.report import report_html
-from mrts.scaling.motion_remarks import FEWEST_SAMPLES, NOISY, SIGNIFICANT, noise_share, timing_remarks
+from mrts.scaling.motion_remarks import noise_share
 
 pytestmark = pytest.mark.quick
 
@@ -127,49 +127,6 @@ def test_noise_is_measured():
     noisy = smooth + 0.2 * rng.normal(size=smooth.shape) * np.max(np.abs(smooth), axis=0)
     measured = noise_share(noisy) * np.max(np.abs(noisy), axis=0) / np.max(np.abs(smooth), axis=0)
     assert np.all((measured > 0.18) & (measured < 0.35))  # the largest of all strides, some of few samples
-
-
-@pytest.mark.parametrize("samples", [FEWEST_SAMPLES - 1, FEWEST_SAMPLES, FEWEST_SAMPLES + 1, 84, 301])
-def test_noise_near_what_counts_is_told_from_less(samples, planar_cell):
-    """What spares the quartiles of smooth accelerations never decides otherwise than they do."""
-    rng, time = np.random.default_rng(samples), np.linspace(0, 1, samples)
-    lift = mrts.follow_object(planar_cell, straight_lift(samples=samples))
-    slow, outcomes = mrts.scale(planar_cell, lift).range, []
-    for _ in range(120):
-        smooth = np.sin(rng.uniform(1, 9, 6) * time[:, None] + rng.uniform(0, 6, 6))
-        ddq = smooth + NOISY * 10 ** rng.uniform(-0.7, 0.7) * rng.normal(size=smooth.shape)
-        if rng.random() < 0.5:  # differences of one size, or none, which leave the least between mean and quartile
-            sides = np.where(np.arange(samples) % 2, 1, -1) * (np.arange(samples) >= rng.integers(samples // 4 + 1))
-            ddq = 1 + NOISY / 6 * rng.uniform(0.8, 1.3) * np.tile(sides[:, None], 6)
-        ddq *= 10 ** rng.uniform(-2, 2, 6) * (rng.random(6) < 0.9)
-        asked = []
-
-        def found(asked=asked):
-            asked.append(slow)
-            return slow
-
-        timing_remarks(planar_cell, replace(lift, ddq=ddq), found)
-        largest = np.max(np.abs(ddq), axis=0)
-        share = np.where(largest < SIGNIFICANT * np.max(largest), 0.0, noise_share(ddq))
-        assert bool(asked) == (samples >= FEWEST_SAMPLES and np.max(share) >= NOISY)
-        outcomes.append(bool(asked))
-    assert len({*outcomes}) == (2 if samples >= FEWEST_SAMPLES else 1)
-
-
-def test_what_is_kept_of_a_motion_serves_every_cell(planar_cell):
-    """Its jumps do not depend on the cell, and another motion of the same object has its own."""
-    lift = mrts.follow_object(planar_cell, straight_lift())
-    q = lift.q.copy()
-    q[50:] += lift.object.time[50:, None] - lift.object.time[50]
-    jumping, weak = replace(lift, q=q), planar_cell.with_load(3 * planar_cell.load)
-    for cell, motion, codes_told in (
-        (planar_cell, lift, []),
-        (planar_cell, jumping, ["jump"]),
-        (weak, jumping, ["jump"]),
-        (weak, lift, []),
-    ):
-        told = timing_remarks(cell, motion, lambda: pytest.fail("neither is noise"))
-        assert [remark.code for remark in told] == codes_told
 
 
 def test_a_factor_above_ten(planar_cell):

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from mrts.limits.torque_limits import torque_limits
+from mrts.limits.cell_limits import torque_limits
 
 
 def tenth(cell, motion):

@@ -3,9 +3,9 @@
  * The range of c^2 and the torques along a whole trajectory: the generated wrench form evaluated at each sample, its
  * rows put together, and the programs solved, each started from the answer at the sample before.
  */
-#include "lanes/forms.h"
+#include "lanes/lanes.h"
 #include "basis/kept_basis.h"
-#include "quadratic_programs.h"
+#include "least_torques.h"
 #include "speed_intervals.h"
 #include "trajectory.h"
 
@@ -251,9 +251,8 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
 /* What the torques of one sample are found with. */
 typedef struct {
     const mrts_limits *limits;
-    const double *weights;
+    mrts_weights weights;
     double widening;
-    int is_diagonal; /* the weights */
     mrts_form form;
     double *turned; /* memory for the wrenches in object axes */
     mrts_rows rows;
@@ -265,44 +264,13 @@ typedef struct {
 /* Torques and wrenches of one sample, whose form is there with what motors give; a status of mrts_qp. */
 static int mrts_torques_of_sample(mrts_torque_search *of, const double *rotation, const mrts_terms *terms, double c2,
                                   double *torque, double *wrench) {
-    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
-    double H[F * F + 1], g[F + 1], x[K], u[F + 1], column[K], weighted[M], at_rest[M], largest = 0;
-    mrts_form *form = &of->form;
-    mrts_rows *rows = &of->rows;
+    double work[MRTS_LEAST_TORQUES_WORK(MRTS_UNKNOWNS, MRTS_JOINTS)];
     of->active_count = -1;
-    if (!mrts_rows_of_form(rotation, of->limits, terms, of->turned, form, rows)) return MRTS_STOPPED;
-    mrts_fix_speed(K, of->limits, c2, of->widening, rows);
-    mrts_scale_columns(F, rows, column);
-    mrts_free_unknowns(F, rows);
-    for (int j = 0; j < F; ++j) {
-        for (int i = 0; i < M; ++i) form->torque_map[j * M + i] *= column[j];
-        for (int i = 0; i < N; ++i) form->wrench_map[j * N + i] *= column[j];
-    }
-    for (int i = 0; i < M; ++i) at_rest[i] = form->torque_map[F * M + i] * c2 + form->torque_offset[i];
-    for (int j = 0; j < F; ++j) {
-        const double *map = form->torque_map + j * M;
-        for (int i = 0; i < M; ++i) {
-            weighted[i] = of->is_diagonal ? of->weights[i * M + i] * map[i] : mrts_dot(M, of->weights + i * M, map);
-        }
-        g[j] = mrts_dot(M, weighted, at_rest);
-        for (int l = 0; l <= j; ++l) {
-            H[j * F + l] = H[l * F + j] = mrts_dot(M, weighted, form->torque_map + l * M);
-            if (MRTS_ABS(H[j * F + l]) > largest) largest = MRTS_ABS(H[j * F + l]);
-        }
-    }
-    if (largest > 0) {
-        for (int i = 0; i < F * F; ++i) H[i] /= largest;
-        for (int j = 0; j < F; ++j) g[j] /= largest;
-    }
-    const int status = mrts_qp(F, rows->count, H, rows->A, rows->lower, rows->upper, g, x, of->active, u, &of->active_count,
-                               of->qp_work, of->qp_iwork);
+    if (!mrts_rows_of_form(rotation, of->limits, terms, of->turned, &of->form, &of->rows)) return MRTS_STOPPED;
+    const int status = mrts_least_torques(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, of->limits, &of->weights, c2, of->widening,
+                                          &of->form, &of->rows, of->active, &of->active_count, torque, wrench, work,
+                                          of->qp_work, of->qp_iwork);
     if (status != MRTS_OPTIMAL) of->active_count = -1;
-    for (int i = 0; i < M; ++i) torque[i] = at_rest[i];
-    for (int i = 0; i < N; ++i) wrench[i] = form->wrench_map[F * N + i] * c2 + form->wrench_offset[i];
-    for (int j = 0; j < F; ++j) {
-        for (int i = 0; i < M; ++i) torque[i] += x[j] * form->torque_map[j * M + i];
-        for (int i = 0; i < N; ++i) wrench[i] += x[j] * form->wrench_map[j * N + i];
-    }
     return status;
 }
 
@@ -342,13 +310,14 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
     const double *arg[MRTS_INPUTS];
     mrts_forms forms;
-    mrts_torque_search search = {.limits = limits, .weights = weights, .widening = widening, .turned = turned};
+    mrts_torque_search search = {.limits = limits, .weights = {weights, MRTS_JOINTS + 1}, .widening = widening, .turned = turned};
     search.form = mrts_form_in(K, M, N, memory);
     search.qp_work = work + MRTS_ROWS_WORK(K, limits->rows);
     search.qp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
-    search.is_diagonal = 1;
     if (!mrts_rows_over(K, limits, work, iwork, &search.rows)) return 1;
-    for (int i = 0; i < M * M; ++i) search.is_diagonal &= i % (M + 1) == 0 || weights[i] == 0;
+    for (int i = 0; i < M * M; ++i) {
+        if (i % (M + 1) != 0 && weights[i] != 0) search.weights.apart = 0;
+    }
 #if MRTS_TORQUE_LANES
     mrts_torque_lanes lanes;
     lanes.program.weights = weights;

@@ -28,6 +28,13 @@ static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long s
     return here;
 }
 
+/* See trajectory.c. */
+MRTS_EXPORT void mrts_ranges_work(int rows, long long *reals, long long *ints);
+MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long long *stride, const mrts_limits *limits,
+                            const mrts_terms *terms, const double *most, double *low, double *high,
+                            unsigned char *low_status, unsigned char *high_status, double *effect, short *low_basis,
+                            short *high_basis, float *low_dual, float *high_dual, double *work, int *iwork);
+
 /* A row of a basis, 1 + row or -1 - row, as a row of the limits; the unknowns come after those. */
 static inline short mrts_row_of_limits(const mrts_limits *limits, const mrts_rows *rows, int code) {
     const int row = (code < 0 ? -code : code) - 1;

@@ -13,11 +13,9 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import SparseLimits
 from mrts.limits import limit_rows
+from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.limits.squared_rows import binds
-from mrts.limits.torque_limits import torque_limits
-from mrts.limits.velocity_limits import velocity_limits
-from mrts.limits.wrench_limits import wrench_limits
+from mrts.program.motion_rows import binds
 from mrts.studies.at_once.variant_numbers import LIMITS, VariantNumbers
 
 

@@ -32,10 +32,9 @@ class LoadedLibrary:
         moving = {"q": joints, "dq": joints, "ddq": joints, "rotation": 9, "twist": 6, "acceleration": 6}
         self.Sample = structure([*reals(moving), ("place", ctypes.c_int)])
         self.Range, self.Horizon = range_structures(self.sizes["UNKNOWNS"])
-        ends = re.search(r"_VELOCITIES \(\w+ \+ 2(?: \+ (\d+))?\)", text).group(1)
-        given = {"load": 10, "lower": limits, "upper": limits, "velocity": joints + 2 + int(ends or 0)}
+        given = {"load": 10, "lower": limits, "upper": limits, "velocity": joints + 2 + self.sizes["ENDS"]}
         given |= dict.fromkeys(("weight", "armature", "coulomb", "viscous"), joints)
-        self.settings = structure(reals(given | {"rest": 2, "slope": self.sizes["LINES"]}))()
+        self.settings = structure(reals(given | {"rest": 2, "slope": self.sizes["LINES"], "most": None}))()
         self.workspace = ctypes.create_string_buffer(BYTES)
         self.call("default_settings", self.settings)
         getattr(self.code, f"{self.name}_row_text").restype = ctypes.c_char_p

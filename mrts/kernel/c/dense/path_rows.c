@@ -2,7 +2,7 @@
  *
  * The rows along a path whose speed varies: over the free wrenches, the rate r'' and the square r'^2.
  */
-#include "../lanes/forms.h"
+#include "../lanes/lanes.h"
 #include "../trajectory.h"
 
 /* What the unknowns of a path are: the free wrenches, then the rate, then the square. */

@@ -4,7 +4,7 @@
  * keep them all show it: those of the sample before, moved so that the rows that bound them there still do. Where these do
  * not, the nearest that do are looked for, and where there are none a linear program finds the least widening.
  */
-#include "../lanes/forms.h"
+#include "../lanes/lanes.h"
 #include "../quadratic_programs.h"
 #include "../trajectory.h"
 
@@ -113,25 +113,6 @@ static void mrts_dense_passed(const mrts_dense_lanes *at, const mrts_lanes *free
     }
 }
 
-/* Solves G y = b, G symmetric and positive definite, by its factors L D L', which G then holds; `again` takes them. What is
- * not definite gives no numbers, or none of worth. */
-static void mrts_dense_solve(int m, mrts_lanes *G, mrts_lanes *b, int again) {
-    for (int j = 0; j < m && !again; ++j) {
-        for (int i = j + 1; i < m; ++i) {
-            const mrts_lanes factor = G[i * m + j] / G[j * m + j];
-            for (int l = j + 1; l <= i; ++l) G[i * m + l] -= factor * G[l * m + j];
-        }
-        for (int i = j + 1; i < m; ++i) G[i * m + j] /= G[j * m + j];
-    }
-    for (int i = 0; i < m; ++i) {
-        for (int l = 0; l < i; ++l) b[i] -= G[i * m + l] * b[l];
-    }
-    for (int i = m - 1; i >= 0; --i) {
-        b[i] /= G[i * m + i];
-        for (int l = i + 1; l < m; ++l) b[i] -= G[l * m + i] * b[l];
-    }
-}
-
 static void mrts_dense_bound(const mrts_dense_lanes *at, const mrts_wrenches_before *known, mrts_lanes *free) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
     const int m = known->count;
@@ -166,7 +147,9 @@ static void mrts_dense_bound(const mrts_dense_lanes *at, const mrts_wrenches_bef
             y[j] = limit[j];
             for (int l = 0; l < F; ++l) y[j] -= A[j * F + l] * step[l];
         }
-        mrts_dense_solve(m, G, y, pass);
+        if (pass == 0) mrts_lane_cholesky(m, G, G);
+        mrts_lane_forward(m, G, y);
+        mrts_lane_backward(m, G, y);
         for (int l = 0; l < F; ++l) {
             for (int j = 0; j < m; ++j) step[l] += A[j * F + l] * (known->scale[l] * known->scale[l]) * y[j];
         }

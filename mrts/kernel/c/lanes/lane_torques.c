@@ -27,39 +27,6 @@ static void mrts_lane_fix_speed(const mrts_limits *limits, mrts_lanes c2, mrts_l
     for (int i = 0; i < N; ++i) program->wrench[F * N + i] = program->wrench[F * N + i] * c2 + program->wrench[K * N + i];
 }
 
-/* H = L L'; what is not definite gives no numbers. */
-static void mrts_lane_cholesky(int k, const mrts_lanes *H, mrts_lanes *L) {
-    for (int j = 0; j < k; ++j) {
-        for (int i = j; i < k; ++i) {
-            mrts_lanes sum = H[i * k + j];
-            for (int l = 0; l < j; ++l) sum -= L[i * k + l] * L[j * k + l];
-            if (i == j) {
-                for (int lane = 0; lane < MRTS_LANES; ++lane) sum[lane] = MRTS_SQRT(sum[lane]);
-                L[j * k + j] = 1 / sum;
-            } else {
-                L[i * k + j] = sum * L[j * k + j];
-            }
-        }
-    }
-}
-
-/* b of L b = b, and of L' b = b. */
-static void mrts_lane_forward(int k, const mrts_lanes *L, mrts_lanes *b) {
-    for (int i = 0; i < k; ++i) {
-        mrts_lanes sum = b[i];
-        for (int l = 0; l < i; ++l) sum -= L[i * k + l] * b[l];
-        b[i] = sum * L[i * k + i];
-    }
-}
-
-static void mrts_lane_backward(int k, const mrts_lanes *L, mrts_lanes *b) {
-    for (int i = k - 1; i >= 0; --i) {
-        mrts_lanes sum = b[i];
-        for (int l = i + 1; l < k; ++l) sum -= L[l * k + i] * b[l];
-        b[i] = sum * L[i * k + i];
-    }
-}
-
 MRTS_LOCAL void mrts_lane_programs(const mrts_lanes *const *arg, const mrts_limits *limits, const mrts_terms *terms,
                                              const long long *at, const mrts_lanes *c2, mrts_lane_program *program) {
     enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };

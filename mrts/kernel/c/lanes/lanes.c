@@ -55,7 +55,37 @@ MRTS_LOCAL void mrts_lane_form(const mrts_lanes *const *arg, mrts_lanes *const *
     MRTS_WRENCH_FORM_LANES(arg, sines, res);
 }
 
-/* A term of each sample, of those of all samples one after the other, `size` each. */
+MRTS_LOCAL void mrts_lane_cholesky(int k, const mrts_lanes *H, mrts_lanes *L) {
+    for (int j = 0; j < k; ++j) {
+        for (int i = j; i < k; ++i) {
+            mrts_lanes sum = H[i * k + j];
+            for (int l = 0; l < j; ++l) sum -= L[i * k + l] * L[j * k + l];
+            if (i == j) {
+                for (int lane = 0; lane < MRTS_LANES; ++lane) sum[lane] = MRTS_SQRT(sum[lane]);
+                L[j * k + j] = 1 / sum;
+            } else {
+                L[i * k + j] = sum * L[j * k + j];
+            }
+        }
+    }
+}
+
+MRTS_LOCAL void mrts_lane_forward(int k, const mrts_lanes *L, mrts_lanes *b) {
+    for (int i = 0; i < k; ++i) {
+        mrts_lanes sum = b[i];
+        for (int l = 0; l < i; ++l) sum -= L[i * k + l] * b[l];
+        b[i] = sum * L[i * k + i];
+    }
+}
+
+MRTS_LOCAL void mrts_lane_backward(int k, const mrts_lanes *L, mrts_lanes *b) {
+    for (int i = k - 1; i >= 0; --i) {
+        mrts_lanes sum = b[i];
+        for (int l = i + 1; l < k; ++l) sum -= L[l * k + i] * b[l];
+        b[i] = sum * L[i * k + i];
+    }
+}
+
 MRTS_LOCAL mrts_lanes mrts_term(const double *all, const long long *at, int size, int place) {
     mrts_lanes value = mrts_each(0);
     for (int lane = 0; all && lane < MRTS_LANES; ++lane) value[lane] = all[at[lane] * size + place];
@@ -139,18 +169,6 @@ MRTS_LOCAL void mrts_lane_rows_of(const mrts_lanes *const *arg, const mrts_limit
 #define MRTS_TAKE_PIVOT(k, c, row, side, B) (void)(side)
 #define MRTS_IS_NONE(value) 0
 #include "../basis/kept_basis.inc"
-#undef MRTS_STATIC
-#undef MRTS_V
-#undef MRTS_V_OF
-#undef MRTS_MASK
-#undef MRTS_ALL
-#undef MRTS_CHOOSE
-#undef MRTS_BOTH
-#undef MRTS_LARGER
-#undef MRTS_SIZE_OF
-#undef MRTS_OF
-#undef MRTS_TAKE_PIVOT
-#undef MRTS_IS_NONE
 
 MRTS_LOCAL void mrts_lane_end(const mrts_lane_rows *rows, double sign, const int *basis, mrts_lanes *x,
                                         mrts_lanes *y, mrts_lane_mask *kept) {
@@ -164,4 +182,55 @@ MRTS_LOCAL void mrts_lane_end(const mrts_lane_rows *rows, double sign, const int
         side[j] = basis[j];
     }
     *kept = mrts_kept_basis_lanes(K, rows->of->count, rows->A, rows->lower, rows->upper, g, row, side, x, y, B, rest);
+}
+
+MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
+                                 int all, mrts_lane_inputs *lanes) {
+    static const int sizes[MRTS_INPUTS] = MRTS_INPUT_SIZES;
+    mrts_lanes *next = lanes->numbers;
+    for (int lane = 0; lane < MRTS_LANES; ++lane) lanes->at[lane] = first + lane < count ? first + lane : count - 1;
+    for (int i = 0; i < MRTS_INPUTS; next += sizes[i++]) {
+        const double *own[MRTS_LANES];
+        lanes->arg[i] = next;
+        if (!all && !stride[i]) continue;
+        for (int lane = 0; lane < MRTS_LANES; ++lane) own[lane] = in[i] + lanes->at[lane] * stride[i];
+        for (int number = 0; number < sizes[i]; ++number) {
+            next[number] = (mrts_lanes){own[0][number], own[1][number], own[2][number], own[3][number]};
+        }
+    }
+}
+
+MRTS_LOCAL void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
+    const double *numbers = (const double *)(const void *)from + lane;
+    for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];
+}
+
+MRTS_LOCAL void mrts_begin_forms(const double *const *in, const long long *stride, long long count, mrts_forms *forms) {
+    forms->in = in;
+    forms->stride = stride;
+    forms->count = count;
+    if (count > 0) mrts_take_inputs(in, stride, 0, count, 1, &forms->inputs);
+}
+
+MRTS_LOCAL void mrts_inputs_by_rate(const double *const *in, const long long *stride, mrts_rate_inputs *rate) {
+    static const double still[MRTS_JOINTS > 6 ? MRTS_JOINTS : 6] = {0};
+    for (int i = 0; i < MRTS_INPUTS; ++i) {
+        const int of = i == MRTS_DDQ ? MRTS_DQ : i == MRTS_ACCELERATION ? MRTS_TWIST : i, stands = i == MRTS_DQ || i == MRTS_TWIST;
+        rate->in[i] = stands ? still : in[of];
+        rate->stride[i] = stands ? 0 : stride[of];
+    }
+}
+
+MRTS_LOCAL void mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg) {
+    for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = forms->in[i] + sample * forms->stride[i];
+    const int lane = (int)(sample % MRTS_LANES);
+    if (lane == 0) {
+        mrts_lanes *const found[4] = {forms->torque_map, forms->torque_offset, forms->wrench_map, forms->wrench_offset};
+        mrts_take_inputs(forms->in, forms->stride, sample, forms->count, 0, &forms->inputs);
+        mrts_lane_form(forms->inputs.arg, found);
+    }
+    mrts_take_lane(MRTS_UNKNOWNS * MRTS_JOINTS, forms->torque_map, lane, form->torque_map);
+    mrts_take_lane(MRTS_JOINTS, forms->torque_offset, lane, form->torque_offset);
+    mrts_take_lane(MRTS_UNKNOWNS * MRTS_WRENCHES, forms->wrench_map, lane, form->wrench_map);
+    mrts_take_lane(MRTS_WRENCHES, forms->wrench_offset, lane, form->wrench_offset);
 }

@@ -3,7 +3,7 @@
  * Samples whose wrenches the object's balance fixes, of one arm or by given shares of the load: every row is a line in c^2, or
  * in the acceleration u and the square x of a speed that varies, so there is no program to solve.
  */
-#include "../lanes/forms.h"
+#include "../lanes/lanes.h"
 #include "../trajectory.h"
 
 /* Rows bind together if their ends differ by no more than this share; `BINDING_TOLERANCE` of mrts/program/range_ends.py. */

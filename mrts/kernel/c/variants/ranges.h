@@ -12,14 +12,15 @@
 
 enum { MRTS_VK = MRTS_UNKNOWNS, MRTS_VF = MRTS_UNKNOWNS - 1 };
 
-/* One sample of a variant, laid out in memory. */
+/* Reals of memory of the form of a sample. */
+#define MRTS_VARIANT_FORM \
+    (MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES) + MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES))
+
+/* One sample of a variant. */
 typedef struct {
     mrts_form form;
     mrts_terms terms;
-    double most;   /* largest c^2 of the velocities */
-    double effect; /* largest effect of c^2 on a row, in its unit */
-    int known[2];  /* which ends have been computed */
-    double end[2]; /* those */
+    double most; /* largest c^2 of the velocities */
 } mrts_sample;
 
 /* Where a variant's range ends, and why. */

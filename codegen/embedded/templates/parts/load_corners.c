@@ -1,4 +1,0 @@
-/* @NOTICE@ */
-const @NAME@_real @NAME@_load_corners[@MACRO@_CORNERS][@MACRO@_LOAD] = {
-@LOAD_CORNERS@
-};

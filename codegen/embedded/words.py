@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""The numbers and names of a cell that the templates of its library want."""
+
+import re
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from mrts_codegen.embedded.c_literals import UNLIMITED, WIDTH, Precision, c_number, c_numbers, c_string
+
+from mrts.base.arrays import Array
+from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors, EmbeddedVector
+from mrts.base.manifest import LOAD_ENTRIES
+from mrts.cell.record import CellManifest
+
+
+def cell_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
+    """What stands for each @WORD@ that is about the cell.
+
+    Args:
+        manifest: Of the cell, with the name of the library.
+        limits: Its limits.
+        precision: "double" or "float".
+    """
+    size, robots = len(manifest.wrench_components), len(manifest.robots)
+    joints = sum(len(robot.joints) for robot in manifest.robots)
+    corners, load = _loads(manifest)
+    row, column = np.nonzero(limits.matrix)
+    start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(limits.lower)))])
+    words = {
+        "NAME": manifest.name,
+        "REAL": precision,
+        "ROBOTS": str(robots),
+        "JOINTS": str(joints),
+        "SIZE": str(size),
+        "COMPONENTS": ", ".join(manifest.wrench_components),
+        "WRENCHES": str(size * robots),
+        "UNKNOWNS": str(size * (robots - 1) + 1),
+        "UNLIMITED": UNLIMITED[precision],
+        "CORNERS": str(len(corners)),
+        "LOAD_CORNERS": "\n".join(f"    {{{c_numbers(corner, precision)}}}," for corner in corners),
+        "LOAD": c_numbers(load, precision),
+        "WEIGHT": c_numbers(np.ones(joints), precision),
+        "CELL": _cell_lines(manifest),
+        "ROWS": str(len(limits.lower)),
+        "ENTRIES": str(len(row)),
+        "ROW_START": _integers(start),
+        "ROW_COLUMN": _integers(column),
+        "ROW_VALUE": c_numbers(limits.matrix[row, column], precision),
+        "ROW_GROUP": _integers(limits.group),
+        "ROW_TEXT": "\n".join(f"    {c_string(text)}," for text in (*limits.texts, *limits.velocity_texts)),
+        "LOWER": c_numbers(limits.lower, precision),
+        "UPPER": c_numbers(limits.upper, precision),
+        "VELOCITY": c_numbers(limits.velocity, precision),
+    }
+    if limits.base is not None:
+        words |= {"BASE": c_numbers(limits.base.ravel(), precision), "AXES": _integers(limits.axes)}
+    return words | ({} if limits.motors is None else _motor_words(limits.motors, precision))
+
+
+def _motor_words(motors: EmbeddedMotors, precision: Precision) -> dict[str, str]:
+    return {
+        "LINES": str(len(motors.line_rows)),
+        "ENDS": str(len(motors.end_joints)),
+        "LINE_ROWS": _integers(motors.line_rows),
+        "LINE_JOINTS": _integers(motors.line_joints),
+        "END_JOINTS": _integers(motors.end_joints),
+        "ARMATURE": c_numbers(motors.armature, precision),
+        "COULOMB": c_numbers(motors.coulomb, precision),
+        "VISCOUS": c_numbers(motors.viscous, precision),
+        "SLOPE": c_numbers(motors.slope, precision),
+        "REST": c_number(motors.rest, precision),
+    }
+
+
+def memory_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
+    """Bytes of the structures and tables, as the header lays them out."""
+    size, robots, width = len(manifest.wrench_components), len(manifest.robots), WIDTH[precision]
+    joints = sum(len(robot.joints) for robot in manifest.robots)
+    rows, velocities = len(limits.lower), len(limits.velocity)
+    k = size * (robots - 1) + 1
+    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 3 * k + 3 * k * k + 7 * k
+    reals += 0 if limits.base is None else (k + 1) * size * robots
+    integers = 2 * k + 2 * rows + 6 * k
+    settings = len(LOAD_ENTRIES) + 2 * rows + velocities + joints
+    if limits.motors is not None:
+        settings += 3 * joints + 3 + len(limits.motors.line_rows)
+        reals += 3 * joints + 4 * rows + (rows + 1) * (k + 1) + 2 * (rows + k + 2) + (k + 1) * (k + 5) + 1
+        integers += 3 * (k + 1) + rows + 7 + 6 * k
+    texts = (*limits.texts, *limits.velocity_texts)
+    entries = int(np.count_nonzero(limits.matrix))
+    tables = width * (len(LOAD_ENTRIES) * len(_loads(manifest)[0]) + settings + entries)
+    tables += 4 * (2 * rows + 1 + entries) + sum(len(text.encode()) + 9 for text in texts)
+    tables += 0 if limits.base is None else width * limits.base.size + 4 * len(limits.axes)
+    return {
+        "WORKSPACE": str(width * (reals + -(-4 * integers // width))),
+        "SETTINGS": str(width * settings),
+        "TABLES": str(tables),
+        "STACK": str(width * 60 * joints),
+    }
+
+
+def vector_words(
+    vectors: Sequence[EmbeddedVector],
+    path_samples: int,
+    precision: Precision,
+    motors: EmbeddedMotors | None,
+    macro: str,
+) -> dict[str, str]:
+    """What stands for each @WORD@ of the vectors' header.
+
+    Args:
+        vectors: The vectors.
+        path_samples: The first so many of them are one motion with the nominal load.
+        precision: Of the inputs; answers are in double.
+        motors: Of the cell; None where they are ideal.
+        macro: What the library's constants begin with.
+    """
+    fastest, changing = (max((abs(vector.inputs[k]).max() for vector in vectors), default=0.0) for k in (1, 2))
+    rest = 0.0 if motors is None else motors.rest
+    return {
+        "VECTORS": str(len(vectors)),
+        "PATH_SAMPLES": str(path_samples),
+        "VECTOR_ROWS": "\n".join(_vector_row(vector, precision, macro if motors else None) for vector in vectors),
+        "REST_SPEED": c_number(rest * fastest, precision),
+        "REST_ACCELERATION": c_number(rest * changing, precision),
+    }
+
+
+def _vector_row(vector: EmbeddedVector, precision: Precision, macro: str | None) -> str:
+    sample = ", ".join(f"{{{c_numbers(part.ravel(), precision)}}}" for part in vector.inputs)
+    if macro is not None:
+        sample += f", {macro}_{vector.place.upper()}"
+    low, high, share_low, share_high = (c_number(end, "double") for end in (*vector.ends, *vector.share_ends))
+    return (
+        f"    {{{{{sample}}}, {c_number(vector.mass, precision)}, {vector.status}, {low}, {high}, "
+        f"{vector.share_status}, {share_low}, {share_high}, {c_number(vector.c2, 'double')}, "
+        f"{{{c_numbers(vector.torque, 'double')}}}}},"
+    )
+
+
+def _loads(manifest: CellManifest) -> tuple[list[Array], Array]:
+    """Corners of the load variation (the load itself if it is known), and the load."""
+    box = manifest.load_box
+    return [manifest.load] if box is None else [corner.load for corner in box.corners()], manifest.load
+
+
+def _cell_lines(manifest: CellManifest) -> str:
+    # text from a URDF without what Markdown or HTML would read as markup
+    return "\n".join(
+        re.sub(r"[^\w .,:/+\-]", "?", f"- {robot.name}: joints {', '.join(robot.joints)}") for robot in manifest.robots
+    )
+
+
+def _integers(values: Iterable[int]) -> str:
+    return ", ".join(str(int(value)) for value in values)

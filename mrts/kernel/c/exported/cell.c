@@ -1,0 +1,772 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The cell of an exported library. What begins with cell_ and CELL_ takes the library's name there; what stands under a
+ * condition on CELL_... is resolved at export. The model, constants and tables are generated.
+ */
+#include "cell.h"
+#include "cell_model.h"
+
+/* All but the model as one text, which is faster: the sizes of the cell are constants in the kernel too. */
+#define MRTS_REAL cell_real
+#if CELL_SINGLE
+#define MRTS_SINGLE
+#endif
+#if CELL_WHOLE
+#define MRTS_LOCAL static
+#else
+#define MRTS_LOCAL static inline /* some of it may be left out */
+#endif
+#include "../numbers.h"
+#if CELL_HAS_ROWS
+#include "../rows.c"
+#endif
+#if CELL_HAS_FORM || CELL_HAS_SPEEDS
+#include "../linear_programs.c"
+#include "../basis/kept_basis.c"
+#endif
+#if CELL_HAS_SPEEDS
+#include "../speed_intervals.c"
+#endif
+#if CELL_HAS_TORQUES
+#include "../quadratic_programs.c"
+#include "../least_torques.c"
+#endif
+#include "cell_tables.h"
+
+enum {
+    JOINTS = CELL_JOINTS,
+    WRENCHES = CELL_WRENCHES,
+    ROWS = CELL_ROWS,
+    VELOCITIES = CELL_VELOCITIES,
+    K = CELL_UNKNOWNS,
+    F = CELL_UNKNOWNS - 1
+};
+
+/* Size of an array, or an error at compile time where the workspace does not hold what the kernel asks for. */
+#define HOLDS(field, type, count) (sizeof(((cell_workspace *)0)->field) >= (count) * sizeof(type) ? 1 : -1)
+
+/* Whether all values are finite, and their sum too. */
+static int all_finite(int count, const mrts_real *values) {
+    mrts_real sum = 0;
+    for (; count > 0; --count) sum += MRTS_ABS(*values++);
+    return sum < MRTS_INFINITY;
+}
+
+const char *cell_status_text(cell_status status) {
+    switch (status) {
+    case CELL_OK: return "ok";
+    case CELL_UNBOUNDED: return "unbounded: nothing limits the speed";
+    case CELL_INFEASIBLE: return "infeasible: limits conflict at every speed";
+    case CELL_EMPTY: return "empty: no c^2 in common";
+    case CELL_UNDECIDED: return "undecided at this precision";
+    case CELL_BAD_ARGUMENT: return "bad argument";
+    default: return "unknown status";
+    }
+}
+
+const char *cell_row_text(int row) {
+    const int place = row < 0 ? -row : row;
+    return place <= ROWS + VELOCITIES ? ROW_TEXT[place] : "unknown row";
+}
+
+void cell_default_settings(cell_settings *settings) { *settings = DEFAULTS; }
+
+cell_status cell_check_settings(const cell_settings *settings) {
+    int sound = settings->load[0] > 0 && all_finite(CELL_LOAD, settings->load) && all_finite(JOINTS, settings->weight);
+    for (int i = 0; i < ROWS; ++i) sound &= settings->lower[i] <= settings->upper[i];
+    for (int i = 0; i < VELOCITIES; ++i) sound &= settings->velocity[i] > 0;
+    for (int i = 0; i < JOINTS; ++i) sound &= settings->weight[i] > 0;
+#if CELL_MOTORS
+    sound &= all_finite(JOINTS, settings->armature) && all_finite(JOINTS, settings->coulomb);
+    sound &= all_finite(JOINTS, settings->viscous) && settings->rest_speed >= 0 && settings->rest_acceleration >= 0;
+    for (int i = 0; i < JOINTS; ++i) {
+        sound &= settings->armature[i] >= 0 && settings->coulomb[i] >= 0 && settings->viscous[i] >= 0;
+    }
+    sound &= settings->most > 0;
+#endif
+#if CELL_LINES
+    for (int i = 0; i < CELL_LINES; ++i) sound &= settings->slope[i] >= 0 && settings->slope[i] < MRTS_INFINITY;
+#endif
+    return sound ? CELL_OK : CELL_BAD_ARGUMENT;
+}
+
+void cell_reset(cell_workspace *workspace) {
+    for (int j = 0; j < K; ++j) workspace->lower_basis[j] = workspace->upper_basis[j] = 0;
+#if CELL_MOTORS
+    for (int j = 0; j < 3 * (K + 1); ++j) workspace->curve_basis[j] = 0;
+    workspace->curve_speed = 0;
+#endif
+}
+
+void cell_horizon_start(cell_horizon *horizon) {
+    horizon->status = CELL_UNBOUNDED;
+    horizon->lower = 0;
+    horizon->upper = MRTS_INFINITY;
+    horizon->samples = 0;
+    horizon->lower_sample = horizon->upper_sample = -1;
+}
+
+cell_status cell_horizon_add(cell_horizon *horizon, const cell_range *range) {
+    const long sample = horizon->samples++;
+    const int joined = horizon->status == CELL_OK || horizon->status == CELL_UNBOUNDED;
+    if (!joined) return horizon->status;
+    if (range->status != CELL_OK && range->status != CELL_UNBOUNDED) {
+        horizon->lower_sample = horizon->upper_sample = sample;
+        return horizon->status = range->status;
+    }
+    if (range->lower > horizon->lower || horizon->lower_sample < 0) {
+        horizon->lower = range->lower;
+        horizon->lower_sample = sample;
+    }
+    if (range->upper < horizon->upper) {
+        horizon->upper = range->upper;
+        horizon->upper_sample = sample;
+        horizon->status = CELL_OK;
+    }
+    if (horizon->lower > horizon->upper) horizon->status = CELL_EMPTY;
+    return horizon->status;
+}
+
+/* Inputs of the generated functions; matrices there are column after column, hence the rotation `turned`. */
+static void point_to(const cell_sample *sample, const mrts_real *load, mrts_real turned[9], const mrts_real **arg) {
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) turned[3 * j + i] = sample->rotation[3 * i + j];
+    }
+    arg[0] = sample->q;
+    arg[1] = sample->dq;
+    arg[2] = sample->ddq;
+    arg[3] = turned;
+    arg[4] = sample->twist;
+    arg[5] = sample->acceleration;
+    arg[6] = load;
+}
+
+#if CELL_MOTORS
+static int sign_beyond(mrts_real value, mrts_real rest) { return value > rest ? 1 : value < -rest ? -1 : 0; }
+
+/* Signs of a joint's velocity just before and just after a sample, 0 where it stands: where q' = 0 it arrives against
+ * q'' and leaves along it. */
+static void directions(const cell_sample *sample, const cell_settings *settings, int joint, int *before,
+                       int *after) {
+    const int moving = sign_beyond(sample->dq[joint], settings->rest_speed);
+    const int leaving = sign_beyond(sample->ddq[joint], settings->rest_acceleration);
+    *before = moving != 0 ? moving : -leaving;
+    *after = moving != 0 ? moving : leaving;
+    if (sample->place == CELL_START) *before = *after;
+    if (sample->place == CELL_END) *after = *before;
+}
+
+/* Dry friction of a joint; where it turns back that is 0, and acts in both directions with `turning`. */
+static mrts_real dry_friction(const cell_sample *sample, const cell_settings *settings, int joint,
+                              mrts_real *turning) {
+    int before, after;
+    directions(sample, settings, joint, &before, &after);
+    *turning = before != after ? settings->coulomb[joint] : 0;
+    return before == after ? settings->coulomb[joint] * (mrts_real)after : 0;
+}
+#endif
+
+#if CELL_HAS_TERMS
+void cell_terms(const cell_sample *sample, const cell_settings *settings, cell_terms_of_sample *terms) {
+    mrts_real turned[9];
+    const mrts_real *arg[7];
+    mrts_real *res[8];
+    point_to(sample, settings->load, turned, arg);
+    res[0] = terms->E;
+    res[1] = terms->A;
+    res[2] = terms->G;
+    res[3] = terms->J;
+    res[4] = terms->B;
+    res[5] = terms->P;
+    res[6] = terms->S;
+    res[7] = terms->Q;
+    cell_model_terms(arg, res);
+#if CELL_MOTORS
+    for (int joint = 0; joint < JOINTS; ++joint) {
+        terms->E[joint] += settings->armature[joint] * sample->ddq[joint];
+        terms->A[joint] += settings->armature[joint] * sample->dq[joint];
+        terms->V[joint] = settings->viscous[joint] * sample->dq[joint];
+        terms->C[joint] = dry_friction(sample, settings, joint, &terms->turning[joint]);
+    }
+#endif
+}
+#endif
+
+#if CELL_HAS_ROWS
+#define NO_EFFECT MRTS_C(1e-30) /* an effect of c^2 = 1 on a limit below this share of it is none */
+#define UNLIKELY MRTS_C(1e24) /* c^2 that only rounding of rest allows: velocities are below 1e-12 of their limits */
+
+typedef char rows_hold[HOLDS(rows, mrts_real, MRTS_ROWS_WORK(K, ROWS))];
+typedef char which_holds[HOLDS(which, int, MRTS_ROWS_IWORK(ROWS))];
+#if CELL_TURNED
+typedef char turned_holds[HOLDS(turned, mrts_real, MRTS_TURNED_WORK(K, WRENCHES))];
+#endif
+
+/* Whether all numbers of a sample and its load are finite, and the mass is > 0. */
+static int is_sound(const cell_sample *sample, const mrts_real *load) {
+    mrts_real sum = 0;
+    for (int i = 0; i < JOINTS; ++i) sum += MRTS_ABS(sample->q[i]) + MRTS_ABS(sample->dq[i]) + MRTS_ABS(sample->ddq[i]);
+    for (int i = 0; i < 6; ++i) sum += MRTS_ABS(sample->twist[i]) + MRTS_ABS(sample->acceleration[i]);
+    return sum < MRTS_INFINITY && all_finite(9, sample->rotation) && all_finite(CELL_LOAD, load) && load[0] > 0;
+}
+
+static mrts_limits limits_of(const cell_settings *settings) {
+    const mrts_limits limits = {ROWS, row_start, row_column, row_value, settings->lower, settings->upper, row_group,
+#if CELL_TURNED
+                                base_rotation, triple_axes};
+#else
+                                0, 0};
+#endif
+    return limits;
+}
+
+/* The largest c^2 that is asked for. */
+static mrts_real most_asked(const cell_settings *settings) {
+#if CELL_MOTORS
+    return settings->most;
+#else
+    (void)settings;
+    return MRTS_INFINITY;
+#endif
+}
+
+/* Largest c^2 that the velocities allow, or that is `asked` for, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0;
+ * `named` is the velocity that sets it, as in cell_range, 0 if none does. */
+static mrts_real velocity_cap(const cell_sample *sample, const cell_settings *settings, mrts_real asked, int *named) {
+    int binding;
+    *named = 0;
+    for (int i = 0; i < VELOCITIES; ++i) {
+        if (!(settings->velocity[i] > 0)) return -1;
+    }
+    mrts_real most = mrts_speed_cap(JOINTS, sample->dq, sample->twist, settings->velocity, &binding);
+#if CELL_ENDS
+    for (int end = 0; end < CELL_ENDS; ++end) {
+        const mrts_real share = MRTS_ABS(sample->dq[end_joint[end]]) / settings->velocity[JOINTS + 2 + end];
+        if (share * share * most <= 1) continue;
+        most = 1 / (share * share);
+        binding = JOINTS + 2 + end;
+    }
+#endif
+    if (!(asked > 0)) return -1;
+    if (asked <= most) return asked;
+    if (!(most < UNLIKELY)) return asked < MRTS_INFINITY ? asked : MRTS_INFINITY;
+    *named = 1 + ROWS + binding;
+    return most;
+}
+
+#if CELL_MOTORS
+/* What motors add at a sample, in the workspace: to torques and rows with the speed c at a value, what c adds to each of
+ * them, and by how much dry friction in both directions narrows limits. */
+static mrts_terms motor_terms(const cell_sample *sample, const cell_settings *settings, mrts_real speed,
+                              cell_workspace *workspace) {
+    mrts_real turning[JOINTS];
+    mrts_terms terms;
+    for (int joint = 0; joint < JOINTS; ++joint) {
+        const mrts_real viscous = settings->viscous[joint] * sample->dq[joint];
+        workspace->torque_square[joint] = settings->armature[joint] * sample->ddq[joint];
+        workspace->torque_offset[joint] = dry_friction(sample, settings, joint, &turning[joint]) + viscous * speed;
+        workspace->torque_speed[joint] = viscous;
+    }
+    for (int row = 0; row < ROWS; ++row) {
+        workspace->row_margin[row] = workspace->row_speed[row] = 0;
+        for (int entry = row_start[row]; entry < row_start[row + 1]; ++entry) {
+            const int joint = row_column[entry];
+            if (joint < JOINTS) workspace->row_margin[row] += MRTS_ABS(row_value[entry]) * turning[joint];
+        }
+    }
+#if CELL_LINES
+    for (int line = 0; line < CELL_LINES; ++line) {
+        workspace->row_speed[line_row[line]] = settings->slope[line] * sample->dq[line_joint[line]];
+    }
+#endif
+    for (int row = 0; row < ROWS; ++row) workspace->row_offset[row] = workspace->row_speed[row] * speed;
+    terms.torque_square = workspace->torque_square;
+    terms.torque_offset = workspace->torque_offset;
+    terms.square = 0;
+    terms.offset = workspace->row_offset;
+    terms.margin = workspace->row_margin;
+    terms.torque_speed = workspace->torque_speed;
+    terms.speed = workspace->row_speed;
+    return terms;
+}
+#endif
+
+/* Rows of the limits in `unknowns` unknowns of a form, in the workspace; 0 if limits are reversed or a number is not finite.
+ * What motors add at the speed c is in them. */
+static int build_rows(const cell_sample *sample, const cell_settings *settings, mrts_real c2, int unknowns,
+                      mrts_form *form, cell_workspace *workspace, mrts_rows *rows) {
+    const mrts_limits limits = limits_of(settings);
+#if CELL_MOTORS
+    const mrts_terms terms = motor_terms(sample, settings, MRTS_SQRT(c2), workspace);
+    mrts_add_motors(unknowns, JOINTS, &terms, form);
+    if ((int)sample->place < 0 || sample->place > CELL_END || !all_finite(JOINTS, terms.torque_square) ||
+        !all_finite(JOINTS, terms.torque_offset) || !all_finite(JOINTS, terms.torque_speed) ||
+        !all_finite(ROWS, terms.offset) || !all_finite(ROWS, terms.margin) || !all_finite(ROWS, terms.speed)) {
+        return 0;
+    }
+#else
+    static const mrts_terms terms = {0, 0, 0, 0, 0, 0, 0};
+    (void)c2;
+#endif
+#if CELL_TURNED
+    mrts_real *turned = workspace->turned;
+#else
+    mrts_real *turned = 0; /* no row is in object axes */
+#endif
+    mrts_turn_wrenches(unknowns, CELL_ROBOTS, CELL_WRENCH, &limits, sample->rotation, 3, 1, turned, form);
+    return mrts_rows_over(unknowns, &limits, workspace->rows, workspace->which, rows) &&
+           mrts_build_rows(unknowns, JOINTS, WRENCHES, form, &limits, &terms, rows);
+}
+#endif
+
+#if CELL_HAS_FORM
+typedef char form_holds[HOLDS(form, mrts_real, MRTS_FORM_WORK(K, JOINTS, WRENCHES))];
+
+/* The wrench form of a sample, in the workspace. */
+static mrts_form wrench_form(const cell_sample *sample, const mrts_real *load, cell_workspace *workspace) {
+    mrts_real turned[9];
+    const mrts_real *arg[7];
+    mrts_real *res[4];
+    const mrts_form form = mrts_form_in(K, JOINTS, WRENCHES, workspace->form);
+    point_to(sample, load, turned, arg);
+    res[0] = form.torque_map;
+    res[1] = form.torque_offset;
+    res[2] = form.wrench_map;
+    res[3] = form.wrench_offset;
+    cell_model_wrench_form(arg, res);
+    return form;
+}
+#endif
+
+#if CELL_HAS_SPEEDS
+typedef char curve_holds[HOLDS(curve, mrts_real, MRTS_CURVE_WORK(K, ROWS))];
+typedef char curve_integers_hold[HOLDS(curve_integers, int, MRTS_CURVE_IWORK(K, ROWS))];
+typedef char curve_basis_holds[HOLDS(curve_basis, int, MRTS_CURVE_BASES * (K + 1))];
+
+/* What the speed c adds to each of the rows just built, in the workspace; whether that is anything. */
+static int has_speed_terms(const cell_settings *settings, const mrts_rows *rows, cell_workspace *workspace) {
+    const mrts_limits limits = limits_of(settings);
+    const mrts_terms terms = {0, 0, 0, 0, 0, workspace->torque_speed, workspace->row_speed};
+    mrts_speed_column(JOINTS, &limits, &terms, rows, workspace->by_speed);
+    for (int i = 0; i < rows->count; ++i) {
+        if (workspace->by_speed[i] != 0) return 1;
+    }
+    return 0;
+}
+
+/* The highest interval of admissible speeds of scaled rows over k unknowns, c^2 last, in the returned unit of c. */
+static cell_status speeds_of(int k, const mrts_rows *rows, const mrts_real *column, mrts_real most, int *basis,
+                               mrts_real *speed, cell_workspace *workspace, mrts_curve *curve, mrts_real *unit,
+                               mrts_interval *found) {
+    const mrts_real square =
+        mrts_curve_over(k, rows, column, workspace->by_speed, workspace->curve, workspace->curve_integers, curve);
+    mrts_real end_dual[2 * (K + 1)];
+    int end_basis[2 * (K + 1)];
+    mrts_curve_ends start = {0, basis, end_basis, end_dual};
+    *unit = square > 0 ? MRTS_SQRT(square) : 1;
+    if (*speed > 0 && *speed < MRTS_INFINITY) start.speed = *speed / *unit;
+    const mrts_real fastest = most < MRTS_INFINITY ? MRTS_SQRT(most) / *unit : MRTS_INFINITY;
+    const int status = mrts_highest_interval(curve, fastest, &start, found);
+    *speed = start.speed * *unit;
+    if (status == MRTS_INFEASIBLE) return CELL_INFEASIBLE;
+    if (status != MRTS_OPTIMAL) return CELL_UNDECIDED;
+    if (found->low <= MRTS_FEASIBLE) found->low = 0; /* that moves no row by more than rounding */
+    return found->high < MRTS_INFINITY || most < MRTS_INFINITY ? CELL_OK : CELL_UNBOUNDED;
+}
+#endif
+
+#if CELL_HAS_RANGE
+#ifdef MRTS_SINGLE
+#define BINDING MRTS_C(1e-4) /* a row binds if its multiplier exceeds this share of the largest */
+#else
+#define BINDING 1e-7
+#endif
+
+typedef char lp_work_holds[HOLDS(work, mrts_real, MRTS_LP_WORK(K))];
+typedef char lp_integers_hold[HOLDS(integers, int, MRTS_LP_IWORK(K, ROWS))];
+
+/* A row of the programs as cell_range names it; `velocity` bounds c^2 by itself. */
+static int name_of(int code, int at_lower, const mrts_rows *rows, int velocity) {
+    const int row = (code < 0 ? -code : code) - 1;
+    if (row >= rows->count) return at_lower ? 0 : velocity;
+    return at_lower ? -rows->which[row] - 1 : rows->which[row] + 1;
+}
+
+/* Rows with a multiplier, the strongest first; returns how many. The side is that of the basis, or of a certificate's
+ * multiplier. */
+static int name_rows(const int *basis, const mrts_real *y, const mrts_rows *rows, int velocity, int by_sign,
+                     int *named) {
+    mrts_real largest = 0, strength[K];
+    int count = 0;
+    for (int j = 0; j < K; ++j) largest = mrts_larger(largest, MRTS_ABS(y[j]));
+    for (int j = 0; j < K; ++j) {
+        const mrts_real its = MRTS_ABS(y[j]);
+        if (its <= BINDING * largest) continue;
+        int at = count++;
+        for (; at > 0 && its > strength[at - 1]; --at) {
+            strength[at] = strength[at - 1];
+            named[at] = named[at - 1];
+        }
+        strength[at] = its;
+        named[at] = name_of(basis[j], by_sign ? y[j] > 0 : basis[j] < 0, rows, velocity);
+    }
+    return count;
+}
+
+/* A kept basis that does not fit these rows starts cold. */
+static void check_basis(int k, int *basis, int rows) {
+    if (basis[0] == 0) return;
+    for (int j = 0; j < k; ++j) {
+        if (basis[j] == 0 || mrts_abs(basis[j]) > rows + k) {
+            basis[0] = 0;
+            return;
+        }
+    }
+}
+
+static cell_status solve_end(const mrts_rows *rows, int velocity, mrts_real sign, int *basis, mrts_real column,
+                               cell_workspace *workspace, mrts_real *end, int *count, int *named) {
+    mrts_real g[K], x[K], y[K];
+    int entering = 0;
+    for (int j = 0; j < K; ++j) g[j] = j == F ? sign : 0;
+    check_basis(K, basis, rows->count);
+    const int status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, &entering,
+                                     workspace->work, workspace->integers);
+    if (status == MRTS_INFEASIBLE) {
+        named[0] = name_of(entering, entering < 0, rows, velocity);
+        *count = name_rows(basis, y, rows, velocity, 1, named + 1) + 1;
+        basis[0] = 0;
+        return CELL_INFEASIBLE;
+    }
+    if (status != MRTS_OPTIMAL) {
+        basis[0] = 0;
+        *count = 0;
+        return CELL_UNDECIDED;
+    }
+    *end = x[F] * column;
+    if (*end < 0) *end = 0;
+    if (sign < 0 && !velocity && x[F] >= MRTS_UNBOUNDED * (1 - 10 * MRTS_FEASIBLE)) return CELL_UNBOUNDED;
+    *count = name_rows(basis, y, rows, velocity, 0, named);
+    return CELL_OK;
+}
+
+#if CELL_MOTORS
+/* An infeasible sample is so at standstill too: the rows that conflict there. */
+static cell_status conflict_at_rest(mrts_rows *rows, cell_range *range, cell_workspace *workspace) {
+    mrts_real column[K], end;
+    int basis[K];
+    for (int i = 0; i < rows->count; ++i) rows->A[i * K + F] = 0;
+    mrts_scale_columns(K, rows, column);
+    mrts_free_unknowns(K, rows);
+    mrts_bound_speed(K, 0, column, rows);
+    basis[0] = 0;
+    range->status = solve_end(rows, 0, 1, basis, column[F], workspace, &end, &range->upper_count, range->upper_rows);
+    if (range->status == CELL_INFEASIBLE) return range->status;
+    range->upper_count = 0;
+    return range->status = CELL_UNDECIDED;
+}
+
+/* An end of an interval more exactly, and what binds there: the furthest point (sign -1: upwards) on the tangent of the
+ * curve (c^2, c) at that end, along which the rows have one unknown of speed only, as ranges without such terms. */
+static void name_end(const mrts_curve *curve, mrts_rows *rows, mrts_real most, int fastest, mrts_real sign, int *basis,
+                     cell_workspace *workspace, mrts_real *end, int *count, int *named) {
+    const mrts_real at = *end, shift = at * at;
+    mrts_real column[K], found = at;
+    for (int i = 0; i < rows->count; ++i) {
+        const mrts_real *row = curve->A + i * curve->n;
+        for (int j = 0; j < F; ++j) rows->A[i * K + j] = row[j];
+        rows->A[i * K + F] = 2 * at * row[F] + row[K];
+        rows->lower[i] = curve->lower[i] > -MRTS_INFINITY ? curve->lower[i] + row[F] * shift : -MRTS_INFINITY;
+        rows->upper[i] = curve->upper[i] < MRTS_INFINITY ? curve->upper[i] + row[F] * shift : MRTS_INFINITY;
+    }
+    mrts_scale_columns(K, rows, column);
+    mrts_free_unknowns(K, rows);
+    mrts_bound_speed(K, most, column, rows);
+    const int velocity = most / column[F] < MRTS_UNBOUNDED ? fastest : 0;
+    if (solve_end(rows, velocity, sign, basis, column[F], workspace, &found, count, named) != CELL_OK) *count = 0;
+    if (MRTS_ABS(found - at) <= MRTS_SMALL * at) *end = found;
+}
+
+/* The range of rows with terms in c: the interval that ends at the largest c^2. */
+static cell_status range_of_speed(mrts_rows *rows, mrts_real most, int fastest, cell_range *range,
+                                    cell_workspace *workspace) {
+    mrts_real column[K], unit;
+    mrts_interval found;
+    mrts_curve curve;
+    for (int i = 0; i < MRTS_CURVE_BASES; ++i) {
+        check_basis(K + 1, workspace->curve_basis + i * (K + 1), rows->count + 1);
+    }
+    mrts_scale_columns(K, rows, column);
+    range->status = speeds_of(K, rows, column, most, workspace->curve_basis, &workspace->curve_speed, workspace, &curve,
+                              &unit, &found);
+    if (range->status == CELL_INFEASIBLE) return conflict_at_rest(rows, range, workspace);
+    if (range->status == CELL_UNDECIDED) return range->status;
+    const mrts_real reach = most < MRTS_INFINITY ? MRTS_SQRT(most) / unit : MRTS_INFINITY;
+    range->lower_count = 1;
+    range->lower_rows[0] = 0;
+    if (found.low > 0) {
+        name_end(&curve, rows, reach, fastest, 1, workspace->lower_basis, workspace, &found.low, &range->lower_count,
+                 range->lower_rows);
+    }
+    range->upper_count = fastest != 0;
+    range->upper_rows[0] = fastest;
+    if (found.high < MRTS_INFINITY) {
+        name_end(&curve, rows, reach, fastest, -1, workspace->upper_basis, workspace, &found.high, &range->upper_count,
+                 range->upper_rows);
+    }
+    range->lower = found.low * unit * (found.low * unit);
+    range->upper = found.high < MRTS_INFINITY ? found.high * unit * (found.high * unit) : most;
+    return range->status;
+}
+#endif
+
+static cell_status range_with_load(const cell_sample *sample, const cell_settings *settings, mrts_real asked,
+                                   const mrts_real *load, cell_range *range, cell_workspace *workspace) {
+    mrts_real column[K];
+    mrts_rows rows;
+    int fastest;
+    range->lower = range->upper = 0;
+    range->lower_count = range->upper_count = 0;
+    if (!is_sound(sample, load)) return range->status = CELL_BAD_ARGUMENT;
+    const mrts_real most = velocity_cap(sample, settings, asked, &fastest);
+    mrts_form form = wrench_form(sample, load, workspace);
+    if (most < 0 || !build_rows(sample, settings, 0, K, &form, workspace, &rows)) {
+        return range->status = CELL_BAD_ARGUMENT;
+    }
+#if CELL_MOTORS
+    if (has_speed_terms(settings, &rows, workspace)) {
+        return range_of_speed(&rows, most, fastest, range, workspace);
+    }
+#endif
+    mrts_scale_columns(K, &rows, column);
+    mrts_free_unknowns(K, &rows);
+    mrts_bound_speed(K, most, column, &rows);
+    const int velocity = most / column[F] < MRTS_UNBOUNDED ? fastest : 0;
+    const int at_rest = 1 <= NO_EFFECT * column[F] || rows.size[F] == 0;
+    for (int i = 0; at_rest && i < rows.count; ++i) rows.A[i * K + F] = 0;
+    range->status = solve_end(&rows, velocity, 1, workspace->lower_basis, column[F], workspace, &range->lower,
+                              &range->lower_count, range->lower_rows);
+    if (range->status != CELL_OK) {
+        range->upper_count = range->lower_count;
+        for (int i = 0; i < range->lower_count; ++i) range->upper_rows[i] = range->lower_rows[i];
+        range->lower_count = 0;
+        return range->status;
+    }
+    if (!at_rest) {
+        range->status = solve_end(&rows, velocity, -1, workspace->upper_basis, column[F], workspace, &range->upper,
+                                  &range->upper_count, range->upper_rows);
+    }
+    if (at_rest || range->status == CELL_UNBOUNDED) { /* only velocities bound c^2 */
+        range->upper = most;
+        range->upper_count = fastest != 0;
+        range->upper_rows[0] = fastest;
+        range->status = most < MRTS_INFINITY ? CELL_OK : CELL_UNBOUNDED;
+    }
+    return range->status;
+}
+
+cell_status cell_range_of_sample(const cell_sample *sample, const cell_settings *settings, cell_range *range,
+                         cell_workspace *workspace) {
+    return range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
+}
+
+#if CELL_MOTORS
+enum { MOST_TURNS = 64 }; /* intervals that are left for slower ones */
+#endif
+
+/* What the ranges of all loads up to a c^2 have in common, and the loads that set its ends. */
+static cell_status range_in_common(const cell_sample *sample, const cell_settings *settings, mrts_real asked,
+                                   const mrts_real (*loads)[CELL_LOAD], int count, cell_range *range, int *lower_load,
+                                   int *upper_load, cell_workspace *workspace) {
+    cell_range one;
+    *lower_load = *upper_load = 0;
+    for (int load = 0; load < count; ++load) {
+        const cell_status status = range_with_load(sample, settings, asked, loads[load], &one, workspace);
+        if (load == 0) *range = one;
+        if (status != CELL_OK && status != CELL_UNBOUNDED) {
+            *range = one;
+            *lower_load = *upper_load = load;
+            break;
+        }
+        if (one.lower > range->lower) {
+            range->lower = one.lower;
+            range->lower_count = one.lower_count;
+            for (int i = 0; i < one.lower_count; ++i) range->lower_rows[i] = one.lower_rows[i];
+            *lower_load = load;
+        }
+        if (one.upper < range->upper) {
+            range->upper = one.upper;
+            range->status = one.status;
+            range->upper_count = one.upper_count;
+            for (int i = 0; i < one.upper_count; ++i) range->upper_rows[i] = one.upper_rows[i];
+            *upper_load = load;
+        }
+    }
+    if (range->status == CELL_OK && range->lower > range->upper) range->status = CELL_EMPTY;
+    return range->status;
+}
+
+cell_status cell_guaranteed_range(const cell_sample *sample, const cell_settings *settings,
+                                  const mrts_real (*loads)[CELL_LOAD], int count, cell_range *range, int *lower_load,
+                                  int *upper_load, cell_workspace *workspace) {
+    int at_lower, at_upper;
+    if (count < 1) return range->status = CELL_BAD_ARGUMENT;
+    range_in_common(sample, settings, most_asked(settings), loads, count, range, &at_lower, &at_upper, workspace);
+#if CELL_MOTORS
+    for (int turn = 0; turn < MOST_TURNS && range->status == CELL_EMPTY; ++turn) { /* slower intervals may have one */
+        cell_range slower;
+        int low, high;
+        range_in_common(sample, settings, range->upper, loads, count, &slower, &low, &high, workspace);
+        if (slower.status != CELL_OK && slower.status != CELL_EMPTY) break;
+        *range = slower;
+        at_lower = low;
+        at_upper = high;
+    }
+#endif
+    if (lower_load != 0) *lower_load = at_lower;
+    if (upper_load != 0) *upper_load = at_upper;
+    return range->status;
+}
+#endif
+
+#if CELL_HAS_SHARE
+#if CELL_MOTORS
+/* The row that is furthest beyond its limits at a speed, as cell_range names it; the speed moves onto its limit. */
+static int nearest_limit(const mrts_curve *curve, const mrts_rows *rows, mrts_real *speed) {
+    mrts_real most = -MRTS_INFINITY, to = *speed;
+    int named = 0;
+    for (int i = 0; i < rows->count; ++i) {
+        const mrts_real square = curve->A[2 * i], linear = curve->A[2 * i + 1];
+        const mrts_real value = (square * *speed + linear) * *speed, slope = 2 * square * *speed + linear;
+        const int at_upper = value - curve->upper[i] > curve->lower[i] - value;
+        const mrts_real beyond = at_upper ? value - curve->upper[i] : curve->lower[i] - value;
+        if (beyond <= most) continue;
+        most = beyond;
+        named = at_upper ? rows->which[i] + 1 : -rows->which[i] - 1;
+        to = slope != 0 ? *speed - (at_upper ? beyond : -beyond) / slope : *speed;
+    }
+    if (MRTS_ABS(to - *speed) <= MRTS_SMALL * *speed) *speed = to;
+    return named;
+}
+
+/* The range of rows with terms in c and no unknown beside it: the interval that ends at the largest c^2. */
+static cell_status share_of_speed(mrts_rows *rows, mrts_real most, int fastest, cell_range *range,
+                                    cell_workspace *workspace) {
+    mrts_real column[1], unit, speed = 0;
+    mrts_interval found;
+    mrts_curve curve;
+    int basis[2 * MRTS_CURVE_BASES] = {0};
+    mrts_scale_columns(1, rows, column);
+    range->status = speeds_of(1, rows, column, most, basis, &speed, workspace, &curve, &unit, &found);
+    if (range->status == CELL_INFEASIBLE) {
+        range->upper_count = 1;
+        speed = 0; /* it is so at standstill too */
+        range->upper_rows[0] = nearest_limit(&curve, rows, &speed);
+    }
+    if (range->status != CELL_OK && range->status != CELL_UNBOUNDED) return range->status;
+    range->lower_count = 1;
+    range->lower_rows[0] = found.low > 0 ? nearest_limit(&curve, rows, &found.low) : 0;
+    const int bound = !(found.high * unit * (found.high * unit) < most * (1 - MRTS_GAP));
+    range->upper_rows[0] = bound ? fastest : nearest_limit(&curve, rows, &found.high);
+    range->upper_count = range->upper_rows[0] != 0;
+    range->lower = found.low * unit * (found.low * unit);
+    range->upper = bound ? most : found.high * unit * (found.high * unit);
+    return range->status;
+}
+#endif
+
+cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings,
+                                   cell_range *range, cell_workspace *workspace) {
+    mrts_real turned[9], shares[CELL_ROBOTS], internal[WRENCHES], *res[4];
+    const mrts_real *arg[9];
+    mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
+    mrts_rows rows;
+    int fastest;
+    range->lower = range->upper = 0;
+    range->lower_count = range->upper_count = 0;
+    if (!is_sound(sample, settings->load)) return range->status = CELL_BAD_ARGUMENT;
+    for (int i = 0; i < CELL_ROBOTS; ++i) shares[i] = (mrts_real)1 / CELL_ROBOTS;
+    for (int i = 0; i < WRENCHES; ++i) internal[i] = 0;
+    point_to(sample, settings->load, turned, arg);
+    arg[7] = shares;
+    arg[8] = internal;
+    res[0] = form.torque_map;
+    res[1] = form.torque_offset;
+    res[2] = form.wrench_map;
+    res[3] = form.wrench_offset;
+    cell_model_fixed_distribution(arg, res);
+    const mrts_real most = velocity_cap(sample, settings, most_asked(settings), &fastest);
+    if (most < 0 || !build_rows(sample, settings, 0, 1, &form, workspace, &rows)) {
+        return range->status = CELL_BAD_ARGUMENT;
+    }
+#if CELL_MOTORS
+    if (has_speed_terms(settings, &rows, workspace)) {
+        return share_of_speed(&rows, most, fastest, range, workspace);
+    }
+#endif
+    range->lower = 0;
+    range->upper = most;
+    range->lower_count = 1;
+    range->lower_rows[0] = 0;
+    range->upper_count = fastest != 0;
+    range->upper_rows[0] = fastest;
+    for (int i = 0; i < rows.count; ++i) {
+        const mrts_real a = rows.A[i], lower = rows.lower[i], upper = rows.upper[i];
+        const int forward = a > 0, at_lower = -rows.which[i] - 1, at_upper = rows.which[i] + 1;
+        if (MRTS_ABS(a) <= NO_EFFECT) {
+            if (lower <= MRTS_FEASIBLE && upper >= -MRTS_FEASIBLE) continue;
+            range->upper_rows[0] = lower > 0 ? at_lower : at_upper;
+            range->upper_count = 1;
+            return range->status = CELL_INFEASIBLE;
+        }
+        const mrts_real from = forward ? lower : upper, to = forward ? upper : lower;
+        if (from > -MRTS_INFINITY && from < MRTS_INFINITY && from / a > range->lower) {
+            range->lower = from / a;
+            range->lower_rows[0] = forward ? at_lower : at_upper;
+        }
+        if (to > -MRTS_INFINITY && to < MRTS_INFINITY && to / a < range->upper) {
+            range->upper = to / a;
+            range->upper_rows[0] = forward ? at_upper : at_lower;
+            range->upper_count = 1;
+        }
+    }
+    if (range->lower > range->upper) {
+        range->upper_rows[1] = range->lower_rows[0];
+        range->upper_count = 2;
+        return range->status = CELL_INFEASIBLE;
+    }
+    return range->status = range->upper < MRTS_INFINITY ? CELL_OK : CELL_UNBOUNDED;
+}
+#endif
+
+#if CELL_HAS_TORQUES
+#ifdef MRTS_SINGLE
+#define TORQUE_WIDENING MRTS_C(1e-5) /* of limits: at the end of a range the feasible set is a point */
+#else
+#define TORQUE_WIDENING 1e-9
+#endif
+
+typedef char qp_work_holds[HOLDS(work, mrts_real, MRTS_QP_WORK(F))];
+typedef char qp_integers_hold[HOLDS(integers, int, MRTS_QP_IWORK(F, ROWS))];
+
+cell_status cell_torques(const cell_sample *sample, const cell_settings *settings, mrts_real c2,
+                         mrts_real torque[CELL_JOINTS], mrts_real wrench[CELL_WRENCHES],
+                         cell_workspace *workspace) {
+    const mrts_limits limits = limits_of(settings);
+    mrts_real memory[MRTS_LEAST_TORQUES_WORK(K, JOINTS)];
+    mrts_rows rows;
+    int active[K], count = 0, fastest;
+    for (int i = 0; i < JOINTS; ++i) torque[i] = 0;
+    for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
+    if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !is_sound(sample, settings->load)) return CELL_BAD_ARGUMENT;
+    const mrts_real most = velocity_cap(sample, settings, most_asked(settings), &fastest);
+    mrts_form form = wrench_form(sample, settings->load, workspace);
+    if (most < 0 || !build_rows(sample, settings, c2, K, &form, workspace, &rows)) return CELL_BAD_ARGUMENT;
+    const mrts_weights weights = {settings->weight, 1};
+    int status = mrts_least_torques(K, JOINTS, WRENCHES, &limits, &weights, c2, TORQUE_WIDENING, &form, &rows, active, &count,
+                                    torque, wrench, memory, workspace->work, workspace->integers);
+    if (c2 > most * (1 + 2 * TORQUE_WIDENING)) status = MRTS_INFEASIBLE;
+    if (!all_finite(JOINTS, torque) || !all_finite(WRENCHES, wrench)) return CELL_UNDECIDED;
+    return status == MRTS_OPTIMAL ? CELL_OK : status == MRTS_INFEASIBLE ? CELL_INFEASIBLE : CELL_UNDECIDED;
+}
+#endif

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The generated functions. Matrices are column after column; see the source for inputs and outputs.
+ */
+#ifndef MRTS_CELL_MODEL_H
+#define MRTS_CELL_MODEL_H
+
+#include "cell.h"
+
+#if CELL_HAS_TERMS
+void cell_model_terms(const cell_real *const *arg, cell_real *const *res);
+#endif
+#if CELL_HAS_FORM
+void cell_model_wrench_form(const cell_real *const *arg, cell_real *const *res);
+#endif
+#if CELL_HAS_SHARE
+void cell_model_fixed_distribution(const cell_real *const *arg, cell_real *const *res);
+#endif
+
+#endif

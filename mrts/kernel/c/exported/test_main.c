@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Every vector against this library; exits non-zero on a mismatch. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cell.h"
+#include "cell_vectors.h"
+
+/* Relative, for c^2; of torques 10 times that, against their limits. */
+#define TOLERANCE (sizeof(cell_real) > 4 ? 1e-8 : 1e-4)
+
+#define ALLOWED (sizeof(cell_real) > 4 ? 0 : CELL_VECTORS / 4) /* answers left undecided */
+
+static int failures = 0;
+
+static int close_to(double ours, double theirs) {
+    return fabs(ours - theirs) <= TOLERANCE * (fabs(theirs) + TOLERANCE);
+}
+
+static void demand(int holds, int vector, const char *what, double ours, double theirs) {
+    if (holds) return;
+    ++failures;
+    if (failures <= 10) printf("vector %d: %s is %.10g, expected %.10g\n", vector, what, ours, theirs);
+}
+
+/* The larger side of a torque's limit; of the largest torque if it has none or is zero. */
+static double unit_of(const cell_settings *settings, int joint) {
+    double own = 0, largest = 0;
+    for (int i = 0; i < CELL_JOINTS; ++i) {
+        const double low = fabs((double)settings->lower[i]), high = fabs((double)settings->upper[i]);
+        double size = low < (double)CELL_UNLIMITED ? low : 0;
+        if (high < (double)CELL_UNLIMITED && high > size) size = high;
+        if (i == joint) own = size;
+        if (size > largest) largest = size;
+    }
+    return own > 0 ? own : largest;
+}
+
+static void compare(int k, const char *what, const cell_range *range, int status, double lower, double upper,
+                    int *undecided) {
+    if (range->status == CELL_UNDECIDED) {
+        ++*undecided;
+        return;
+    }
+    demand((int)range->status == status, k, what, range->status, status);
+    if ((int)range->status != status || status == CELL_INFEASIBLE) return;
+    demand(close_to((double)range->lower, lower), k, "lower end", (double)range->lower, lower);
+    if (status != CELL_UNBOUNDED) demand(close_to((double)range->upper, upper), k, "upper end", (double)range->upper, upper);
+}
+
+int main(void) {
+    static cell_workspace workspace, fresh;
+    cell_settings settings;
+    cell_range range, again;
+    cell_real torque[CELL_JOINTS], wrench[CELL_WRENCHES];
+    int undecided = 0, seen[7] = {0};
+    cell_default_settings(&settings);
+#if CELL_MOTORS
+    settings.rest_speed = CELL_REST_SPEED;
+    settings.rest_acceleration = CELL_REST_ACCELERATION;
+#endif
+    demand(cell_check_settings(&settings) == CELL_OK, -1, "settings", 1, 0);
+    for (int k = 0; k < CELL_VECTORS; ++k) {
+        const cell_vector *vector = &cell_vectors[k];
+        settings.load[0] = vector->mass;
+        cell_range_of_sample(&vector->sample, &settings, &range, &workspace);
+        ++seen[range.status];
+        compare(k, "status", &range, vector->status, vector->lower, vector->upper, &undecided);
+        memset(&fresh, 0, sizeof fresh);
+        cell_range_of_sample(&vector->sample, &settings, &again, &fresh);
+        if (again.status != CELL_UNDECIDED && range.status == CELL_OK) {
+            demand(close_to((double)again.upper, (double)range.upper), k, "cold start", (double)again.upper,
+                   (double)range.upper);
+        }
+        cell_equal_share_range(&vector->sample, &settings, &range, &workspace);
+        compare(k, "equal share", &range, vector->share_status, vector->share_lower, vector->share_upper, &undecided);
+        if (vector->c2 <= 0) continue;
+        if (cell_torques(&vector->sample, &settings, (cell_real)vector->c2, torque, wrench, &workspace) != CELL_OK) {
+            ++undecided;
+            continue;
+        }
+        for (int joint = 0; joint < CELL_JOINTS; ++joint) {
+            demand(fabs((double)torque[joint] - vector->torque[joint]) <= 10 * TOLERANCE * unit_of(&settings, joint), k, "torque",
+                   (double)torque[joint], vector->torque[joint]);
+        }
+    }
+    printf("%d vectors: %d ok, %d unbounded, %d infeasible, %d undecided; %d mismatches\n", CELL_VECTORS,
+           seen[CELL_OK], seen[CELL_UNBOUNDED], seen[CELL_INFEASIBLE], undecided, failures);
+    return failures != 0 || undecided > ALLOWED || seen[CELL_OK] == 0;
+}

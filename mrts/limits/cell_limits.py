@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: MIT
+"""The limits of a cell file: torques, wrenches, what hands can exert, velocities, torque-speed curves."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.cell.hands.contact import in_object_axes
+from mrts.cell.motors.joint_motors import torque_speed_lines
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.object_axes import object_axes
+from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, row_names
+
+NONE = np.zeros(0)
+
+
+def torque_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
+    """Eq. (8): τ⁻ <= τ <= τ⁺, one row a joint."""
+    names = [row_names("torque", robot.name, robot.joints, robot.torque_units) for robot in cell.robots]
+    return LimitRows.of(
+        cell,
+        names=sum(names, ()),
+        lower=np.concatenate([robot.torque_lower for robot in cell.robots]),
+        upper=np.concatenate([robot.torque_upper for robot in cell.robots]),
+        torque_matrix=np.eye(sum(map(len, names))),
+    )
+
+
+def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
+    """Eq. (24): F_min <= F_i <= F_max in the axes of robot i's base, one row a component."""
+    names = [row_names("wrench", robot.name, cell.wrench_components, cell.wrench_units) for robot in cell.robots]
+    return LimitRows.of(
+        cell,
+        names=sum(names, ()),
+        lower=np.concatenate([robot.wrench_lower for robot in cell.robots]),
+        upper=np.concatenate([robot.wrench_upper for robot in cell.robots]),
+        wrench_matrix=np.eye(sum(map(len, names))),
+    )
+
+
+def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+    """Rows lower <= A F_i <= upper of every contact of every robot, in base axes or in those of the object."""
+    contacts = [(robot, contact) for robot in cell.robots for contact in robot.contacts]
+    names = tuple(
+        RowName("contact", robot.name, f"{contact.name} {row}", unit)
+        for robot, contact in contacts
+        for row, unit in zip(contact.rows, contact.units, strict=True)
+    )
+    in_base, in_object = np.zeros((2, len(names), len(cell.robots) * len(cell.wrench_components)))
+    start = 0
+    for robot, contact in contacts:
+        rows = slice(start, start + len(contact.rows)), cell.wrench_slices[robot.name]
+        if contact.frame == "base":
+            in_base[rows] = contact.A
+        elif contact.frame == "object":
+            in_object[rows] = contact.A
+        else:
+            in_object[rows] = in_object_axes(contact.A, robot.T_object_tip.R, cell.wrench_components)
+        start += len(contact.rows)
+    turns = bool(np.any(in_object))
+    return LimitRows.of(
+        cell,
+        names=names,
+        lower=np.concatenate([NONE, *(contact.lower for _, contact in contacts)]),
+        upper=np.concatenate([NONE, *(contact.upper for _, contact in contacts)]),
+        wrench_matrix=in_base,
+        object_matrix=in_object if turns else None,
+        object_axes=object_axes(cell, motion) if turns else None,
+    )
+
+
+def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+    """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity; no rows if they are not enforced."""
+    if not cell.enforces_velocity_limits:
+        return LimitRows.of(cell, names=(), lower=NONE, upper=NONE)
+    names = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
+    for robot in reversed(cell.robots):
+        units = tuple(f"{unit}/s" for unit in robot.position_units)
+        names = row_names("velocity", robot.name, robot.joints, units) + names
+    x, y, z = motion.object.twist.reshape(-1, 2, 3).transpose(2, 0, 1)
+    limit = np.concatenate([*(robot.velocity_limit for robot in cell.robots), cell.object_velocity_limit])
+    return LimitRows.of(
+        cell,
+        names=names,
+        lower=np.append(-limit[:-2], [-np.inf, -np.inf]),  # the object's are sizes
+        upper=limit,
+        speed=np.column_stack([motion.dq, np.sqrt(x**2 + y**2 + z**2)]),
+    )
+
+
+class CurveRow(NamedTuple):
+    """One straight part of a joint's torque-speed curve: |τ| <= limit - slope |q̇|, or its end: |q̇| <= limit.
+
+    Attributes:
+        name: Of the row.
+        joint: Place among all joints of the cell.
+        limit: Of the torque at standstill [N m], or of the speed [rad/s].
+        slope: By how much the torque falls with the speed [N m s/rad]; None at the end of a curve.
+    """
+
+    name: RowName
+    joint: int
+    limit: float
+    slope: float | None
+
+
+def curve_rows(cell: Cell) -> tuple[CurveRow, ...]:
+    """The rows of all torque-speed curves of a cell, joint by joint: falling lines, then the curve's end."""
+    rows = []
+    for robot, part in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        for j, curve in enumerate(robot.motors.torque_speed):
+            if curve is None:
+                continue
+            line = RowName(TORQUE_SPEED, robot.name, robot.joints[j], robot.torque_units[j])
+            end = RowName("motor speed", robot.name, robot.joints[j], f"{robot.position_units[j]}/s")
+            rows += [CurveRow(line, part.start + j, a, m) for a, m in torque_speed_lines(curve)]
+            rows.append(CurveRow(end, part.start + j, float(curve[-1, 0]), None))
+    return tuple(rows)
+
+
+def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+    """|τ| <= a - m |q̇| for each falling line of a motor's torque-speed curve, and |q̇| up to the curve's end.
+
+    A line holds while the motor drives, where τ and q̇ have one sign: -a <= τ + m q' ṙ <= a. Where it brakes that
+    leaves more than the plain limit of the torque, which is a limit of its own.
+    """
+    rows = curve_rows(cell)
+    if not rows:
+        return LimitRows.of(cell, names=(), lower=NONE, upper=NONE)
+    limit, place = np.array([row.limit for row in rows]), [row.joint for row in rows]
+    of_torque = np.array([row.slope is not None for row in rows], dtype=bool)
+    slope: Array = np.array([1.0 if row.slope is None else row.slope for row in rows])
+    return LimitRows.of(
+        cell,
+        names=tuple(row.name for row in rows),
+        lower=-limit,
+        upper=limit,
+        torque_matrix=of_torque[:, None] * np.eye(motion.q.shape[1])[place],
+        speed=slope * motion.dq[:, place],
+    )

@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: MIT
+"""Limits as the programs take them: what bounds the speed alone in ṙ², and which rows do nothing but that."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.kernel.cell_library import SparseLimits
+from mrts.kernel.sample_terms import SampleTerms
+from mrts.limits import limit_rows
+from mrts.limits.rows import LimitRows, moved
+from mrts.program.motor_terms import MotorTerms, motor_terms
+
+CAPS_TIE = 2e-7
+"""Caps that bound ṙ² this closely to the one that bounds it most bind with it."""
+
+SQUARE_AT_REST = 1e-24
+"""A squared speed below this share of its largest along the motion is rounding of rest."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionRows:
+    """All limits of a cell along a motion of N samples, and what its motors add, as every program takes them.
+
+    Of the rows lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper none has ṙ for its only term.
+
+    Attributes:
+        given: The r rows as they were given.
+        rows: The same rows; those of ṙ alone in ṙ².
+        size: `LimitRows.units`: what the rows are divided by, Shape (r,).
+        unit: What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,).
+        is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
+            Shape (r,).
+        cap_share: What each of these s caps is of its limit at ṙ = 1, Shape (N, s).
+        cap_code: The side on which it bounds ṙ²: 1 + row by its upper limit, -1 - row by its lower one, Shape (N, s).
+        kept: The rows that are no caps.
+        sparse: The same as C reads them; None where sides cross, as a reserve leaves them: such rows admit nothing.
+        motors: What motors add; None where they are ideal.
+    """
+
+    given: LimitRows
+    rows: LimitRows
+    size: Array
+    unit: Array
+    is_cap: NDArray[np.bool_]
+    cap_share: Array
+    cap_code: NDArray[np.int_]
+    kept: LimitRows
+    sparse: SparseLimits | None
+    motors: MotorTerms | None
+
+    @property
+    def most(self) -> Array:
+        """Largest ṙ² that keeps all caps, Shape (N,)."""
+        return largest_square(self.cap_share)
+
+    @property
+    def has_speed_terms(self) -> bool:
+        """Whether a row has a term in ṙ beside others."""
+        return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
+
+    def terms(self, speed: float | Array | None = None) -> SampleTerms:
+        """What is added at every sample to the kept rows, with terms in ṙ put in, or left as they are.
+
+        Args:
+            speed: ṙ, one for all samples, or Shape (N, 1); None where it is to be found.
+        """
+        kept, motors = self.kept, self.motors
+        if kept.speed is None or speed is None:
+            of_rows = SampleTerms(square=kept.square, speed=kept.speed)
+        else:
+            of_rows = SampleTerms(square=kept.square, offset=kept.speed * speed)
+        if motors is None:
+            return of_rows
+        return replace(
+            of_rows,
+            torque_square=motors.square,
+            torque_offset=motors.friction(0.0 if speed is None else speed),
+            torque_speed=motors.speed if speed is None else None,
+            margin=motors.margin(kept),
+        )
+
+
+def motion_rows(cell: Cell, motion: CoordinatedMotion) -> MotionRows:
+    """The limits of a cell along a motion, and what its motors add.
+
+    Raises:
+        InputError: If a limit that the cell was given gives no rows of this cell along this motion.
+    """
+    return squared(limit_rows(cell, motion), motion.samples, motor_terms(cell, motion))
+
+
+def largest_square(cap_share: Array) -> Array:
+    """Largest ṙ² that keeps all caps, infinity where none moves, Shape (N,)."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(1 / np.max(cap_share, axis=1, initial=0.0), dtype=np.float64)
+
+
+def side_share(square: Array, lower: Array, upper: Array) -> Array:
+    """What rows e ṙ² are of the limit on their side at ṙ = 1, 0 where they have none: Shape (…, s) as `square`."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(square > 0, square / upper, square / lower)
+    return np.where(square == 0, 0.0, share)
+
+
+def binds(share: Array) -> NDArray[np.bool_]:
+    """Which caps bound ṙ², none at rest.
+
+    Args:
+        share: As `MotionRows.cap_share`, of one sample, Shape (s,), or of all, Shape (N, s).
+    """
+    most = np.max(share, axis=-1, initial=0.0, keepdims=True)
+    return np.asarray((share >= (1 - CAPS_TIE) * most) & (most > 0))
+
+
+def squared(given: LimitRows, samples: int, motors: MotorTerms | None = None) -> MotionRows:
+    """Bring rows that nothing but ṙ moves into a form that is linear in ṙ².
+
+    A row b ṙ becomes b |b| ṙ² between l |l| and u |u|: as ṙ >= 0, squares with their sign keep the order. Where the
+    speed is limited alike in both directions that is b² ṙ² <= u². A row with other terms beside ṙ keeps it.
+
+    Args:
+        given: Rows along a motion.
+        samples: N.
+        motors: What motors add.
+    """
+    size = given.units()
+    rows, unit, is_cap, square = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))
+    if given.speed is not None or given.square is not None:
+        alone, by_speed = given.is_of_speed, moved(given.speed, len(size))
+        mixed = by_speed & (~alone | moved(given.square, len(size)))
+        places = np.flatnonzero(alone & ~mixed)
+        rows, square = _in_squares(given, size, places)
+        if np.any(mixed) and given.speed is not None:
+            rows = replace(rows, speed=given.speed * mixed)
+        unit = np.where(by_speed & ~mixed, size / 2, size)
+        least, most = rows.lower[places], rows.upper[places]
+        passed = np.any(square > 0, axis=0) & (most <= 0) | np.any(square < 0, axis=0) & (least >= 0)
+        caps = (least <= 0) & (most >= 0) & ~passed
+        is_cap[places], square = caps, square[:, caps]
+    places = np.flatnonzero(is_cap)
+    share = side_share(square, rows.lower[places], rows.upper[places])
+    code = np.where(square > 0, 1 + places, -1 - places)
+    kept, crosses = rows.only(~is_cap), np.any(rows.lower > rows.upper)
+    return MotionRows(
+        given=given,
+        rows=rows,
+        size=size,
+        unit=unit,
+        is_cap=is_cap,
+        cap_share=share,
+        cap_code=code,
+        kept=kept,
+        sparse=None if crosses else kept.sparse(),
+        motors=motors,
+    )
+
+
+def _in_squares(given: LimitRows, size: Array, places: NDArray[np.int_]) -> tuple[LimitRows, Array]:
+    """The rows with ṙ² for ṙ in those of the speed alone, and the column of ṙ² of these, Shape (N, s)."""
+    size, least, most = size[places], given.lower[places] / size[places], given.upper[places] / size[places]
+    columns = [column for column in (given.square, given.speed) if column is not None]
+    square = np.zeros((len(given.names), len(columns[0]))).T
+    part = np.zeros((len(square), 1))
+    if given.square is not None:
+        square[:] = given.square
+        part = given.square[:, places] / size
+    if given.speed is not None:
+        share, of_speed = given.speed[:, places] / size, moved(given.speed, len(given.names))[places]
+        alike = of_speed & (least == -most)
+        part = part + share * np.where(alike, share, np.abs(share))
+        least = np.where(alike, -np.inf, np.where(of_speed, least * np.abs(least), least))
+        most = np.where(of_speed, most * np.abs(most), most)
+    magnitude = np.abs(part)
+    part[magnitude <= SQUARE_AT_REST * np.max(magnitude, axis=0, initial=0.0)] = 0.0
+    lower, upper = given.lower.copy(), given.upper.copy()
+    square[:, places], lower[places], upper[places] = size * part, size * least, size * most
+    return replace(given, lower=lower, upper=upper, speed=None, square=square), square[:, places]
