@@ -152,11 +152,7 @@ class RobotDescription(StrictModel):
     motors: MotorsDescription = MotorsDescription()
 
     def reference(self, key: str) -> FileReference:
-        """What it says of its URDF.
-
-        Args:
-            key: Where that stands in the cell file.
-        """
+        """What it says of its URDF."""
         arguments = {name: xacro_text(value) for name, value in self.xacro_args.items()}
         return FileReference(self.urdf, arguments, key=key)
 
@@ -201,30 +197,18 @@ class CellDescription(StrictModel):
 
 
 def read_cell_description(path: Path) -> CellDescription:
-    """Read and validate a cell file.
-
-    Raises:
-        InputError: If the file is missing, not YAML, or breaks a rule.
-    """
+    """Read and validate a cell file."""
     return read_model(path, CellDescription, "cell file")
 
 
 def cell_description(data: object) -> CellDescription:
-    """Validate what a dictionary made in Python says of a cell: keys and rules of a cell file, numpy's numbers as well.
-
-    Raises:
-        InputError: If it breaks a rule.
-    """
+    """A dictionary made in Python, validated as a cell file; numpy's numbers as well."""
     where = str(DESCRIBED)
     return validated(DESCRIBED, plain(where, data), CellDescription, where)
 
 
 def xacro_text(value: str | float) -> str:
-    """A value of YAML as a xacro's argument: what a shell would hand it.
-
-    Args:
-        value: Text, a number, or a truth.
-    """
+    """A value of YAML as a xacro's argument: what a shell would hand it."""
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 

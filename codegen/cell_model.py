@@ -32,7 +32,6 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.load_box import LoadBox, load_vector
 from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, WRENCH_UNITS, ChainsRecord
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import multiply
 from mrts.base.version import __version__
 from mrts.cell.hands.kinds import wrench_bounds
 from mrts.cell.motors.joint_motors import given_torque_limits
@@ -81,14 +80,7 @@ class CellModel:
 
 
 def read_cell_model(path: Path) -> CellModel:
-    """A cell file with its URDFs; what is worth a remark is logged.
-
-    Args:
-        path: The cell file.
-
-    Raises:
-        InputError: If the cell file or a URDF breaks a rule.
-    """
+    """A cell file with its URDFs; what is worth a remark is logged."""
     cell = build_cell_model(path, read_cell_description(path))
     for remark in cell.record.remarks:
         logger.warning(remark.text)
@@ -102,9 +94,6 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         path: The cell file, for messages.
         description: Its content.
         folder: That URDFs are relative to, absolute; None is where the cell file stands.
-
-    Raises:
-        InputError: If a URDF or an array of the cell file breaks a rule.
     """
     folder = path.resolve().parent if folder is None else folder
     carried, mistakes = description.object, Mistakes()
@@ -139,12 +128,7 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
 
 
 def cell_manifest(cell: CellModel, chains: ChainsRecord) -> CellManifest:
-    """The manifest of a cell.
-
-    Args:
-        cell: The cell.
-        chains: What was generated for its chains.
-    """
+    """The manifest of a cell."""
     return CellManifest(
         **dict(chains),
         **dict(cell.record),
@@ -187,9 +171,6 @@ def build_robot(
         plane: Of the cell.
         folder: That URDFs are relative to, absolute.
         lenient: As in `mrts_codegen.urdf.link_inertia.link_inertia`.
-
-    Raises:
-        InputError: If the URDF or an array of the robot breaks a rule; carries all that do.
     """
     reference = robot.reference(f"{key}.urdf")
     urdf_path, content = reference.path(path, folder), reference.content(path, folder)
@@ -217,18 +198,10 @@ def build_robot(
             check_plane_kept(path, key, plane, T_world_base, T_object_tip, model, rotation_keys)
         contacts = build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R)
     mistakes.raise_noted()
-    *frames, tip = model.zero_frames()
     given_friction = robot.motors.friction is not None
     built = Robot(
         name=robot.name,
-        joints=tuple(joints),
-        joint_types=tuple(joint.kind for joint in model.joints),
-        axes=np.array([multiply(frame.R, joint.axis) for joint, frame in zip(model.joints, frames, strict=True)]),
-        points=np.array([frame.p for frame in frames]),
-        T_base_tip=tip,
-        position_lower=np.array([joint.lower for joint in model.joints]),
-        position_upper=np.array([joint.upper for joint in model.joints]),
-        velocity_limit=np.array([np.inf if joint.velocity is None else joint.velocity for joint in model.joints]),
+        **model.of_robot(),
         T_world_base=T_world_base,
         T_object_tip=T_object_tip,
         posture=np.array(robot.posture, dtype=float),
@@ -253,7 +226,6 @@ def build_robot(
         motors=motors,
         contacts=contacts,
         contact_rate=_contact_rate(robot.contact_rate, components),
-        held_numbers=model.held_numbers(),
     )
     of_poses = (*robot.base.degrees_remarks(f"{key}.base"), *robot.grasp.degrees_remarks(f"{key}.grasp"))
     return BuiltRobot(built, model, urdf, (*of_poses, *of_motors))

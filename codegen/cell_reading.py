@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A cell file and its URDFs with all that is wrong with them."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,25 +15,8 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.input_file import read_data, validated
 
 
-@dataclass(frozen=True)
-class CellReading:
-    """What came of reading a cell.
-
-    Attributes:
-        model: The cell; None if something is wrong.
-        mistakes: All that is.
-    """
-
-    model: CellModel | None
-    mistakes: tuple[InputError, ...]
-
-
-def read_cell(path: Path) -> CellReading:
-    """Read a cell file and its URDFs, and go on where something is wrong.
-
-    Args:
-        path: The cell file.
-    """
+def read_cell(path: Path) -> tuple[CellModel | None, tuple[InputError, ...]]:
+    """A cell file with its URDFs, None if something is wrong, and all that is."""
     mistakes = Mistakes()
     with mistakes.noted():
         data = read_data(path, "cell file")
@@ -44,8 +26,8 @@ def read_cell(path: Path) -> CellReading:
             mistakes.add(error)
             _read_robots(path, data, mistakes)
         else:
-            return CellReading(build_cell_model(path, description), ())
-    return CellReading(None, tuple(mistakes.found))
+            return build_cell_model(path, description), ()
+    return None, tuple(mistakes.found)
 
 
 def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:

@@ -57,9 +57,6 @@ def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shap
 
     Returns:
         Normals that seem to point the wrong way, where no face tells.
-
-    Raises:
-        InputError: If a normal points out of the face that its contact is at; carries all that do.
     """
     mistakes, remarks = Mistakes(), []
     for index, robot in enumerate(robots):

@@ -3,19 +3,18 @@
 
 import hashlib
 import json
-from collections.abc import Iterable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrts_codegen.urdf_reference import FileReference, mesh_reference, robot_reference
+from mrts_codegen.urdf_reference import mesh_reference, robot_reference
 
 from mrts.base import version
 from mrts.base.errors import InputError
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import MAX_YAML_BYTES
-from mrts.cell.record import CellManifest
+from mrts.cell.record import CellRecord
 
 if TYPE_CHECKING:
     from mrts_codegen.cell_model import CellModel
@@ -28,45 +27,21 @@ SHAPING = (
 
 
 def text_key(path: Path) -> str:
-    """Hash of a cell file's text and of what reads it: its manifest is the same while the hashes of its URDFs are.
-
-    Raises:
-        InputError: If the cell file cannot be read.
-    """
+    """Hash of a cell file's text and of what reads it: its manifest is the same while the hashes of its URDFs are."""
     text = read_regular(path, "cell file", MAX_YAML_BYTES)
     return hashlib.sha256(emitter_key().encode() + text).hexdigest()
 
 
-def is_as_made(path: Path, manifest: CellManifest) -> bool:
-    """Whether the files that a cell file names hold what a manifest was made from.
-
-    Args:
-        path: The cell file.
-        manifest: Of a cell file of the same text.
-    """
-    folder, shape = path.resolve().parent, manifest.object_shape
-    known = [(robot_reference(robot.source), robot.source.sha256) for robot in manifest.robots]
+def is_as_made(path: Path, record: CellRecord) -> bool:
+    """Whether the files that a cell file names hold what the record of a cell was made from."""
+    folder, shape = path.resolve().parent, record.object_shape
+    known = [(robot_reference(robot.source), robot.source.sha256) for robot in record.robots]
     if shape is not None and shape.mesh is not None:
         known.append((mesh_reference(shape.mesh.file), shape.mesh.sha256))
     try:
         return all(reference.sha256(path, folder) == made for reference, made in known)
     except InputError:
         return False
-
-
-def content_key(path: Path, references: Iterable[FileReference]) -> str:
-    """Hash of all that a generated cell depends on: cell file, URDFs, mesh, this package and CasADi's version.
-
-    Args:
-        path: The cell file.
-        references: What it says of where its URDFs and its mesh are.
-
-    Raises:
-        InputError: If a file cannot be read.
-    """
-    folder = path.resolve().parent
-    parts = [text_key(path), *(reference.sha256(path, folder) for reference in references)]
-    return hashlib.sha256("".join(parts).encode()).hexdigest()
 
 
 def chains_key(cell: "CellModel", stem: str, *, bake: bool) -> str:

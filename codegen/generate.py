@@ -52,9 +52,6 @@ def generate_cell(path: Path, *, bake: bool = False) -> Generated[CellManifest]:
         path: The cell file.
         bake: Whether gravity, bases, grasps and held joints are folded into the functions as numbers; else they are
             their last input.
-
-    Raises:
-        InputError: If the cell file or a URDF breaks a rule.
     """
     cell = read_cell_model(path)
     chains = generate_chains(cell, cell.record.name, bake=bake)
@@ -62,25 +59,14 @@ def generate_cell(path: Path, *, bake: bool = False) -> Generated[CellManifest]:
 
 
 def generate_chains(cell: CellModel, stem: str, *, bake: bool = False) -> Generated[ChainsRecord]:
-    """Generate the functions of a cell.
-
-    Args:
-        cell: The cell.
-        stem: Name of the C file without its ending, and first part of all names in it.
-        bake: As in `generate_cell`.
-    """
+    """Generate the functions of a cell."""
     functions = build_functions(cell, stem, bake=bake)
     c_source = emit_c(functions)
     return Generated(_chains(cell, stem, functions, c_source, bake=bake), c_source, functions)
 
 
 def motion_functions(cell: CellModel, stem: str) -> tuple[CellManifest, dict[str, ca.Function]]:
-    """The functions of a cell that the motion of its joints takes, and its manifest: nothing is emitted.
-
-    Args:
-        cell: The cell.
-        stem: First part of their names.
-    """
+    """The functions of a cell that the motion of its joints takes, and its manifest: nothing is emitted."""
     functions = build_functions(cell, stem, bake=False, names=OF_MOTION)
     return cell_manifest(cell, _chains(cell, stem, functions, "", bake=False)), functions
 

@@ -101,9 +101,6 @@ def build_contacts(
         descriptions: What stands there.
         components: Of the cell's wrenches.
         R_object_tip: Rotation of the robot's grasp, Shape (3, 3).
-
-    Raises:
-        InputError: If one breaks a rule.
     """
     in_tip = tip_components(components, R_object_tip)
     contacts = []

@@ -42,14 +42,7 @@ class Mesh:
     surface: Any
 
     def solid(self, advice: str) -> tuple[Array, Array]:
-        """Centre of the enclosed volume, Shape (3,) [m], and its inertia about it for 1 kg, Shape (3, 3) [m²].
-
-        Args:
-            advice: What to do where it encloses none; a sentence.
-
-        Raises:
-            InputError: If the surface is not closed, or its triangles do not agree on which side is out.
-        """
+        """Centre of the enclosed volume, Shape (3,) [m], and its inertia about it for 1 kg, Shape (3, 3) [m²]."""
         if not self.surface.is_watertight:
             raise InputError(self.path, f"this mesh is not closed (watertight), so it encloses no volume. {advice}")
         if not self.surface.is_winding_consistent:
@@ -64,16 +57,7 @@ class Mesh:
 
 
 def read_mesh(path: Path, content: bytes, scale: float) -> Mesh:
-    """Read a mesh file.
-
-    Args:
-        path: The file; its ending says its format.
-        content: Its bytes.
-        scale: Metres of one of its units.
-
-    Raises:
-        InputError: If it is of another format, damaged, or holds no triangle.
-    """
+    """Read a mesh file."""
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         raise InputError(path, f"a mesh of an object is a file of {', '.join(FORMATS)}. Export it as one of them.")

@@ -48,12 +48,6 @@ def model_c(functions: dict[str, ca.Function]) -> str:
     """C definitions of functions of `arg` and `res`, the same bytes for the same expressions.
 
     CasADi's virtual machine runs these instructions in this order, so both agree to rounding.
-
-    Args:
-        functions: Any that expand into scalars, by the name that each gets.
-
-    Raises:
-        InputError: If one holds an operation or a number that C does not know.
     """
     return "\n".join(
         f'MRTS_MODEL({name}, "{function_record(name, function).signature}") {{\n{_body(function.expand())}}}\n'

@@ -87,9 +87,6 @@ def build_motors(
         robot: What the file says of the robot.
         model: Its chain.
         limits: Its least and largest torques, each Shape (n,) [N m].
-
-    Raises:
-        InputError: If a list has another length than the robot has joints, or a value breaks a rule of motors.
     """
     given, joints = robot.motors, [joint.name for joint in model.joints]
 

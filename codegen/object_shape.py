@@ -69,10 +69,6 @@ def build_shape(
 
     Returns:
         The shape, the inertia, and what to know.
-
-    Raises:
-        InputError: If the mesh cannot be read, or, where the inertia is not given, encloses no volume or has its centre
-            elsewhere than in the origin of the object frame.
     """
     T = shape.pose.transform
     mesh = None

@@ -35,9 +35,6 @@ class FileReference:
         Args:
             cell_path: The cell file, for messages.
             folder: That paths are relative to, absolute.
-
-        Raises:
-            InputError: If no package holds a `package://` file.
         """
         if is_uri(self.text):
             return file_of_uri(cell_path, self.text, folder / cell_path.name, key=self.key)
@@ -49,9 +46,6 @@ class FileReference:
         Args:
             cell_path: The cell file, for messages.
             folder: That paths are relative to, absolute.
-
-        Raises:
-            InputError: If the file cannot be read, or the xacro cannot be expanded.
         """
         path = self.path(cell_path, folder)
         if self.what == "mesh":

@@ -34,9 +34,6 @@ def cell_file_text(manifest: CellManifest, folder: Path, beside: Path | None) ->
         manifest: Of the cell as it is now.
         folder: That its URDFs are relative to, absolute.
         beside: Where the file will stand, absolute; URDFs there or below are given relative to it.
-
-    Raises:
-        InputError: If a cell file cannot hold the cell, or a URDF is not there as it was.
     """
     where = Path(f"cell '{manifest.name}'")
     text = yaml_text(_described(where, manifest, folder, beside))

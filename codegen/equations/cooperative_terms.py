@@ -68,13 +68,7 @@ def split_joints(cell: CellModel, stacked: Any) -> list[Any]:
 
 
 def cooperative_terms(cell: CellModel, symbols: dict[str, Any], geometry: Geometry) -> CooperativeTerms:
-    """Stack the terms of all arms and the object (definitions above (22)); no inverse of a Jacobian.
-
-    Args:
-        cell: The cell.
-        symbols: The sample, from `sample_symbols`.
-        geometry: Its geometry.
-    """
+    """Stack the terms of all arms and the object (definitions above (22)); no inverse of a Jacobian."""
     rows, R, G = list(cell.components), symbols["object_rotation"], geometry
     joints = [split_joints(cell, symbols[name]) for name in ("q", "dq", "ddq")]
     arms = [scaled_arm_terms(*of_arm) for of_arm in zip(G.models, *joints, G.down, strict=True)]

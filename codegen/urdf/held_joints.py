@@ -11,18 +11,7 @@ from mrts.base.errors import InputError
 
 
 def held_positions(path: Path, key: str, urdf_path: Path, urdf: Urdf, fixed: dict[str, float]) -> dict[str, float]:
-    """Positions of the joints that stand still: those of `fixed`, and what moves with them (mimic) [rad or m].
-
-    Args:
-        path: The cell file, for messages.
-        key: Of the joints in it, likewise.
-        urdf_path: The URDF, likewise.
-        urdf: What `parse_urdf` returned.
-        fixed: Position by joint, as the cell file gives it.
-
-    Raises:
-        InputError: If there is no such joint, it cannot move or follows another, or stands outside its limits.
-    """
+    """Positions of the joints that stand still: those of `fixed`, and what moves with them (mimic) [rad or m]."""
     joints = {joint.name: joint for joint in urdf.joints}
     for name, position in fixed.items():
         _check_joint(path, f"{key}.{name}", urdf_path, joints, name, position)

@@ -61,11 +61,7 @@ class Inertia:
 
 
 def is_point(link: Link) -> bool:
-    """Whether a link of a URDF has a mass but no extent: no moment of inertia of its own.
-
-    Args:
-        link: Of a URDF.
-    """
+    """Whether a link of a URDF has a mass but no extent: no moment of inertia of its own."""
     body = link.inertial
     return body is not None and body.mass > 0 and bool(np.max(np.abs(body.inertia)) <= body.mass * POINT_RADIUS**2)
 
@@ -91,9 +87,6 @@ def link_inertia(path: Path, link: Link, remarks: list[Remark], *, lenient: bool
         link: Of a URDF.
         remarks: What is let pass is added here.
         lenient: Whether an inertia that no body has is moved to the nearest that one has.
-
-    Raises:
-        InputError: If no body has these properties, not even nearly.
     """
     inertial = link.inertial
     if inertial is None:

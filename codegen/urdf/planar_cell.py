@@ -31,9 +31,6 @@ def check_plane_kept(
         T_object_tip: Tip link in the object frame.
         model: The chain.
         rotation_keys: What gives the rotation of base and grasp, for messages.
-
-    Raises:
-        InputError: If the base or the tip is tilted, or a joint leaves the plane.
     """
     problem = base_leaves(plane, T_world_base.R)
     if problem:

@@ -21,7 +21,7 @@ from mrts_codegen.urdf.urdf_joint import (
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import RigidTransform
+from mrts.base.rigid_transform import RigidTransform, multiply
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +97,21 @@ class RobotModel:
             parts.append(self.tip.numbers)
         return np.concatenate(parts)
 
+    def of_robot(self) -> dict[str, Any]:
+        """Attributes of `mrts.cell.robot.Robot` that the chain alone gives."""
+        *frames, tip = self.zero_frames()
+        return {
+            "joints": tuple(joint.name for joint in self.joints),
+            "joint_types": tuple(joint.kind for joint in self.joints),
+            "axes": np.array([multiply(frame.R, joint.axis) for joint, frame in zip(self.joints, frames, strict=True)]),
+            "points": np.array([frame.p for frame in frames]),
+            "T_base_tip": tip,
+            "position_lower": np.array([joint.lower for joint in self.joints]),
+            "position_upper": np.array([joint.upper for joint in self.joints]),
+            "velocity_limit": np.array([np.inf if joint.velocity is None else joint.velocity for joint in self.joints]),
+            "held_numbers": self.held_numbers(),
+        }
+
     def zero_frames(self) -> list[RigidTransform]:
         """Joint frames, then the tip, in the base frame with every joint at zero."""
         frames = [RigidTransform.identity()]
@@ -123,10 +138,6 @@ def build_robot_model(
         tip_link: Last link.
         held: Joints that stand still, with their positions, as from `held_positions`.
         lenient: As in `link_inertia`.
-
-    Raises:
-        InputError: If a link is unknown, the tip is not below the base, a joint type cannot be modelled, or a
-            body is not physical; carries all that are not.
     """
     held = held or {}
     links = {link.name: link for link in urdf.links}
@@ -250,16 +261,7 @@ def _chain(
 
 
 def check_tree(path: Path, links: Mapping[str, Any], joints: Sequence[UrdfJoint]) -> None:
-    """Check that joints make a tree of links.
-
-    Args:
-        path: The URDF, for messages.
-        links: By name.
-        joints: All of the URDF.
-
-    Raises:
-        InputError: If a link is not there, hangs twice, or in a loop.
-    """
+    """Check that joints make a tree of links."""
     parents: dict[str, str] = {}
     for joint in joints:
         for end in (joint.parent, joint.child):

@@ -22,15 +22,8 @@ def check_machines(path: Path, arms: Sequence["BuiltRobot"]) -> tuple[tuple[str,
     Each arm has joints of its own in the dynamics. A torso that two arms share would be there twice, each copy free to
     move without the other.
 
-    Args:
-        path: The cell file, for messages.
-        arms: With their URDFs.
-
     Returns:
         Names of each two robots that are arms of one machine.
-
-    Raises:
-        InputError: Names the joint and the ways out.
     """
     machines = []
     for first, second in combinations(arms, 2):

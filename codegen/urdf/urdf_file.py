@@ -102,15 +102,8 @@ class Urdf(NamedTuple):
 def parse_urdf(path: Path, content: bytes) -> Urdf:
     """Parse a URDF.
 
-    Args:
-        path: The file, for messages.
-        content: Its bytes.
-
     Returns:
         Its links and joints.
-
-    Raises:
-        InputError: If it is not XML, not a URDF, an unexpanded xacro, or holds a value that is no number.
     """
     return _parsed(path, text_of(path, "URDF", content))
 

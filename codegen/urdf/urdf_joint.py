@@ -19,11 +19,7 @@ a giganewton, and none of the URDFs that people publish has a real limit above 1
 
 
 def unit_axis(path: Path, joint: UrdfJoint) -> Array:
-    """Direction of a joint's axis in its own frame, Shape (3,).
-
-    Raises:
-        InputError: If it is zero.
-    """
+    """Direction of a joint's axis in its own frame, Shape (3,)."""
     length = float(np.sqrt(sum(joint.axis * joint.axis)))
     if not 0 < length < np.inf:
         raise InputError(path, "must not be zero.", key=f"joint '{joint.name}' axis", value=joint.axis.tolist())
@@ -31,11 +27,7 @@ def unit_axis(path: Path, joint: UrdfJoint) -> Array:
 
 
 def position_limits(path: Path, joint: UrdfJoint) -> tuple[float, float]:
-    """Lower and upper position limit [rad or m], infinite where there is none.
-
-    Raises:
-        InputError: If the lower one exceeds the upper one.
-    """
+    """Lower and upper position limit [rad or m], infinite where there is none."""
     if joint.type == "continuous":
         return -np.inf, np.inf
     lower, upper = (None if value is None or abs(value) >= NO_LIMIT else value for value in (joint.lower, joint.upper))
@@ -50,11 +42,7 @@ def position_limits(path: Path, joint: UrdfJoint) -> tuple[float, float]:
 
 
 def velocity_limit(path: Path, joint: UrdfJoint) -> float | None:
-    """Largest velocity [rad/s or m/s], None if the URDF says nothing.
-
-    Raises:
-        InputError: If it is negative.
-    """
+    """Largest velocity [rad/s or m/s], None if the URDF says nothing."""
     velocity = joint.velocity
     if velocity is not None and velocity < 0:
         raise InputError(path, "must be >= 0.", key=f"joint '{joint.name}' velocity limit", value=velocity)
@@ -62,11 +50,7 @@ def velocity_limit(path: Path, joint: UrdfJoint) -> float | None:
 
 
 def friction(path: Path, joint: UrdfJoint) -> tuple[float, float]:
-    """Dry friction [N m or N] and damping [N m s/rad or N s/m] of a joint, 0 where the URDF says nothing.
-
-    Raises:
-        InputError: If one is negative, or so large that nothing would move.
-    """
+    """Dry friction [N m or N] and damping [N m s/rad or N s/m] of a joint, 0 where the URDF says nothing."""
     for name in ("friction", "damping"):
         if not 0 <= getattr(joint, name) < NO_LIMIT:
             key = f"joint '{joint.name}', <dynamics> {name}"
@@ -75,11 +59,7 @@ def friction(path: Path, joint: UrdfJoint) -> tuple[float, float]:
 
 
 def joint_pose(path: Path, joint: UrdfJoint, position: float = 0.0) -> RigidTransform:
-    """Frame of the child link in the frame of the parent link, where the joint stands at a position [rad or m].
-
-    Raises:
-        InputError: If the joint must move and its axis is zero.
-    """
+    """Frame of the child link in the frame of the parent link, where the joint stands at a position [rad or m]."""
     T = joint.origin
     if position == 0:
         return T

@@ -17,18 +17,17 @@ from mrts_codegen.urdf.urdf_joint import (
     velocity_limit,
 )
 
+from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.formats.urdf_tree import ArmChain, JointEnds, UrdfTree
+from mrts.base.formats.urdf_tree import JointEnds, UrdfTree
 from mrts.base.remark import Remark
+from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.robot import Robot, RobotSource
 
 
 def urdf_mistakes(path: Path, urdf: Urdf) -> tuple[tuple[InputError, ...], tuple[Remark, ...]]:
-    """What breaks a rule in the joints and the masses of a URDF, on any chain or none, and what is let pass.
-
-    Args:
-        path: The file, for messages.
-        urdf: What `parse_urdf` returned.
-    """
+    """What breaks a rule in the joints and the masses of a URDF, on any chain or none, and what is let pass."""
     mistakes, remarks = Mistakes(), list[Remark]()
     with mistakes.noted():
         check_tree(path, {link.name: link for link in urdf.links}, urdf.joints)
@@ -43,15 +42,7 @@ def urdf_mistakes(path: Path, urdf: Urdf) -> tuple[tuple[InputError, ...], tuple
 
 
 def urdf_tree(path: Path, urdf: Urdf) -> UrdfTree:
-    """Links and joints of a URDF.
-
-    Args:
-        path: The file, for messages.
-        urdf: What `parse_urdf` returned.
-
-    Raises:
-        InputError: If it is no tree.
-    """
+    """Links and joints of a URDF."""
     links = tuple(link.name for link in urdf.links)
     check_tree(path, dict.fromkeys(links), urdf.joints)
     joints = {
@@ -61,8 +52,8 @@ def urdf_tree(path: Path, urdf: Urdf) -> UrdfTree:
     return UrdfTree(next(link for link in links if link not in joints), links, joints)
 
 
-def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> ArmChain:
-    """The chain of a URDF from a base link to a tip link.
+def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:
+    """The chain of a URDF from a base link to a tip link, which stands and holds nowhere yet.
 
     Args:
         path: The file, for messages.
@@ -70,28 +61,40 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> A
         base_link: Where it begins; None is the root.
         tip_link: Where it ends.
 
-    Raises:
-        InputError: If there is no such chain, or it breaks a rule of cells.
+    Returns:
+        The arm, efforts that the URDF lacks infinite, and the centre of mass of what each joint carries up to the next,
+        base frame with every joint at zero, Shape (n, 3) [m].
     """
     model = build_robot_model(path, urdf, base_link, tip_link)
-    *frames, tip = model.zero_frames()
-    pairs = list(zip(frames, model.joints, strict=True))
-    return ArmChain(
-        base_link=model.base_link,
-        tip_link=model.tip_link,
-        joints=tuple(joint.name for joint in model.joints),
-        types=tuple(joint.kind for joint in model.joints),
-        axes=np.array([frame.R @ joint.axis for frame, joint in pairs]),
-        points=np.array([frame.p for frame in frames]),
-        lower=np.array([joint.lower for joint in model.joints]),
-        upper=np.array([joint.upper for joint in model.joints]),
-        effort=tuple(
-            joint.effort if joint.effort is not None and 0 < joint.effort < NO_LIMIT else None for joint in model.joints
+    efforts = [joint.effort or np.inf for joint in model.joints]
+    effort = np.array([value if 0 < value < NO_LIMIT else np.inf for value in efforts])
+    robot = Robot(
+        name=tip_link,
+        **model.of_robot(),
+        T_world_base=RigidTransform.identity(),
+        T_object_tip=RigidTransform.identity(),
+        posture=np.zeros(len(effort)),
+        torque_lower=-effort,
+        torque_upper=effort,
+        wrench_lower=np.full(6, -np.inf),
+        wrench_upper=np.full(6, np.inf),
+        source=RobotSource(
+            urdf=str(path),
+            xacro_args={},
+            sha256="",
+            base_link=model.base_link,
+            tip_link=model.tip_link,
+            fixed={},
+            T_base_root=root_in_base(path, urdf, model.base_link, {}),
+            carried_mass=tuple(joint.body.mass for joint in model.joints),
+            point_links=tuple(joint.point_links for joint in model.joints),
+            effort=None,
+            friction=None,
         ),
-        velocity=tuple(joint.velocity for joint in model.joints),
-        mass=np.array([joint.body.mass for joint in model.joints]),
-        point_links=tuple(joint.point_links for joint in model.joints),
-        com=np.array([frame.p + frame.R @ joint.body.com for frame, joint in pairs]),
-        T_base_tip=tip,
-        T_root_base=root_in_base(path, urdf, model.base_link, {}).inverse(),
+        held={},
+        motors=JointMotors.unknown(len(effort)),
+        contacts=(),
+        contact_rate=np.full(6, np.inf),
     )
+    pairs = zip(model.zero_frames()[:-1], model.joints, strict=True)
+    return robot, np.array([frame.p + frame.R @ joint.body.com for frame, joint in pairs])

@@ -50,13 +50,6 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
     """The URDF that a xacro becomes.
 
     It is expanded anew each time: what it includes, YAML that it loads, and the environment may have changed.
-
-    Args:
-        path: The file.
-        arguments: Values of its arguments, by name.
-
-    Raises:
-        InputError: If xacrodoc is missing, it cannot be expanded within the limits, or there is no such argument.
     """
     if find_spec("xacrodoc") is None:
         raise InputError(path, "reading a xacro needs xacrodoc: pip install 'mrts[xacro]'.")
@@ -86,11 +79,7 @@ def _state(files: Sequence[str]) -> list[tuple[int, int]]:
 
 
 def _answer(path: Path, request: dict[str, Any]) -> dict[str, Any]:
-    """What the process that expands a xacro answers.
-
-    Raises:
-        InputError: If it takes too long, or ends without an answer.
-    """
+    """What the process that expands a xacro answers."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}  # the same packages as here
     try:
         done = subprocess.run(  # noqa: S603
@@ -113,12 +102,7 @@ def _answer(path: Path, request: dict[str, Any]) -> dict[str, Any]:
 
 
 def with_found_meshes(path: Path, content: bytes) -> bytes:
-    """The URDF of a xacro with absolute paths of its meshes, for reading it elsewhere; those not found stay.
-
-    Args:
-        path: The xacro.
-        content: The URDF.
-    """
+    """The URDF of a xacro with absolute paths of its meshes, for reading it elsewhere; those not found stay."""
     root = etree.fromstring(content, etree.XMLParser(resolve_entities=False, no_network=True))
     for mesh in root.iter("mesh"):
         name = mesh.get("filename", "")

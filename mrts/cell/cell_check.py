@@ -34,11 +34,7 @@ IN_BAKED = (
 
 
 def check_generated(cell: "Cell") -> None:
-    """Check that what the generated functions hold is what they were generated with.
-
-    Raises:
-        InputError: If it is something else.
-    """
+    """Check that what the generated functions hold is what they were generated with."""
     made = cell.functions.manifest
     _refuse_change(
         [
@@ -56,11 +52,7 @@ def check_generated(cell: "Cell") -> None:
 
 
 def check_placement(cell: "Cell") -> None:
-    """Check that arms which stand or hold elsewhere than their file says still keep to the rules of the file.
-
-    Raises:
-        InputError: If an arm leaves the plane of a planar cell, or arms of one machine part or meet.
-    """
+    """Check that arms which stand or hold elsewhere than their file says still keep to the rules of the file."""
     moved = [ours.T_world_base is not theirs.T_world_base for ours, theirs in _changed(cell)]
     for robot, generated in _changed(cell):
         where = f"robot '{robot.name}'"

@@ -18,11 +18,7 @@ from mrts.cell.source_files import cell_file_in
 
 
 def cell_text(cell: Cell, path: Path | str | None) -> str:
-    """The text of a cell file; see `mrts.Cell.to_yaml`.
-
-    Raises:
-        InputError: If a cell file cannot hold the cell, a URDF is not there as it was, or the file cannot be written.
-    """
+    """The text of a cell file; see `mrts.Cell.to_yaml`."""
     target = None if path is None else as_path("path", path)
     _refuse_what_no_file_holds(cell)
     assert cell.folder is not None  # noqa: S101 (refused above)
@@ -41,6 +37,9 @@ def _refuse_what_no_file_holds(cell: Cell) -> None:
     if cell.reserve:
         rule = "a cell file holds no reserve: write cell.with_reserve(0), and give the reserve to what is asked of it."
         raise InputError(where, rule, key="reserve", value=cell.reserve)
+    if cell.limits:
+        rule = "a cell file holds no functions: write cell.with_limits(), and give them to the cell that is read."
+        raise InputError(where, rule, key="limits")
     if not cell.enforces_velocity_limits:
         rule = "a cell file cannot leave velocity limits out: write the cell before without_velocity_limits()."
         raise InputError(where, rule, key="enforces_velocity_limits", value=False)
@@ -60,11 +59,7 @@ def _refuse_what_no_file_holds(cell: Cell) -> None:
 
 
 def manifest_of(cell: Cell) -> CellManifest:
-    """The manifest of a cell as it is now.
-
-    Raises:
-        InputError: If a manifest cannot hold it.
-    """
+    """The manifest of a cell as it is now."""
     ours = {name: getattr(cell, name) for name in CellRecord.model_fields}
     ours["robots"] = tuple(replace(robot, source=_source_now(robot)) for robot in cell.robots)
     try:

@@ -22,12 +22,6 @@ class CellFunctions:
     """Callable by short name; see the manifest for inputs, outputs and shapes.
 
     They pickle as what they are bound from, never as an address: another process binds a library of its own.
-
-    Args:
-        manifest: What was generated.
-        bound: What evaluates them: the cell's library; CasADi, where nothing was compiled yet; or the error that using
-            them raises.
-        origin: What they are bound from: the generated C text, CasADi's functions by short name, or a saved result.
     """
 
     def __init__(
@@ -69,12 +63,7 @@ class CellFunctions:
 
     @property
     def library(self) -> CellLibrary:
-        """The cell's library.
-
-        Raises:
-            CompilerError: If the cell is not compiled.
-            InputError: If the cell is that of a saved result.
-        """
+        """The cell's library."""
         if isinstance(self.bound, CellLibrary):
             return self.bound
         if isinstance(self.bound, MrtsError):
@@ -83,12 +72,7 @@ class CellFunctions:
 
     @property
     def motion_library(self) -> MotionLibrary:
-        """What follows: the cell's library, or, where nothing else was compiled, one that does only that.
-
-        Raises:
-            CompilerError: If there is no compiler, or it fails.
-            InputError: If the cell is that of a saved result.
-        """
+        """What follows: the cell's library, or, where nothing else was compiled, one that does only that."""
         return self.bound.library if isinstance(self.bound, CasadiFunctions) else self.library
 
     def placed(self, geometry: Array) -> Self:
@@ -105,12 +89,7 @@ class CellFunctions:
 
 
 class CasadiFunctions:
-    """CasADi's functions, mapped over all samples: what evaluates a cell before it is compiled.
-
-    Args:
-        manifest: Of their cell.
-        functions: By short name.
-    """
+    """CasADi's functions, mapped over all samples: what evaluates a cell before it is compiled."""
 
     def __init__(self, manifest: CellManifest, functions: dict[str, Any]) -> None:
         self._manifest, self._functions = manifest, functions
@@ -148,16 +127,7 @@ class CasadiFunctions:
 
 
 def compiled_functions(manifest: CellManifest, source: Path) -> CellFunctions:
-    """The functions of a library that is compiled unless the cache holds it.
-
-    Args:
-        manifest: CellManifest of the cell.
-        source: Its C file.
-
-    Raises:
-        CompilerError: If there is no compiler, or it fails.
-        InputError: If the C file is not the one that the manifest describes.
-    """
+    """The functions of a library that is compiled unless the cache holds it."""
     return _compiled(source.with_name(MANIFEST_NAME), manifest, source.read_text(encoding="utf-8"))
 
 
@@ -169,22 +139,12 @@ def _compiled(where: Path | str, manifest: CellManifest, generated: str) -> Cell
 
 
 def uncompiled_functions(manifest: CellManifest, functions: dict[str, Any]) -> CellFunctions:
-    """CasADi's functions.
-
-    Args:
-        manifest: Of their cell.
-        functions: By short name.
-    """
+    """CasADi's functions."""
     return CellFunctions(manifest, CasadiFunctions(manifest, functions), functions)
 
 
 def saved_functions(manifest: CellManifest, path: Path) -> CellFunctions:
-    """What stands for the functions of a cell that was read from a saved result: it says what is missing.
-
-    Args:
-        manifest: CellManifest of the cell.
-        path: The saved result.
-    """
+    """What stands for the functions of a cell that was read from a saved result: it says what is missing."""
     missing = InputError(
         path,
         f"this takes the compiled functions of cell '{manifest.name}', which a saved result does not hold: read it "
@@ -198,9 +158,6 @@ def _bound_again(manifest_text: str, origin: str | dict[str, Any] | Path) -> Cel
     """The functions of a pickle: what it holds is checked as `read_generated` does, and compiled unless it is cached.
 
     Where the C cannot be compiled, using the functions says so: what raises while a worker unpickles its task ends it.
-
-    Raises:
-        InputError: If this mrts reads another format, or manifest and C do not belong together.
     """
     where = "pickled cell"
     manifest = verified_manifest(where, manifest_text)

@@ -29,53 +29,26 @@ def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
     """Manifest and C file of a cell, made unless the cache holds them.
 
     All cells with the same chains share one C file, whatever the numbers in their cell files.
-
-    Args:
-        path: The cell file.
-
-    Raises:
-        InputError: If the cell file or a URDF breaks a rule.
     """
-    from mrts_codegen.content_key import text_key  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.content_key import is_as_made, text_key  # noqa: PLC0415 (build time, on demand)
 
     text = text_key(path)
     described = cache_folder("cells", text) / MANIFEST_NAME
     manifest = _manifest_as_made(path, described)
-    if manifest is not None:
-        return manifest, _source_in_cache(manifest)
-    key = _content_key(path)
-    manifest = _manifest(_model(path, key))
-    if (text_key(path), _content_key(path)) == (text, key):
-        write_text_atomically(described, manifest.to_json(), private=True)
-    else:  # a file was written meanwhile: what was read may be another cell than the keys say
-        _model.cache_clear()
+    if manifest is None:
+        manifest = _manifest(cell_model(path))
+        if text_key(path) == text and is_as_made(path, manifest):  # else a file was written meanwhile
+            write_text_atomically(described, manifest.to_json(), private=True)
     return manifest, _source_in_cache(manifest)
 
 
 def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
-    """The manifest of a cell file in the cache; None unless the files it names are as then, and its C file is whole.
-
-    Args:
-        path: The cell file.
-        described: Where the cache has the manifest of a cell file of this text.
-    """
+    """The manifest of a cell file in the cache; None unless the files it names are as then, and its C file is whole."""
     from mrts_codegen.content_key import is_as_made  # noqa: PLC0415 (build time, on demand)
 
     manifest = _if_sound(described, partial(verified_manifest, described))
     sound = manifest is not None and is_as_made(path, manifest) and _is_source(_source_in_cache(manifest), manifest)
     return manifest if sound else None
-
-
-def _content_key(path: Path) -> str:
-    """Hash of all that a generated cell depends on.
-
-    Raises:
-        InputError: If the cell file breaks a rule or a URDF is missing.
-    """
-    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.content_key import content_key  # noqa: PLC0415
-
-    return content_key(path, read_cell_description(path).references)
 
 
 def described_in_cache(description: object, folder: Path) -> tuple[CellManifest, Path]:
@@ -84,20 +57,13 @@ def described_in_cache(description: object, folder: Path) -> tuple[CellManifest,
     Args:
         description: Keys of a cell file.
         folder: That URDFs are relative to, absolute.
-
-    Raises:
-        InputError: If the description or a URDF breaks a rule.
     """
     manifest = _manifest(described_model(description, folder))
     return manifest, _source_in_cache(manifest)
 
 
 def described_model(description: object, folder: Path) -> Any:
-    """A cell that a dictionary describes, with its URDFs; as in `described_in_cache`.
-
-    Raises:
-        InputError: If the description or a URDF breaks a rule.
-    """
+    """A cell that a dictionary describes, with its URDFs; as in `described_in_cache`."""
     from mrts_codegen.cell_file import DESCRIBED, cell_description  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415
 
@@ -148,9 +114,6 @@ def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple
 
     Returns:
         The manifest and the path of the C file.
-
-    Raises:
-        InputError: If the cell file or a URDF breaks a rule, or the folder cannot be written.
     """
     if folder is None:
         return generated_in_cache(path)
@@ -185,9 +148,6 @@ def export_to(
 
     Returns:
         The files, relative to the folder.
-
-    Raises:
-        InputError: If the cell file breaks a rule, a part does not exist, or the folder cannot be written.
     """
     from mrts_codegen.embedded.export_library import (  # noqa: PLC0415 (build time, on demand)
         PARTS,
@@ -212,22 +172,14 @@ def export_to(
 
 
 def comes_with_tests(parts: tuple[str, ...]) -> bool:
-    """Whether an exported library of these parts has tests and an example, and so wants vectors: one of all parts.
-
-    Args:
-        parts: As in `export_to`.
-    """
+    """Whether an exported library of these parts has tests and an example, and so wants vectors: one of all parts."""
     from mrts_codegen.embedded.export_library import is_whole  # noqa: PLC0415 (build time, on demand)
 
     return not parts or is_whole(parts)
 
 
 def symbolic_functions(description: object, folder: Path) -> dict[str, Any]:
-    """CasADi's functions of a cell by short name, to build programs of; as in `described_in_cache`.
-
-    Raises:
-        InputError: If the description or a URDF breaks a rule.
-    """
+    """CasADi's functions of a cell by short name, to build programs of; as in `described_in_cache`."""
     from mrts_codegen.function_registry import build_functions  # noqa: PLC0415 (build time, on demand)
 
     functions: dict[str, Any] = build_functions(described_model(description, folder), CACHED_STEM, bake=False)
@@ -243,31 +195,28 @@ def emitted(functions: dict[str, Any]) -> str:
 
 
 def cell_model(path: Path) -> Any:
-    """A cell with its URDFs.
+    """A cell with its URDFs; the last one is not read again while its files are the same."""
+    from mrts_codegen.content_key import is_as_made, text_key  # noqa: PLC0415 (build time, on demand)
 
-    Args:
-        path: The cell file.
-
-    Raises:
-        InputError: If the cell file or a URDF breaks a rule.
-    """
-    return _model(path, _content_key(path))
+    text = text_key(path)
+    model = _model(path, text)
+    if not is_as_made(path, model.record):
+        _model.cache_clear()
+        model = _model(path, text)
+    if text_key(path) != text:
+        _model.cache_clear()
+    return model
 
 
 @lru_cache(maxsize=1)
-def _model(path: Path, _key: str) -> Any:
-    """The same, read from files of this content."""
+def _model(path: Path, _text: str) -> Any:
     from mrts_codegen.cell_model import read_cell_model  # noqa: PLC0415 (build time, on demand)
 
     return read_cell_model(path)
 
 
 def motion_functions_of(cell: Any) -> tuple[CellManifest, dict[str, Any]]:
-    """CasADi's functions of the motion of a cell's joints, and the manifest: nothing is compiled.
-
-    Args:
-        cell: With its URDFs, as from `mrts.cell.source_files.read_without_generating`.
-    """
+    """CasADi's functions of the motion of a cell's joints, and the manifest: nothing is compiled."""
     from mrts_codegen.generate import motion_functions  # noqa: PLC0415 (build time, on demand)
 
     manifest, functions = motion_functions(cell, CACHED_STEM)
@@ -275,14 +224,7 @@ def motion_functions_of(cell: Any) -> tuple[CellManifest, dict[str, Any]]:
 
 
 def read_to_generate(path: Path) -> Any | None:
-    """A cell with its URDFs that is still to be generated and compiled; None where the cache holds it.
-
-    Args:
-        path: The cell file.
-
-    Raises:
-        InputError: If the cell file or a URDF breaks a rule.
-    """
+    """A cell with its URDFs that is still to be generated and compiled; None where the cache holds it."""
     from mrts_codegen.content_key import text_key  # noqa: PLC0415 (build time, on demand)
 
     if _manifest_as_made(path, cache_folder("cells", text_key(path)) / MANIFEST_NAME) is not None:
@@ -292,12 +234,7 @@ def read_to_generate(path: Path) -> Any | None:
 
 
 def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
-    """What a file of the cache holds; None where it is missing or damaged.
-
-    Args:
-        path: The file.
-        read: Reads and checks its text.
-    """
+    """What a file of the cache holds; None where it is missing or damaged."""
     try:
         return read(path.read_text(encoding="utf-8")) if only_ours(path) else None
     except (InputError, ValueError):
@@ -305,12 +242,7 @@ def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
 
 
 def _is_source(path: Path, chains: ChainsRecord) -> bool:
-    """Whether a C file of the cache is there and whole.
-
-    Args:
-        path: The file.
-        chains: What it was generated for.
-    """
+    """Whether a C file of the cache is there and whole."""
     if not only_ours(path):
         return False
     try:

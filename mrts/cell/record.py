@@ -146,14 +146,8 @@ class CellManifest(CellRecord, Manifest):
 def read_generated(folder: Path) -> tuple[CellManifest, Path]:
     """Read a folder that `mrts generate` wrote.
 
-    Args:
-        folder: It holds manifest.json and the C file that the manifest names.
-
     Returns:
         The manifest and the path of the C file.
-
-    Raises:
-        InputError: If a file is missing, of another format version, or was edited by hand.
     """
     path = folder / MANIFEST_NAME
     manifest = verified_manifest(path, read_text(path, "manifest"))
@@ -163,15 +157,7 @@ def read_generated(folder: Path) -> tuple[CellManifest, Path]:
 
 
 def verified_manifest(where: Path | str, text: str) -> CellManifest:
-    """A manifest from its text.
-
-    Args:
-        where: The file, or what else the text is from, for messages.
-        text: JSON.
-
-    Raises:
-        InputError: If it is no manifest, of another format version, or was edited by hand.
-    """
+    """A manifest from its text."""
     try:
         data = read_json(text)
         _check_format(where, data)

@@ -2,8 +2,7 @@
 """One arm of a cell."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
-from functools import partial
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 import numpy as np
@@ -87,7 +86,7 @@ class Robot(InNotebooks):
         source: Where it is from.
         held: Joints of its URDF that stand still, and where [rad or m].
         held_numbers: What they make of the chain, an input of the generated functions, Shape (h_i,).
-        motors: What stands between motors and joints; those of no joint at all stand for ideal ones.
+        motors: What stands between motors and joints.
         contacts: What its hand can exert on the object; all of them hold for its one wrench.
         contact_rate: Largest change of F_i, base axes, infinity where it is not known, Shape (w,) [N/s, N m/s].
 
@@ -113,11 +112,11 @@ class Robot(InNotebooks):
     wrench_lower: Array
     wrench_upper: Array
     source: RobotSource
-    held: Mapping[str, float] = field(default_factory=dict)
-    motors: JointMotors = field(default_factory=partial(JointMotors.unknown, 0))
-    contacts: tuple[Contact, ...] = ()
-    contact_rate: Array = field(default_factory=partial(np.empty, 0))
-    held_numbers: Array = field(default_factory=partial(np.empty, 0))
+    held: Mapping[str, float]
+    held_numbers: Array
+    motors: JointMotors
+    contacts: tuple[Contact, ...]
+    contact_rate: Array
 
     def __post_init__(self) -> None:
         where = f"robot '{self.name}'"
@@ -132,8 +131,6 @@ class Robot(InNotebooks):
             rule = f"must be revolute or prismatic for each of its {n} joints."
             raise InputError(where, rule, key="joint_types", value=self.joint_types)
         wrench = as_array(f"{where}: wrench_lower", self.wrench_lower).shape[:1] or (len(WRENCH_COMPONENTS),)
-        if np.all(as_array(f"{where}: contact_rate", self.contact_rate) == np.inf):
-            object.__setattr__(self, "contact_rate", np.full(wrench, np.inf))
         shapes = {"axes": (n, 3), "points": (n, 3), "held_numbers": (np.size(self.held_numbers),)}
         shapes |= dict.fromkeys(("wrench_lower", "wrench_upper", "contact_rate"), wrench)
         for name in ARRAYS:
@@ -160,8 +157,6 @@ class Robot(InNotebooks):
     def _check_motors(self, where: str) -> None:
         n = len(self.joints)
         check_type(f"{where}: motors", self.motors, JointMotors)
-        if not self.motors.torque_speed:
-            object.__setattr__(self, "motors", JointMotors.unknown(n))
         if len(self.motors.torque_speed) != n:
             raise InputError(where, f"must be those of its {n} joints.", key="motors")
         contradiction = self.motors.problem_with(self.torque_lower, self.torque_upper, self.joints)

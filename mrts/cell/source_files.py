@@ -2,11 +2,12 @@
 """What cell files and their URDFs say, as the build time reads them; nothing is generated."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_xacro
@@ -14,25 +15,21 @@ from mrts.base.manifest import MANIFEST_NAME
 from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
 from mrts.cell.record import CellManifest
+from mrts.cell.robot import Robot
 from mrts.kernel.cache_folder import cache_folder
 
 if TYPE_CHECKING:
-    from mrts.base.formats.urdf_tree import Survey, UrdfTree
+    from mrts.base.formats.urdf_tree import UrdfTree
 
+Survey = Callable[[str | None, str], tuple[Robot, Array]]
+"""The arm of a URDF from a base link, None for its root, to a tip link, and centres of mass of its joints' bodies."""
 
 CELL_FILE = "cell.yaml"
 """What `mrts new` and `mrts demo` call a cell file."""
 
 
 def is_generated(path: Path) -> bool:
-    """Whether a path is that of a generated cell, and not of a cell file.
-
-    Args:
-        path: A file, or a folder.
-
-    Raises:
-        InputError: If it is a folder that `mrts generate` did not write.
-    """
+    """Whether a path is that of a generated cell, and not of a cell file."""
     if is_folder(path) and not (path / MANIFEST_NAME).exists():
         inside = path / CELL_FILE
         named = f"the cell file in it: {inside}" if inside.exists() else "a cell file"
@@ -56,35 +53,21 @@ class UrdfReading(NamedTuple):
 
     path: Path
     tree: "UrdfTree | None"
-    survey: "Survey | None"
+    survey: Survey | None
     mistakes: tuple[InputError, ...]
     remarks: tuple[Remark, ...] = ()
     meshes: tuple[str, ...] = ()
 
 
 def described(path: Path) -> Any:
-    """A validated cell file, its defaults filled in: `references` are the files that it names, `model_dump` its keys.
-
-    Args:
-        path: The cell file.
-
-    Raises:
-        InputError: If the cell file breaks a rule.
-    """
+    """A validated cell file: `references` are the files that it names, `model_dump` its keys with defaults."""
     from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
 
     return read_cell_description(path)
 
 
 def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
-    """URDF and base link (None is its root) of every robot of a cell file, by name; of a xacro a URDF in the cache.
-
-    Args:
-        path: The cell file.
-
-    Raises:
-        InputError: If the cell file breaks a rule, a package is missing, or a xacro cannot be expanded.
-    """
+    """URDF and base link (None is its root) of every robot of a cell file, by name; of a xacro a URDF in the cache."""
     folder, found, description = path.resolve().parent, {}, described(path)
     for robot, reference in zip(description.robots, description.urdf_references, strict=True):
         file = reference.path(path, folder)
@@ -106,9 +89,6 @@ def surveyed_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str])
         folder: That it is relative to, absolute.
         urdf: As in a cell file.
         args: Of a xacro, by name.
-
-    Raises:
-        InputError: If it is missing, or no URDF; the survey, if there is no such chain, or it breaks a rule of cells.
     """
     from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415
@@ -121,12 +101,7 @@ def surveyed_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str])
 
 
 def urdf_with_mistakes(path: Path, args: Mapping[str, str]) -> UrdfReading:
-    """A URDF with all that is wrong with it.
-
-    Args:
-        path: Of the file.
-        args: Of a xacro, by name.
-    """
+    """A URDF with all that is wrong with it."""
     from mrts_codegen.urdf.urdf_file import mesh_names, parse_urdf  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_mistakes, urdf_tree  # noqa: PLC0415
     from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
@@ -152,9 +127,6 @@ def cell_file_in(manifest: CellManifest, folder: Path, beside: Path | None) -> s
         manifest: Of the cell as it is now.
         folder: That its URDFs are relative to, absolute.
         beside: Folder for the file; None for one that stands anywhere.
-
-    Raises:
-        InputError: If a cell file cannot hold the cell, or a URDF is not there as it was.
     """
     from mrts_codegen.written_cell import cell_file_text  # noqa: PLC0415 (build time, on demand)
 
@@ -163,12 +135,8 @@ def cell_file_in(manifest: CellManifest, folder: Path, beside: Path | None) -> s
 
 
 def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
-    """A cell with its URDFs (None if something is wrong), and all that is wrong.
-
-    Args:
-        path: The cell file.
-    """
+    """A cell with its URDFs (None if something is wrong), and all that is wrong."""
     from mrts_codegen.cell_reading import read_cell  # noqa: PLC0415 (build time, on demand)
 
-    found = read_cell(path)
-    return found.model, found.mistakes
+    model, mistakes = read_cell(path)
+    return model, mistakes

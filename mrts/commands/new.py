@@ -249,7 +249,7 @@ def _tell_arms(request: "Request") -> None:
         chain = each.arm.chain
         proposed = f" (proposed: {each.why})" if each.why else ""
         names = " and ".join(other.arm.name for other in request.arms if other.arm.chain is chain)
-        say(f"{names}: {each.urdf}, {chain.base_link} to {chain.tip_link}{proposed}", "strong")
+        say(f"{names}: {each.urdf}, {chain.source.base_link} to {chain.source.tip_link}{proposed}", "strong")
         for line in joint_lines(chain):
             say(line)
         for sentence in missing(each.arm):

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a check found, as text and as JSON."""
 
-import json
 import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -10,10 +9,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
-from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
@@ -32,7 +30,7 @@ ANGLE_SHOWN = 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellCheck(InNotebooks):
+class CellCheck(InNotebooks, JsonOutput):
     """What `mrts.check` found.
 
     Attributes:
@@ -149,21 +147,6 @@ class CellCheck(InNotebooks):
             "assumed": [remark.to_json() for remark in self.assumed],
             "warnings": [remark.to_json() for remark in self.warnings],
         }
-
-    def json_text(self) -> str:
-        """`to_json` as text."""
-        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
-
-    def write_json(self, path: Path | str) -> None:
-        """Write `json_text` to a file, whole or not at all.
-
-        Args:
-            path: The file.
-
-        Raises:
-            InputError: If it cannot be written.
-        """
-        write_text_atomically(as_path("path", path), self.json_text() + "\n")
 
 
 def arm_lines(arm: ArmReach) -> Iterator[str]:

@@ -93,8 +93,8 @@ def way(pieces: Sequence[TimedPiece]) -> tuple[Array, ...]:
     Args:
         pieces: The path from stop to stop.
     """
-    starts = np.cumsum([0.0, *(part.arc[-1] for part in pieces)])
-    return tuple(start + part.arc for start, part in zip(starts, pieces, strict=False))
+    starts = np.cumsum([0.0, *(part.piece.arc[-1] for part in pieces)])
+    return tuple(start + part.piece.arc for start, part in zip(starts, pieces, strict=False))
 
 
 def _speeds(kind: CurveKind, label: str, pieces: Sequence[TimedPiece]) -> PhaseCurve:

@@ -1,17 +1,29 @@
 # SPDX-License-Identifier: MIT
-"""The constant factors at which torques, wrenches and accelerations change at limited rates, exactly, and torques."""
+"""The constant factors at which torques, wrenches and accelerations change at limited rates, exactly, and torques.
+
+At a constant factor x = c² and u = 0, and between two nodes a time h w passes, with w = 1 / c. With γ = c², the rows
+
+    lower <= free F + square γ + root c + offset <= upper,     |v_{k+1} - v_k| <= change h w
+
+are convex in (F, γ, c, w). The least w at given γ and c is a linear program over all nodes, whose multipliers give a
+line w >= start + a γ + b c that every admissible factor keeps. So a factor that is not admissible rules out all around
+it, up to where 1 / c meets that line.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
+from scipy import sparse
+from scipy.optimize import OptimizeResult, linprog
 
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.program.factor_program import RATE_MARGIN, FactorAsked, FactorProgram
+from mrts.program.convex_program import HIGHS_TOLERANCE
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.path_program import path_program
 from mrts.program.path_solver import KernelSolver
@@ -19,6 +31,15 @@ from mrts.program.rate_limits import RateLimits, rate_names
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.torque_distribution import TORQUE_WIDENING
+
+RATE_MARGIN = 1e-8
+"""Share of a rate: factors keep three of it free, less one for rounding, so that torques are more than one point."""
+
+SPREAD = 100.0
+"""Share up to which changes stand as shares of what is allowed: beyond, the program counts in larger units."""
+
+REAL_ROOT = 1e-6
+"""Share of a root that may be imaginary by rounding: two that coincide are found to half of all digits."""
 
 FELT = 1e-6
 """Share of the largest multiplier from which on a limit is told to bind."""
@@ -31,6 +52,56 @@ FASTER = 4.0
 
 MOST_FASTER = 10
 """How many: up to a million times the speed that is given."""
+
+
+@dataclass(frozen=True)
+class FactorAsked:
+    """The least w at one factor.
+
+    Attributes:
+        c: The factor.
+        share: The least w as a share of 1 / c: at most 1 if the rates admit it.
+        line: How that grows with c² and with c.
+        rows: Multipliers of the rows at their upper and their lower limits, Shape (2, n, r).
+        changes: Multipliers of changes upward and downward, Shape (2, n - 1, number of limited rows).
+    """
+
+    c: float
+    share: float
+    line: tuple[float, float]
+    rows: Array
+    changes: Array
+
+    @property
+    def is_admitted(self) -> bool:
+        """Whether the rates admit the factor."""
+        return self.share <= 1 + RATE_MARGIN
+
+    def next(self, *, faster: bool) -> float:
+        """The nearest factor that is not ruled out by this one: below it or, if faster, above; 0 or infinity if none.
+
+        With ρ for the ratio of the two, the line is met where 1/ρ = share + a (ρ² - 1) + b (ρ - 1).
+        """
+        a, b = self.line[0] * self.c**2, self.line[1] * self.c
+        roots = np.roots([a, b, self.share - a - b, -1.0])
+        real = roots.real[np.abs(roots.imag) <= REAL_ROOT * np.abs(roots)]
+        if faster:
+            return self.c * float(np.min(real[real > 1], initial=np.inf))
+        return self.c * float(np.max(real[(real > 0) & (real < 1)], initial=0.0))
+
+
+def _solved(cost: Array, A: sparse.csr_array, b: Array) -> OptimizeResult:
+    """The z of least cost with A z <= b and its last >= 0, by HiGHS: by its interior point first, which is faster."""
+    ask = partial(
+        linprog,
+        cost,
+        A_ub=A,
+        b_ub=b,
+        bounds=[(None, None)] * (len(cost) - 1) + [(0.0, None)],
+        options={"primal_feasibility_tolerance": HIGHS_TOLERANCE, "dual_feasibility_tolerance": HIGHS_TOLERANCE},
+    )
+    found = ask(method="highs-ipm")
+    return found if found.status == 0 else ask(method="highs-ds")
 
 
 @dataclass(frozen=True)
@@ -73,8 +144,26 @@ class RatedFactors:
         self.problems = [build_sample_problem(cell, motion, sharing=sharing, load=load, varying=True) for load in loads]
         self.program = path_program(cell, motion, self.problems, rates)
         self.by_jerk = self._end_by_jerk()
-        changes = FactorProgram(self.program)
-        self.changes = changes if changes.limited.size else None
+        self._limited = np.flatnonzero(np.isfinite(self.program.change))
+        if self._limited.size:
+            self._pack()
+
+    def _pack(self) -> None:
+        """Matrices of the linear programs over z = [F, share]."""
+        program = self.program
+        n, r, f = program.free.shape
+        self._allowed = np.outer(program.step, program.change[self._limited] * (1 - 3 * RATE_MARGIN))
+        largest = np.max(np.abs(program.free), axis=(0, 1))
+        scaled = program.free / np.where(largest > 0, largest, 1.0)  # HiGHS drops what is below 1e-9
+        blocks, nothing = sparse.block_diag(list(scaled), format="csr"), sparse.csr_array((n * r, 1))
+        self._values = sparse.hstack([blocks, nothing], format="csr")
+        here = np.arange(n * r).reshape(n, r)[:-1, self._limited].ravel()
+        by_share = sparse.diags_array(1 / self._allowed.ravel())
+        self._changes = by_share @ (self._values[here + r] - self._values[here])
+        self._share = sparse.hstack(
+            [sparse.csr_array((len(here), n * f)), sparse.csr_array(np.ones((len(here), 1)))], format="csr"
+        )
+        self._widening = np.where(program.lower < program.upper, TORQUE_WIDENING, 0.0)
 
     def fastest(self, lower: float, upper: float) -> tuple[float, RatesAtEnd | None]:
         """The largest c² that rates admit, and what binds there; `upper` and None if they do not bind.
@@ -91,9 +180,9 @@ class RatedFactors:
         """
         end = self.by_jerk if self.by_jerk is not None and self.by_jerk.c2 < upper else None
         c2 = upper if end is None else end.c2
-        if self.changes is not None and not np.isfinite(c2):
+        if self._limited.size and not np.isfinite(c2):
             c2 = self._ruled_out(lower)
-        if self.changes is None or not np.isfinite(c2) or c2 < lower:
+        if not self._limited.size or not np.isfinite(c2) or c2 < lower:
             return c2, end
         if c2 > 0 and self._carried(c2):
             return c2, end
@@ -103,23 +192,16 @@ class RatedFactors:
     def slowest(self, lower: float, upper: float) -> tuple[float, RatesAtEnd | None]:
         """The least c² that rates admit, likewise: `lower` and None if they do not bind, above `upper` if none is.
 
-        Args:
-            lower: As in `fastest`.
-            upper: Likewise.
-
         Raises:
             SolverError: If HiGHS finds no answer.
         """
-        if self.changes is None or lower <= 0:  # however slowly it may be played, nothing changes fast
+        if not self._limited.size or lower <= 0:  # however slowly it may be played, nothing changes fast
             return lower, None
         found = self._followed(lower, (0.0, upper), faster=True)
         return (lower, None) if found is None else (found.c2, found)
 
     def refused(self, c2: float) -> RatesAtEnd | None:
         """What binds where rates do not admit a c² > 0 that all other limits admit; None if they admit it.
-
-        Args:
-            c2: The c².
 
         Raises:
             SolverError: If HiGHS finds no answer.
@@ -128,8 +210,45 @@ class RatedFactors:
             return self.by_jerk
         if self._carried(c2):
             return None
-        asked = None if self.changes is None else self.changes.asked(float(np.sqrt(c2)))
+        asked = self._asked(float(np.sqrt(c2))) if self._limited.size else None
         return None if asked is None or asked.is_admitted else self._binding(asked)
+
+    def _asked(self, c: float) -> FactorAsked:
+        """The least w at a factor that the rows admit.
+
+        Raises:
+            SolverError: If HiGHS finds no answer.
+        """
+        program = self.program
+        n, r, f = program.free.shape
+        fixed = program.square * c**2 + program.root * c + program.offset
+        upper, lower = (
+            (program.upper + self._widening - fixed).ravel(),
+            (program.lower - self._widening - fixed).ravel(),
+        )
+        above, below = np.isfinite(upper), np.isfinite(lower)
+        moved = (c / self._allowed * np.diff(fixed[:, self._limited], axis=0)).ravel()
+        unit = max(1.0, float(np.max(np.abs(moved))) / SPREAD)
+        moved, changes = moved / unit, (c / unit) * self._changes
+        found = _solved(
+            np.append(np.zeros(n * f), 1.0),
+            sparse.vstack([self._values[above], -self._values[below], changes - self._share, -changes - self._share]),
+            np.concatenate([upper[above], -lower[below], -moved, moved]),
+        )
+        if found.status != 0:
+            raise SolverError(f"what the rates admit at c = {c:.6g} was not found; HiGHS: {found.message}")
+        rows = np.zeros((2, n * r))
+        parts = np.split(-found.ineqlin.marginals, np.cumsum([above.sum(), below.sum(), len(moved)]))
+        rows[0, above], rows[1, below] = parts[:2]
+        by_side, by_change = unit * rows.reshape(2, n, r), np.stack(parts[2:]).reshape(2, *self._allowed.shape)
+        line = (self._growth(program.square, c, by_side, by_change), self._growth(program.root, c, by_side, by_change))
+        return FactorAsked(c, unit * float(found.fun), line, by_side, by_change)
+
+    def _growth(self, of: Array, c: float, rows: Array, changes: Array) -> float:
+        """How the share grows with what multiplies a column of the rows, by the multipliers."""
+        by_rows = np.sum((rows[0] - rows[1]) * of)
+        moved = c / self._allowed * np.diff(of[:, self._limited], axis=0)
+        return float(by_rows + np.sum((changes[0] - changes[1]) * moved))
 
     def _carried(self, c2: float) -> bool:
         """Whether torques within the rates are found at a c² > 0: much sooner than by HiGHS, but no proof if not."""
@@ -140,12 +259,11 @@ class RatedFactors:
 
     def _followed(self, c2: float, within: tuple[float, float], *, faster: bool) -> RatesAtEnd | None:
         """The first c² from a given one on that rates admit, or the first not ruled out beyond what is of interest."""
-        assert self.changes is not None  # noqa: S101 (checked by every caller)
         c, refusing = float(np.sqrt(c2)), None
         for _ in range(MOST_CUTS):
             if refusing is not None and not within[0] <= c * c <= within[1]:
                 return replace(self._binding(refusing), c2=c * c)
-            asked = self.changes.asked(c)
+            asked = self._asked(c)
             if asked.is_admitted:
                 return None if refusing is None else self._binding(asked)
             c, refusing = asked.next(faster=faster), asked
@@ -153,10 +271,9 @@ class RatedFactors:
 
     def _ruled_out(self, lower: float) -> float:
         """A c² that rates rule out where nothing else limits it; infinity if there is none."""
-        assert self.changes is not None  # noqa: S101 (checked by every caller)
         c = max(1.0, float(np.sqrt(lower)))
         for _ in range(MOST_FASTER):
-            if not self.changes.asked(c).is_admitted:
+            if not self._asked(c).is_admitted:
                 return c * c
             c *= FASTER
         return float(np.inf)
@@ -175,16 +292,15 @@ class RatedFactors:
 
     def _binding(self, asked: FactorAsked) -> RatesAtEnd:
         """The rates of the segment that matters most, and the limits that bind at its ends."""
-        assert self.changes is not None  # noqa: S101 (checked by every caller)
         weight = np.sum(asked.changes, axis=0)
         segment, place = (int(one) for one in np.unravel_index(np.argmax(weight), weight.shape))
         rows_each = self.program.square.shape[1] // len(self.problems)
-        load = int(self.changes.limited[place]) // rows_each
+        load = int(self._limited[place]) // rows_each
         problem, first = self.problems[load], load * rows_each
         least = FELT * max(float(np.max(asked.rows)), float(np.max(weight)))
         at_ends = np.max(asked.rows[:, segment : segment + 2, first : first + len(problem.names)], axis=1)
         rates = [
-            self._rate(int(self.changes.limited[place]), rises=side == 0)
+            self._rate(int(self._limited[place]), rises=side == 0)
             for side, place in np.argwhere(asked.changes[:, segment] > least).tolist()
         ]
         limits = [problem.active_row(row, upper=side == 0) for side, row in np.argwhere(at_ends > least).tolist()]

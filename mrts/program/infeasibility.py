@@ -116,12 +116,12 @@ def find_conflicts(
     if part.speed is not None:
         return _conflicts_along_speed(part, time[samples], samples, solver)
     x_lower = np.append(np.full(part.unknowns - 1, -np.inf), 0.0)
-    found = least_widening(
+    widening, row_dual, _ = least_widening(
         part.A, part.lower, part.upper, part.is_limit, x_lower, solver, "whether the limits hold together"
     )
     conflicts: list[Conflict | None] = []
     for index, sample in enumerate(samples):
-        sides = _crossed(part, index) or _certified(part, index, found.row_dual[index])
+        sides = _crossed(part, index) or _certified(part, index, row_dual[index])
         if not sides:
             conflicts.append(None)
             continue
@@ -131,8 +131,8 @@ def find_conflicts(
                 float(time[sample]),
                 tuple(part.active_row(row, upper=multiplier > 0) for row, multiplier in sides),
                 tuple(float(multiplier / part.unit[row]) for row, multiplier in sides),
-                float(found.share[index]),
-                tuple(float(found.share[index] * part.unit[row]) for row, _ in sides),
+                float(widening[index]),
+                tuple(float(widening[index] * part.unit[row]) for row, _ in sides),
             )
         )
     return conflicts

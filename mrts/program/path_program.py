@@ -2,7 +2,6 @@
 """The rows of a cell along a path, from the rows of its samples."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,38 +25,19 @@ SAME_ROW = 1e-12
 """Share by which the row of a limit may differ from that of a torque whose rate is limited: rounding."""
 
 
-@dataclass
 class _Rows:
-    """Rows of one problem, of which some are limited in how fast they change.
+    """Rows of one load, some of them limited in how fast they change, as they are put together for `SmoothProgram`."""
 
-    Attributes:
-        map: Columns F, u, x, Shape (n, r, f + 2).
-        root: Shape (n, r).
-        offset: Shape (n, r).
-        lower: Shape (n, r).
-        upper: Shape (n, r).
-        unit: What 1 of a row is, Shape (r,).
-        change: Shape (r,).
-        weight: Shape (r,).
-        names: One a row.
-    """
+    def __init__(self, problem: SampleProblem) -> None:
+        n, r = problem.lower.shape
+        self.map, self.unit = problem.A, problem.unit
+        self.root = np.zeros((n, r)) if problem.speed is None else problem.speed
+        self.lower, self.upper, self.offset = problem.lower.copy(), problem.upper.copy(), np.zeros((n, r))
+        self.change, self.weight = np.full(r, np.inf), np.zeros(r)
+        self.names = [str(name) for name in problem.names]
 
-    map: Array
-    root: Array
-    offset: Array
-    lower: Array
-    upper: Array
-    unit: Array
-    change: Array
-    weight: Array
-    names: list[str]
-
-    def place_of(self, column: Array) -> int | None:
-        """The row that is one torque or wrench component in its unit.
-
-        Args:
-            column: Its map, Shape (n, f + 2).
-        """
+    def _place_of(self, column: Array) -> int | None:
+        """The row that is one torque or wrench component in its unit, told by its map, Shape (n, f + 2)."""
         size = float(np.max(np.abs(column)))
         near = np.max(np.abs(self.map[0] * self.unit[:, None] - column[0]), axis=1) <= SAME_ROW * size
         for row in np.flatnonzero(near).tolist():
@@ -78,28 +58,27 @@ class _Rows:
         """
         column, offset = terms[0][:, place], terms[2][:, place]
         root = np.zeros(len(column)) if terms[1] is None else terms[1][:, place]
-        row = self.place_of(column)
+        row = self._place_of(column)
         if row is not None and np.isfinite(self.change[row]):
             apart = offset / self.unit[row] - self.offset[:, row]
             row = row if np.ptp(apart) <= SAME_ROW * float(np.max(np.abs(apart))) else None
         if row is None:
             row = self.map.shape[1]
-            nothing = np.full((len(column), 1), np.inf)
-            self._add(column[:, None] / size, root[:, None] / size, nothing, size, name)
+            self._add(column / size, np.full(len(column), np.inf), name, size, root / size)
         moved = offset / self.unit[row] - self.offset[:, row]
         self.offset[:, row] += moved
         self.lower[:, row] += moved
         self.upper[:, row] += moved
         return row
 
-    def _add(self, column: Array, root: Array, upper: Array, size: float, name: str) -> None:
-        """Add a row without lower limit: its map, Shape (n, 1, f + 2), root and upper limit, Shape (n, 1)."""
-        self.map = np.concatenate([self.map, column], axis=1)
-        self.root = np.concatenate([self.root, root], axis=1)
-        self.offset = np.concatenate([self.offset, np.zeros(root.shape)], axis=1)
-        self.lower = np.concatenate([self.lower, np.full(root.shape, -np.inf)], axis=1)
-        self.upper = np.concatenate([self.upper, upper], axis=1)
-        self.unit, self.change = np.append(self.unit, size), np.append(self.change, np.inf)
+    def _add(self, column: Array, upper: Array, name: str, unit: float = 1.0, root: Array | None = None) -> None:
+        """Add a row without lower limit: its map, Shape (n, f + 2), upper limit and root, Shape (n,)."""
+        nothing = np.zeros(len(column))
+        self.map = np.concatenate([self.map, column[:, None]], axis=1)
+        self.root = np.column_stack([self.root, nothing if root is None else root])
+        self.offset = np.column_stack([self.offset, nothing])
+        self.lower, self.upper = np.column_stack([self.lower, nothing - np.inf]), np.column_stack([self.upper, upper])
+        self.unit, self.change = np.append(self.unit, unit), np.append(self.change, np.inf)
         self.weight = np.append(self.weight, 0.0)
         self.names.append(name)
 
@@ -116,11 +95,9 @@ class _Rows:
         if not share.shape[1]:
             return
         middle = np.max((share[:-1] + share[1:]) / 2, axis=1)
-        column = np.zeros((len(share), 1, self.map.shape[2]))
-        column[:-1, 0, -2], column[:-1, 0, -1] = middle * step, middle
-        upper = np.ones((len(share), 1))
-        upper[-1] = np.inf
-        self._add(column, np.zeros((len(share), 1)), upper, 1.0, BETWEEN_NODES)
+        column, upper = np.zeros((len(share), self.map.shape[2])), np.ones(len(share))
+        column[:-1, -2], column[:-1, -1], upper[-1] = middle * step, middle, np.inf
+        self._add(column, upper, BETWEEN_NODES)
 
     def start_gently(self, sigma: Array, rests: tuple[bool, bool]) -> None:
         """Add |σ̈| <= FROM_REST σ̇² / length at the first two and the last two nodes, where the path is at rest there.
@@ -138,12 +115,11 @@ class _Rows:
         n, near = len(sigma), np.repeat(rests, 2)
         nodes = np.array([0, 1, n - 2, n - 1])[near]
         for sign in (1.0, -1.0):
-            column, upper = np.zeros((n, 1, self.map.shape[2])), np.full((n, 1), np.inf)
+            column, upper = np.zeros((n, self.map.shape[2])), np.full(n, np.inf)
             if sign < 0:
-                column[:-1, 0, -2], column[:-1, 0, -1], upper[:-1] = -np.diff(sigma), -1.0, 0.0
-            column[nodes, 0, -2], column[nodes, 0, -1] = sign * sigma[-1] / FROM_REST, -1.0
-            upper[nodes] = 0.0
-            self._add(column, np.zeros((n, 1)), upper, 1.0, START)
+                column[:-1, -2], column[:-1, -1], upper[:-1] = -np.diff(sigma), -1.0, 0.0
+            column[nodes, -2], column[nodes, -1], upper[nodes] = sign * sigma[-1] / FROM_REST, -1.0, 0.0
+            self._add(column, upper, START)
 
 
 def path_program(
@@ -219,11 +195,7 @@ def path_program(
 
 
 def joint_names(cell: Cell) -> list[str]:
-    """`left/elbow`, one a joint of the whole cell.
-
-    Args:
-        cell: The cell.
-    """
+    """`left/elbow`, one a joint of the whole cell."""
     return [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
 
 
@@ -245,17 +217,7 @@ def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
 def _rows(
     cell: Cell, path: CoordinatedMotion, problem: SampleProblem, rates: RateLimits, weights: Array | None
 ) -> _Rows:
-    rows = _Rows(
-        map=problem.A,
-        root=np.zeros(problem.lower.shape) if problem.speed is None else problem.speed,
-        offset=np.zeros(problem.lower.shape),
-        lower=problem.lower.copy(),
-        upper=problem.upper.copy(),
-        unit=problem.unit,
-        change=np.full(len(problem.unit), np.inf),
-        weight=np.zeros(len(problem.unit)),
-        names=[str(name) for name in problem.names],
-    )
+    rows = _Rows(problem)
     torques = (problem.torque_map, problem.torque_speed, problem.torque_offset)
     motors = motor_terms(cell, path)
     without_dry = torques if motors is None else (*torques[:2], torques[2] - motors.dry)

@@ -53,11 +53,7 @@ class RateLimits(InNotebooks):
 
 
 def rate_names(cell: Cell) -> tuple[tuple[RowName, ...], tuple[RowName, ...], tuple[RowName, ...]]:
-    """Names of torque rates, wrench rates and jerks, in the order of `RateLimits`.
-
-    Args:
-        cell: The cell.
-    """
+    """Names of torque rates, wrench rates and jerks, in the order of `RateLimits`."""
 
     def each(kind: str, per: str, parts: Sequence[tuple[str, Sequence[str], Sequence[str]]]) -> tuple[RowName, ...]:
         return tuple(
@@ -75,11 +71,7 @@ def rate_names(cell: Cell) -> tuple[tuple[RowName, ...], tuple[RowName, ...], tu
 
 
 def given_rate_limits(cell: Cell) -> RateLimits:
-    """What the cell itself says: `motors.torque_rate`, `contact_rate` and `motors.jerk`, less its reserve.
-
-    Args:
-        cell: The cell.
-    """
+    """What the cell itself says: `motors.torque_rate`, `contact_rate` and `motors.jerk`, less its reserve."""
     kept = 1.0 - cell.reserve
     return RateLimits(
         torque=kept * np.concatenate([robot.motors.torque_rate for robot in cell.robots]),

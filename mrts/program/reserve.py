@@ -26,7 +26,7 @@ from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.torque_distribution import distribute_torques
 from mrts.program.trajectory_programs import BLOCK, motion_torques
-from mrts.program.widening import Widening, least_widening
+from mrts.program.widening import least_widening
 
 LEAST_SHARE = 0.01
 """Of a limit: torques are not asked to keep more than 99 % of every limit free."""
@@ -41,7 +41,7 @@ MOVED = 1e-12
 """A row whose free unknowns have coefficients below this share of the sample's largest is moved by no distribution."""
 
 
-def least_shares(problem: SampleProblem, c2: float, solver: str) -> Widening:
+def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array, Array, int]:
     """The least largest share of any limit at each sample, less 1: as a widening, below 0 within the limits.
 
     Rows that no distribution moves do not count. Where both sides are one number, a row is kept and does not count.
@@ -85,12 +85,12 @@ def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProb
     """
     if problem.unknowns == 1:
         return problem, 0
-    found = least_shares(problem, c2, solver)
-    share = np.maximum(1 + found.share, LEAST_SHARE)
+    found, _, fallbacks = least_shares(problem, c2, solver)
+    share = np.maximum(1 + found, LEAST_SHARE)
     inward = (1 - share)[:, None] * (_moved(problem) & _counts(problem))
     low, high = _side_sizes(problem)
     kept = replace(problem, lower=problem.lower + inward * low, upper=problem.upper - inward * high)
-    return kept, found.fallbacks
+    return kept, fallbacks
 
 
 def reserve_torques(
@@ -232,7 +232,7 @@ def plan_reserve(
             given = limit_rows(cell, motion).at(block)
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
-                at_best = _shares_moved(problem, least_shares(problem, c2, solver))
+                at_best = _shares_moved(problem, *least_shares(problem, c2, solver)[:2])
                 distributed.append(_reserve(given, at_best, time, start, load))
                 shares = np.maximum(shares, at_best)
             whole.append(_reserve(given, shares, time, start, load))
@@ -253,13 +253,13 @@ def _reserve(given: LimitRows, shares: Array, time: Array, start: int, load: Loa
     return Reserve(left if left > NO_RESERVE else 0.0, start + place, float(time[start + place]), tuple(rows), load)
 
 
-def _shares_moved(problem: SampleProblem, found: Widening) -> Array:
+def _shares_moved(problem: SampleProblem, share: Array, row_dual: Array) -> Array:
     """Shares that rows with a multiplier have in every best distribution, minus infinity elsewhere, Shape (2, b, r)."""
     limits = problem.is_limit
-    dual = found.row_dual[:, limits]
+    dual = row_dual[:, limits]
     strong = np.abs(dual) > BINDING_TOLERANCE * np.max(np.abs(dual), axis=1, keepdims=True, initial=0.0)
     sides = np.stack([strong & (dual < 0), strong & (dual > 0)])
-    return np.where(sides, 1 + found.share[:, None], -np.inf)
+    return np.where(sides, 1 + share[:, None], -np.inf)
 
 
 def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Array:

@@ -149,13 +149,7 @@ def _by_relaxation(program: SmoothProgram, likely: Array, solver: KernelSolver) 
 
 
 def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
-    """What a profile costs: the weighted sum of its duration, its effort and its jumps of u.
-
-    Args:
-        program: The program.
-        profile: A profile of it.
-        goal: The weights.
-    """
+    """What a profile costs: the weighted sum of its duration, its effort and its jumps of u."""
     spent = goal.time * float(np.sum(program.times(profile.x)))
     if goal.effort > 0:
         spent += goal.effort * program.effort(profile.x, profile.u, profile.free)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """By how much limits must move outward before some unknowns, or a given c², keep them all."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,21 +8,6 @@ from mrts.base.arrays import Array
 from mrts.program.convex_program import ConvexPrograms
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.solvers import require_verified, solve_programs
-
-
-@dataclass(frozen=True)
-class Widening:
-    """Answer of the elastic programs of N samples.
-
-    Attributes:
-        share: Least s, in sizes of limits, Shape (N,).
-        row_dual: Multipliers of the rows, positive at an upper limit, Shape (N, r).
-        fallbacks: How many another solver solved.
-    """
-
-    share: Array
-    row_dual: Array
-    fallbacks: int
 
 
 def least_widening(
@@ -38,7 +21,7 @@ def least_widening(
     *,
     sizes: tuple[Array, Array] | None = None,
     least: float = 0.0,
-) -> Widening:
+) -> tuple[Array, Array, int]:
     """Solve min s, lower - s l <= A x <= upper + s u for limits, lower <= A x <= upper for laws; it has a solution.
 
     Args:
@@ -51,6 +34,10 @@ def least_widening(
         what: What is found, for the message.
         sizes: l and u, how far s = 1 moves each side, each Shape (r,); None is 1.
         least: Least s: below 0 limits move inward.
+
+    Returns:
+        Least s, in sizes of limits, Shape (N,); multipliers of the rows, positive at an upper limit, Shape (N, r); and
+        how many programs another solver solved.
 
     Raises:
         SolverError: If no solver answers.
@@ -80,7 +67,7 @@ def least_widening(
     row_dual = np.zeros((count, rows))
     for column, row in enumerate(order):
         row_dual[:, row] += answers.row_dual[:, column]
-    return Widening(answers.x[:, -1], row_dual, answers.fallbacks)
+    return answers.x[:, -1], row_dual, answers.fallbacks
 
 
 def widening_at(problem: SampleProblem, c2: float | Array, solver: str, what: str) -> Array:
@@ -99,4 +86,4 @@ def widening_at(problem: SampleProblem, c2: float | Array, solver: str, what: st
     if problem.unknowns == 1:
         return np.asarray(np.max(np.maximum(lower, -upper), axis=1, initial=0.0), dtype=np.float64)
     free = np.full(problem.unknowns - 1, -np.inf)
-    return least_widening(problem.free, lower, upper, problem.is_limit, free, solver, what).share
+    return least_widening(problem.free, lower, upper, problem.is_limit, free, solver, what)[0]

@@ -15,7 +15,6 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
@@ -141,7 +140,7 @@ def range_at_samples(
             known.samples if below == high else ranges_of_load(cell, motion, options, point.load, below)
             for point, known in zip(points, of_points, strict=True)
         ]
-        return with_all_rows(cell, motion, options, _intersection(points, ranges))
+        return with_all_rows(cell, motion, options, range_of_loads(points, ranges, every=True))
 
     return common_range(find, high), LoadStudy(options.load, box, points, of_points)
 
@@ -249,50 +248,40 @@ def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
     return tuple(LoadPoint({"mass": factor}, box.load_at({"mass": factor})) for factor in factors)
 
 
-def ends_of_loads(
-    points: Sequence[LoadPoint],
-    ranges: Sequence[SampleRanges],
-    ends: tuple[Array, Array],
-    places: tuple[NDArray[np.int_], NDArray[np.int_]],
-    conflicts: tuple[Conflict, ...],
-) -> SampleRanges:
-    """Ranges of which the lower and the upper end of each sample are those of some load.
+def range_of_loads(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges], *, every: bool) -> SampleRanges:
+    """What every load, or some load, admits at each sample, with the load that sets each end.
 
     Args:
         points: The loads.
         ranges: Their ranges.
-        ends: Lower and upper end, each Shape (N,).
-        places: Which load sets each, likewise.
-        conflicts: Of the samples that have no range.
+        every: Whether the ranges are intersected, or what lies between their outermost ends is taken.
     """
-    (lower, upper), (at_low, at_high) = ends, places
+    inward = 1.0 if every else -1.0
+    low, high = (inward * np.array([getattr(found, end) for found in ranges]) for end in ("lower", "upper"))
+    at_low, at_high = first_least(-low), first_least(high)
+    lower, upper = inward * np.max(low, axis=0), inward * np.min(high, axis=0)
+    of_samples: dict[int, list[Conflict]] = {}
+    for point, found in zip(points, ranges, strict=True):
+        for conflict in found.conflicts:
+            of_samples.setdefault(conflict.sample, []).append(replace(conflict, load=point))
+    choose = max if every else min
+    conflicts = tuple(
+        choose(own, key=lambda conflict: conflict.widening)
+        for _, own in sorted(of_samples.items())
+        if every or len(own) == len(points)
+    )
     return SampleRanges(
         time=ranges[0].time,
         status=statuses(lower, upper, conflicts),
         lower=lower,
         upper=upper,
-        rows=chosen_rows([found.rows for found in ranges], np.stack(places)),
+        rows=chosen_rows([found.rows for found in ranges], np.stack([at_low, at_high])),
         conflicts=conflicts,
         fallbacks=sum(found.fallbacks for found in ranges),
         lower_loads=tuple(points[index] for index in at_low),
         upper_loads=tuple(points[index] for index in at_high),
         several=any(found.several for found in ranges),
     )
-
-
-def _intersection(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
-    """The intersection of the ranges of all loads at every sample, with the load that sets each end."""
-    low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
-    at_low, at_high = first_least(-low), first_least(high)
-    conflicts: dict[int, Conflict] = {}
-    for point, found in zip(points, ranges, strict=True):
-        for conflict in found.conflicts:
-            worst = conflicts.get(conflict.sample)
-            if worst is None or conflict.widening > worst.widening:
-                conflicts[conflict.sample] = replace(conflict, load=point)
-    ordered = tuple(conflicts[sample] for sample in sorted(conflicts))
-    ends = np.max(low, axis=0), np.min(high, axis=0)
-    return ends_of_loads(points, ranges, ends, (at_low, at_high), ordered)
 
 
 def problem_of_load(cell: Cell, motion: CoordinatedMotion, options: Options, load: Array) -> SampleProblem:

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Which c² some load of a box admits at a sample: the paper's nonlinear program, verified by linear ones."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -20,12 +19,12 @@ from mrts.program.closed_form import LoadSensitivity, load_sensitivity
 from mrts.program.held_interrupt import held_interrupt
 from mrts.program.linear_programs import NO_EFFECT, UNBOUNDED, effect_of_speed
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.sample_ranges import SampleRanges, first_least, sample_ranges, statuses
+from mrts.program.sample_ranges import SampleRanges, sample_ranges, statuses
 from mrts.scaling.loads import (
     LoadStudy,
     effective_parameters,
-    ends_of_loads,
     problem_of_load,
+    range_of_loads,
     ranges_of_load,
     ranges_of_loads,
     with_all_rows,
@@ -49,18 +48,6 @@ IPOPT_OPTIONS: dict[str, Any] = {
     # by default IPOPT oversteps bounds by 1e-8 of their size, which the substituted program does not
     "ipopt.bound_relax_factor": 0.0,
 }
-
-
-SIDES: tuple[Side, Side] = ("lower", "upper")
-
-
-@dataclass(frozen=True)
-class _BestLoad:
-    """What the search found at some samples: parameters in [0, 1], Shape (n, p), c², and IPOPT's word, Shape (n,)."""
-
-    parameters: Array
-    c2: Array
-    success: NDArray[np.bool_]
 
 
 def possible_range(
@@ -103,31 +90,13 @@ def possible_range(
             ranges_of_load(cell, motion, options, point.load, below) if known.samples.several else known.samples
             for point, known in zip(points, of_points, strict=True)
         ]
-        best = _for_some_load(points, ranges)
+        best = range_of_loads(points, ranges, every=False)
         if varying:
             best, not_converged = _searched(cell, motion, options, box, varying, best, progress)
         return with_all_rows(cell, motion, options, best)
 
     found = common_range(find, high)
     return found, LoadStudy("possible", box, points, of_points, not_converged)
-
-
-def _for_some_load(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges]) -> SampleRanges:
-    """At every sample the lowest and the highest c² that one of the loads reaches."""
-    low, high = np.array([found.lower for found in ranges]), np.array([found.upper for found in ranges])
-    at_low, at_high = first_least(low), first_least(-high)
-    conflicts = []
-    for sample in np.flatnonzero(np.isinf(np.min(low, axis=0))):
-        of_points = [
-            replace(conflict, load=point)
-            for point, found in zip(points, ranges, strict=True)
-            for conflict in found.conflicts
-            if conflict.sample == sample
-        ]
-        conflicts.append(min(of_points, key=lambda conflict: conflict.widening))
-    return ends_of_loads(
-        points, ranges, (np.min(low, axis=0), np.max(high, axis=0)), (at_low, at_high), tuple(conflicts)
-    )
 
 
 def _searched(
@@ -157,78 +126,69 @@ def _searched(
         "lower": np.flatnonzero(in_order & (best.lower > 0) & (not best.several)),
         "upper": np.flatnonzero(in_order & (np.isfinite(best.upper) | infeasible)),
     }  # where sides cross no load helps
-    total, done = sum(len(samples) for samples in wanted.values()), 0
+    total, done = sum(map(len, wanted.values())), 0
     missed: set[int] = set()
+    low, high = (np.array([box.ranges[name][end] for name in varying]) for end in (0, 1))
     for side, samples in wanted.items():
         if not len(samples):
             continue
-        counted = partial(_count_on, progress, done, total)
-        found = search.run(samples, side, best, _starts(box, varying, best, side), counted)
-        done += len(samples)
-        low, high = (np.array([box.ranges[name][end] for name in varying]) for end in (0, 1))
-        values = np.clip(low + found.parameters * (high - low), low, high)
-        points = [LoadPoint(dict(zip(varying, map(float, row), strict=True)), np.zeros(0)) for row in values]
-        points = [replace(point, load=box.load_at(point.parameters)) for point in points]
+        corners = best.lower_loads if side == "lower" else best.upper_loads
+        assert corners is not None  # noqa: S101 (made from points)
+        starts = (np.array([[point.parameters[name] for name in varying] for point in corners]) - low) / (high - low)
+        shares, c2, success = (
+            np.zeros((len(samples), len(varying))),
+            np.zeros(len(samples)),
+            np.zeros(len(samples), bool),
+        )
+        for index, sample in enumerate(samples.tolist()):
+            shares[index], c2[index], success[index] = search.best(sample, side, best, starts[sample])
+            done += 1
+            progress(done, total)
+        values = np.clip(low + shares * (high - low), low, high).tolist()
+        named = [dict(zip(varying, row, strict=True)) for row in values]
+        points = [LoadPoint(parameters, box.load_at(parameters)) for parameters in named]
         loads = np.tile(box.load_at({}), (motion.samples, 1))
         loads[samples] = [point.load for point in points]
         checked = sample_ranges(rows(loads).at(samples), motion.object.time[samples], options.solver)
-        best, unverified = _keep_better(best, side, samples, points, checked, found)
-        missed |= unverified
+        reached, sign = (checked.lower, -1.0) if side == "lower" else (checked.upper, 1.0)
+        promised = success & ~(sign * (c2 - reached) <= ACHIEVED_TOLERANCE * np.abs(c2))
+        missed |= set(samples[promised | (~success & np.isfinite(best.lower[samples]))].tolist())
+        best = _keep_better(best, samples, points, checked)
     return best, tuple(sorted(missed))
 
 
-def _count_on(progress: Progress, before: int, total: int, done: int) -> None:
-    progress(before + done, total)
-
-
-def _starts(box: LoadBox, varying: tuple[str, ...], best: SampleRanges, side: Side) -> Array:
-    """Parameters of the best corner at every sample, as shares of their ranges, Shape (N, p)."""
-    loads = best.lower_loads if side == "lower" else best.upper_loads
-    assert loads is not None  # noqa: S101 (made from points)
-    low, high = (np.array([box.ranges[name][end] for name in varying]) for end in (0, 1))
-    values = np.array([[point.parameters[name] for name in varying] for point in loads])
-    starts: Array = (values - low) / (high - low)
-    return starts
-
-
 def _keep_better(
-    best: SampleRanges,
-    side: Side,
-    samples: NDArray[np.int_],
-    points: list[LoadPoint],
-    checked: SampleRanges,
-    found: _BestLoad,
-) -> tuple[SampleRanges, set[int]]:
-    """Take what the verified loads reach beyond the best corner; also the samples whose answer was not verified."""
-    ends = {"lower": best.lower.copy(), "upper": best.upper.copy()}
-    loads = {"lower": list(best.lower_loads or ()), "upper": list(best.upper_loads or ())}
-    reached, sign = (checked.lower, -1.0) if side == "lower" else (checked.upper, 1.0)
-    short = sign * (found.c2 - reached)
-    promised = found.success & ~(short <= ACHIEVED_TOLERANCE * np.abs(found.c2))
-    unverified = samples[promised | (~found.success & np.isfinite(best.lower[samples]))]
+    best: SampleRanges, samples: NDArray[np.int_], points: list[LoadPoint], checked: SampleRanges
+) -> SampleRanges:
+    """What the verified loads reach beyond the best corner at some samples, and what is known at all others."""
     carried, rows = np.isfinite(checked.lower), best.rows
-    beyond = checked.lower < best.lower[samples], checked.upper > best.upper[samples]
-    for number, end in enumerate(SIDES):
-        taken = np.flatnonzero(carried & beyond[number])
-        ends[end][samples[taken]] = (checked.lower, checked.upper)[number][taken]
+    ends: list[Array] = []
+    loads: list[tuple[LoadPoint, ...]] = []
+    for number, (known, found, of_known) in enumerate(
+        ((best.lower, checked.lower, best.lower_loads), (best.upper, checked.upper, best.upper_loads))
+    ):
+        beyond = found < known[samples] if number == 0 else found > known[samples]
+        taken = np.flatnonzero(carried & beyond)
+        end, own = known.copy(), list(of_known or ())
+        end[samples[taken]] = found[taken]
         rows = rows.with_samples(samples[taken], checked.rows.codes[:, taken], slice(number, number + 1))
         for index in taken.tolist():
-            loads[end][int(samples[index])] = points[index]
+            own[int(samples[index])] = points[index]
+        ends.append(end)
+        loads.append(tuple(own))
     cleared = set(samples[carried].tolist())
-    lower, upper = ends["lower"], ends["upper"]
     conflicts = tuple(conflict for conflict in best.conflicts if conflict.sample not in cleared)
-    better = replace(
+    return replace(
         best,
-        status=statuses(lower, upper, conflicts),
-        lower=lower,
-        upper=upper,
+        status=statuses(ends[0], ends[1], conflicts),
+        lower=ends[0],
+        upper=ends[1],
         rows=rows,
         conflicts=conflicts,
-        lower_loads=tuple(loads["lower"]),
-        upper_loads=tuple(loads["upper"]),
+        lower_loads=loads[0],
+        upper_loads=loads[1],
         fallbacks=best.fallbacks + checked.fallbacks,
     )
-    return better, set(unverified.tolist())
 
 
 class _Search:
@@ -244,7 +204,7 @@ class _Search:
     """
 
     def __init__(self, problem: SampleProblem, sensitivity: LoadSensitivity) -> None:
-        count, rows, unknowns = problem.A.shape
+        _, rows, unknowns = problem.A.shape
         p = len(sensitivity.c2)
         effect = np.maximum(effect_of_speed(problem), np.max(np.abs(sensitivity.c2), axis=(0, 2), initial=0.0))
         if problem.speed is not None:
@@ -272,40 +232,29 @@ class _Search:
             "p": ca.vertcat(ca.vec(A), a, ca.vec(da), ca.vec(do), b, sign),
         }
         self.solve = ca.nlpsol("possible_load", "ipopt", program, IPOPT_OPTIONS)
-        self.free, self.p, self.samples = unknowns - 1, p, count
+        self.free, self.p = unknowns - 1, p
 
-    def run(
-        self,
-        samples: NDArray[np.int_],
-        side: Side,
-        best: SampleRanges,
-        corners: Array,
-        progress: Callable[[int], None],
-    ) -> _BestLoad:
-        """Search some samples, each from its best corner and from the middle of the box.
+    def best(self, sample: int, side: Side, known: SampleRanges, corner: Array) -> tuple[Array, float, bool]:
+        """Shares of the parameters, c² and whether IPOPT came to its end: from a corner and from the middle of the box.
 
         Args:
-            samples: Indices, n of them.
+            sample: Index.
             side: Which end of the range.
-            best: Ranges to start from.
-            corners: Shares of the parameters to start from, Shape (N, p).
-            progress: Told how many samples are done.
+            known: Ranges to start from.
+            corner: Shares of the parameters, Shape (p,).
         """
         sign = 1.0 if side == "lower" else -1.0
-        ends = best.lower if side == "lower" else best.upper
-        parameters, c2 = np.zeros((len(samples), self.p)), np.full(len(samples), sign * np.inf)
-        success = np.zeros(len(samples), dtype=bool)
-        for index, sample in enumerate(samples.tolist()):
-            start_y = ends[sample] / self.unit[sample] if np.isfinite(ends[sample]) else 1.0
-            for start in (corners[sample], np.full(self.p, 0.5)):
-                with held_interrupt():
-                    s, value, solved = self._from(sample, sign, start_y, start)
-                better = sign * value < sign * c2[index]
-                if (solved and (better or not success[index])) or (not success[index] and better):
-                    parameters[index], c2[index] = s, value
-                success[index] |= solved
-            progress(index + 1)
-        return _BestLoad(parameters, c2, success)
+        end = float((known.lower if side == "lower" else known.upper)[sample])
+        start_y = end / float(self.unit[sample]) if np.isfinite(end) else 1.0
+        shares, c2, success = np.zeros(self.p), sign * np.inf, False
+        for start in (corner, np.full(self.p, 0.5)):
+            with held_interrupt():
+                s, value, solved = self._from(sample, sign, start_y, start)
+            better = sign * value < sign * c2
+            if (solved and (better or not success)) or (not success and better):
+                shares, c2 = s, value
+            success |= solved
+        return shares, c2, success
 
     def _from(self, sample: int, sign: float, y: float, s: Array) -> tuple[Array, float, bool]:
         target = np.clip(0.0, self.lower[sample], self.upper[sample])

@@ -1,19 +1,17 @@
 # SPDX-License-Identifier: MIT
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
-import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, as_path, check_callable
+from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import SolverError
+from mrts.base.json_output import JsonOutput
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
@@ -62,7 +60,7 @@ class Residuals(InNotebooks):
 
 
 @dataclass(frozen=True, repr=False)
-class ScalingResult(InNotebooks):
+class ScalingResult(InNotebooks, JsonOutput):
     """What `mrts.scale` found.
 
     Attributes:
@@ -330,18 +328,6 @@ class ScalingResult(InNotebooks):
             "excess": self.excess and self.excess.to_json(),
             "rates": [use.rate_json() for use in rate_uses(self)],
         }
-
-    def json_text(self) -> str:
-        """`to_json` as text."""
-        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
-
-    def write_json(self, path: Path | str) -> None:
-        """Write `json_text` to a file, whole or not at all.
-
-        Raises:
-            InputError: If the file cannot be written.
-        """
-        write_text_atomically(as_path("path", path), self.json_text() + "\n")
 
 
 def fallbacks_text(count: int) -> str:

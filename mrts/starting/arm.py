@@ -2,15 +2,14 @@
 """An arm before its cell: where its joints and its hand are, what gravity asks of it, with nothing compiled."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from mrts.base.arrays import Array, cross
-from mrts.base.formats.urdf_tree import ArmChain
-from mrts.base.rigid_transform import PLANE_TOLERANCE, RigidTransform
-from mrts.cell.robot import Robot, RobotSource
+from mrts.base.rigid_transform import PLANE_TOLERANCE
+from mrts.cell.robot import Robot
 from mrts.drawing.bodies.cell_shapes import body_poses
 
 NO_LEVER = 1e-3
@@ -44,14 +43,16 @@ class Arm:
 
     Attributes:
         name: In the cell.
-        chain: From the URDF.
-        robot: The same as a cell has it: base and grasp are the identity, efforts that are missing are infinite.
+        chain: From the URDF: base and grasp are the identity, efforts that are missing are infinite.
+        com: Centre of mass of what each joint carries, base frame with every joint at zero, Shape (n, 3) [m].
+        robot: The chain with that name.
         approach: Where its hand points: unit vector in tip axes, Shape (3,).
         reach: Length of the chain from the first joint to the tip [m].
     """
 
     name: str
-    chain: ArmChain
+    chain: Robot
+    com: Array
     robot: Robot
     approach: Array
     reach: float
@@ -62,9 +63,9 @@ class Arm:
         chain = self.chain
         axes = np.einsum("nkij,kj->nki", R[:, :-1], chain.axes)
         points = np.einsum("nkij,kj->nki", R[:, :-1], chain.points) + p[:, :-1]
-        com = np.einsum("nkij,kj->nki", R[:, 1:], chain.com) + p[:, 1:]
+        com = np.einsum("nkij,kj->nki", R[:, 1:], self.com) + p[:, 1:]
         tip = p[:, -1] + R[:, -1] @ chain.T_base_tip.p
-        turns = np.array([kind == "revolute" for kind in chain.types])[:, None]
+        turns = np.array([kind == "revolute" for kind in chain.joint_types])[:, None]
         linear = np.where(turns, cross(axes, tip[:, None] - points), axes)
         angular = np.where(turns, axes, 0.0)
         jacobian = np.concatenate([linear, angular], axis=2).transpose(0, 2, 1)
@@ -78,11 +79,11 @@ class Arm:
             gravity: Base axes, Shape (3,) [m/s²].
             force: On the object at the tip, base axes, Shape (3,) [N].
         """
-        mass = self.chain.mass
+        mass: Array = np.array(self.chain.source.carried_mass)
         held = np.cumsum(mass[::-1])[::-1]
         moments = np.cumsum((mass[:, None] * state.com)[:, ::-1], axis=1)[:, ::-1]  # Σ m c of all behind a joint
         arms = moments - held[:, None] * state.points
-        turns = np.array([kind == "revolute" for kind in self.chain.types])
+        turns = np.array([kind == "revolute" for kind in self.chain.joint_types])
         own = np.where(
             turns,
             np.einsum("nki,nki->nk", state.axes, cross(arms, np.broadcast_to(gravity, arms.shape))),
@@ -93,56 +94,25 @@ class Arm:
 
     def middle(self) -> Array:
         """The middle of the joint limits, 0 where there are none, Shape (n,) [rad or m]."""
-        both = np.isfinite(self.chain.lower) & np.isfinite(self.chain.upper)
-        return np.where(both, (np.where(both, self.chain.lower, 0) + np.where(both, self.chain.upper, 0)) / 2, 0.0)
+        lower, upper = self.chain.position_lower, self.chain.position_upper
+        both = np.isfinite(lower) & np.isfinite(upper)
+        return np.where(both, (np.where(both, lower, 0) + np.where(both, upper, 0)) / 2, 0.0)
 
 
-def make_arm(name: str, chain: ArmChain) -> Arm:
+def make_arm(name: str, chain: Robot, com: Array) -> Arm:
     """An arm of a chain.
 
     Args:
         name: In the cell.
         chain: From a URDF.
+        com: As in `Arm`.
     """
-    n = len(chain.joints)
-    effort = np.array([np.inf if effort is None else effort for effort in chain.effort])
-    robot = Robot(
-        name=name,
-        joints=chain.joints,
-        joint_types=chain.types,
-        axes=chain.axes,
-        points=chain.points,
-        T_base_tip=chain.T_base_tip,
-        position_lower=chain.lower,
-        position_upper=chain.upper,
-        velocity_limit=np.array([np.inf if limit is None else limit for limit in chain.velocity]),
-        T_world_base=RigidTransform.identity(),
-        T_object_tip=RigidTransform.identity(),
-        posture=np.zeros(n),
-        torque_lower=-effort,
-        torque_upper=effort,
-        wrench_lower=np.full(6, -np.inf),
-        wrench_upper=np.full(6, np.inf),
-        source=RobotSource(
-            urdf="",
-            xacro_args={},
-            sha256="",
-            base_link=chain.base_link,
-            tip_link=chain.tip_link,
-            fixed={},
-            T_base_root=chain.T_root_base.inverse(),
-            carried_mass=(*chain.mass.tolist(),),
-            point_links=chain.point_links,
-            effort=None,
-            friction=None,
-        ),
-    )
     corners = [*chain.points, chain.T_base_tip.p]
     reach = float(sum(np.linalg.norm(b - a) for a, b in pairwise(corners)))
-    return Arm(name, chain, robot, _approach(chain), reach)
+    return Arm(name, chain, com, replace(chain, name=name), _approach(chain), reach)
 
 
-def _approach(chain: ArmChain) -> Array:
+def _approach(chain: Robot) -> Array:
     """The axis of the tip frame that points away from the last joint; where the two coincide, from the one before."""
     T = chain.T_base_tip
     for point in chain.points[::-1]:
@@ -165,7 +135,7 @@ def plane_of(arms: Sequence[Arm]) -> str | None:
         flat = all(
             (abs(abs(axis[normal]) - 1) if kind == "revolute" else abs(axis[normal])) <= PLANE_TOLERANCE
             for arm in arms
-            for kind, axis in zip(arm.chain.types, arm.chain.axes, strict=True)
+            for kind, axis in zip(arm.chain.joint_types, arm.chain.axes, strict=True)
         )
         if flat:
             return plane

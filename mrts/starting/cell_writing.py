@@ -129,9 +129,9 @@ def _limits(arm: Arm, robot: dict[str, Any], assumed: tuple[str, ...]) -> Iterat
             f"    torque: {flow(robot['torque'])}", f"{whose}: the URDF has no effort. Put the data sheet's here"
         )
     else:
-        efforts = [effort for effort in chain.effort if effort is not None]
+        efforts = chain.torque_upper[np.isfinite(chain.torque_upper)].tolist()
         yield _line(f"    # torque: {flow(efforts)}", "the URDF's efforts, which count; remove the # to set your own")
-    speeds = ", ".join("none" if each is None else f"{each:.4g}" for each in chain.velocity)
+    speeds = ", ".join("none" if each == np.inf else f"{each:.4g}" for each in chain.velocity_limit)
     yield f"    # the URDF's velocity limits: {speeds}"
     for sentence in missing_bodies(arm):
         yield f"    # {printable(sentence)}"
@@ -144,10 +144,10 @@ def missing(arm: Arm) -> list[str]:
         arm: The arm.
     """
     chain, told = arm.chain, []
-    without = [name for name, effort in zip(chain.joints, chain.effort, strict=True) if effort is None]
+    without = [name for name, effort in zip(chain.joints, chain.torque_upper, strict=True) if effort == np.inf]
     if without:
         told.append(f"no effort limit of {_some(without, chain.joints)}: its torque is assumed in the cell file")
-    without = [name for name, limit in zip(chain.joints, chain.velocity, strict=True) if limit is None]
+    without = [name for name, limit in zip(chain.joints, chain.velocity_limit, strict=True) if limit == np.inf]
     if without:
         told.append(f"no velocity limit of {_some(without, chain.joints)}: nothing bounds its speed but torques")
     return told
@@ -160,10 +160,10 @@ def missing_bodies(arm: Arm) -> Iterator[str]:
         arm: The arm.
     """
     chain = arm.chain
-    weightless = [name for name, mass in zip(chain.joints, chain.mass, strict=True) if mass == 0]
+    weightless = [name for name, mass in zip(chain.joints, chain.source.carried_mass, strict=True) if mass == 0]
     if weightless:
         yield f"{WEIGHTLESS} ({'all joints' if len(weightless) == len(chain.joints) else first_few(weightless)})"
-    points = [link for links in chain.point_links for link in links]
+    points = [link for links in chain.source.point_links for link in links]
     if points:
         yield f"{POINT_MASSES} ({first_few(points)})"
 

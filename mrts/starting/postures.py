@@ -157,7 +157,7 @@ def settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int) 
         q += step * np.minimum(1.0, LONGEST_STEP / np.maximum(longest, LONGEST_STEP))
     near = np.max(np.abs(_error(arm.at(q), R, p)[:, rows]), axis=1) <= REACHED
     q = _unwound(arm, q)
-    inside = np.all((q >= arm.chain.lower) & (q <= arm.chain.upper), axis=1)
+    inside = np.all((q >= arm.chain.position_lower) & (q <= arm.chain.position_upper), axis=1)
     return q, near & inside
 
 
@@ -167,15 +167,15 @@ def _error(state: ArmState, R: Array, p: Array) -> Array:
 
 def _unwound(arm: Arm, q: Array) -> Array:
     """The same positions of turning joints, as near to the middle as whole turns bring them."""
-    turns = np.array([kind == "revolute" for kind in arm.chain.types])
+    turns = np.array([kind == "revolute" for kind in arm.chain.joint_types])
     middle = arm.middle()
     return np.asarray(np.where(turns, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q), dtype=np.float64)
 
 
 def _half_range(arm: Arm) -> Array:
     """How far joints may go from their middle, Shape (n,) [rad or m]."""
-    free = np.array([FREE_TURN if kind == "revolute" else FREE_SLIDE for kind in arm.chain.types])
-    span = arm.chain.upper - arm.chain.lower
+    free = np.array([FREE_TURN if kind == "revolute" else FREE_SLIDE for kind in arm.chain.joint_types])
+    span = arm.chain.position_upper - arm.chain.position_lower
     half: Array = np.minimum(np.where(np.isfinite(span), span / 2, free), free)
     return half
 
@@ -193,7 +193,7 @@ def drawn_postures(arm: Arm) -> Array:
 
 def _ease(arm: Arm, q: Array, state: ArmState, wanted: Wanted, facing: Array) -> Array:
     """How far from limits and singularities arms are, from 0 to 1, Shape (N,)."""
-    to_limit = np.minimum(q - arm.chain.lower, arm.chain.upper - q) / _half_range(arm)
+    to_limit = np.minimum(q - arm.chain.position_lower, arm.chain.position_upper - q) / _half_range(arm)
     margin = np.min(to_limit, axis=1, initial=1.0)
     scale = np.array([1 / arm.reach] * 3 + [1.0] * 3)[wanted.rows]
     values = np.linalg.svd(scale[:, None] * state.jacobian[:, wanted.rows], compute_uv=False)

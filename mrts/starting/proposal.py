@@ -115,7 +115,7 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
 
 
 def _first_mass(request: Request) -> float:
-    total = sum(float(np.sum(each.arm.chain.mass)) for each in request.arms)
+    total = sum(float(np.sum(each.arm.chain.source.carried_mass)) for each in request.arms)
     return _two_digits(LOAD_SHARE * total) if total > 0 else 1.0
 
 
@@ -200,11 +200,11 @@ def _robot_keys(
     robot: dict[str, Any] = {"name": each.arm.name, "urdf": each.urdf}
     if each.xacro_args:
         robot["xacro_args"] = dict(each.xacro_args)
-    robot |= {"base_link": chain.base_link, "tip_link": chain.tip_link}
+    robot |= {"base_link": chain.source.base_link, "tip_link": chain.source.tip_link}
     robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": stand.posture.tolist()}
-    missing = tuple(name for name, effort in zip(chain.joints, chain.effort, strict=True) if effort is None)
+    missing = tuple(name for name, effort in zip(chain.joints, chain.torque_upper, strict=True) if effort == inf)
     if missing:
-        known = np.array([inf if effort is None else effort for effort in chain.effort])
+        known = chain.torque_upper
         robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, each.arm, mass)).tolist()
     return robot, missing
 

@@ -12,11 +12,11 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri, is_xacro
-from mrts.base.formats.urdf_tree import ArmChain, Survey, UrdfTree
+from mrts.base.formats.urdf_tree import UrdfTree
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.remarks.unit_remarks import urdf_remarks
-from mrts.cell.robot import DEGREES_SUSPECTED
-from mrts.cell.source_files import surveyed_urdf
+from mrts.cell.robot import DEGREES_SUSPECTED, Robot
+from mrts.cell.source_files import Survey, surveyed_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.request import ArmRequest, Request
@@ -132,7 +132,7 @@ def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
     for index, arm in enumerate(chosen):
         fellows = _machine(chosen, arm)
         chain = survey(arm.survey, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
-        arms.append(_arm_request(given, index, arm, make_arm(names[index], chain), folder, fixed=len(fellows) > 1))
+        arms.append(_arm_request(given, index, arm, make_arm(names[index], *chain), folder, fixed=len(fellows) > 1))
     plane = plane_of([each.arm for each in arms])
     if plane is not None and len(arms) > len(SIDES) and not given.bases:
         raise InputError(BASE, "is needed for each of more than two arms that move in one plane.")
@@ -155,7 +155,7 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
     count, needed = len(arm.chain.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
     if count < needed:
         rule = (
-            f"the chain to '{arm.chain.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
+            f"the chain to '{arm.chain.source.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
             f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
         )
         raise InputError(path, rule)
@@ -229,7 +229,8 @@ def _arm_request(given: Given, index: int, chosen: _Chosen, arm: Arm, folder: Pa
         fixed: Whether its base is where the URDF has it, beside the other arms of its machine.
     """
     chain = arm.chain
-    base = given.bases[chosen.robot] @ chain.T_root_base if given.bases else chain.T_root_base if fixed else None
+    T_root_base = chain.source.T_base_root.inverse()
+    base = given.bases[chosen.robot] @ T_root_base if given.bases else T_root_base if fixed else None
     posture = _posture(given, given.postures[index], chain) if given.postures else None
     return ArmRequest(
         arm=arm,
@@ -242,7 +243,7 @@ def _arm_request(given: Given, index: int, chosen: _Chosen, arm: Arm, folder: Pa
     )
 
 
-def _posture(given: Given, posture: Array, chain: ArmChain) -> Array:
+def _posture(given: Given, posture: Array, chain: Robot) -> Array:
     """A posture in rad and m, inside the joint limits.
 
     Raises:
@@ -251,13 +252,15 @@ def _posture(given: Given, posture: Array, chain: ArmChain) -> Array:
     if len(posture) != len(chain.joints):
         rule = f"must have {len(chain.joints)} values, one for each of {', '.join(chain.joints)}."
         raise InputError(POSTURE, rule, value=posture.tolist())
-    turns = np.array([kind == "revolute" for kind in chain.types])
+    turns = np.array([kind == "revolute" for kind in chain.joint_types])
     if given.degrees:
         posture = np.where(turns, np.radians(posture), posture)
     elif np.any(np.abs(posture[turns]) > DEGREES_SUSPECTED):
         rule = "is more than two turns: these seem to be degrees. Say --degrees, or give radians."
         raise InputError(POSTURE, rule, value=posture.tolist())
-    for name, position, lower, upper in zip(chain.joints, posture, chain.lower, chain.upper, strict=True):
+    for name, position, lower, upper in zip(
+        chain.joints, posture, chain.position_lower, chain.position_upper, strict=True
+    ):
         if not lower <= position <= upper:
             rule = f"joint '{name}' must be within its limits, [{lower:.6g}, {upper:.6g}]."
             raise InputError(POSTURE, rule, value=float(position))

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: MIT
 """What is wrong with one URDF, and what it says of its arms, before there is a cell."""
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
-from mrts.base.formats.urdf_tree import ArmChain
+from mrts.base.json_output import JsonOutput
 from mrts.base.remark import Remark, Severity
 from mrts.cell.remarks.assumptions import first_few
 from mrts.cell.remarks.unit_remarks import urdf_remarks
+from mrts.cell.robot import Robot
 from mrts.cell.source_files import UrdfReading, urdf_with_mistakes
 from mrts.diagnosis.cell_check import finite_json, mistakes_json, position_range
 from mrts.drawing.bodies.arm_meshes import mesh_file
@@ -31,7 +33,7 @@ def is_urdf(path: Path) -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class UrdfCheck:
+class UrdfCheck(JsonOutput):
     """What `check_urdf` found.
 
     Attributes:
@@ -69,14 +71,15 @@ class UrdfCheck:
         yield from (f"hint: {remark.text}" for remark in self._told("hint"))
         for arm in self.arms:
             yield ""
-            yield f"{arm.chain.base_link} to {arm.chain.tip_link}, {arm.chain.mass.sum():.4g} kg"
+            source = arm.chain.source
+            yield f"{source.base_link} to {source.tip_link}, {sum(source.carried_mass):.4g} kg"
             yield from joint_lines(arm.chain)
             yield from (f"  missing: {sentence}" for sentence in missing(arm))
         yield from map(str, self._told("warning"))
 
-    def json_text(self) -> str:
-        """All of it as JSON."""
-        told = {
+    def to_json(self) -> dict[str, Any]:
+        """All of it as JSON values."""
+        return {
             "status": self.status,
             "urdf": str(self.urdf),
             "mistakes": mistakes_json(self.mistakes),
@@ -86,7 +89,6 @@ class UrdfCheck:
             "hints": [remark.to_json() for remark in self._told("hint")],
             "warnings": [remark.to_json() for remark in self._told("warning")],
         }
-        return json.dumps(told, allow_nan=False, ensure_ascii=False)
 
     def _told(self, severity: Severity) -> list[Remark]:
         return [remark for remark in self.remarks if remark.severity == severity]
@@ -119,20 +121,27 @@ def check_urdf(path: Path, args: Mapping[str, str]) -> UrdfCheck:
     )
 
 
-def joint_lines(chain: ArmChain) -> Iterator[str]:
+def joint_lines(chain: Robot) -> Iterator[str]:
     """Joints of a chain and their limits, as aligned lines.
 
     Args:
         chain: From a URDF.
     """
-    rows = zip(chain.joints, chain.types, chain.lower, chain.upper, chain.effort, chain.velocity, strict=True)
+    rows = _joints(chain)
     width = max(len(name) for name in ("joint", *chain.joints))
     yield f"  {'joint':<{width}} {'position':>20} {'torque':>10} {'velocity':>12}"
-    for name, kind, lower, upper, effort, velocity in rows:
+    for name, kind, lower, upper, effort, velocity, _ in rows:
         unit, torque = ("rad", "N m") if kind == "revolute" else ("m", "N")
-        shown = "?" if effort is None else f"{effort:.4g} {torque}"
-        speed = "?" if velocity is None else f"{velocity:.4g} {unit}/s"
+        shown = "?" if effort == np.inf else f"{effort:.4g} {torque}"
+        speed = "?" if velocity == np.inf else f"{velocity:.4g} {unit}/s"
         yield f"  {name:<{width}} {position_range(lower, upper, unit):>20} {shown:>10} {speed:>12}"
+
+
+def _joints(chain: Robot) -> Iterator[tuple[Any, ...]]:
+    """Name, kind, limits of position, effort and velocity, infinite where there is none, and mass of each joint."""
+    arrays = (chain.position_lower, chain.position_upper, chain.torque_upper, chain.velocity_limit)
+    columns = (values.tolist() for values in arrays)
+    return zip(chain.joints, chain.joint_types, *columns, chain.source.carried_mass, strict=True)
 
 
 def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
@@ -147,7 +156,7 @@ def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
     base = first_link(read.tree, tips)
     for tip in tips:
         with mistakes.noted():
-            arms.append(make_arm(tip, read.survey(base, tip)))
+            arms.append(make_arm(tip, *read.survey(base, tip)))
     return arms
 
 
@@ -158,7 +167,7 @@ def _hints(arm: Arm, path: Path) -> Iterator[Remark]:
         check_movable(arm, path, plane_of([arm]))
     except InputError as error:
         if error.rule not in {hint.text for hint in likely}:
-            yield Remark.hint("cannot-hold", f"{arm.chain.tip_link}: {error.rule}")
+            yield Remark.hint("cannot-hold", f"{arm.chain.source.tip_link}: {error.rule}")
 
 
 def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:
@@ -178,14 +187,16 @@ def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:
 
 def _arm_json(arm: Arm) -> dict[str, Any]:
     chain = arm.chain
-    rows = zip(
-        chain.joints, chain.types, chain.lower, chain.upper, chain.effort, chain.velocity, chain.mass, strict=True
-    )
     joints = [
         finite_json({
-            "joint": name, "type": kind, "position": (float(lower), float(upper)), "torque": effort,
-            "velocity": velocity, "mass": float(mass),
+            "joint": name, "type": kind, "position": (lower, upper), "torque": effort, "velocity": velocity,
+            "mass": mass,
         })
-        for name, kind, lower, upper, effort, velocity, mass in rows
+        for name, kind, lower, upper, effort, velocity, mass in _joints(chain)
     ]  # fmt: skip
-    return {"base_link": chain.base_link, "tip_link": chain.tip_link, "joints": joints, "missing": missing(arm)}
+    return {
+        "base_link": chain.source.base_link,
+        "tip_link": chain.source.tip_link,
+        "joints": joints,
+        "missing": missing(arm),
+    }

@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: MIT
 """All inverse-kinematics branches of every arm, followed along the motion and ranked by c²⁺ (section VI, 6.3)."""
 
-import json
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, as_path, check_callable, check_type
+from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
-from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.branches import branches_at_start
@@ -75,7 +74,7 @@ class Configuration(InNotebooks):
 
 
 @dataclass(frozen=True)
-class ConfigurationStudy(InNotebooks):
+class ConfigurationStudy(InNotebooks, JsonOutput):
     """What `rank_configurations` found.
 
     Attributes:
@@ -141,8 +140,8 @@ class ConfigurationStudy(InNotebooks):
         counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
         return f"; branches left out: {counts}" if counts else ""
 
-    def json_text(self) -> str:
-        """The whole study as JSON text."""
+    def to_json(self) -> dict[str, Any]:
+        """The whole study as JSON values."""
         ranked = []
         for configuration in self.ranked:
             found = configuration.range
@@ -164,16 +163,7 @@ class ConfigurationStudy(InNotebooks):
             ]
             for name, of_robot in self.branches.items()
         }
-        output = {"combinations": self.combinations, "ranked": ranked, "branches": branches}
-        return json.dumps(output, allow_nan=False, ensure_ascii=False)
-
-    def write_json(self, path: Path | str) -> None:
-        """Write `json_text` to a file, whole or not at all.
-
-        Raises:
-            InputError: If the file cannot be written.
-        """
-        write_text_atomically(as_path("path", path), self.json_text() + "\n")
+        return {"combinations": self.combinations, "ranked": ranked, "branches": branches}
 
 
 def rank_configurations(

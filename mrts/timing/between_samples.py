@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, apply
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.denser_motion import between_samples, moved_remarks
+from mrts.following.denser_motion import between_samples
 from mrts.limits.rows import ActiveRow
 from mrts.motion.object_courses import Geodesic, PoseSplines, WaypointPath
 from mrts.program.excess import BETWEEN, Excess
@@ -73,7 +73,7 @@ def refined_timing(
         if not timed.pieces:
             return timed
         share, worst = excess_by_segment(timed, tolerance)
-        timed = with_excess(timed, worst)
+        timed = replace(timed, excess=worst)
         if best.excess is None or worst.share < best.excess.share:
             best, stalled = timed, 0
         else:
@@ -85,34 +85,10 @@ def refined_timing(
             break
         time = timed.motion.object.time
         middles = (time[passing] + time[passing + 1]) / 2
-        timed = _as_before(again(with_samples(timed.cell, timed.motion, middles)), timed, middles)
+        timed = again(with_samples(timed.cell, timed.motion, middles))
     if best.excess is None or not best.excess.passes:
         return best
     return replace(best, status=best.status.at_samples)
-
-
-def with_excess(timed: RetimingResult, worst: Excess) -> RetimingResult:
-    """A timing that says its excess, in the time of the given motion and in that of the retimed one.
-
-    Args:
-        timed: The timing.
-        worst: The excess, in the time of the given motion.
-    """
-    played = timed.retimed
-    if played is not None:
-        given, own = timed.motion.object.time, played.motion.object.time
-        at = None if worst.time is None else float(np.interp(worst.time, given, own))
-        played = replace(played, excess=replace(worst, time=at))
-    return replace(timed, excess=worst, retimed=played)
-
-
-def _as_before(finer: RetimingResult, timed: RetimingResult, added: Array) -> RetimingResult:
-    """A timing with more samples that warns of the same."""
-    played = finer.retimed
-    if played is not None and timed.retimed is not None:
-        warnings = moved_remarks(timed.retimed.warnings, timed.motion.object.time, added)
-        played = replace(played, warnings=warnings)
-    return replace(finer, retimed=played)
 
 
 def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
@@ -120,10 +96,6 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
 
     In doubt are few samples, a course that a user wrote, which may go anywhere between them, and steps of joints that
     their velocities do not lead along: a posture that changes there.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
 
     Raises:
         MotionError: If they cannot.
@@ -144,10 +116,6 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, Excess]:
     """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all.
-
-    Args:
-        timed: A timing.
-        tolerance: Share of a limit by which it may be overstepped.
 
     Raises:
         SolverError: If no solver answers.
@@ -207,7 +175,8 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Nam
         carried += np.split(part.steps.profile.free, len(timed.loads), axis=1)
     over: list[Array] = []
     row_at: list[Callable[..., ActiveRow]] = []
-    limited = np.zeros(0, dtype=int) if timed.smooth is None else np.flatnonzero(np.isfinite(timed.smooth.rates.jerk))
+    rates = timed.options.rates
+    limited = np.zeros(0, dtype=int) if rates is None else np.flatnonzero(np.isfinite(rates.jerk))
     if limited.size:
         jerk = _jerk_excess(part, limited, segment, x, u)
         over.append(np.stack([jerk, np.full_like(jerk, -np.inf)]))

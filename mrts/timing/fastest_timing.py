@@ -242,11 +242,6 @@ def _rows(conflict: Conflict | None) -> str:
 def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress) -> WhatIf:
     """What changes would do to the duration of the fastest timing, at its samples.
 
-    Args:
-        found: What `mrts.retime` found without limits of rates.
-        steps: How far numbers are changed.
-        progress: Told how many of how many changes are done.
-
     Raises:
         InputError: If rates were limited: such a timing takes seconds.
         SolverError: If no solver answers for the cell as it is.
@@ -272,6 +267,5 @@ def _of_timing(timed: RetimingResult) -> SpeedAnswer:
     """The answer of a timing: what limits it for the longest time binds."""
     if not timed.status.admits_motion:
         return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
-    duration = sum(float(np.sum(part.segment_times)) for part in timed.pieces)
     limits = tuple(dict.fromkeys(name.rpartition(" (")[0] or name for name, _ in timed.limits))  # without its value
-    return SpeedAnswer(status="feasible", duration=duration, limits=limits)
+    return SpeedAnswer(status="feasible", duration=timed.duration, limits=limits)

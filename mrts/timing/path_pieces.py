@@ -95,9 +95,6 @@ def path_pieces(motion: CoordinatedMotion) -> list[PathPiece] | NoPath:
     s is the arc length of the joints' path, ds = |q'| dr with |q'| the root mean square over the joints: unlike the
     given time it is regular where a motion starts from rest, and a constant acceleration is a constant s̈.
 
-    Args:
-        motion: The given motion, N samples.
-
     Raises:
         InputError: If numbers of floating point do not hold the path.
     """
@@ -187,10 +184,6 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
     """The same piece; where its derivatives were continued, those of the joints keep the grasps on the object.
 
     Continued each by themselves, the arms would carry it apart, by the square of a step.
-
-    Args:
-        cell: The cell.
-        piece: A piece of a path of it.
     """
     path, is_continued = piece.path, np.zeros(len(piece.speed), dtype=bool)
     is_continued[piece.continued] = True
@@ -211,9 +204,6 @@ def by_turns(piece: PathPiece) -> PathPiece:
     are polynomials by their own parameter. dσ = κ^(1/3) ds is the parameter of every parabola (its affine arc
     length); where the curvature κ is small σ is the arc length again, so a straight path keeps it. Samples that are
     close enough together do too: a piece whose turns from one to the next are small is returned as it is.
-
-    Args:
-        piece: By arc length, n samples.
     """
     path, s = piece.path, piece.arc
     turn = _root_mean_square(np.diff(path.dq, axis=0))

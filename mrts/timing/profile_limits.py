@@ -10,7 +10,7 @@ from mrts.cell.cell import Cell
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.trajectory_programs import motion_ranges
-from mrts.timing.retimed_motion import TimedPiece, at_segment_ends
+from mrts.timing.retimed_motion import TimedPiece, at_segment_ends, new_times
 from mrts.timing.smooth_piece import SmoothPiece
 
 BINDING = 1e-6
@@ -31,7 +31,7 @@ def profile_limits(
     Raises:
         SolverError: If no solver answers.
     """
-    duration = sum(float(np.sum(part.segment_times)) for part in pieces)
+    duration = float(new_times(pieces)[-1])
     shares: dict[str, float] = {}
     for part in pieces:
         binding = part.binding if isinstance(part, SmoothPiece) else _binding(cell, part, sharing, loads)

@@ -1,25 +1,24 @@
 # SPDX-License-Identifier: MIT
 """The outcome of retiming: the fastest profile and its trajectory, or why there is none."""
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from mrts.base.argument_types import Progress, as_path, check_callable
+from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.atomic_file import write_text_atomically
+from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.excess import Excess
 from mrts.program.infeasibility import Conflict
 from mrts.program.range_status import RangeStatus
@@ -27,11 +26,10 @@ from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult, kept_text
-from mrts.scaling.torques import OF_TORQUES, STEPS
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.profile_limits import profile_limits
-from mrts.timing.retimed_motion import TimedPiece
+from mrts.timing.retimed_motion import TimedPiece, new_times
 from mrts.timing.smooth_piece import SmoothAnswer
 
 
@@ -81,7 +79,7 @@ OF_TRAJECTORY = (
 
 
 @dataclass(frozen=True, repr=False)
-class RetimingResult(InNotebooks):
+class RetimingResult(InNotebooks, JsonOutput):
     """What `mrts.retime` found.
 
     Attributes:
@@ -163,12 +161,11 @@ class RetimingResult(InNotebooks):
     @property
     def duration(self) -> float | None:
         """Of the fastest timing [s]; None without one."""
-        done = None if self.retimed is None else self.retimed.trajectory
-        return None if done is None else done.duration
+        return float(new_times(self.pieces)[-1]) if self.pieces else None
 
     @property
     def effort(self) -> float | None:
-        """∫ τᵀWτ dt of the motion at the timing [s; N² m² s with W = 1]; None without one."""
+        """∫ τᵀWτ dt of the motion at the timing [N² m² s with W = 1]; None without one."""
         done = None if self.retimed is None else self.retimed.trajectory
         if done is None:
             return None
@@ -201,7 +198,7 @@ class RetimingResult(InNotebooks):
         """What to know of the cell and the motion before trusting the answer."""
         if self.retimed is not None:
             return self.retimed.warnings
-        return tuple(remark for remark in lasting(self.constant.warnings) if remark.code not in OF_TORQUES)
+        return lasting(self.factor.warnings)
 
     def what_if(
         self,
@@ -246,7 +243,7 @@ class RetimingResult(InNotebooks):
             less = "less" if self.saving >= 0 else "more"
             text += f"; {100 * abs(self.saving):.3g} % {less} than {best.duration:.4g} s at the best constant c² = "
             text += f"{best.c2:.4g}"
-            if self.options.rates is not None and any(remark.code == STEPS for remark in self.constant.warnings):
+            if self.options.rates is not None and any(pushing_ends(best.motion.dq, best.motion.ddq)):
                 text += ", whose torques jump at its ends"
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
@@ -284,15 +281,3 @@ class RetimingResult(InNotebooks):
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
         return output | {key: whole[key] for key in OF_TRAJECTORY if key in whole}
-
-    def json_text(self) -> str:
-        """`to_json` as text."""
-        return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
-
-    def write_json(self, path: Path | str) -> None:
-        """Write `json_text` to a file, whole or not at all.
-
-        Raises:
-            InputError: If the file cannot be written.
-        """
-        write_text_atomically(as_path("path", path), self.json_text() + "\n")

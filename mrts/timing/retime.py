@@ -16,6 +16,7 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
@@ -23,14 +24,14 @@ from mrts.program.excess import BETWEEN
 from mrts.program.formulation import DistributionName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.path_solver import KernelSolver
-from mrts.program.rate_limits import RateLimits, Rates, rate_limits
+from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import CONVERGED
 from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
 from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.torques import with_torques
-from mrts.timing.between_samples import check_held_between, refined_timing, with_excess
+from mrts.timing.between_samples import check_held_between, refined_timing
 from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.held_wrenches import GivenTorques
@@ -92,8 +93,7 @@ def retime(
             of the cell, a number for the torque rate of the joints that have none, as a multiple of their torque limit
             [1/s]; docs/smooth.md.
         weigh: With rates: weights of what is to be least, the "time" [1/s] and the "energy" ∫ τᵀWτ dt [1/s; with W = 1
-            1/(N² m² s)];
-            None is the time alone.
+            1/(N² m² s)]; None is the time alone.
         least_energy_in: With rates: the longest duration, within which the energy is to be least [s].
         start_torque: With rates: torques that hold still where the motion begins, Shape (m,); None leaves them free
             within the limits, as part of the answer [N m].
@@ -118,87 +118,78 @@ def retime(
         cell, rates, distribute, options.load, weigh=weigh, least_energy_in=least_energy_in,
         start_torque=start_torque, end_torque=end_torque,
     )  # fmt: skip
-    options = options if smooth is None else replace(options, rates=smooth[0])
-    compared = ConstantFactor(cell, coordinate(cell, motion, closure), options)
-    fastest = _fastest(compared, (start_speed, end_speed), progress)
-    if smooth is None or not (fastest.status.admits_motion or fastest.status is RetimingStatus.UNBOUNDED):
-        return fastest
-    return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
-
-
-def _fastest(compared: ConstantFactor, end_speeds: tuple[float, float], progress: Progress) -> RetimingResult:
-    """The fastest timing without limits of rates, with its torques."""
-    cell, given, options = compared.cell, compared.motion, replace(compared.options, rates=None)
+    options = options if smooth is None else replace(options, rates=rate_limits(cell, rates))
+    given, end_speeds = coordinate(cell, motion, closure), (start_speed, end_speed)
+    compared = ConstantFactor(cell, given, options)
     if options.between is not None:
         check_held_between(cell, given)
-    remarks = motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
-
-    def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
-        found = fastest_timing(compared, path, end_speeds, progress, refined=refined)
-        if not found.pieces:
-            return found
-        return replace(found, retimed=_played(found, options, "fastest timing", remarks))
-
-    first = timed(given, refined=False)
-    fastest = refined_timing(first, timed, options.between)
-    if fastest.retimed is None or first.duration is None or fastest.duration is None:
+    first = fastest_timing(compared, given, end_speeds, progress)
+    fastest = refined_timing(
+        first, lambda path: fastest_timing(compared, path, end_speeds, progress, refined=True), options.between
+    )
+    if smooth is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
+        return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
+    if first.duration is None or fastest.duration is None:
         return fastest
+    time, remarks = given.object.time, motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
+    remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
     added = interpolated_timing(given, first.duration, fastest.duration)
-    return replace(fastest, retimed=replace(fastest.retimed, warnings=fastest.retimed.warnings + added))
+    return _played(fastest, options, "fastest timing", remarks, added)
 
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     """The best timing within limits of rates, with its torques."""
-    constant, before = question.bare.factor, list[TimedPiece]()
-    nodes = smooth_nodes(constant.cell, constant.motion, question.bare.end_speeds)
+    bare, before = question.bare, list[TimedPiece]()
+    constant = bare.factor
+    nodes = smooth_nodes(bare.cell, constant.motion, bare.end_speeds)
     if isinstance(nodes, NoPath):
-        return question.bare
+        return bare
 
     def timed(motion: CoordinatedMotion) -> RetimingResult:
         found = smooth_timing(question, motion, before, progress)
         before[:] = found.pieces
-        return replace(found, smooth=_answer(question, found))
-
-    found = refined_timing(timed(nodes), timed, question.bare.options.between, near=NEAR)
-    if not found.pieces or found.excess is None:
         return found
-    answer, pieces = _answer(question, found), smooth_pieces(found.pieces)
-    torque, wrench = ([getattr(part, name) for part in pieces] for name in ("torque", "wrench"))
-    plan = tuple(np.concatenate([of[0], *(part[1:] for part in of[1:])]) for of in (torque, wrench))
-    remarks = lasting(constant.warnings)
-    played = _played(found, constant.options, answer.what, remarks, (plan[0], plan[1]))
-    played = replace(played, origin=f"{played.origin}. {answer}", warnings=played.warnings + _stopped(answer, found))
-    return with_excess(replace(found, retimed=played, smooth=answer), found.excess)
 
-
-def _answer(question: SmoothQuestion, found: RetimingResult) -> SmoothAnswer:
+    found = refined_timing(timed(nodes), timed, bare.options.between, near=NEAR)
     pieces = smooth_pieces(found.pieces)
     gains = [part.steps.gain for part in pieces]
-    return SmoothAnswer(
+    answer = SmoothAnswer(
         rates=question.rates,
         goal=question.goal,
-        duration=sum(float(np.sum(part.segment_times)) for part in pieces) if pieces else None,
-        bound=question.bare.duration,
+        duration=found.duration,
+        bound=bare.duration,
         steps=question.solver.steps,
         gain=None if None in gains else max((gain for gain in gains if gain is not None), default=0.0),
-        fastest=fastest_pieces(question.bare.pieces),
+        fastest=fastest_pieces(bare.pieces),
     )
+    found = replace(found, smooth=answer)
+    if not pieces:
+        return found
+    torque, wrench = ([getattr(part, name) for part in pieces] for name in ("torque", "wrench"))
+    plan = [np.concatenate([of[0], *(part[1:] for part in of[1:])]) for of in (torque, wrench)]
+    remarks, stopped = lasting(constant.warnings), _stopped(answer, found)
+    return _played(found, bare.options, answer.what, remarks, stopped, torques=(plan[0], plan[1]), also=f". {answer}")
 
 
 def _played(
     timed: RetimingResult,
     options: Options,
     what: str,
-    warnings: tuple[Remark, ...],
+    remarks: tuple[Remark, ...],
+    added: tuple[Remark, ...],
+    *,
     torques: tuple[Array, Array] | None = None,
-) -> ScalingResult:
-    """The retimed motion with the torques of the quadratic program (31) to (34), or with given ones.
+    also: str = "",
+) -> RetimingResult:
+    """A timing with its motion and the torques of the quadratic program (31) to (34), or with given ones.
 
-    Its range of c², which only says what faster or slower would be, is found when it is read.
+    The motion's range of c², which only says what faster or slower would be, is found when it is read.
     """
-    motion = retimed_motion(timed.motion, timed.pieces)
-    whole, duration = timed.motion.object.time[-1], motion.object.time[-1]
-    played = ScalingResult(
+    motion, excess = retimed_motion(timed.motion, timed.pieces), timed.excess
+    given, own = timed.motion.object.time, motion.object.time
+    if excess is not None and excess.time is not None:
+        excess = replace(excess, time=float(np.interp(excess.time, given, own)))
+    untouched = ScalingResult(
         cell=timed.cell,
         motion=motion,
         found=None,
@@ -206,10 +197,12 @@ def _played(
         trajectory=None,
         fallbacks=0,
         options=replace(options, load="nominal"),
-        origin=f"{what} of a path that was given {whole:.4g} s: {duration:.4g} s",
-        warnings=warnings,
+        origin=f"{what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s{also}",
+        warnings=remarks,
+        excess=excess,
     )
-    return with_torques(played, torques)
+    played = with_torques(untouched, torques)
+    return replace(timed, retimed=replace(played, warnings=played.warnings + added))
 
 
 def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
@@ -226,8 +219,8 @@ def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
 
 def _smooth_options(
     cell: Cell, rates: Rates, distribute: DistributionName, question: str, **given: Any
-) -> tuple[RateLimits, Goal, GivenTorques] | None:
-    """Limits of rates, what is to be least, and torques that hold still at both ends; None without rates."""
+) -> tuple[Goal, GivenTorques] | None:
+    """What is to be least within limits of rates, and torques that hold still at both ends; None without rates."""
     if rates is False:
         for name, value in given.items():
             if value is not None:
@@ -244,11 +237,10 @@ def _smooth_options(
         if torque is not None and (torque.shape != (joints,) or not np.all(np.isfinite(torque))):
             raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given[name])
         held.append(torque)
-    limits = rate_limits(cell, rates)
     for name, torque in zip(("start_torque", "end_torque"), held, strict=True):
         if torque is not None and question == "guaranteed" and cell.load_box is not None:
             raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
-    return limits, goal, (held[0], held[1])
+    return goal, (held[0], held[1])
 
 
 def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None) -> Goal:

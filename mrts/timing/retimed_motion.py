@@ -33,11 +33,6 @@ class TimedPiece:
     rates: Array
 
     @property
-    def arc(self) -> Array:
-        """Arc length at the samples, from the start of the piece, Shape (n,)."""
-        return self.piece.arc
-
-    @property
     def arc_speed(self) -> Array:
         """Speed along the arc length at the samples, Shape (n,)."""
         return self.along_arc(self.x)
@@ -68,7 +63,7 @@ class TimedPiece:
             time: Of the given motion, Shape (N,) [s].
         """
         own = time[self.piece.first :][: len(self.x)].tolist()
-        return {"r": own, "s": self.arc.tolist(), "speed": self.arc_speed.tolist()}
+        return {"r": own, "s": self.piece.arc.tolist(), "speed": self.arc_speed.tolist()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,24 +102,25 @@ def fastest_piece(piece: PathPiece, profile: SpeedProfile) -> FastestPiece:
     return FastestPiece(piece=piece, x=profile.x, rates=rates, profile=profile)
 
 
+def new_times(pieces: Sequence[TimedPiece]) -> Array:
+    """Times of all samples of a path in pieces, Shape (N,) [s]."""
+    times: Array = np.cumsum(np.concatenate([[0.0], *(part.segment_times for part in pieces)]))
+    return times
+
+
 def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
     """The given samples at their new times.
 
     Where s̈ jumps at a sample it is the mean of before and after, which limits admit as they admit both. So is the
     direction of travel at a stop, where friction jumps with it.
-
-    Args:
-        motion: The given motion, N samples.
-        pieces: All of its path.
     """
     played, directions = [], []
     for part in pieces:
         before, after = part.rates[:-1, 1], part.rates[1:, 0]
         at_samples = np.concatenate([part.rates[:1, 0], (before + after) / 2, part.rates[-1:, 1]])
-        played.append(_played(part.piece.path, np.sqrt(part.x), part.x, at_samples))
+        played.append(_played(part.piece.path, part.x, at_samples))
         directions.append(_directions(part.piece.path))
-    time = np.concatenate([[0.0], np.cumsum(np.concatenate([part.segment_times for part in pieces]))])
-    given = motion.object
+    time, given = new_times(pieces), motion.object
     dq, ddq, twist, acceleration = (_joined([rates[index] for rates in played]) for index in range(4))
     carried = given.played(time, twist, acceleration)
     travel = np.stack([_joined([signs[place] for signs in directions]) for place in (0, 1)])
@@ -147,23 +143,14 @@ def _joined(parts: list[Array]) -> Array:
 
 
 def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMotion]:
-    """The starts and the ends of all segments, each with the s̈ of its segment; their time only counts them.
-
-    Args:
-        part: A piece of n samples.
-    """
-    path, x = part.piece.path, part.x
-    motions = []
+    """The starts and the ends of all segments, each with the s̈ of its segment; their time only counts them."""
+    path, given, travel = part.piece.path, part.piece.path.object, _directions(part.piece.path)
+    count, ends = np.arange(len(part.piece.step), dtype=np.float64), []
     for side, rate in zip((slice(None, -1), slice(1, None)), part.rates.T, strict=True):
-        given = path.object
-        count = np.arange(len(part.piece.step), dtype=np.float64)
-        there = unchecked_object_motion(
-            count, *(of[side] for of in (given.position, given.rotation, given.twist, given.acceleration))
-        )
-        travel = _directions(path)[:, side]
-        piece = unchecked_coordinated_motion(there, path.q[side], path.dq[side], path.ddq[side], travel)
-        motions.append(_retimed(piece, np.sqrt(x[side]), x[side], rate))
-    return motions[0], motions[1]
+        dq, ddq, twist, acceleration = _played(path, part.x, rate, side)
+        there = unchecked_object_motion(count, given.position[side], given.rotation[side], twist, acceleration)
+        ends.append(unchecked_coordinated_motion(there, path.q[side], dq, ddq, travel[:, side]))
+    return ends[0], ends[1]
 
 
 def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
@@ -191,21 +178,15 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
     return unchecked_coordinated_motion(inside, q, dq, ddq)
 
 
-def _retimed(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> CoordinatedMotion:
-    """Samples of a path at their speeds; the time stays that of the path."""
-    dq, ddq, twist, acceleration = _played(path, speed, x, rate)
-    given = path.object
-    carried = unchecked_object_motion(given.time, given.position, given.rotation, twist, acceleration)
-    return unchecked_coordinated_motion(carried, path.q, dq, ddq, path.travel)
-
-
-def _played(path: CoordinatedMotion, speed: Array, x: Array, rate: Array) -> tuple[Array, Array, Array, Array]:
+def _played(
+    path: CoordinatedMotion, x: Array, rate: Array, side: slice = slice(None)
+) -> tuple[Array, Array, Array, Array]:
     """Eq. (10) and its derivative along s: q̇ = q_s ṡ, q̈ = q_ss ṡ² + q_s s̈, and so for the object."""
-    speed, x, rate = speed[:, None], x[:, None], rate[:, None]
-    given = path.object
+    given, square, rate = path.object, x[side, None], rate[:, None]
+    speed = np.sqrt(square)
     return (
-        path.dq * speed,
-        path.ddq * x + path.dq * rate,
-        given.twist * speed,
-        given.acceleration * x + given.twist * rate,
+        path.dq[side] * speed,
+        path.ddq[side] * square + path.dq[side] * rate,
+        given.twist[side] * speed,
+        given.acceleration[side] * square + given.twist[side] * rate,
     )

@@ -66,10 +66,6 @@ class SmoothPath(PathPiece):
 def fine_motion(cell: Cell, nodes: CoordinatedMotion) -> CoordinatedMotion:
     """A motion with places between its nodes, where jerk and limits are looked at.
 
-    Args:
-        cell: The cell.
-        nodes: The motion at its nodes.
-
     Raises:
         MotionError: If the arms cannot hold the object there.
     """
@@ -89,23 +85,13 @@ def _inverse(rising: Polynomial, share: Array) -> Array:
 
 
 def stops(piece: PathPiece, end_speeds: tuple[float, float]) -> tuple[bool, bool]:
-    """Whether a timing is at rest at the ends of a piece: where the motion is, and where no speed is asked for.
-
-    Args:
-        piece: The piece.
-        end_speeds: At the start and at the end of the whole motion.
-    """
+    """Whether a timing is at rest at the ends of a piece: where the motion is, and where no speed is asked for."""
     start, end = (rests or speed == 0 for rests, speed in zip(piece.rests, end_speeds, strict=True))
     return start, end
 
 
 def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float, float]) -> CoordinatedMotion | NoPath:
     """The same motion at nodes that are evenly spaced in σ, as many as it has samples but not too few.
-
-    Args:
-        cell: The cell.
-        motion: Its motion, N samples.
-        end_speeds: At its start and at its end.
 
     Raises:
         MotionError: If the arms cannot hold the object there.
@@ -190,9 +176,6 @@ def joined_at_stops(pieces: Sequence[SmoothPath]) -> list[SmoothPath]:
     """The same pieces, each knowing at a stop how every joint travels on the other side of it.
 
     So the torques at a stop are the same before and after it: of a joint that turns back there, without dry friction.
-
-    Args:
-        pieces: All of a path.
     """
     travels = [np.array(piece.path.travel) for piece in pieces]
     for before, after in pairwise(travels):

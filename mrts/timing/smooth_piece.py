@@ -125,18 +125,10 @@ class SmoothAnswer(InNotebooks):
 
 
 def fastest_pieces(pieces: Sequence[TimedPiece]) -> tuple[FastestPiece, ...]:
-    """Those with the fastest speed: all or none of a result.
-
-    Args:
-        pieces: Of a result.
-    """
+    """Those with the fastest speed: all or none of a result."""
     return tuple(part for part in pieces if isinstance(part, FastestPiece))
 
 
 def smooth_pieces(pieces: Sequence[TimedPiece]) -> list[SmoothPiece]:
-    """Those that are smooth: all or none of a result.
-
-    Args:
-        pieces: Of a result.
-    """
+    """Those that are smooth: all or none of a result."""
     return [part for part in pieces if isinstance(part, SmoothPiece)]

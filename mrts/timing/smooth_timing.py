@@ -51,17 +51,22 @@ class SmoothQuestion:
 
     Attributes:
         bare: The fastest timing without limits of rates; nothing bounds it, or it has a duration.
-        rates: Limits of rates.
         goal: What is the best.
         end_torques: Torques that hold still at the start and at the end, Shape (m,); None leaves them free [N m].
         solver: Solves the programs.
     """
 
     bare: RetimingResult
-    rates: RateLimits
     goal: Goal
     end_torques: GivenTorques
     solver: KernelSolver
+
+    @property
+    def rates(self) -> RateLimits:
+        """Limits of rates."""
+        rates = self.bare.options.rates
+        assert rates is not None  # noqa: S101 (else no smooth timing is asked for)
+        return rates
 
     @cached_property
     def usual(self) -> float:
@@ -99,12 +104,6 @@ def smooth_timing(
     question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[TimedPiece], progress: Progress
 ) -> RetimingResult:
     """The best timing with limits kept at the nodes, the samples of a motion.
-
-    Args:
-        question: What is asked.
-        motion: The path, N samples.
-        before: The timing of the same path with other nodes, if there is one.
-        progress: Told how many steps are done.
 
     Raises:
         InputError: If an end speed is asked for where the motion rests.

@@ -71,16 +71,28 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
         A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
         return regions_of_planes(KnownPlanes(_both_sides(A, lower, upper), effect), most, length, ends)
-    given = _Polytopes(problem.A, problem.lower, problem.upper, rows)
     effect[_at_rest(effect), -2] = 0.0
-    likely = _likely_speed(_at_probes(given, effect[:, -2]), most, length, ends)
-    reached = np.minimum(likely, most)
+    likely = _likely_speed(_rates_by_projection(problem, rows, effect[:, -2]), most, length, ends)
+    reached, bound = np.minimum(likely, most), FARTHEST * likely
     effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
     with np.errstate(divide="ignore"):
         unit = 1 / effect
     unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
     scale = np.where(np.isfinite(unit), unit, 0.0)
-    return _by_projection(given, scale, unit, most, FARTHEST * likely)
+    moves = scale[:, -2:] > 0
+    moving = np.where(moves[:, 1], scale[:, -1], 1.0)
+    box = np.minimum(bound / moving, BOX)
+    cap = np.minimum(most / moving, box)
+    least = np.where(moves, [-BOX, 0.0], 0.0)
+    largest = np.where(moves, np.column_stack([np.full_like(cap, BOX), cap]), 0.0)
+    number, corners = _decided_projections(problem, rows, scale, (least, largest))
+    found = (number > 0) & ~np.any(problem.lower > problem.upper, axis=1)  # sides that cross leave nothing to project
+    if not np.all(found):
+        corners, number = corners[np.repeat(found, number)], np.where(found, number, 0)
+    start, planes, low, high = default_programs().half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
+    high = np.where(moves[:, 1] & (high < NEAR_BOX * box), high * moving, np.inf)
+    lower = np.maximum(low, 0.0) * scale[:, -1]
+    return SpeedRegions(start, planes, lower, np.minimum(high, most), bound, tuple(np.flatnonzero(~found).tolist()))
 
 
 def regions_of_planes(
@@ -98,7 +110,7 @@ def regions_of_planes(
     at_rest = _at_rest(effect)
     if np.any(at_rest):
         planes[at_rest, :, 0] = effect[at_rest, 0] = 0.0
-    likely = _likely_speed(_rates_at_probes(planes, effect[:, 0]), most, length, ends)
+    likely = _likely_speed(_rates_of_planes(planes, effect[:, 0]), most, length, ends)
     straight = effect[:, 1] * np.minimum(likely, most) <= NEGLIGIBLE
     if np.any(straight):
         planes[straight, :, 1] = 0.0
@@ -113,8 +125,9 @@ def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
         return regions[0]
     samples = np.concatenate([np.repeat(np.arange(len(part.lower)), np.diff(part.start)) for part in regions])
     order = np.argsort(samples, kind="stable")
+    counts = np.bincount(samples, minlength=len(regions[0].lower))
     return SpeedRegions(
-        _starts(np.bincount(samples, minlength=len(regions[0].lower))),
+        np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
         np.concatenate([part.planes for part in regions])[order],
         np.max([part.lower for part in regions], axis=0),
         np.min([part.upper for part in regions], axis=0),
@@ -148,25 +161,26 @@ def _probes(effect: Array) -> NDArray[np.int_]:
     return moving if len(moving) <= PROBES else moving[np.arange(PROBES) * (len(moving) - 1) // (PROBES - 1)]
 
 
-def _at_probes(given: "_Polytopes", effect: Array) -> Array:
+def _rates_by_projection(problem: SampleProblem, rows: NDArray[np.int32], effect: Array) -> Array:
     """The largest u of some samples at rest, at least that of a whole limit: some samples leave none.
 
     Args:
-        given: Rows of [F, u, x].
+        problem: Rows of [F, u, x].
+        rows: Those that count.
         effect: Of u on the rows, Shape (N,).
     """
     probes = _probes(effect)
-    scale = np.ones((len(probes), given.A.shape[2]))
+    scale = np.ones((len(probes), problem.unknowns))
     scale[:, -2] /= effect[probes]
     bound = np.tile([BOX, 0.0], (len(probes), 1))
-    number, corners, _ = given.at(probes).projections(scale, (-bound, bound))
+    number, corners, _ = _projections(problem.at(probes), rows, scale, (-bound, bound))
     largest = np.ones(len(probes))
     np.maximum.at(largest, np.repeat(np.arange(len(probes)), number), np.abs(corners[:, 0]))
     return np.asarray(largest / effect[probes])
 
 
-def _rates_at_probes(planes: Array, effect: Array) -> Array:
-    """`_at_probes` of half-planes, Shape (N, e, 3)."""
+def _rates_of_planes(planes: Array, effect: Array) -> Array:
+    """`_rates_by_projection` of half-planes, Shape (N, e, 3)."""
     probes = _probes(effect)
     per_u, limit = planes[probes, :, 0] / effect[probes, None], planes[probes, :, 2]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -177,10 +191,6 @@ def _rates_at_probes(planes: Array, effect: Array) -> Array:
     return np.maximum(np.where(empty, 1.0, np.maximum(np.abs(least), np.abs(most))), 1.0) / effect[probes]
 
 
-def _starts(counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-
-
 def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
     """Every side of rows over u and x that has a limit, as half-planes, Shape (N, e, 3)."""
     sides = np.concatenate([A, -A], axis=1)
@@ -189,74 +199,32 @@ def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
     return np.concatenate([sides[:, limited], limit[:, limited, None]], axis=2)
 
 
-@dataclass(frozen=True)
-class _Polytopes:
-    """Rows of [F, u, x] at N samples, of which some count.
+def _projections(
+    problem: SampleProblem, rows: NDArray[np.int32], scale: Array, bounds: tuple[Array, Array]
+) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
+    return default_programs().projections(problem.A, problem.lower, problem.upper, scale, bounds, rows)
 
-    Attributes:
-        A: Shape (N, r, k).
-        lower: Shape (N, r).
-        upper: Shape (N, r).
-        rows: Those that count, Shape (s,).
+
+def _decided_projections(
+    problem: SampleProblem, rows: NDArray[np.int32], scale: Array, bounds: tuple[Array, Array]
+) -> tuple[NDArray[np.int32], Array]:
+    """Corners of all samples, and how many each has; what the kernel did not decide, over other free unknowns.
+
+    Along principal directions of the rows unknowns do not replace each other but for a small rest, whose multiplier
+    is too small to be told from rounding.
     """
-
-    A: Array
-    lower: Array
-    upper: Array
-    rows: NDArray[np.int32]
-
-    def at(self, samples: NDArray[np.int_]) -> "_Polytopes":
-        """Those of some samples."""
-        return _Polytopes(self.A[samples], self.lower[samples], self.upper[samples], self.rows)
-
-    def projections(
-        self, scale: Array, bounds: tuple[Array, Array]
-    ) -> tuple[NDArray[np.int32], Array, NDArray[np.uint8]]:
-        """Their projections onto (u, x); see `mrts.kernel.programs.Programs.projections`."""
-        return default_programs().projections(self.A, self.lower, self.upper, scale, bounds, self.rows)
-
-    def decided_projections(self, scale: Array, bounds: tuple[Array, Array]) -> tuple[NDArray[np.int32], Array]:
-        """The same, without corners where there is none. What the kernel did not decide, over other free unknowns.
-
-        Along principal directions of the rows unknowns do not replace each other but for a small rest, whose multiplier
-        is too small to be told from rounding.
-        """
-        number, corners, status = self.projections(scale, bounds)
-        again = np.flatnonzero((status != OPTIMAL) & (status != INFEASIBLE))
-        if not again.size:
-            return number, corners
-        some = self.at(again)
-        turned, free = some.A * scale[again, None, :], self.A.shape[2] - 2
-        directions, sizes, _ = np.linalg.svd(turned[:, self.rows, :free], full_matrices=False)
-        used = sizes > NO_DIRECTION * sizes[:, :1]
-        turned[:, :, :free] = 0.0
-        turned[:, self.rows, : used.shape[1]] = directions * used[:, None, :]
-        ones, its_bounds = np.ones_like(scale[again]), (bounds[0][again], bounds[1][again])
-        more, found, _ = replace(some, A=turned).projections(ones, its_bounds)
-        places = np.repeat(np.cumsum(number)[again], more)  # none of them had corners
-        number[again] = more
-        return number, np.insert(corners, places, found, axis=0)
-
-
-def _by_projection(given: _Polytopes, scale: Array, unit: Array, most: Array, bound: float) -> SpeedRegions:
-    count, of_x = len(unit), scale[:, -1]
-    moving = np.where(of_x > 0, of_x, 1.0)
-    box = np.minimum(bound / moving, BOX)
-    cap = np.minimum(most / moving, box)
-    moves = scale[:, -2:] > 0
-    least = np.where(moves, [-BOX, 0.0], 0.0)
-    largest = np.where(moves, np.column_stack([np.full(count, BOX), cap]), 0.0)
-    number, corners = given.decided_projections(scale, (least, largest))
-    found = (number > 0) & ~np.any(given.lower > given.upper, axis=1)  # sides that cross leave nothing to project
-    if not np.all(found):
-        corners, number = corners[np.repeat(found, number)], np.where(found, number, 0)
-    start, planes, low, high = default_programs().half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
-    high = np.where(high >= NEAR_BOX * box, np.inf, high)
-    return SpeedRegions(
-        start,
-        planes,
-        np.maximum(low, 0.0) * of_x,
-        np.minimum(np.where(of_x > 0, high * moving, np.inf), most),
-        bound,
-        tuple(np.flatnonzero(~found).tolist()),
-    )
+    number, corners, status = _projections(problem, rows, scale, bounds)
+    again = np.flatnonzero((status != OPTIMAL) & (status != INFEASIBLE))
+    if not again.size:
+        return number, corners
+    some, free = problem.at(again), problem.unknowns - 2
+    turned = some.A * scale[again, None, :]
+    directions, sizes, _ = np.linalg.svd(turned[:, rows, :free], full_matrices=False)
+    used = sizes > NO_DIRECTION * sizes[:, :1]
+    turned[:, :, :free] = 0.0
+    turned[:, rows, : used.shape[1]] = directions * used[:, None, :]
+    ones, its_bounds = np.ones_like(scale[again]), (bounds[0][again], bounds[1][again])
+    more, found, _ = _projections(replace(some, A=turned), rows, ones, its_bounds)
+    places = np.repeat(np.cumsum(number)[again], more)  # none of them had corners
+    number[again] = more
+    return number, np.insert(corners, places, found, axis=0)

@@ -254,13 +254,7 @@ def _along(cells: Sequence[SpeedRegions], reaches: list[list[_Reach]]) -> SpeedR
 def _obstacle(
     reaches: list[list[_Reach]], reached: Callable[[Ends], list[list[_Reach]]], ends: tuple[float, float]
 ) -> Obstacle:
-    """Where no speed leads on, and at an end those that do.
-
-    Args:
-        reaches: Of all samples.
-        reached: The same where another x is given at the ends.
-        ends: x at the first and the last sample.
-    """
+    """Where no speed leads on, and at an end those that do."""
     last = len(reaches) - 1
     blocked = max((i for i, some in enumerate(reaches) if not some), default=0)
     if blocked == last:

@@ -51,7 +51,7 @@ def test_nothing_is_read_again_while_the_files_are_the_same(copied, planar_cell,
     def refuse(*_):
         raise AssertionError("the files are read again")
 
-    monkeypatch.setattr(generation, "_content_key", refuse)
+    monkeypatch.setattr(generation, "cell_model", refuse)
     again = mrts.load_cell(cell)
     assert same_cell(again, planar_cell)
     assert again.folder == cell.parent
@@ -118,7 +118,8 @@ def test_a_urdf_written_while_it_is_read_does_not_take_the_place_of_the_old_one(
     cell.write_text(f"# {time.time_ns()}: likewise\n" + cell.read_text(encoding="utf-8"), encoding="utf-8")
     urdf = cell.with_name("planar_arm.urdf")
     old = urdf.read_bytes()
-    written_after(generation, "_content_key", lambda: limit(cell))
+    written_after(generation, "cell_model", lambda: limit(cell))
+    assert reach(cell) != REACH
     assert reach(cell) == REACH
     urdf.write_bytes(old)
     assert reach(cell) != REACH

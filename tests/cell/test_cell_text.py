@@ -145,6 +145,7 @@ def of_left(**changes):
 
 REFUSED = {
     "reserve": (lambda cell: cell.with_reserve(0.1), r"reserve = 0.1: a cell file holds no reserve"),
+    "limits": (lambda cell: cell.with_limits(sorted), "limits: a cell file holds no functions"),
     "velocities": (lambda cell: cell.without_velocity_limits(), r"enforces_velocity_limits = False: .* cannot leave"),
     "first moments": (
         lambda cell: cell.with_load(cell.load + 0.1 * np.eye(10)[2]),

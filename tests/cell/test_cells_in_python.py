@@ -213,6 +213,7 @@ def test_what_a_hand_can_exert_turns_with_the_grasp():
             lambda cell: cell.with_grasp("left", rpy=[0, 0.1, 0]),
             r"left': grasp: the tip frame 'contact' is tilted",
         ),
+        (lambda cell: cell.with_limits(3), "limits = 3: must be a function"),
         (lambda cell: cell.with_torque_limits("left", [1, 2]), r"torque = \[1.0, 2.0\]: must have 3 values, .* wrist"),
         (lambda cell: cell.with_torque_limits("left", [1, 0, 1]), r"limit -?0 of joint 'elbow' must be below"),
         (

@@ -85,7 +85,7 @@ def highs_torque_cost(reference, terms, c2, share):
 def test_both_stages_equal_highs(seed, tmp_path):
     cell, case, reference, c2 = random_case(seed, tmp_path)
     motion = mrts.follow_object(cell, case.motion)
-    shares = 1 + least_shares(build_sample_problem(cell, motion), c2, DEFAULT_SOLVER).share
+    shares = 1 + least_shares(build_sample_problem(cell, motion), c2, DEFAULT_SOLVER)[0]
     torque, wrench, _ = reserve_torques(cell, motion, "wrench", None, DEFAULT_SOLVER, c2, np.eye(motion.q.shape[1]))
     rows = limit_rows(cell, motion)
     used = np.max(rows.share(rows.value(torque, wrench, 0.0, np.sqrt(c2))), axis=1)

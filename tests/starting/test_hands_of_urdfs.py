@@ -41,7 +41,7 @@ def tree_of(path):
 
 
 def arm_of(path, tip):
-    return make_arm("arm", surveyed_urdf(Path("here"), Path("/"), str(path), {})[2](None, tip))
+    return make_arm("arm", *surveyed_urdf(Path("here"), Path("/"), str(path), {})[2](None, tip))
 
 
 @pytest.mark.parametrize("urdf", FOUND)

@@ -154,10 +154,12 @@ def test_arms_of_one_machine_hold_in_front_of_it():
     for each, stand in zip(request.arms, best.stands, strict=True):
         for joint, position in zip(each.arm.chain.joints, stand.posture, strict=True):
             whole[model.joints[model.getJointId(joint)].idx_q] = position
-        assert np.all((stand.posture >= each.arm.chain.lower) & (stand.posture <= each.arm.chain.upper))
+        assert np.all(
+            (stand.posture >= each.arm.chain.position_lower) & (stand.posture <= each.arm.chain.position_upper)
+        )
     pin.framesForwardKinematics(model, data, whole)
     for each, stand in zip(request.arms, best.stands, strict=True):
-        tip = data.oMf[model.getFrameId(each.arm.chain.tip_link)]
+        tip = data.oMf[model.getFrameId(each.arm.chain.source.tip_link)]
         assert tip.translation == pytest.approx(stand.T_world_tip.p, abs=PLACED)
         assert tip.rotation == pytest.approx(stand.T_world_tip.R, abs=PLACED)
 

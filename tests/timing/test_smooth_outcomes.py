@@ -260,3 +260,10 @@ def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
     friction[[0, -1]] = friction[[1, -2]]
     change = np.diff(done.torque - friction, axis=0)[:, [0, 3]] / np.diff(done.time)[:, None]
     assert np.max(np.abs(change)) <= 3.0 * 20 * (1 + KEPT)
+
+
+def test_a_reserve_is_kept_of_rates_too(planar_cell, lift):
+    bare, kept = (mrts.retime(planar_cell, lift, rates=RATES, reserve=share, between=None) for share in (0.0, 0.2))
+    np.testing.assert_allclose(kept.smooth.rates.torque, 0.8 * bare.smooth.rates.torque, rtol=1e-12)
+    rates = np.abs(np.diff(kept.retimed.trajectory.torque, axis=0)) / np.diff(kept.retimed.trajectory.time)[:, None]
+    assert np.max(rates / kept.smooth.rates.torque) <= 1 + 1e-6

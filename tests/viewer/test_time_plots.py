@@ -104,7 +104,7 @@ def test_a_saved_timing_has_its_phase_plane(planar_cell, lift, tmp_path):
     page = lxml.html.fromstring(f"<div>{plots_html(plotted('', mrts.load_result(tmp_path / 'timed.npz')))}</div>")
     ((along, height),) = lines_of(page, "phase").values()
     (piece,) = found.pieces
-    np.testing.assert_allclose(along, piece.arc / piece.arc[-1], atol=SUMMED)
+    np.testing.assert_allclose(along, piece.piece.arc / piece.piece.arc[-1], atol=SUMMED)
     np.testing.assert_allclose(height, piece.arc_speed / np.max(piece.arc_speed), atol=SUMMED)
 
 

@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Self
 
@@ -71,7 +71,7 @@ class JointMotors(InNotebooks):
         object.__setattr__(self, "torque_speed", curves)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuilt, ({entry.name: getattr(self, entry.name) for entry in fields(self)},)
+        return partial(JointMotors, **{entry.name: getattr(self, entry.name) for entry in fields(self)}), ()
 
     @classmethod
     def unknown(cls, joints: int) -> Self:
@@ -120,10 +120,6 @@ def torque_speed_lines(curve: Array) -> list[tuple[float, float]]:
     steps = np.diff(curve, axis=0)
     slopes = -steps[:, 1] / steps[:, 0]
     return [(float(t + m * v), float(m)) for (v, t), m in zip(curve[:-1], slopes, strict=True) if m > 0]
-
-
-def _rebuilt(values: dict[str, Any]) -> JointMotors:
-    return JointMotors(**values)
 
 
 def _checked_curve(joint: int, given: object) -> Array:

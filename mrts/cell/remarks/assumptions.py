@@ -26,11 +26,7 @@ NAMES_SHOWN = 12
 
 
 def missing_masses(joints: Sequence[JointSource]) -> Iterator[Remark]:
-    """That links have no mass, or a mass but no inertia, in the URDF.
-
-    Args:
-        joints: Of all arms in order.
-    """
+    """That links have no mass, or a mass but no inertia, in the URDF."""
     weightless = [joint for joint in joints if joint.carried_mass == 0]
     if weightless:
         yield Remark("links-without-mass", f"{WEIGHTLESS} ({_named(weightless, joints)})")
@@ -43,12 +39,7 @@ def missing_masses(joints: Sequence[JointSource]) -> Iterator[Remark]:
 
 
 def assumptions(cell: "Cell", joints: Sequence[JointSource]) -> Iterator[Remark]:
-    """A remark on each thing that is taken for granted.
-
-    Args:
-        cell: The cell.
-        joints: Of its arms in order.
-    """
+    """A remark on each thing that is taken for granted."""
     of_urdf = {joint.robot: None for joint in joints if joint.torque_from == "URDF"}
     if of_urdf:
         text = f"torque limits: the effort limits of the URDF ({', '.join(of_urdf)}); 'torque' gives others"
@@ -97,11 +88,7 @@ def _assumed(code: str, text: str) -> Remark:
 
 
 def first_few(names: Sequence[str]) -> str:
-    """The first of many names, and how many more there are.
-
-    Args:
-        names: Of joints or links.
-    """
+    """The first of many names, and how many more there are."""
     shown = ", ".join(names[:NAMES_SHOWN])
     return shown if len(names) <= NAMES_SHOWN else f"{shown} and {len(names) - NAMES_SHOWN} more"
 

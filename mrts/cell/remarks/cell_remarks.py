@@ -17,11 +17,7 @@ if TYPE_CHECKING:
 
 
 def cell_remarks(cell: "Cell") -> Iterator[Remark]:
-    """All that is to know of a cell: what its files and its numbers as they are now lead to.
-
-    Args:
-        cell: The cell.
-    """
+    """All that is to know of a cell: what its files and its numbers as they are now lead to."""
     joints = joint_sources(cell)
     placeholders = placeholder_efforts(cell, joints)
     units = [*unit_remarks(cell, joints, placeholders)]

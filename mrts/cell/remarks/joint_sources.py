@@ -11,11 +11,7 @@ if TYPE_CHECKING:
 
 
 def joint_sources(cell: "Cell") -> tuple[JointSource, ...]:
-    """What is known of the joints of all arms in order.
-
-    Args:
-        cell: The cell.
-    """
+    """What is known of the joints of all arms in order."""
     sources = []
     for robot in cell.robots:
         motors, source = robot.motors, robot.source

@@ -30,11 +30,7 @@ NARROWEST = 1 / 30
 
 
 def inertia_remarks(cell: "Cell") -> Iterator[Remark]:
-    """That the inertia does not fit mass and shape or, without a shape, the distance of the grasps.
-
-    Args:
-        cell: The cell.
-    """
+    """That the inertia does not fit mass and shape or, without a shape, the distance of the grasps."""
     if cell.object_shape is not None:
         ratio = _ratio_to_shape(cell, cell.object_shape)
         fits, against = LEAST <= ratio <= MOST, "a body of this shape has at most"

@@ -29,12 +29,7 @@ same motor into both. Legs of walking robots, with one motor for all joints, hav
 
 
 def placeholder_efforts(cell: "Cell", joints: Sequence[JointSource]) -> dict[str, float]:
-    """Names of the arms whose efforts look like placeholders, and the effort [N m].
-
-    Args:
-        cell: The cell.
-        joints: Of its arms in order.
-    """
+    """Names of the arms whose efforts look like placeholders, and the effort [N m]."""
     found = {}
     for robot in cell.robots:
         own = [joint for joint in joints if joint.robot == robot.name]
@@ -56,11 +51,7 @@ def _share_of_load(robot: "Robot", joints: Sequence[JointSource]) -> float:
 
 
 def effort_remarks(placeholders: dict[str, float]) -> Iterator[Remark]:
-    """That the efforts of some arms look like placeholders.
-
-    Args:
-        placeholders: From `placeholder_efforts`.
-    """
+    """That the efforts of some arms look like placeholders."""
     if placeholders:
         said = "; ".join(f"{value:g} N m on every joint of {name}" for name, value in placeholders.items())
         yield Remark(

@@ -49,13 +49,7 @@ TORQUE_UNIT = "torque-millimetres"
 
 
 def unit_remarks(cell: "Cell", joints: Sequence[JointSource], without_efforts: Container[str]) -> Iterator[Remark]:
-    """Remarks on the numbers of a cell that are likely in another unit.
-
-    Args:
-        cell: The cell.
-        joints: Of its arms in order.
-        without_efforts: Names of arms whose torque limits are not looked at.
-    """
+    """Remarks on the numbers of a cell that are likely in another unit."""
     yield from _gravity(cell.gravity)
     for robot in cell.robots:
         yield from _angles(robot)
@@ -68,11 +62,7 @@ def unit_remarks(cell: "Cell", joints: Sequence[JointSource], without_efforts: C
 
 
 def urdf_remarks(robot: "Robot") -> Iterator[Remark]:
-    """Remarks on the numbers of a robot's URDF.
-
-    Args:
-        robot: The robot.
-    """
+    """Remarks on the numbers of a robot's URDF."""
     length = arm_length(robot)
     if length > LONGEST_ARM:
         yield Remark.hint(

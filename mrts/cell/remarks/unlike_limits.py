@@ -47,12 +47,7 @@ class _Unlike:
 
 
 def unlike_limits(cell: "Cell", joints: Sequence[JointSource]) -> Iterator[Remark]:
-    """A remark on the torque or velocity limits that differ most between arms that are alike, if they differ tenfold.
-
-    Args:
-        cell: The cell.
-        joints: Of its arms in order.
-    """
+    """The torque or velocity limits that differ most between arms that are alike, if they differ tenfold."""
     arms = [(robot, [joint for joint in joints if joint.robot == robot.name]) for robot in cell.robots]
     found = [
         unlike
