@@ -170,7 +170,7 @@ def test_a_value_of_another_type_is_refused_where_it_enters(name, value, planar_
 
 
 def test_a_wrench_of_another_size_is_refused(planar_cell):
-    with pytest.raises(mrts.InputError, match=r"robot 'left': wrench_lower .*\(3,\): fx, fy, nz"):
+    with pytest.raises(mrts.InputError, match=r"robot 'left': wrench_lower .*\(3,\)"):
         with_left(planar_cell, wrench_lower=np.full(6, -1.0), wrench_upper=np.full(6, 1.0))
 
 
