@@ -104,7 +104,7 @@ def with_inertia(urdf, name, inertia):
     """The same URDF with another inertia of a link."""
     links = {link.name: link for link in urdf.links}
     links[name] = links[name]._replace(inertial=replace(links[name].inertial, inertia=inertia))
-    return replace(urdf, links=[*links.values()])
+    return urdf._replace(links=[*links.values()])
 
 
 def test_a_humanoid_with_one_wrong_link():
