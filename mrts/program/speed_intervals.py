@@ -13,10 +13,13 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.cell_library import KernelRanges
-from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
+from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, default_programs
 from mrts.program.convex_program import scales
 from mrts.program.linear_programs import NO_EFFECT
 from mrts.program.sample_problem import SampleProblem
+
+SCALES = (1.0, 3.0, 0.3, 10.0, 0.1)
+"""Of the unknowns beside c: a degenerate program that the kernel does not decide in one it does in another."""
 
 MOST_INTERVALS = 100
 """Of one sample: more are not looked for."""
@@ -79,10 +82,19 @@ def highest_intervals(problem: SampleProblem, most: Array) -> SpeedIntervals:
     rows, cap = ~problem.is_cap, np.minimum(problem.cap(), most)
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
     column, row = scales(A, lower == upper)
-    scaled = A * column[:, None] * row[:, :, None]
-    low, high, gap, of_rows, status = default_programs().speed_intervals(
-        scaled, lower * row, upper * row, column, problem.speed[:, rows] * row, cap
-    )
+    A, speed = A * row[:, :, None], problem.speed[:, rows] * row
+    count, programs = problem.samples, default_programs()
+    (low, high, gap), of_rows = np.zeros((3, count)), np.zeros((2, *lower.shape))
+    status = np.full(count, MARGINAL, dtype=np.uint8)
+    for scale in SCALES:
+        left = np.flatnonzero(status >= MARGINAL)
+        if not left.size:
+            break
+        size = column[left]
+        size[:, :-1] *= scale
+        low[left], high[left], gap[left], of_rows[:, left], status[left] = programs.speed_intervals(
+            A[left] * size[:, None], (lower * row)[left], (upper * row)[left], size, speed[left], cap[left]
+        )
     nothing, dual = status != OPTIMAL, np.zeros((2, *problem.lower.shape))
     dual[:, :, rows] = of_rows * row
     high = np.where(speed_unit(problem) == 0, cap, high)

@@ -84,7 +84,7 @@ def test_least_energy_falls_as_the_motion_may_take_longer(planar_cell, lift, smo
 
 def test_weights_trade_duration_for_energy(planar_cell, lift, smooth):
     weighed = [
-        mrts.retime(planar_cell, lift, rates=RATES, weigh={"time": 1.0, "energy": weight})
+        mrts.retime(planar_cell, lift, rates=RATES, weights=1, weigh={"time": 1.0, "energy": weight})
         for weight in (0.0, 1e-5, 1e-4, 1e-3)
     ]
     assert weighed[0].duration == pytest.approx(smooth.duration, rel=1e-4)
