@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from mrts_codegen.hand_file import MOST_CONTACTS, ContactDescription
+from mrts_codegen.hand_file import MOST_CONTACTS, Bounds, ContactDescription
 from mrts_codegen.motors_block import MotorsDescription
 from mrts_codegen.object_shape import ShapeDescription
 from mrts_codegen.urdf_reference import FileReference, mesh_reference
@@ -33,13 +33,6 @@ MOST_ARGUMENTS = 100
 
 Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]
 """Least and largest value."""
-
-
-class Bounds(StrictModel):
-    """Two-sided bounds; null or an absent side is unbounded."""
-
-    lower: list[Finite | None] | None = None
-    upper: list[Finite | None] | None = None
 
 
 class TorqueBounds(StrictModel):

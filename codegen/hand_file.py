@@ -18,11 +18,16 @@ MOST_CONTACTS = 20
 """Of one robot."""
 
 
-class BoxDescription(StrictModel):
+class Bounds(StrictModel):
     """Limits of each component; null or an absent side is unbounded."""
 
     lower: list[Finite | None] | None = None
     upper: list[Finite | None] | None = None
+
+
+class BoxDescription(Bounds):
+    """The same in chosen axes."""
+
     frame: Literal["tip", "base", "object"] = "tip"
 
 

@@ -104,20 +104,13 @@ def build_motors(
     else:
         chosen = FrictionDescription() if given.friction == "none" else given.friction
         friction = {name: getattr(chosen, name) for name in OF_FRICTION}
+    columns = {name: one_a_joint(f"friction.{name}", friction[name]) for name in OF_FRICTION}
+    for name in ("armature", "torque_rate", "jerk", "rated"):
+        columns[name] = one_a_joint(name, getattr(given, name), NONE_GIVEN[name])
+    curves = _curves(path, f"{key}.torque_speed", given.torque_speed, joints)
     try:
-        motors = JointMotors(
-            armature=one_a_joint("armature", given.armature),
-            coulomb=one_a_joint("friction.coulomb", friction["coulomb"]),
-            viscous=one_a_joint("friction.viscous", friction["viscous"]),
-            torque_speed=_curves(path, f"{key}.torque_speed", given.torque_speed, joints),
-            **{
-                name: one_a_joint(name, getattr(given, name), NONE_GIVEN[name])
-                for name in ("torque_rate", "jerk", "rated")
-            },
-        )
+        motors = JointMotors(torque_speed=curves, **columns)
     except InputError as error:
-        if error.where == str(path):
-            raise
         block = "friction." if error.key.startswith(OF_FRICTION) else ""
         raise InputError(path, error.rule, key=f"{key}.{block}{error.key}", value=error.value) from None
     contradiction = motors.problem_with(*limits, joints)

@@ -71,30 +71,21 @@ def build_shape(
         The shape, the inertia, and what to know.
     """
     T = shape.pose.transform
-    mesh = None
+    mesh, of_mesh, scale = None, None, shape.scale or 1.0
     if shape.mesh is not None:
         reference = mesh_reference(shape.mesh)
-        content = reference.content(path, folder)
-        mesh = read_mesh(reference.path(path, folder), content, shape.scale or 1.0)
+        mesh = read_mesh(reference.path(path, folder), reference.content(path, folder), scale)
+        drawn = {"vertices": mesh.vertices, "triangles": mesh.triangles}
+        of_mesh = MeshRecord(file=shape.mesh, scale=scale, sha256=mesh.sha256, **drawn)
     record = ShapeRecord(
         box=shape.box,
         cylinder=shape.cylinder,
-        mesh=None if mesh is None else _mesh_record(shape, mesh),
+        mesh=of_mesh,
         pose=T,
     )
     if inertia is None:
         inertia = multiply(multiply(T.R, _inertia(path, shape, T, mass, mesh)), T.R.T)
     return record, inertia, _remarks(path, _size(shape, mesh), mesh)
-
-
-def _mesh_record(shape: ShapeDescription, mesh: Mesh) -> MeshRecord:
-    return MeshRecord(
-        file=shape.mesh or "",
-        scale=shape.scale or 1.0,
-        sha256=mesh.sha256,
-        vertices=mesh.vertices,
-        triangles=mesh.triangles,
-    )
 
 
 def _inertia(path: Path, shape: ShapeDescription, T: RigidTransform, mass: float, mesh: Mesh | None) -> Array:

@@ -45,6 +45,9 @@ class RigidTransform(InNotebooks):
     R: Array
     p: Array
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, RigidTransform) and np.array_equal(self.numbers, other.numbers)
+
     def __matmul__(self, other: "RigidTransform") -> "RigidTransform":
         return RigidTransform(multiply(self.R, other.R), self.p + multiply(self.R, other.p))
 

@@ -26,7 +26,8 @@ def cell_text(cell: Cell, path: Path | str | None) -> str:
         beside = None if target is None else target.resolve().parent
     except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL
         raise InputError("path", "is no path of a file.", value=str(path)) from None
-    text = cell_file_in(manifest_of(cell), cell.folder, beside)
+    robots = tuple(replace(robot, source=_source_now(robot)) for robot in cell.robots)
+    text = cell_file_in(manifest_of(cell).model_copy(update={"robots": robots}), cell.folder, beside)
     if target is not None:
         write_text_atomically(target, text)
     return text
@@ -61,7 +62,6 @@ def _refuse_what_no_file_holds(cell: Cell) -> None:
 def manifest_of(cell: Cell) -> CellManifest:
     """The manifest of a cell as it is now."""
     ours = {name: getattr(cell, name) for name in CellRecord.model_fields}
-    ours["robots"] = tuple(replace(robot, source=_source_now(robot)) for robot in cell.robots)
     try:
         CellRecord(**ours)
     except BrokenRecordError:

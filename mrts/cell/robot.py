@@ -12,7 +12,7 @@ from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.interval_text import interval_text
-from mrts.base.manifest import WRENCH_COMPONENTS
+from mrts.base.manifest import MOST, WRENCH_COMPONENTS
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
 from mrts.cell.hands.contact import Contact
@@ -127,10 +127,12 @@ class Robot(InNotebooks):
             object.__setattr__(self, key, tuple(getattr(self, key)))
         check_type(f"{where}: held", self.held, Mapping)
         n = len(self.joints)
+        if not 1 <= n <= MOST:
+            raise InputError(where, f"must be 1 to {MOST} joints.", key="joints", value=n)
         if len(self.joint_types) != n or not set(self.joint_types) <= {"revolute", "prismatic"}:
             rule = f"must be revolute or prismatic for each of its {n} joints."
             raise InputError(where, rule, key="joint_types", value=self.joint_types)
-        wrench = as_array(f"{where}: wrench_lower", self.wrench_lower).shape[:1] or (len(WRENCH_COMPONENTS),)
+        wrench = as_array(f"{where}: contact_rate", self.contact_rate).shape[:1] or (len(WRENCH_COMPONENTS),)
         shapes = {"axes": (n, 3), "points": (n, 3), "held_numbers": (np.size(self.held_numbers),)}
         shapes |= dict.fromkeys(("wrench_lower", "wrench_upper", "contact_rate"), wrench)
         for name in ARRAYS:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.limits import all_rows
 from mrts.limits.rows import RowName
+from mrts.scaling.limit_use import used_shares
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 TITLES = {
@@ -60,13 +60,12 @@ def limit_shares(done: ScaledTrajectory) -> list[LimitShares]:
     Args:
         done: A played motion.
     """
-    rows = all_rows(done.cell, done.motion).bounded()
-    share = rows.share(rows.value(done.torque, done.wrench, 0.0, done.c))
-    kinds = dict.fromkeys([*TITLES, *(name.kind for name in rows.names)])
+    names, share = used_shares(done)
+    kinds = dict.fromkeys([*TITLES, *(name.kind for name in names)])
     found = []
     for kind in kinds:
         lines: dict[str, list[int]] = {}
-        for row, name in enumerate(rows.names):
+        for row, name in enumerate(names):
             if name.kind == kind:
                 lines.setdefault(_label(name), []).append(row)
         if lines:

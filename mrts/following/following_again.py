@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Whether the arms take the joints of a motion by themselves: then they may follow again where something has moved."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from mrts.base.errors import MotionError
@@ -20,21 +18,7 @@ SAME_CHOICE_RATES = 1e-2
 """The same of its velocities and accelerations (7e-4 off)."""
 
 
-@dataclass(frozen=True)
-class FollowedAgain:
-    """A motion that the arms take by themselves.
-
-    Attributes:
-        cell: The cell with postures from which they do; None if they take other joints, as where redundant ones were
-            given.
-        motion: What they take; the motion as it was given where that is the same, or no cell takes it.
-    """
-
-    cell: Cell | None
-    motion: CoordinatedMotion
-
-
-def following_again(cell: Cell, motion: CoordinatedMotion) -> FollowedAgain:
+def following_again(cell: Cell, motion: CoordinatedMotion) -> tuple[Cell | None, CoordinatedMotion]:
     """The cell with postures from which its arms follow the object as in a motion: its own, or where that starts.
 
     Where the motion starts is found again sooner, but a redundant arm stays near its posture, whatever has moved.
@@ -42,6 +26,10 @@ def following_again(cell: Cell, motion: CoordinatedMotion) -> FollowedAgain:
     Args:
         cell: The cell.
         motion: Its motion.
+
+    Returns:
+        The cell, None if its arms take other joints, as where redundant ones were given; and what they take: the motion
+        as it was given where that is the same, or no cell takes it.
     """
     parts = cell.joint_slices.items()
     starts = (cell.with_postures({name: motion.q[0, part].tolist() for name, part in parts}), cell)
@@ -54,10 +42,10 @@ def following_again(cell: Cell, motion: CoordinatedMotion) -> FollowedAgain:
         except MotionError:
             continue
         if _same(again, motion, (SAME_JOINTS,) * 3):
-            return FollowedAgain(start, motion)
+            return start, motion
         if redundant and _same(again, motion, (SAME_CHOICE, SAME_CHOICE_RATES, SAME_CHOICE_RATES)):
-            return FollowedAgain(start, again)
-    return FollowedAgain(None, motion)
+            return start, again
+    return None, motion
 
 
 def _same(ours: CoordinatedMotion, given: CoordinatedMotion, shares: tuple[float, float, float]) -> bool:

@@ -16,15 +16,15 @@ NUMBERS |= {"mrts_real": ctypes.c_double}
 FUNCTION = re.compile(r"^MRTS_EXPORT (void|int|long long) (mrts_\w+)\(([^{};]*)\) \{", re.MULTILINE)
 
 
-class Address:
-    """A parameter that is a pointer: to the first entry of an array, to a structure, to nothing, or as given."""
+def _address(value: object) -> object:
+    """A pointer as ctypes passes it on: to the first entry of an array, to a structure, to nothing, or as given."""
+    if isinstance(value, np.ndarray):
+        return ctypes.c_void_p(value.ctypes.data)
+    return ctypes.byref(value) if isinstance(value, ctypes.Structure) else value
 
-    @classmethod
-    def from_param(cls, value: object) -> object:
-        """What ctypes passes on."""
-        if isinstance(value, np.ndarray):
-            return ctypes.c_void_p(value.ctypes.data)
-        return ctypes.byref(value) if isinstance(value, ctypes.Structure) else value
+
+ADDRESS: Any = type("Address", (), {"from_param": staticmethod(_address)})
+"""The type of parameters that are pointers."""
 
 
 def bind(library: ctypes.CDLL, files: tuple[str, ...]) -> ctypes.CDLL:
@@ -49,7 +49,7 @@ def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
     found = []
     for result, name, parameters in FUNCTION.findall(one_text(files)):
         given = [] if parameters == "void" else parameters.split(",")
-        kinds = [Address if "*" in one else NUMBERS.get(" ".join(one.split()[:-1]), Address) for one in given]
+        kinds = [ADDRESS if "*" in one else NUMBERS.get(" ".join(one.split()[:-1]), ADDRESS) for one in given]
         found.append((name, NUMBERS.get(result), kinds))
     return found
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import CellLibrary, SparseLimits, pointers, sample_inputs
+from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.foreign_arrays import INFINITY
 from mrts.kernel.sample_terms import SampleTerms
 
@@ -118,8 +118,5 @@ def known_values(
         inputs: Of the function, by name.
         c2: One for all samples.
     """
-    given, strides = sample_inputs(compiled.records[function], samples, inputs)
-    torque, wrench = np.empty((samples, compiled.joints)), np.empty((samples, compiled.wrenches))
-    run = compiled.address(function), len(given)
-    compiled.opened.mrts_known_torques(samples, pointers(given), strides, c2, *run, torque, wrench)
-    return torque, wrench
+    torque_map, torque, wrench_map, wrench = compiled.map(function, samples, inputs).values()
+    return torque_map * c2 + torque, wrench_map * c2 + wrench

@@ -9,7 +9,7 @@ from mrts.drawing.labels import shortened_apart
 from mrts.report.limiting import LimitingRows
 from mrts.report.markup import plot_text
 from mrts.report.plots import Plot, layout, numbers
-from mrts.scaling.limit_use import limit_courses
+from mrts.scaling.limit_use import used_shares
 from mrts.scaling.result import ScalingResult
 from mrts.timing.smooth_piece import BINDING as AT_LIMIT
 
@@ -44,8 +44,9 @@ def limit_map(result: ScalingResult, limiting: LimitingRows) -> Plot:
     Raises:
         ValueError: If there is no trajectory.
     """
-    names, shares = limit_courses(result)
-    assert result.trajectory is not None  # noqa: S101 (there are courses of it)
+    if result.trajectory is None:
+        raise ValueError("there is no trajectory to draw")
+    names, shares = used_shares(result.trajectory)
     time = result.trajectory.time
     reached = shares >= 1 - AT_LIMIT
     percents = np.where(reached, REACHED, np.minimum(100 * shares, BELOW))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.limits.rows import RowName
-from mrts.scaling.limit_use import limit_courses, rate_uses
+from mrts.scaling.limit_use import rate_uses, used_shares
 from mrts.scaling.range import SPEEDS, RangeEnd
 from mrts.scaling.result import ScalingResult
 from mrts.timing.profile_limits import BINDING
@@ -27,7 +27,7 @@ class LimitingRows:
     Attributes:
         setting: Rows that set the speed, each with when.
         reached: Others that are at their limit, each with why.
-        forced: At which samples the speed keeps a row at its limit, of those of `limit_courses`, Shape (N, r): c² is at
+        forced: At which samples the speed keeps a row at its limit, of those of `used_shares`, Shape (N, r): c² is at
             an end of what the sample admits, and the row sets it, or may have to be there with those that do.
     """
 
@@ -45,8 +45,13 @@ def limiting_rows(result: ScalingResult, timing: RetimingResult | None) -> Limit
     Args:
         result: A result with a trajectory.
         timing: The timing whose retimed motion it is, if known.
+
+    Raises:
+        ValueError: If there is no trajectory.
     """
-    names, shares = limit_courses(result)
+    if result.trajectory is None:
+        raise ValueError("there is no trajectory to draw")
+    names, shares = used_shares(result.trajectory)
     forced, binding = _forced(result, names)
     rates = [use.name for use in rate_uses(result)]
     setting = (

@@ -196,20 +196,17 @@ def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:
     return max(bounded, key=lambda use: use.step_share, default=None)
 
 
-def limit_courses(result: "ScalingResult") -> tuple[tuple[RowName, ...], Array]:
-    """How much of each limit is used all along the trajectory, velocities enforced or not.
+def used_shares(done: "ScaledTrajectory") -> tuple[tuple[RowName, ...], Array]:
+    """How much of each limit is used all along a trajectory, velocities enforced or not.
 
     Args:
-        result: A result with a trajectory.
+        done: The trajectory.
 
     Returns:
         The rows that have a limit, r of them, and the share of it that each uses at each sample, Shape (N, r).
-
-    Raises:
-        ValueError: If there is no trajectory.
     """
-    rows = all_rows(result.cell, result.motion).bounded()
-    return rows.names, np.maximum(rows.share(_values(rows, _trajectory(result))), 0.0)
+    rows = all_rows(done.cell, done.motion).bounded()
+    return rows.names, np.maximum(rows.share(_values(rows, done)), 0.0)
 
 
 def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:

@@ -140,7 +140,7 @@ def range_at_samples(
             known.samples if below == high else ranges_of_load(cell, motion, options, point.load, below)
             for point, known in zip(points, of_points, strict=True)
         ]
-        return with_all_rows(cell, motion, options, range_of_loads(points, ranges, every=True))
+        return with_all_rows(cell, motion, options, combined_ranges(points, ranges, every=True))
 
     return common_range(find, high), LoadStudy(options.load, box, points, of_points)
 
@@ -248,7 +248,7 @@ def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
     return tuple(LoadPoint({"mass": factor}, box.load_at({"mass": factor})) for factor in factors)
 
 
-def range_of_loads(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges], *, every: bool) -> SampleRanges:
+def combined_ranges(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges], *, every: bool) -> SampleRanges:
     """What every load, or some load, admits at each sample, with the load that sets each end.
 
     Args:

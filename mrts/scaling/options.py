@@ -61,7 +61,7 @@ class Options(InNotebooks):
             object.__setattr__(self, "weights", weights)
 
     def checked(self, cell: Cell) -> Self:
-        """These options of a cell, with what "auto" asks of its load.
+        """The same with what "auto" asks of the load of a cell.
 
         Raises:
             InputError: If one breaks a rule, or they do not go together.

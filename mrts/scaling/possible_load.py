@@ -22,9 +22,9 @@ from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import SampleRanges, sample_ranges, statuses
 from mrts.scaling.loads import (
     LoadStudy,
+    combined_ranges,
     effective_parameters,
     problem_of_load,
-    range_of_loads,
     ranges_of_load,
     ranges_of_loads,
     with_all_rows,
@@ -90,7 +90,7 @@ def possible_range(
             ranges_of_load(cell, motion, options, point.load, below) if known.samples.several else known.samples
             for point, known in zip(points, of_points, strict=True)
         ]
-        best = range_of_loads(points, ranges, every=False)
+        best = combined_ranges(points, ranges, every=False)
         if varying:
             best, not_converged = _searched(cell, motion, options, box, varying, best, progress)
         return with_all_rows(cell, motion, options, best)

@@ -152,7 +152,7 @@ class ScalingResult(InNotebooks, JsonOutput):
 
     @property
     def loads(self) -> tuple[LoadPoint | None, ...]:
-        """Loads that the range carries: None is the cell's, of a box its corners where none was looked at by itself."""
+        """Loads that the range must carry, None for the cell's; the corners of a box that was answered as a whole."""
         study = self.load
         return (None,) if study is None else study.points or study.box.corners(study.box.varying)
 

@@ -34,7 +34,7 @@ from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.loads import range_at_samples, ranges_of_load
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Options, Selection
-from mrts.scaling.range import ScalingRange, common_range, within_rates
+from mrts.scaling.range import ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, ScalingResult, kept_text
 from mrts.scaling.torques import with_torques
 
@@ -363,7 +363,7 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.c2
     options = replace(result.options, solver=solver)
-    own = common_range(partial(ranges_of_load, cell, motion, options, None))
+    own, _ = range_at_samples(cell, motion, replace(options, load="nominal"))
     refused = replace(result, cell=cell, options=options, found=own, c2=None, trajectory=None, load=None)
     if own.admitted(c2, END_TOLERANCE) is None and not (own.samples.several and conflict_at(refused, c2) is None):
         raise SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}", refused)

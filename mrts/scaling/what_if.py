@@ -15,7 +15,7 @@ from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_changes
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
-from mrts.following.following_again import FollowedAgain, following_again
+from mrts.following.following_again import following_again
 from mrts.limits.rows import ActiveRow
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.range import ScalingRange
@@ -273,10 +273,9 @@ def _row(one: ChangedAnswer, names: int, amounts: int) -> str:
 
 def ask_changes(
     cell: Cell,
-    followed: FollowedAgain,
-    before: SpeedAnswer,
+    motion: CoordinatedMotion,
     steps: ChangeSteps,
-    answer: Callable[[Cell, CoordinatedMotion], SpeedAnswer],
+    answer: Callable[[Cell, CoordinatedMotion, SpeedAnswer | None], SpeedAnswer],
     progress: Progress,
 ) -> WhatIf:
     """Change every number of a cell, one at a time up and down, and ask again.
@@ -285,40 +284,36 @@ def ask_changes(
 
     Args:
         cell: The cell.
-        followed: Its motion.
-        before: The answer as it is.
+        motion: Its motion.
         steps: How far numbers are changed.
-        answer: The answer of a changed cell and its motion; may raise what solvers raise.
+        answer: The answer of a cell and its motion, changed or, where the last is None, as it is; the last is that as
+            it is. May raise what solvers raise.
         progress: Told how many of how many changes are done.
     """
+    follows, motion = following_again(cell, motion)
+    before = answer(cell, motion, None)
     changes, left_out = cell_changes(cell, steps), ""
-    follows = None if cell.functions.manifest.is_baked else followed.cell
-    if follows is None:
+    if cell.functions.manifest.is_baked or follows is None:
         changes = tuple(change for change in changes if not change.moves_arms)
         left_out = f"bases and grasps were not moved: {_BAKED if cell.functions.manifest.is_baked else _GIVEN}"
     found = []
     for number, change in enumerate(changes):
         progress(number, len(changes))
-        start = cell if follows is None or not change.moves_arms else follows
-        found.append(ChangedAnswer(change, _answered(change, start, followed.motion, answer), before))
+        start = follows if follows is not None and change.moves_arms else cell
+        try:
+            changed = change.applied(start)
+            path = follow_object(changed, motion.object) if change.moves_arms else motion
+            after = answer(changed, path, before)
+        except InputError as error:
+            after = SpeedAnswer(status="invalid", reason=str(error))
+        except MotionError as error:
+            after = SpeedAnswer(status="unreachable", reason=str(error).partition(". ")[0])  # without advice
+        except SolverError as error:
+            after = SpeedAnswer(status="failed", reason=str(error))
+        found.append(ChangedAnswer(change, after, before))
     progress(len(changes), len(changes))
     found.sort(key=lambda one: inf if one.after.duration is None else one.after.duration)
     return WhatIf(steps, before, tuple(found), left_out)
-
-
-def _answered(
-    change: CellChange, cell: Cell, motion: CoordinatedMotion, answer: Callable[[Cell, CoordinatedMotion], SpeedAnswer]
-) -> SpeedAnswer:
-    """The answer with a change, or why there is none."""
-    try:
-        changed = change.applied(cell)
-        return answer(changed, follow_object(changed, motion.object) if change.moves_arms else motion)
-    except InputError as error:
-        return SpeedAnswer(status="invalid", reason=str(error))
-    except MotionError as error:
-        return SpeedAnswer(status="unreachable", reason=str(error).partition(". ")[0])  # without advice
-    except SolverError as error:
-        return SpeedAnswer(status="failed", reason=str(error))
 
 
 def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: Progress) -> WhatIf:
@@ -345,21 +340,16 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
     if study is not None:
         cell = replace(cell, load=study.box.nominal_point().load, load_box=study.box)
 
-    def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
+    known = options.load == "nominal" and options.rates is None
+
+    def answer(changed: Cell, motion: CoordinatedMotion, before: SpeedAnswer | None) -> SpeedAnswer:
         found, loads = range_at_samples(changed, motion, options)
+        if known and before is not None and _leaves(found, before.c2):
+            return before  # to find which rows bind takes longer than to see that the range stays
         again = replace(result, cell=changed, motion=motion, found=found, load=loads, options=options)
         return _of_range(within_rate_limits(again)[0].range, float(motion.object.time[-1]))
 
-    followed = following_again(cell, result.motion)
-    before = answer(cell, followed.motion)
-
-    def sooner(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
-        """The same; to find which rows bind takes longer than to see that the range stays."""
-        whole, _ = range_at_samples(changed, motion, options)
-        return before if _leaves(whole, before.c2) else _of_range(whole, float(motion.object.time[-1]))
-
-    known = options.load == "nominal" and options.rates is None
-    return ask_changes(cell, followed, before, steps, sooner if known else answer, progress)
+    return ask_changes(cell, result.motion, steps, answer, progress)
 
 
 def _leaves(found: ScalingRange, c2: float | None) -> bool:

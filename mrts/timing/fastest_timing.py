@@ -13,7 +13,6 @@ from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.following_again import following_again
 from mrts.program.infeasibility import Conflict
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.trajectory_programs import motion_planes
@@ -253,14 +252,12 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
     refined = found.motion.samples > asked.motion.samples
     asked = replace(asked, options=replace(asked.options, rates=None, between=None))
 
-    def answer(changed: Cell, motion: CoordinatedMotion) -> SpeedAnswer:
+    def answer(changed: Cell, motion: CoordinatedMotion, _before: SpeedAnswer | None) -> SpeedAnswer:
         compared = replace(asked, cell=changed, motion=motion)
         again = fastest_timing(compared, motion, found.end_speeds, lambda _done, _total: None, refined=refined)
         return _of_timing(again)
 
-    followed = following_again(found.cell, found.motion)
-    before = answer(found.cell, followed.motion)
-    return ask_changes(found.cell, followed, before, steps, answer, progress)
+    return ask_changes(found.cell, found.motion, steps, answer, progress)
 
 
 def _of_timing(timed: RetimingResult) -> SpeedAnswer:

@@ -111,7 +111,7 @@ CELL_MISTAKES = {
     ),
     "wrench upside down": (
         lambda d: d["robots"][0].update(wrench={"lower": [2, None, None], "upper": [-2, None, None]}),
-        ["wrench[0]", "exceeds"],
+        ["wrench.lower[0]", "at most the upper one"],
     ),
     "missing urdf": (lambda d: d["robots"][0].update(urdf="nothing.urdf"), ["nothing.urdf", "no such URDF"]),
     "unknown package": (

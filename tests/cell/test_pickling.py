@@ -163,6 +163,6 @@ def test_no_address_is_pickled_and_content_is_checked(planar_cell):
     whole = pickle.dumps(planar_cell)
     with pytest.raises(mrts.InputError, match="pickled cell: differs from what its manifest describes"):
         pickle.loads(whole.replace(b"MRTS_NUMBER", b"MRTS_NUMBED"))  # noqa: S301 (our own bytes)
-    assert b'"torque_upper": 80.0' in whole
+    assert whole.count(b"   80.0,") == 2
     with pytest.raises(mrts.InputError, match="pickled cell: was edited"):
-        pickle.loads(whole.replace(b'"torque_upper": 80.0', b'"torque_upper": 90.0'))  # noqa: S301
+        pickle.loads(whole.replace(b"   80.0,", b"   90.0,"))  # noqa: S301

@@ -18,6 +18,8 @@ def test_a_random_cell_is_what_its_file_says(make, tmp_path):
     np.testing.assert_array_equal(loaded.gravity, case.cell.gravity)
     for ours, theirs in zip(case.cell.robots, loaded.robots, strict=True):
         for field in fields(theirs):
+            if field.name == "source":  # the file gives the limits that the URDF gives the other
+                continue
             one, other = getattr(ours, field.name), getattr(theirs, field.name)
             if isinstance(one, mrts.RigidTransform):
                 one, other = np.column_stack([one.R, one.p]), np.column_stack([other.R, other.p])

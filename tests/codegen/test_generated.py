@@ -131,6 +131,7 @@ HOSTILE = {
     "a joint too many": lambda data: data["robots"][0].update(
         joints=[*data["robots"][0]["joints"], "wrist"], posture=[0.0] * 4
     ),
+    "joints without end": lambda data: data["robots"][0].update(joints=["j"] * 1001),
     "a position too many": lambda data: data["robots"][0].update(posture=[0.0] * 4),
     "a short axis": lambda data: data["robots"][0].update(axes=[[1.0], [0, 1.0, 0], []]),
     "a ragged rotation": lambda data: data["robots"][0]["T_world_base"].update(R=[[1.0], [0.0, 1.0], []]),

@@ -103,8 +103,8 @@ def test_a_moved_inertia_is_the_nearest(moments):
 def with_inertia(urdf, name, inertia):
     """The same URDF with another inertia of a link."""
     links = {link.name: link for link in urdf.links}
-    links[name] = replace(links[name], inertial=replace(links[name].inertial, inertia=inertia))
-    return replace(urdf, links=[*links.values()])
+    links[name] = links[name]._replace(inertial=replace(links[name].inertial, inertia=inertia))
+    return urdf._replace(links=[*links.values()])
 
 
 def test_a_humanoid_with_one_wrong_link():
@@ -179,7 +179,7 @@ def limited(limit):
 @pytest.mark.parametrize("number", ["1e16", "1.7976931348623157e308", "inf", "1000000000"])
 def test_limits_that_mean_none(number, tmp_path):
     path = arm_cell(tmp_path, limited(f'<limit lower="-{number}" upper="{number}" velocity="{number}" effort="9"/>'))
-    elbow = read(path).robots[0].model.joints[1]
+    elbow = read(path).models[0].joints[1]
     assert (elbow.lower, elbow.upper, elbow.velocity, elbow.effort) == (-np.inf, np.inf, None, 9)
 
 
@@ -189,7 +189,7 @@ def test_an_effort_that_says_nothing_asks_for_torques(effort, tmp_path):
     elbow = limited(f'<limit lower="-3" upper="3" velocity="1" effort="{effort}"/>')
     with pytest.raises(mrts.InputError, match=r"joint 'elbow': its effort limit is .* says nothing .* Give 'torque:"):
         read(arm_cell(tmp_path, every + elbow, torque=False))
-    assert read(arm_cell(tmp_path, every + elbow)).robots[0].torque_upper.tolist() == [100, 80, 50]
+    assert read(arm_cell(tmp_path, every + elbow)).record.robots[0].torque_upper.tolist() == [100, 80, 50]
 
 
 @pytest.mark.parametrize(
@@ -230,10 +230,10 @@ def hand(mass, xx, yy, zz):
 )
 def test_what_is_let_pass(mass, moments, code, tmp_path):
     model = read(arm_cell(tmp_path, hand(mass, *moments)))
-    assert [remark.code for remark in model.remarks] == ([code] if code else [])  # once, though two arms have it
-    assert all("planar_arm.urdf: " in remark.text and "'hand'" in remark.text for remark in model.remarks)
-    assert all(str(tmp_path) not in remark.text for remark in model.remarks)
-    assert model.robots[0].model.joints[2].body.mass == mass
+    assert [remark.code for remark in model.record.remarks] == ([code] if code else [])  # once, though two arms have it
+    assert all("planar_arm.urdf: " in remark.text and "'hand'" in remark.text for remark in model.record.remarks)
+    assert all(str(tmp_path) not in remark.text for remark in model.record.remarks)
+    assert model.models[0].joints[2].body.mass == mass
 
 
 @pytest.mark.parametrize(
@@ -292,4 +292,4 @@ def test_remarks_travel(tmp_path, lift, caplog):
 def test_a_version_that_xml_does_not_have_is_passed_over(tmp_path):
     """`<?xml version="0.0" ?>`, as a good part of pybullet's files starts."""
     path = arm_cell(tmp_path, [('<?xml version="1.0"?>', '<?xml version="0.0" ?>')])
-    assert len(read(path).robots) == 2
+    assert len(read(path).models) == 2

@@ -125,7 +125,7 @@ def test_what_is_drawn_and_studied_is_the_urdf_that_it_becomes(cell, tmp_path):
 def test_mrts_new_takes_arguments(cell, monkeypatch):
     monkeypatch.chdir(cell.parent)
     request = mrts_new.request_of(given("arm.urdf.xacro", {"far": "true"}), cell.parent)
-    assert [each.arm.chain.upper[0] for each in request.arms] == [3.5, 3.5]
+    assert [each.arm.robot.position_upper[0] for each in request.arms] == [3.5, 3.5]
     assert [each.xacro_args for each in request.arms] == [{"far": "true"}] * 2
     with pytest.raises(mrts.InputError, match="--xacro-arg: no --robot is a xacro"):
         mrts_new.request_of(given(str(DATA / "planar_arm.urdf"), {"far": "true"}), cell.parent)

@@ -106,7 +106,7 @@ def test_the_constant_factor_keeps_rates_too(capsys):
 
 
 def test_energy_is_weighed_or_least_within_a_duration(capsys):
-    weighed = answered(capsys, *SMOOTH, "--weigh", "time=1,energy=1e-4")
+    weighed = answered(capsys, *SMOOTH, "--weights", "1", "--weigh", "time=1,energy=1e-4")
     assert weighed["smooth"]["goal"] == {"time": 1.0, "energy": 1e-4, "longest": None}
     within = answered(capsys, *SMOOTH, "--least-energy-in", "0.4")
     assert within["duration"] == pytest.approx(0.4, rel=1e-6)
@@ -187,10 +187,10 @@ def test_torques_that_are_no_numbers_are_told_of_their_option(capsys):
 
 
 def test_the_energy_that_a_weight_is_for_is_told(capsys):
-    output = answered(capsys, *SMOOTH, "--weigh", "time=1,energy=1e-4")
+    output = answered(capsys, *SMOOTH, "--weights", "1", "--weigh", "time=1,energy=1e-4")
     times = output["torque"].pop("time")
     squares = np.sum(np.column_stack(list(output["torque"].values())) ** 2, axis=1)
     energy = np.sum(np.diff(times) * (squares[1:] + squares[:-1]) / 2)
     assert output["smooth"]["effort"] == pytest.approx(energy)
-    assert main([*SMOOTH, "--weigh", "time=1,energy=1e-4"]) == 0
+    assert main([*SMOOTH, "--weights", "1", "--weigh", "time=1,energy=1e-4"]) == 0
     assert f"J, ∫ τᵀWτ dt = {energy:.4g}; torques" in capsys.readouterr().out

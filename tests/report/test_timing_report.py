@@ -14,7 +14,7 @@ from mrts.drawing.phase_plane import phase_plane
 from mrts.report import report_html
 from mrts.report.limit_map import SETTING, limit_map
 from mrts.report.limiting import limiting_rows
-from mrts.scaling.limit_use import limit_courses, limit_uses
+from mrts.scaling.limit_use import limit_uses, used_shares
 
 SLOW = 60_000
 """A page drawn without a graphics card takes its time [ms]."""
@@ -81,7 +81,7 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
     assert max(use.share for use in limit_uses(freer) if use.name in at_limit) < 1 - 1e-3
     map_of = limit_map(lifted, found).data[0]
     orange = np.array(map_of["z"]) == SETTING
-    names, shares = limit_courses(lifted)
+    names, shares = used_shares(lifted.trajectory)
     assert [bool(row.any()) for row in orange] == [True] * len(end.rows) + [False] * (len(names) - len(end.rows))
     assert orange[:, 1:].any() == (np.count_nonzero(found.forced.any(axis=1)) > 2)
     assert shares.shape == (lifted.motion.samples, len(names))
@@ -93,7 +93,7 @@ def test_where_a_velocity_sets_the_speed_torques_and_wrenches_are_at_their_limit
     assert fastest.kind == "velocity"
     told = limiting_rows(found, None)
     assert set(told.setting) == {fastest}
-    names, _ = limit_courses(found)
+    names, _ = used_shares(found.trajectory)
     assert {names[place] for place in np.flatnonzero(told.forced.any(axis=0))} == {fastest}
     assert set(told.reached.values()) <= {"reached through the distribution"}
 

@@ -71,20 +71,20 @@ def test_more_rate_is_faster_down_to_the_fastest_timing(planar_cell, lift, smoot
 
 def test_least_energy_falls_as_the_motion_may_take_longer(planar_cell, lift, smooth):
     longest = (smooth.duration * 1.001, 0.4, 0.5)
-    found = [mrts.retime(planar_cell, lift, rates=RATES, least_energy_in=seconds) for seconds in longest]
+    found = [mrts.retime(planar_cell, lift, rates=RATES, weights=1, least_energy_in=seconds) for seconds in longest]
     energies = [energy_of(one) for one in (smooth, *found)]
     assert energies == sorted(energies, reverse=True)
     for seconds, one in zip(longest, found, strict=True):
         assert one.duration == pytest.approx(seconds, rel=1e-6)  # here less time would take more energy
         assert f"of least energy within {seconds:g} s" in one.summary()
-    whenever = mrts.retime(planar_cell, lift, rates=RATES, least_energy_in=100.0)
+    whenever = mrts.retime(planar_cell, lift, rates=RATES, weights=1, least_energy_in=100.0)
     assert whenever.duration < 1  # to hold the object takes energy too, so the best one does not last for ever
     assert energy_of(whenever) < energies[-1]
 
 
 def test_weights_trade_duration_for_energy(planar_cell, lift, smooth):
     weighed = [
-        mrts.retime(planar_cell, lift, rates=RATES, weigh={"time": 1.0, "energy": weight})
+        mrts.retime(planar_cell, lift, rates=RATES, weights=1, weigh={"time": 1.0, "energy": weight})
         for weight in (0.0, 1e-5, 1e-4, 1e-3)
     ]
     assert weighed[0].duration == pytest.approx(smooth.duration, rel=1e-4)

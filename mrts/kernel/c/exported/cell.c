@@ -616,7 +616,8 @@ cell_status cell_guaranteed_range(const cell_sample *sample, const cell_settings
     for (int turn = 0; turn < MOST_TURNS && range->status == CELL_EMPTY; ++turn) { /* slower intervals may have one */
         cell_range slower;
         int low, high;
-        range_in_common(sample, settings, range->upper, loads, count, &slower, &low, &high, workspace);
+        const mrts_real asked = range->upper * (1 + MRTS_GAP); /* so that what sets it is named */
+        range_in_common(sample, settings, asked, loads, count, &slower, &low, &high, workspace);
         if (slower.status != CELL_OK && slower.status != CELL_EMPTY) break;
         *range = slower;
         at_lower = low;

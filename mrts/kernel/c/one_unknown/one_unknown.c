@@ -189,18 +189,3 @@ MRTS_EXPORT int mrts_known_planes(long long count, const double *const *in, cons
     }
     return 0;
 }
-
-/* Torques and wrenches of samples 0 .. count - 1 at c2, without what motors give. `run` is as in mrts_known_ranges. */
-MRTS_EXPORT void mrts_known_torques(long long count, const double *const *in, const long long *stride, double c2,
-                                   MRTS_GENERATED((*run)), int inputs,
-                                   double *torque, double *wrench) {
-    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride};
-    double memory[MRTS_FORM_WORK(1, MRTS_JOINTS, MRTS_WRENCHES)];
-    const mrts_form form = mrts_form_in(1, MRTS_JOINTS, MRTS_WRENCHES, memory);
-    mrts_begin_known(count, 0, &known);
-    for (long long n = 0; n < count; ++n) {
-        mrts_known_at(&known, n, 0, &form);
-        for (int i = 0; i < MRTS_JOINTS; ++i) *torque++ = form.torque_map[i] * c2 + form.torque_offset[i];
-        for (int i = 0; i < MRTS_WRENCHES; ++i) *wrench++ = form.wrench_map[i] * c2 + form.wrench_offset[i];
-    }
-}

@@ -42,18 +42,6 @@ static void mrts_take_pivot(int k, int c, int *row, int *side, mrts_real *B) {
 #define MRTS_TAKE_PIVOT(k, c, row, side, B) mrts_take_pivot(k, c, row, side, B)
 #define MRTS_IS_NONE(value) ((value) == 0)
 #include "kept_basis.inc"
-#undef MRTS_STATIC
-#undef MRTS_V
-#undef MRTS_V_OF
-#undef MRTS_MASK
-#undef MRTS_ALL
-#undef MRTS_CHOOSE
-#undef MRTS_BOTH
-#undef MRTS_LARGER
-#undef MRTS_SIZE_OF
-#undef MRTS_OF
-#undef MRTS_TAKE_PIVOT
-#undef MRTS_IS_NONE
 
 MRTS_LOCAL int mrts_lp_again(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
                              const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering,
