@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
+from conftest import DATA
 from draws import draws
 from reference import ReferenceCell
 from speed_scan import Motors, SpeedScan
@@ -154,6 +155,17 @@ def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
     lowest = [motion_ranges(cell, motion, "wrench", None, name, high=0.0) for name in ("kernel", solvers[0])]
     for sample in range(motion.samples):
         np.testing.assert_allclose(*(speeds(found, sample) for found in lowest), rtol=SAME, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", [12, 161, 200])
+def test_samples_that_stop_the_kernel_have_their_range(seed, dual_ur5):
+    """Degenerate programs of motored cells, near rest most of them: in other scales they are decided."""
+    motion = mrts.follow_object(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    cell = motored(np.random.default_rng(seed), dual_ur5, motion)
+    found, problem = motion_ranges(cell, motion, "wrench", None, "kernel"), build_sample_problem(cell, motion)
+    for sample in (1, 2, 3, 60):
+        checked_ends(problem, found, sample)
+    assert found.fallbacks == 0
 
 
 @pytest.mark.parametrize("seed", [1, pytest.param(5, marks=pytest.mark.slow)])
