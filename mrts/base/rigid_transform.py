@@ -33,7 +33,7 @@ SAME_PLACE = 1e-9
 """Two frames are one if no entry of their poses differs by more [m, 1]: rounding of angles in a file."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RigidTransform(InNotebooks):
     """Pose of frame b in frame a: `x_a = R x_b + p`.
 
@@ -44,6 +44,8 @@ class RigidTransform(InNotebooks):
 
     R: Array
     p: Array
+
+    __hash__ = None  # type: ignore[assignment]  # it holds arrays
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, RigidTransform) and np.array_equal(self.numbers, other.numbers)
