@@ -132,7 +132,7 @@ class Robot(InNotebooks):
         if len(self.joint_types) != n or not set(self.joint_types) <= {"revolute", "prismatic"}:
             rule = f"must be revolute or prismatic for each of its {n} joints."
             raise InputError(where, rule, key="joint_types", value=self.joint_types)
-        wrench = as_array(f"{where}: contact_rate", self.contact_rate).shape[:1] or (len(WRENCH_COMPONENTS),)
+        wrench = as_array(f"{where}: wrench_lower", self.wrench_lower).shape[:1] or (len(WRENCH_COMPONENTS),)
         shapes = {"axes": (n, 3), "points": (n, 3), "held_numbers": (np.size(self.held_numbers),)}
         shapes |= dict.fromkeys(("wrench_lower", "wrench_upper", "contact_rate"), wrench)
         for name in ARRAYS:

@@ -123,8 +123,8 @@ BROKEN = {
     "posture": (lambda _: [0.0, np.inf, 0.0], r"posture = \[0.0, inf, 0.0\]: must be finite numbers"),
     "wrench_lower": (lambda _: [np.inf] * 3, r"wrench_lower = \[inf, inf, inf\]: must be at most wrench_upper"),
     "wrench_upper": (lambda _: np.zeros(6), r"wrench_upper = .*must be numbers"),
-    "wrench_lower alone": (lambda _: -1.0, r"wrench_lower = -1.0: must be numbers .* Shape \(3,\)"),
-    "wrench_lower without a shape": (lambda _: np.array(-1.0), r"wrench_lower = -1.0: must be .* Shape \(3,\)"),
+    "wrench_lower alone": (lambda _: -1.0, r"wrench_lower = -1.0: must be numbers .* Shape \(6,\)"),
+    "wrench_lower without a shape": (lambda _: np.array(-1.0), r"wrench_lower = -1.0: must be .* Shape \(6,\)"),
     "joints": (lambda _: 3, r"joints = 3: must be a tuple, each of it text"),
     "held": (lambda _: ["torso"], r"held = \['torso'\]: must be a dictionary"),
     "wrench_lower ragged": (lambda _: [[1], [1, 2]], r"wrench_lower = .*one rectangular shape"),
@@ -170,8 +170,10 @@ def test_a_value_of_another_type_is_refused_where_it_enters(name, value, planar_
 
 
 def test_a_wrench_of_another_size_is_refused(planar_cell):
-    with pytest.raises(mrts.InputError, match=r"robot 'left': wrench_lower .*\(3,\)"):
-        with_left(planar_cell, wrench_lower=np.full(6, -1.0), wrench_upper=np.full(6, 1.0))
+    with pytest.raises(mrts.InputError, match=r"robot 'left': wrench_lower .*\(3,\): fx, fy, nz"):
+        with_left(
+            planar_cell, wrench_lower=np.full(6, -1.0), wrench_upper=np.full(6, 1.0), contact_rate=np.full(6, 1.0)
+        )
 
 
 def test_nobody_writes_into_a_cell(planar_cell):

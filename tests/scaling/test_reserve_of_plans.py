@@ -95,8 +95,8 @@ def test_the_reserve_is_the_largest_that_leaves_c2_in_the_range(seed, tmp_path):
 @pytest.mark.parametrize("seed", seeds(1, 2))
 def test_no_distribution_keeps_more_than_that_of_reserve(seed, tmp_path):
     cell, motion, c2, _ = random_plan(100 + seed, tmp_path)
-    kept = mrts.scale(cell, motion, c2, distribute="reserve")
-    least = mrts.scale(cell, motion, c2)
+    kept = mrts.scale(cell, motion, c2, distribute="reserve", weights=1)
+    least = mrts.scale(cell, motion, c2, weights=1)
     assert np.all(largest_share(least) >= largest_share(kept) - ROUNDING)
     assert np.max(largest_share(kept)) == pytest.approx(1 - kept.reserve.distributed.share, abs=ROUNDING)
     assert least.reserve == kept.reserve
@@ -124,7 +124,7 @@ def test_more_speed_leaves_less_of_the_shipped_cell(dual_ur5):
 
 def test_the_shipped_cell_keeps_its_wrenches_far_from_their_limits(dual_ur5):
     motion = mrts.load_motion("mrts/data/dual_ur5/lift_and_turn.yaml")
-    least, kept = (mrts.scale(dual_ur5, motion, distribute=rule) for rule in ("least-torque", "reserve"))
+    least, kept = (mrts.scale(dual_ur5, motion, distribute=rule, weights=1) for rule in ("least-torque", "reserve"))
     assert np.max(largest_share(least, ("wrench",))) == pytest.approx(1, abs=ROUNDING)
     assert np.max(largest_share(kept, ("wrench",))) < 0.4
     assert "60 % of those of torques and wrenches if these are distributed for it (" in str(least.reserve)
