@@ -50,9 +50,6 @@ class RigidTransform(InNotebooks):
     def __eq__(self, other: object) -> bool:
         return isinstance(other, RigidTransform) and np.array_equal(self.numbers, other.numbers)
 
-    def __hash__(self) -> int:
-        return hash(tuple(self.numbers.tolist()))
-
     def __matmul__(self, other: "RigidTransform") -> "RigidTransform":
         return RigidTransform(multiply(self.R, other.R), self.p + multiply(self.R, other.p))
 
