@@ -21,7 +21,7 @@ from interleaved import median_times, on_one_processor, parts_of, show
 POINTS, REPEATS = 1000, 9
 
 PARTS = {
-    "mrts.timing.retime:factor_question": "the given motion, its arms closed",
+    "mrts.timing.retime:coordinate": "the given motion, its arms closed",
     "mrts.timing.retime:motion_remarks": "remarks, doubtful gaps",
     "mrts.timing.retime:check_held_between": "remarks, doubtful gaps",
     "mrts.timing.fastest_timing:path_pieces": "path and its pieces",
