@@ -43,12 +43,12 @@ Answer = dict[str, Any]
 
 def ask(cell: Any, motion: Any, call: str, **options: Any) -> Answer:
     """One question. Where the API or a default (the weights) of two revisions differs, it is made alike."""
-    alike = np.ones(sum(len(robot.joints) for robot in cell.robots))
+    options.setdefault("weights", np.ones(sum(len(robot.joints) for robot in cell.robots)))
     if "shares" in options:
         options["sharing"] = mrts.LoadSharing(options.pop("shares"))
     if call == "scale":
-        return of_factor(mrts.scale(cell, motion, weights=alike, **options))
-    timed = mrts.retime(cell, motion, weights=alike, **options)
+        return of_factor(mrts.scale(cell, motion, **options))
+    timed = mrts.retime(cell, motion, **options)
     told: Answer = {"outcome": timed.status.value}
     if timed.conflict is not None:
         told["conflicts"] = [of_conflict(timed.conflict)]

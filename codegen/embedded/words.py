@@ -10,6 +10,7 @@ from mrts_codegen.embedded.c_literals import UNLIMITED, WIDTH, Precision, c_numb
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors, EmbeddedVector
 from mrts.base.manifest import LOAD_ENTRIES
+from mrts.base.torque_weights import weights_by_limits
 from mrts.cell.record import CellManifest
 
 
@@ -24,6 +25,7 @@ def cell_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precis
     size, robots = len(manifest.wrench_components), len(manifest.robots)
     joints = sum(len(robot.joints) for robot in manifest.robots)
     corners, load = _loads(manifest)
+    torque_limits = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in manifest.robots], axis=1)
     row, column = np.nonzero(limits.matrix)
     start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(limits.lower)))])
     words = {
@@ -39,7 +41,7 @@ def cell_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precis
         "CORNERS": str(len(corners)),
         "LOAD_CORNERS": "\n".join(f"    {{{c_numbers(corner, precision)}}}," for corner in corners),
         "LOAD": c_numbers(load, precision),
-        "WEIGHT": c_numbers(np.ones(joints), precision),
+        "WEIGHT": c_numbers(weights_by_limits(*torque_limits), precision),
         "CELL": _cell_lines(manifest),
         "ROWS": str(len(limits.lower)),
         "ENTRIES": str(len(row)),

@@ -14,7 +14,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import SampleRanges
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.torque_distribution import distribute_torques
+from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.trajectory_programs import motion_ranges
 
 SAMPLES = 101
@@ -49,7 +49,7 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
         torque = np.zeros((motion.samples, motion.q.shape[1]))
         if compared.size:
             problem = build_sample_problem(heavy, motion, samples=compared)
-            x, _ = distribute_torques(problem, speeds[compared], np.eye(motion.q.shape[1]), DEFAULT_SOLVER)
+            x, _ = distribute_torques(problem, speeds[compared], torque_weights(None, cell), DEFAULT_SOLVER)
             torque[compared] = problem.torque(x)
         vectors += [
             _vector(motion, sample, heavy.mass, free, even, float(speeds[sample]), torque[sample])

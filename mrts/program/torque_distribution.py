@@ -6,6 +6,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import GEOMETRY
+from mrts.base.torque_weights import WEIGHT_SPREAD, weights_by_limits
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.one_unknown import known_values
@@ -19,16 +20,12 @@ TORQUE_WIDENING = 1e-9
 """Of each limit, as a share of it: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
 
 
-WEIGHT_SPREAD = 1e6
-"""Largest ratio of weights: the programs are solved to 1e-9, and the lightest torque must still be felt."""
-
-
 def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
     """W as a matrix, Shape (m, m).
 
     Args:
-        weights: None weighs each torque by its limit, 1 / τ̂² (the larger of both sides, within `WEIGHT_SPREAD`; without
-            one as the largest), a number all alike, else the diagonal, Shape (m,), or the matrix, Shape (m, m).
+        weights: None weighs each torque by its limit (`weights_by_limits`), a number all alike, else the diagonal,
+            Shape (m,), or the matrix, Shape (m, m).
         cell: With m joints.
 
     Raises:
@@ -36,7 +33,8 @@ def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
     """
     joints = sum(len(robot.joints) for robot in cell.robots)
     if weights is None:
-        return _by_limits(cell)
+        lower, upper = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in cell.robots], axis=1)
+        return np.diag(weights_by_limits(lower, upper))
     given = as_array("weights", weights)
     if given.shape not in {(), (joints,), (joints, joints)} or not np.all(np.isfinite(given)):
         rule = f"must be finite: a number, or of Shape ({joints},) or ({joints}, {joints})."
@@ -52,13 +50,6 @@ def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
             f"{WEIGHT_SPREAD:.0e} leaves digits for the torques.",
         )
     return W
-
-
-def _by_limits(cell: Cell) -> Array:
-    sides = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in cell.robots], axis=1)
-    limit = np.max(np.abs(sides), axis=0)
-    most = np.max(limit[np.isfinite(limit)], initial=0.0) or 1.0
-    return np.diag(1 / np.clip(limit, most / np.sqrt(WEIGHT_SPREAD), most) ** 2)
 
 
 def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array, solver: str) -> tuple[Array, int]:

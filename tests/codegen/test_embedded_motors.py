@@ -16,7 +16,7 @@ from mrts.cli import main
 from mrts.program.motor_terms import motor_terms
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.torque_distribution import distribute_torques
+from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.trajectory_programs import motion_ranges
 
 OK, INFEASIBLE, EMPTY, BAD_ARGUMENT = 0, 2, 3, 5
@@ -129,7 +129,7 @@ def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, s
     if found.size:
         c2 = float(found[-1].mean())
         problem = build_sample_problem(changed, motion, samples=index)
-        x, _ = distribute_torques(problem, c2, np.eye(6), DEFAULT_SOLVER)
+        x, _ = distribute_torques(problem, c2, torque_weights(None, cell), DEFAULT_SOLVER)
         status, torque, wrench = library.torques(sample, c2)
         assert status == OK
         assert np.abs(torque - problem.torque(x)[0]).max() <= SAME_TORQUE * limit.min()

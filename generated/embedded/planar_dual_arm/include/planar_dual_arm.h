@@ -79,7 +79,7 @@ typedef struct {
 const char *planar_dual_arm_status_text(planar_dual_arm_status status);
 /* Such as "left/elbow torque"; row as in planar_dual_arm_range, 0 is "c^2 >= 0". */
 const char *planar_dual_arm_row_text(int row);
-/* Load, limits and unit weights of the cell file. */
+/* Load and limits of the cell file; weights are 1 / limit^2 of each torque. */
 void planar_dual_arm_default_settings(planar_dual_arm_settings *settings);
 /* PLANAR_DUAL_ARM_OK or PLANAR_DUAL_ARM_BAD_ARGUMENT: call it once after settings have changed. */
 planar_dual_arm_status planar_dual_arm_check_settings(const planar_dual_arm_settings *settings);

@@ -108,7 +108,7 @@ typedef struct {
 const char *cell_status_text(cell_status status);
 /* Such as "left/elbow torque"; row as in cell_range, 0 is "c^2 >= 0". */
 const char *cell_row_text(int row);
-/* Load, limits and unit weights of the cell file. */
+/* Load and limits of the cell file; weights are 1 / limit^2 of each torque. */
 void cell_default_settings(cell_settings *settings);
 /* CELL_OK or CELL_BAD_ARGUMENT: call it once after settings have changed. */
 cell_status cell_check_settings(const cell_settings *settings);
