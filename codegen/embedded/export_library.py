@@ -184,16 +184,17 @@ def write_library(folder: Path, texts: dict[str, str]) -> None:
         InputError: If the folder cannot be written.
     """
     write_together({folder / target: text_writer(text) for target, text in texts.items()})
-    ours = {path for pattern in GENERATED for path in folder.glob(pattern) if _is_generated(path)}
+    ours = {path for pattern in GENERATED for path in folder.glob(pattern) if _is_generated(folder, path)}
     for left in ours - {folder / target for target in texts}:
         left.unlink(missing_ok=True)
 
 
-def _is_generated(path: Path) -> bool:
+def _is_generated(folder: Path, path: Path) -> bool:
     """Whether a file is one of the kernel or starts with our notice; what cannot be read is not ours."""
     try:
         with path.open("rb") as file:
             start = file.read(LONGEST_START)
     except OSError:
         return False
-    return NOTICE.encode() in start or ("kernel" in path.parts and b"SPDX-License-Identifier: MIT" in start)
+    of_kernel = path.relative_to(folder).parts[:2] == ("src", "kernel") and b"SPDX-License-Identifier: MIT" in start
+    return of_kernel or NOTICE.encode() in start

@@ -10,12 +10,16 @@ WEIGHT_SPREAD = 1e6
 
 
 def weights_by_limits(lower: Array, upper: Array) -> Array:
-    """The diagonal of W = diag(1 / τ̂²), τ̂ the larger side of each limit, within `WEIGHT_SPREAD`, Shape (m,).
+    """The diagonal of W = diag(1 / τ̂²), τ̂ the larger side of each limit, Shape (m,).
+
+    Within `WEIGHT_SPREAD` about the middle limit: neither a placeholder nor a joint that may do nothing makes all
+    others weigh alike.
 
     Args:
-        lower: Of torques, Shape (m,) [N m or N]; a joint without a limit has the largest of the others, or 1.
+        lower: Of torques, Shape (m,) [N m or N]; infinite sides are no limit.
         upper: Likewise.
     """
     limit = np.maximum(np.abs(lower), np.abs(upper))
-    most = float(np.max(limit[np.isfinite(limit)], initial=0.0)) or 1.0
-    return np.asarray(1 / np.clip(limit, most / np.sqrt(WEIGHT_SPREAD), most) ** 2, dtype=np.float64)
+    known = np.sort(limit[np.isfinite(limit) & (limit > 0)])
+    middle, most = (known[len(known) // 2] if len(known) else 1.0), WEIGHT_SPREAD**0.25
+    return np.asarray(1 / np.clip(limit, middle / most, middle * most) ** 2, dtype=np.float64)

@@ -84,8 +84,10 @@ class Cell(InNotebooks):
         check_type("cell: folder", self.folder, Path, NoneType)
         check_type("cell: object_shape", self.object_shape, ShapeRecord, NoneType)
         check_type("cell: enforces_velocity_limits", self.enforces_velocity_limits, bool)
+        check_type("cell: limits", self.limits, list, tuple)
         for limit in self.limits:
             check_callable("cell: limits", limit)
+        object.__setattr__(self, "limits", tuple(self.limits))
         for key, kind in (("wrench_components", str), ("robots", Robot), ("remarks", Remark)):
             check_list(f"cell: {key}", getattr(self, key), kind)
             object.__setattr__(self, key, tuple(getattr(self, key)))
@@ -302,6 +304,12 @@ class Cell(InNotebooks):
         Raises:
             InputError: If a value breaks a rule of the robot or of the cell.
         """
+        check_type("changes", changes, Mapping)
+        for name, values in changes.items():
+            self._robot("changes", name)
+            check_type(f"changes: {name}", values, Mapping)
+            if unknown := sorted(map(str, values.keys() - {field.name for field in fields(Robot)})):
+                raise InputError("changes", "a robot has no such attribute.", key=name, value=", ".join(unknown))
         robots = (replace(robot, **changes[robot.name]) if robot.name in changes else robot for robot in self.robots)
         return replace(self, robots=tuple(robots))
 

@@ -71,7 +71,7 @@ def add(scale: argparse.ArgumentParser) -> None:
                        "(default: %(default)s)")  # fmt: skip
     scale.add_argument("--weights", metavar="W|A,B,…",
                        help="what the squares of torques weigh: 1 for all alike (as in the paper), or one a joint "
-                       "(default: 1 / limit² of each)")  # fmt: skip
+                       "(default: 1 / limit² of each); of no effect with --share or one arm")  # fmt: skip
     add_reserve(scale)
     add_between(scale)
     add_closure(scale)

@@ -19,14 +19,14 @@ CELL_LIMITS: tuple[Limit, ...] = (torque_limits, wrench_limits, contact_limits, 
 """Those of the cell file; `Cell.limits` are there beside them."""
 
 
-def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> dict[Limit, LimitRows]:
+def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> list[tuple[Limit, LimitRows]]:
     """The rows of each limit of a cell.
 
     Raises:
         InputError: If a limit that the cell was given gives no rows of this cell along this motion; it names the limit.
     """
-    rows = {limit: limit(cell, motion) for limit in CELL_LIMITS}
-    return rows | {limit: checked_rows(limit, cell, motion) for limit in cell.limits}
+    rows = [(limit, limit(cell, motion)) for limit in CELL_LIMITS]
+    return rows + [(limit, checked_rows(limit, cell, motion)) for limit in cell.limits]
 
 
 def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
@@ -39,11 +39,11 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    rows = stack_rows(list(rows_by_limit(cell, motion).values())).bounded()
+    rows = stack_rows([rows for _, rows in rows_by_limit(cell, motion)]).bounded()
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 
 def all_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """The rows of all that can be limited along a motion, velocities enforced or not, with limits or without."""
     enforced = replace(cell, enforces_velocity_limits=True)
-    return stack_rows(list(rows_by_limit(enforced, motion).values()))
+    return stack_rows([rows for _, rows in rows_by_limit(enforced, motion)])

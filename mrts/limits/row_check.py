@@ -63,7 +63,7 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
             rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
             raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=field)
     if rows.object_matrix is not None and not (rows.object_axes and rows.object_axes.fit(cell, motion)):
-        rule = "must be mrts.limits.object_axes.object_axes(cell, motion) where there is a object_matrix."
+        rule = "must be mrts.limits.object_axes.object_axes(cell, motion) where there is an object_matrix."
         raise InputError(where, rule, key="object_axes")
     in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
     if not in_order.all():

@@ -39,13 +39,13 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     line_rows = range(0)
     curves = curve_rows(cell)
     lines, ends = ([row for row in curves if (row.slope is None) is at_end] for at_end in (False, True))
-    for limit, given in first.items():
+    for (limit, given), (_, other) in zip(first, second, strict=True):
         if limit is motor_limits:
             before = sum(len(piece.names) for piece in pieces)
             line_rows = range(before, before + len(lines))
             pieces.append(given.only(np.array([row.slope is not None for row in curves], dtype=bool)))
         elif limit is not velocity_limits:
-            _check_constant(limit_name(limit), given, second[limit])
+            _check_constant(limit_name(limit), given, other)
             pieces.append(given)
     rows = stack_rows(pieces)
     groups = list(dict.fromkeys(name.group for name in rows.names))

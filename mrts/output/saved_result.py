@@ -89,9 +89,11 @@ def save_result(result: ScalingResult, path: Path | str) -> None:
         path: The file to make or replace, by custom NAME.npz.
 
     Raises:
-        InputError: If the file cannot be written, or the cell was given limits that are not finite.
+        InputError: If the file cannot be written, or the result has a c² without torques, as `RetimingResult.factor`.
     """
     check_type("result", result, ScalingResult)
+    if result.c2 is not None and result.trajectory is None:
+        raise InputError("result", "has a c² without torques: save the timing's 'constant', which has both.")
     path = as_path("path", path)
     motion, done = result.motion, result.trajectory
     ranges = [result.range, *(result.load.ranges if result.load else ())]

@@ -190,7 +190,7 @@ class ScalingResult(InNotebooks, JsonOutput):
 
         Both sides of each limit, the mass and a reserve are changed by a share up and down; each arm's base is moved
         along and turned about world axes through its origin, each grasp along and about the object's axes, and the
-        arms follow again. Limits of rates, and limits that were registered besides, stay as they are.
+        arms follow again. Limits of rates, and the cell's further limits, stay as they are.
 
         Args:
             share: Of limits, mass and reserve, as a share of them.

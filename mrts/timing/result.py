@@ -140,8 +140,6 @@ class RetimingResult(InNotebooks, JsonOutput):
     def factor(self) -> ScalingResult:
         """The best constant factor without its torques, for comparison; found when it is first asked for.
 
-        It keeps the limits that are registered then (docs/extending.md), as `retimed.range` does.
-
         Raises:
             MotionError: If the arms cannot hold the object where that range is looked at between the samples.
             SolverError: If no solver answers.
@@ -165,7 +163,7 @@ class RetimingResult(InNotebooks, JsonOutput):
 
     @property
     def effort(self) -> float | None:
-        """∫ τᵀWτ dt of the motion at the timing [N² m² s with W = 1]; None without one."""
+        """∫ τᵀWτ dt of the motion at the timing [s; N² m² s with W = 1]; None without one."""
         done = None if self.retimed is None else self.retimed.trajectory
         if done is None:
             return None

@@ -247,7 +247,7 @@ def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None
     """What is to be least.
 
     Args:
-        weigh: Weights of "time" [1/s] and "energy" [1/(N² m² s)]; None is the time alone.
+        weigh: Weights of "time" [1/s] and "energy" [1/s; with W = 1 1/(N² m² s)]; None is the time alone.
         least_energy_in: The longest duration, where the energy is to be least [s].
 
     Raises:

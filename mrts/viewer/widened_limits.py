@@ -33,7 +33,7 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
         c2: Chosen c².
 
     Raises:
-        InputError: If an argument breaks a options.
+        InputError: If an option breaks a rule.
         SolverError: If no solver answers.
     """
     solver, by_reserve = options.solver, options.distribute == "reserve"

@@ -336,6 +336,14 @@ def test_names_that_build_systems_use_are_refused(tmp_path, capsys):
     assert not (tmp_path / "x").exists()
 
 
+def test_an_export_leaves_the_files_of_others_wherever_it_stands(tmp_path):
+    mine = tmp_path / "kernel" / "arm" / "src" / "driver.c"
+    mine.parent.mkdir(parents=True)
+    mine.write_text("/* SPDX-License-Identifier: MIT */\n", encoding="utf-8")
+    assert main(["export", str(DATA / "cell.yaml"), "-o", str(mine.parents[1])]) == 0
+    assert mine.is_file()
+
+
 def test_a_smaller_export_leaves_nothing_of_a_larger_one(tmp_path):
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path)]) == 0
     assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path), "--functions", "range"]) == 0

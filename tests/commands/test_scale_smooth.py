@@ -146,7 +146,7 @@ def test_torques_at_an_end_are_given_by_robot(planar_cell, lift, capsys):
         ([*SMOOTH[3:], "--distribute", "reserve"], "--distribute = 'reserve': does not go with limits of rates"),
         ([*SMOOTH[3:], "--solver", "kernel"], "--solver: goes with --profile constant, not"),
         ([*SMOOTH[3:], "--weigh", "tim=1"], "--weigh = 'tim': may have the keys time and energy only."),
-        ([*SMOOTH[3:], "--weigh", "time"], "--weigh = 'time': must be KEY=NUMBER, such as time=1,energy=1e-4."),
+        ([*SMOOTH[3:], "--weigh", "time"], "--weigh = 'time': must be KEY=NUMBER, such as time=1,energy=1."),
         ([*SMOOTH[3:], "--weigh", "energy=1"], "--weigh: time = 0.0: must be > 0"),
         ([*SMOOTH[3:], "--weigh", "time=1,energy=-1"], "--weigh: energy = -1.0: must be >= 0"),
         ([*SMOOTH[3:], "--weigh", "time=1", "--least-energy-in", "1"], "--weigh: does not go with --least-energy-in"),

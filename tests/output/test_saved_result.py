@@ -256,6 +256,14 @@ def test_what_cannot_be_saved_leaves_the_old_file(lifted, tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["result.npz"]
 
 
+def test_a_factor_without_torques_is_refused(planar_cell, lift, tmp_path):
+    timing = mrts.retime(planar_cell, lift)
+    with pytest.raises(mrts.InputError, match="constant"):
+        mrts.save_result(timing.factor, tmp_path / "factor.npz")
+    mrts.save_result(timing.constant, tmp_path / "constant.npz")
+    assert mrts.load_result(tmp_path / "constant.npz").c2 == timing.factor.c2
+
+
 def test_a_joint_without_a_limit_comes_back(lifted, tmp_path):
     robots = tuple(replace(robot, torque_upper=robot.torque_upper * np.inf) for robot in lifted.cell.robots)
     mrts.save_result(replace(lifted, cell=replace(lifted.cell, robots=robots)), tmp_path / "result.npz")

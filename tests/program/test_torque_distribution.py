@@ -11,6 +11,7 @@ from reference import ReferenceCell, highs_cost
 
 import mrts
 from mrts.base.manifest import GEOMETRY
+from mrts.base.torque_weights import WEIGHT_SPREAD
 from mrts.kernel.programs import OPTIMAL, STOPPED
 from mrts.program.motion_rows import motion_rows
 from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
@@ -63,11 +64,12 @@ def test_weak_joints_are_spared_unless_all_weigh_alike(dual_ur5):
 
 
 def test_a_joint_without_a_limit_is_not_spared(planar_cell):
-    """It weighs as little as the strongest; one whose limit is next to nothing, as much as digits allow."""
+    """It weighs as little as digits allow; one whose limit is next to nothing, as much: the others as ever."""
     left, right = planar_cell.robots
     free = replace(left, torque_lower=np.array([-np.inf, -80, -1e-9]), torque_upper=np.array([np.inf, 80, 1e-9]))
     W = np.diag(torque_weights(None, replace(planar_cell, robots=(free, right))))
-    np.testing.assert_allclose(W, 1 / np.array([100, 80, 0.1, 100, 80, 50]) ** 2, rtol=1e-12)
+    most = WEIGHT_SPREAD**0.25
+    np.testing.assert_allclose(W, 1 / np.array([80 * most, 80, 80 / most, 100, 80, 50]) ** 2, rtol=1e-12)
 
 
 def test_a_heavier_weight_spares_its_joint(planar_cell, lift):

@@ -51,7 +51,7 @@ def add_profile(scale: argparse.ArgumentParser) -> None:
                        "such as 11.5, joints without a torque_rate get that multiple of their torque limit per second "
                        "(always on in the smooth profile)")  # fmt: skip
     scale.add_argument("--weigh", metavar="KEY=VALUE,…",
-                       help="what the smooth profile makes least: time=1,energy=1e-4 (default: time=1); the energy is "
+                       help="what the smooth profile makes least: time=1,energy=1 (default: time=1); the energy is "
                        "∫ τᵀWτ dt")  # fmt: skip
     scale.add_argument("--least-energy-in", type=float, metavar="SECONDS",
                        help="the smooth profile of least energy that takes at most so long")  # fmt: skip
@@ -148,7 +148,7 @@ def smooth_arguments(options: argparse.Namespace, cell: "Cell") -> dict[str, Any
         return {}
     from mrts.timing.retime import smooth_goal
 
-    weights = None if options.weigh is None else numbers_option("--weigh", options.weigh, "time=1,energy=1e-4")
+    weights = None if options.weigh is None else numbers_option("--weigh", options.weigh, "time=1,energy=1")
     with told_of("--least-energy-in" if weights is None else "--weigh"):
         smooth_goal(weights, options.least_energy_in)
     return {
