@@ -112,7 +112,7 @@ def _given(options: argparse.Namespace, cell_path: "Path | None") -> "Given":
 
 
 def _given_cell(options: argparse.Namespace, cell_path: "Path | None") -> "Given":
-    """The cell alone, whose arms hold the object still; nothing is compiled for that."""
+    """The cell alone, whose arms hold the object still."""
     from mrts.cell.loading import cell_to_compile
     from mrts.viewer.workbench.choices import Given
     from mrts.viewer.workbench.held_poses import still_motion

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What is wrong, assumed and out of reach in a cell and a motion, told before anything is compiled.
+"""What is wrong, assumed and out of reach in a cell and a motion.
 
 May import base to following. Start at `check.py`.
 """

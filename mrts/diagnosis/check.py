@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Everything that is wrong with a cell and a motion at once, before anything is generated or compiled."""
+"""Everything that is wrong with a cell and a motion at once."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -35,9 +35,10 @@ OF_PLACES = frozenset(
 def check(
     cell: Path | str, motion: Path | str | None = None, *, progress: Progress = lambda _done, _total: None
 ) -> CellCheck:
-    """Check a cell file, its URDFs and a motion, and how far each arm follows it; nothing is generated or compiled.
+    """Check a cell file, its URDFs and a motion, and how far each arm follows it.
 
-    What is wrong is found all at once and does not raise: it is listed in the answer.
+    Only the last needs a compiled library, a small one. What is wrong is found all at once and does not raise: it is
+    listed in the answer.
 
     Args:
         cell: The cell file.

@@ -55,15 +55,15 @@ def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
 
 
 @cache
-def structure(files: tuple[str, ...], name: str) -> Any:
-    """The class of a structure that files of mrts/kernel/c define; pointers are addresses.
+def structure(file: str, name: str) -> Any:
+    """The class of a structure that a file of mrts/kernel/c defines or includes; pointers are addresses.
 
     Args:
-        files: Such as "rows.c".
+        file: Such as "rows.h".
         name: Such as "mrts_limits".
     """
     found = re.search(
-        rf"typedef struct {{([^}}]*)}} {name};", re.sub(r"/\*.*?\*/", "", one_text(files), flags=re.DOTALL)
+        rf"typedef struct {{([^}}]*)}} {name};", re.sub(r"/\*.*?\*/", "", one_text((file,)), flags=re.DOTALL)
     )
     assert found is not None, name  # noqa: S101 (names of ours)
     fields: list[tuple[str, Any]] = []
@@ -71,6 +71,6 @@ def structure(files: tuple[str, ...], name: str) -> Any:
         kind, *declarators = re.split(r"\s(?=\**\w+(?:\[\d+\])?(?:,|$))", declaration.strip().removeprefix("const "))
         for declarator in declarators:
             stars, field, length = re.findall(r"(\**)(\w+)(?:\[(\d+)\])?", declarator)[0]
-            of = ctypes.c_void_p if stars else NUMBERS.get(kind) or structure(files, kind)
+            of = ctypes.c_void_p if stars else NUMBERS.get(kind) or structure(file, kind)
             fields.append((field, of * int(length) if length else of))
     return type(name, (ctypes.Structure,), {"_fields_": fields})

@@ -18,7 +18,7 @@ from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, over_chunks,
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
 from mrts.kernel.sample_terms import SampleTerms
 
-LIMITS = structure(CELL_FILES, "mrts_limits")
+LIMITS = structure("rows.h", "mrts_limits")
 
 
 class SparseLimits:

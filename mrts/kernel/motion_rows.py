@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.binding import structure
-from mrts.kernel.c_text import CELL_FILES
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.foreign_arrays import over_chunks
 from mrts.kernel.programs import STOPPED
 from mrts.kernel.sample_terms import SampleTerms
 
-PATH = structure(CELL_FILES, "mrts_joint_path")
+PATH = structure("dense/path_places.c", "mrts_joint_path")
 
 
 def path_places(

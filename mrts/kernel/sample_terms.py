@@ -13,7 +13,7 @@ from mrts.kernel.binding import structure
 FIELDS = ("torque_square", "torque_offset", "square", "offset", "margin", "torque_speed", "speed")
 
 
-TERMS = structure(("rows.c",), "mrts_terms")
+TERMS = structure("rows.h", "mrts_terms")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,7 +19,7 @@ FOUND = 0
 """The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
 
 _SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
-PROGRAM = structure(SMOOTH_FILES, "mrts_smooth_program")
+PROGRAM = structure("smooth/smooth_program.h", "mrts_smooth_program")
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.binding import structure
-from mrts.kernel.c_text import TRACKING_FILES
 from mrts.kernel.cell_library import CellLibrary, MotionLibrary, pointers, sample_inputs
 from mrts.kernel.foreign_arrays import over_chunks
 
 FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, LEFT_LIMITS, REFUSED = range(10)
 """How following ends for an arm, as in follow.h."""
 
-OUTCOME = np.dtype(structure(TRACKING_FILES, "mrts_outcome"))
+OUTCOME = np.dtype(structure("tracking/follow.h", "mrts_outcome"))
 
 PATH = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
 """What is known of the object at each sample, and its shape there."""
@@ -31,7 +30,7 @@ CLOSURE_SIZES = 6
 
 
 FOLLOWING, TRACKING, PREFERENCE = (
-    structure(TRACKING_FILES, f"mrts_{name}") for name in ("following", "tracking", "preference")
+    structure("tracking/follow.h", f"mrts_{name}") for name in ("following", "tracking", "preference")
 )
 
 

@@ -15,7 +15,7 @@ from mrts.base.remark import Remark
 from mrts.motion.object_courses import smoothing_remark
 from mrts.motion.object_motion import check_derivatives, noise_allowed
 from mrts.motion.rounded_samples import Spline, splines_through
-from mrts.motion.rows_at_rest import motion_rows
+from mrts.motion.rows_at_rest import moving_rows
 
 Source = Literal["positions", "velocities"]
 """What the derivatives of a joint that were not given were found from."""
@@ -160,7 +160,7 @@ def joint_motion(
     if samples is not None and accelerations:
         raise InputError(path, "a table with accelerations keeps its own times: leave 'samples' out.", key="samples")
     given = (positions, velocities, accelerations)
-    kept = motion_rows(time, *(_columns(part, given, len(time)) for part in given))
+    kept = moving_rows(time, *(_columns(part, given, len(time)) for part in given))
     time = time[kept] - time[kept][0]
     positions, velocities, accelerations = ({name: part[name][kept] for name in part} for part in given)
     at = time if samples is None else np.linspace(0.0, time[-1], samples)

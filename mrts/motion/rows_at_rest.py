@@ -44,7 +44,7 @@ def pushing_ends(dq: "Array", ddq: "Array") -> tuple[bool, bool]:
     return bool(pushes[0]), bool(pushes[1])
 
 
-def motion_rows(time: "Array", q: "Array", dq: "Array", ddq: "Array") -> slice:
+def moving_rows(time: "Array", q: "Array", dq: "Array", ddq: "Array") -> slice:
     """The rows of a table without those that hold still before and after the motion.
 
     Such a row is the first or the last, with no velocity and no acceleration, in exactly the position of the row next

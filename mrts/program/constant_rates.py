@@ -25,6 +25,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.convex_program import HIGHS_TOLERANCE
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import path_program
 from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, rate_names
@@ -141,7 +142,10 @@ class RatedFactors:
         rates: RateLimits,
     ) -> None:
         self.cell, self.rates = cell, rates
-        self.problems = [build_sample_problem(cell, motion, sharing=sharing, load=load, varying=True) for load in loads]
+        rows = motion_rows(cell, motion)
+        self.problems = [
+            build_sample_problem(cell, motion, sharing=sharing, load=load, varying=True, rows=rows) for load in loads
+        ]
         self.program = path_program(cell, motion, self.problems, rates)
         self.by_jerk = self._end_by_jerk()
         self._limited = np.flatnonzero(np.isfinite(self.program.change))

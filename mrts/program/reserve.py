@@ -6,7 +6,6 @@ something else binds. Here the largest share of any limit that is used is made a
 a linear program over the free wrenches and that share; the least torques are chosen among what is left.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,14 +17,14 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import limit_rows
 from mrts.limits.rows import ActiveRow, LimitRows, side_size
-from mrts.program.formulation import DistributionName, FormulationName
+from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import motion_rows
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.torque_distribution import distribute_torques
-from mrts.program.trajectory_programs import BLOCK, motion_torques
+from mrts.program.trajectory_programs import BLOCK
 from mrts.program.widening import least_widening
 
 LEAST_SHARE = 0.01
@@ -118,25 +117,17 @@ def reserve_torques(
         SolverError: If no solver answers.
     """
     cell, fallbacks = cell.with_reserve(0.0), 0
+    rows = motion_rows(cell, motion)
     torques, wrenches = [], []
     for start in range(0, motion.samples, BLOCK):
         block = np.arange(start, min(start + BLOCK, motion.samples))
-        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, samples=block)
+        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, samples=block, rows=rows)
         kept, before = reserved(problem, c2, solver)
         x, by_another = distribute_torques(kept, c2, weights, solver)
         torques.append(problem.torque(x))
         wrenches.append(problem.wrench(x))
         fallbacks += before + by_another
     return np.concatenate(torques), np.concatenate(wrenches), fallbacks
-
-
-TORQUES: dict[
-    DistributionName,
-    Callable[
-        [Cell, CoordinatedMotion, FormulationName, LoadSharing | None, str, float, Array], tuple[Array, Array, int]
-    ],
-] = {"least-torque": motion_torques, "reserve": reserve_torques}
-"""How redundant torques are chosen, by name."""
 
 
 @dataclass(frozen=True)
@@ -220,6 +211,7 @@ def plan_reserve(
         SolverError: If no solver answers.
     """
     cell, time = cell.with_reserve(0.0), motion.object.time
+    rows = motion_rows(cell, motion)
     whole: list[Reserve] = []
     distributed: list[Reserve] = []
     for load in loads:
@@ -227,9 +219,9 @@ def plan_reserve(
             block = np.arange(start, min(start + BLOCK, motion.samples))
             vector = None if load is None else load.load
             problem = build_sample_problem(
-                cell, motion, formulation=formulation, sharing=sharing, load=vector, samples=block
+                cell, motion, formulation=formulation, sharing=sharing, load=vector, samples=block, rows=rows
             )
-            given = limit_rows(cell, motion).at(block)
+            given = rows.given.at(block)
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
                 at_best = _shares_moved(problem, *least_shares(problem, c2, solver)[:2])

@@ -136,6 +136,7 @@ def motion_torques(
     solver: str,
     c2: float,
     weights: Array,
+    rows: MotionRows | None = None,
 ) -> tuple[Array, Array, int]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
 
@@ -147,6 +148,7 @@ def motion_torques(
         solver: Likewise.
         c2: Chosen c².
         weights: W, Shape (m, m).
+        rows: As in `motion_ranges`.
 
     Raises:
         InputError: If an argument breaks a rule.
@@ -155,7 +157,7 @@ def motion_torques(
     if formulation == "wrench" and (sharing is not None or len(cell.robots) == 1):
         check_solver(solver)
         return *known_torques(cell, motion, sharing, c2), 0
-    rows = motion_rows(cell, motion)
+    rows = motion_rows(cell, motion) if rows is None else rows
     if not _is_for_kernel(cell, rows, formulation, solver) or rows.sparse is None:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, rows=rows)
         x, fallbacks = distribute_torques(problem, c2, weights, solver)
@@ -180,7 +182,11 @@ def motion_torques(
 
 
 def motion_planes(
-    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None
+    cell: Cell,
+    motion: CoordinatedMotion,
+    sharing: LoadSharing | None,
+    load: Array | None,
+    rows: MotionRows | None = None,
 ) -> tuple[KnownPlanes, Array] | None:
     """The limits over u = r̈ and x = ṙ² where nothing else is unknown, and the largest x that velocities allow.
 
@@ -189,13 +195,14 @@ def motion_planes(
         motion: Its motion; its time is the path parameter r.
         sharing: A fixed distribution of the load, None for a free one.
         load: As in `motion_ranges`.
+        rows: Likewise.
 
     Returns:
         Half-planes, and Shape (N,); None where the compiled path does not answer.
     """
     if sharing is None and len(cell.robots) > 1:
         return None
-    rows = motion_rows(cell, motion)
+    rows = motion_rows(cell, motion) if rows is None else rows
     if rows.has_speed_terms or not _is_for_kernel(cell, rows, "wrench", DEFAULT_SOLVER):
         return None
     by_rate = SampleTerms(torque_square=None if rows.motors is None else rows.motors.rate, square=rows.kept.rate)

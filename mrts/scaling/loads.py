@@ -133,11 +133,12 @@ def range_at_samples(
         points = box.corners(varying)
     else:
         points = mass_grid(box, options.load)
-    of_points = ranges_of_loads(cell, motion, options, points, progress, high)
+    rows = motion_rows(cell, motion) if rows is None else rows
+    of_points = ranges_of_loads(cell, motion, options, points, progress, high, rows)
 
     def find(below: float) -> SampleRanges:
         ranges = [
-            known.samples if below == high else ranges_of_load(cell, motion, options, point.load, below)
+            known.samples if below == high else ranges_of_load(cell, motion, options, point.load, below, rows)
             for point, known in zip(points, of_points, strict=True)
         ]
         return with_all_rows(cell, motion, options, combined_ranges(points, ranges, every=True))
@@ -176,9 +177,10 @@ def ranges_of_loads(
     points: Sequence[LoadPoint],
     progress: Progress,
     high: float,
+    rows: MotionRows,
 ) -> tuple[ScalingRange, ...]:
     """The range over the motion of each load; arguments as in `range_at_samples`."""
-    found, rows = [], motion_rows(cell, motion)
+    found = []
     for number, point in enumerate(points):
         progress(number, len(points))
         found.append(common_range(partial(ranges_of_load, cell, motion, options, point.load, rows=rows), high))

@@ -18,6 +18,7 @@ from mrts.limits.rows import Side
 from mrts.program.closed_form import LoadSensitivity, load_sensitivity
 from mrts.program.held_interrupt import held_interrupt
 from mrts.program.linear_programs import NO_EFFECT, UNBOUNDED, effect_of_speed
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import SampleRanges, sample_ranges, statuses
 from mrts.scaling.loads import (
@@ -81,13 +82,14 @@ def possible_range(
     points = box.corners(varying)
     if varying:
         points = (*points, box.nominal_point())
-    of_points = ranges_of_loads(cell, motion, options, points, progress, high)
+    rows = motion_rows(cell, motion)
+    of_points = ranges_of_loads(cell, motion, options, points, progress, high, rows)
     not_converged: tuple[int, ...] = ()
 
     def find(below: float) -> SampleRanges:
         nonlocal not_converged
         ranges = [
-            ranges_of_load(cell, motion, options, point.load, below) if known.samples.several else known.samples
+            ranges_of_load(cell, motion, options, point.load, below, rows) if known.samples.several else known.samples
             for point, known in zip(points, of_points, strict=True)
         ]
         best = combined_ranges(points, ranges, every=False)

@@ -20,6 +20,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
+from mrts.limits.rows import LimitRows
 from mrts.program.excess import Excess
 from mrts.program.motor_terms import motor_terms
 from mrts.program.range_status import RangeStatus
@@ -281,13 +282,16 @@ class ScalingResult(InNotebooks, JsonOutput):
             arms, carried = max(arms, float(np.max(np.abs(rest)))), max(carried, float(np.max(np.abs(balance))))
         return Residuals(_largest_excess(cell, done), arms, carried)
 
-    def checked(self) -> Self:
+    def checked(self, rows: LimitRows | None = None) -> Self:
         """This result, if its trajectory keeps every limit.
+
+        Args:
+            rows: From `limit_rows`, where they are at hand; None puts them together.
 
         Raises:
             SolverError: If it oversteps one by more than `LIMIT_TOLERANCE`.
         """
-        excess = 0.0 if self.trajectory is None else _largest_excess(self.cell, self.trajectory)
+        excess = 0.0 if self.trajectory is None else _largest_excess(self.cell, self.trajectory, rows)
         if not excess <= LIMIT_TOLERANCE:
             raise SolverError(
                 f"the torques found overstep a limit by {excess:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the "
@@ -351,9 +355,9 @@ def kept_text(reserve: float, warnings: Iterable[Remark] = ()) -> str:
     return f"{text}with {100 * reserve:.4g} % of every limit in reserve, " if reserve else text
 
 
-def _largest_excess(cell: Cell, done: ScaledTrajectory) -> float:
+def _largest_excess(cell: Cell, done: ScaledTrajectory, rows: LimitRows | None = None) -> float:
     """Largest excess over a limit, as a share of it."""
-    rows, worst = limit_rows(cell, done.motion), 0.0
+    rows, worst = limit_rows(cell, done.motion) if rows is None else rows, 0.0
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)
         here = rows.at(part)

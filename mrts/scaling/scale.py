@@ -124,7 +124,8 @@ def scale(
         between=between,
         rates=None if rates is False else rate_limits(cell, rates),
     ).checked(cell)
-    return with_torques(chosen_factor(cell, coordinate(cell, motion, closure), options, progress))
+    chosen, rows = chosen_factor(cell, coordinate(cell, motion, closure), options, progress)
+    return with_torques(chosen, rows=rows)
 
 
 def chosen_factor(
@@ -132,7 +133,7 @@ def chosen_factor(
     motion: CoordinatedMotion,
     options: Options,
     progress: Progress = lambda _done, _total: None,
-) -> ScalingResult:
+) -> tuple[ScalingResult, MotionRows]:
     """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
 
     Args:
@@ -141,24 +142,27 @@ def chosen_factor(
         options: Checked.
         progress: As in `scale`.
 
+    Returns:
+        The result, and the limits along its motion.
+
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
         SelectionError: If c² is not in the range; its `result` holds the range.
         SolverError: If no solver answers.
     """
-    result, refinement = admissible_range(cell, motion, options, progress)
+    result, rows, refinement = admissible_range(cell, motion, options, progress)
     result, factors = within_rate_limits(result)
     remarks, own = motion_remarks(cell, motion, lambda: result.range, constant=True), motion.object.time
     remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(result.motion.object.time, own))
     result = replace(result, warnings=remarks + result.warnings)
     if not result.status.admits_motion or options.load == "possible":
-        return result
+        return result, rows
     try:
         c2 = choose_c2(result.range, options.select, partial(conflict_at, result))
         _check_rated(factors, result.range, c2)
     except SelectionError as error:
         raise SelectionError(f"{kept_text(cell.reserve)}{error}", result) from None
-    return replace(result, c2=c2, excess=None if refinement is None else refinement.excess(c2))
+    return replace(result, c2=c2, excess=None if refinement is None else refinement.excess(c2)), rows
 
 
 def admissible_range(
@@ -166,7 +170,7 @@ def admissible_range(
     motion: CoordinatedMotion,
     options: Options,
     progress: Progress = lambda _done, _total: None,
-) -> tuple[ScalingResult, Refinement | None]:
+) -> tuple[ScalingResult, MotionRows, Refinement | None]:
     """The range of c² of a motion, rates apart (steps 1 and 2 of MMTSF), between its samples too.
 
     Of what is possible with some load, and with an internal wrench for each sample, only the given samples are looked
@@ -179,8 +183,8 @@ def admissible_range(
         progress: As in `scale`.
 
     Returns:
-        A result without a c², of the motion with the samples that were added, and what was found between the samples;
-        None if that was not looked at.
+        A result without a c², of the motion with the samples that were added, the limits along it, and what was found
+        between the samples; None if that was not looked at.
 
     Raises:
         InputError: If an argument breaks a rule.
@@ -207,7 +211,7 @@ def admissible_range(
     given = first.range
     prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
     if tolerance is None or options.load == "possible" or prescribed or not given.status.admits_motion:
-        return first, None
+        return first, rows, None
 
     assert given.lower is not None and given.upper is not None  # noqa: S101, PT018 (the range admits motion)
     high = given.upper.c2
@@ -226,9 +230,10 @@ def admissible_range(
 
     refined = refine(cell, (motion, rows), given.samples, (given.lower.c2, high), ranges, widening, tolerance)
     if refined.motion is motion:
-        return first, refined
-    finer = result(refined.motion, motion_rows(cell, refined.motion))
-    return replace(finer, warnings=interpolated(motion, given, finer.range)), refined
+        return first, rows, refined
+    rows = motion_rows(cell, refined.motion)
+    finer = result(refined.motion, rows)
+    return replace(finer, warnings=interpolated(motion, given, finer.range)), rows, refined
 
 
 def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFactors | None"]:
@@ -278,15 +283,15 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
         SolverError: If no solver answers.
     """
     cell, motion, worst = result.cell, result.motion, None
-    formulation, sharing = result.options.formulation, result.options.sharing
+    formulation, sharing, rows = result.options.formulation, result.options.sharing, motion_rows(cell, motion)
     for point in result.loads:
         load = None if point is None else point.load
         share = motion_widening(
-            cell, motion, np.full(motion.samples, c2), formulation=formulation, sharing=sharing, load=load
+            cell, motion, np.full(motion.samples, c2), formulation=formulation, sharing=sharing, load=load, rows=rows
         )
         sample = np.array([np.argmax(share)])
         problem = build_sample_problem(
-            cell, motion, formulation=formulation, sharing=sharing, load=load, samples=sample
+            cell, motion, formulation=formulation, sharing=sharing, load=load, samples=sample, rows=rows
         )
         (found,) = conflicts_at(problem, np.array([c2]), motion.object.time[sample], result.options.solver)
         if found is not None and (worst is None or found.widening > worst.widening):
@@ -363,7 +368,8 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.c2
     options = replace(result.options, solver=solver)
-    own, _ = range_at_samples(cell, motion, replace(options, load="nominal"))
+    rows = motion_rows(cell, motion)
+    own, _ = range_at_samples(cell, motion, replace(options, load="nominal"), rows=rows)
     refused = replace(result, cell=cell, options=options, found=own, c2=None, trajectory=None, load=None)
     if own.admitted(c2, END_TOLERANCE) is None and not (own.samples.several and conflict_at(refused, c2) is None):
         raise SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}", refused)
@@ -371,7 +377,7 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
     excess = result.excess if result.load is not None and result.load.question == "guaranteed" else None
     fallbacks = result.fallbacks + own.samples.fallbacks
     try:
-        return with_torques(replace(result, cell=cell, options=options, fallbacks=fallbacks, excess=excess))
+        return with_torques(replace(result, cell=cell, options=options, fallbacks=fallbacks, excess=excess), rows=rows)
     except SolverError as error:
         if options.rates is None:
             raise

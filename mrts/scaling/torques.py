@@ -12,9 +12,11 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.motion_widening import motion_widening
-from mrts.program.reserve import TORQUES
+from mrts.program.reserve import reserve_torques
 from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
+from mrts.program.trajectory_programs import motion_torques
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult
@@ -39,12 +41,15 @@ NAMED = 3
 """Further joints that it names."""
 
 
-def with_torques(result: ScalingResult, given: tuple[Array, Array] | None = None) -> ScalingResult:
+def with_torques(
+    result: ScalingResult, given: tuple[Array, Array] | None = None, rows: MotionRows | None = None
+) -> ScalingResult:
     """A result with the torques of its options at its c², and with what is to be said of them.
 
     Args:
         result: Any result, whose cell has the load that is carried; without a c² it stays as it is.
         given: Torques and wrenches that were distributed already, Shape (N, m) and (N, n w).
+        rows: From `motion_rows`, where they are at hand; None puts them together.
 
     Raises:
         SolverError: If no solver answers, or the torques overstep a limit.
@@ -52,24 +57,27 @@ def with_torques(result: ScalingResult, given: tuple[Array, Array] | None = None
     cell, motion, options, c2 = result.cell, result.motion, result.options, result.c2
     if c2 is None:
         return result
-    W = torque_weights(options.weights, cell)
     if given is not None:
         torque, wrench, fallbacks = *given, 0
     elif options.rates is None:
-        torque, wrench, fallbacks = distributed_torques(cell, motion, options, c2)
+        rows = motion_rows(cell, motion) if rows is None else rows
+        torque, wrench, fallbacks = distributed_torques(cell, motion, options, c2, rows)
     else:
         from mrts.program.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
+        W = torque_weights(options.weights, cell)
         torque, wrench, fallbacks = *torques_within_rates(cell, motion, options.sharing, options.rates, c2, W), 0
     holding, unheld = _holding(cell, motion, options)
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
     told = before + unheld + _overrated(done) + _fast_rates(result)
-    return replace(result, warnings=tuple(dict.fromkeys(told))).checked()
+    return replace(result, warnings=tuple(dict.fromkeys(told))).checked(None if rows is None else rows.given)
 
 
-def distributed_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2: float) -> tuple[Array, Array, int]:
+def distributed_torques(
+    cell: Cell, motion: CoordinatedMotion, options: Options, c2: float, rows: MotionRows | None = None
+) -> tuple[Array, Array, int]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at each sample by itself.
 
     Args:
@@ -77,6 +85,7 @@ def distributed_torques(cell: Cell, motion: CoordinatedMotion, options: Options,
         motion: Its motion.
         options: How they are distributed; rates do not count.
         c2: Chosen c².
+        rows: As in `with_torques`.
 
     Returns:
         Both, and how many programs were left by the chosen solver.
@@ -85,8 +94,8 @@ def distributed_torques(cell: Cell, motion: CoordinatedMotion, options: Options,
         SolverError: If no solver answers.
     """
     W = torque_weights(options.weights, cell)
-    distribute = TORQUES[options.distribute]
-    return distribute(cell, motion, options.formulation, options.sharing, options.solver, c2, W)
+    given = cell, motion, options.formulation, options.sharing, options.solver, c2, W
+    return reserve_torques(*given) if options.distribute == "reserve" else motion_torques(*given, rows)
 
 
 def _holding(cell: Cell, motion: CoordinatedMotion, options: Options) -> tuple[Holding, tuple[Remark, ...]]:
@@ -97,11 +106,14 @@ def _holding(cell: Cell, motion: CoordinatedMotion, options: Options) -> tuple[H
         return Holding((False, False), torque, wrench), ()
     places = np.array([0, motion.samples - 1])
     still, shared = _still(motion, options.sharing, places)
-    widening = motion_widening(cell, still, np.zeros(2), formulation=options.formulation, sharing=shared)
+    rows = motion_rows(cell, still)
+    widening = motion_widening(cell, still, np.zeros(2), formulation=options.formulation, sharing=shared, rows=rows)
     held = needed & (widening <= TORQUE_WIDENING)
     if np.any(held):
-        still, shared = _still(motion, options.sharing, places[held][[0, -1]])
-        found = distributed_torques(cell, still, replace(options, sharing=shared), 0.0)
+        if not np.all(held):  # the other end has no torques: the one that has them stands for both
+            still, shared = _still(motion, options.sharing, places[held][[0, -1]])
+            rows = motion_rows(cell, still)
+        found = distributed_torques(cell, still, replace(options, sharing=shared), 0.0, rows)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
     remarks = tuple(
         Remark(

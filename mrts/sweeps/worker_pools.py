@@ -15,10 +15,11 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
 from importlib.util import find_spec
 from multiprocessing.resource_tracker import ensure_running
+from queue import Empty
 from types import NoneType
 from typing import Any, Protocol, TypeVar
 
@@ -137,6 +138,10 @@ class LocalProcesses:
     def _end(self, place: int) -> None:
         executor, self._executors[place] = self._executors[place], None
         if executor is not None:
+            # loky forgets the calls that wait and then looks up those whose numbers are still queued: a KeyError
+            with suppress(Empty):
+                while True:
+                    executor._work_ids.get_nowait()  # noqa: SLF001 (it has no other way)
             executor.shutdown(kill_workers=True)
 
 

@@ -16,6 +16,7 @@ from mrts.limits.rows import ActiveRow
 from mrts.motion.object_courses import Geodesic, PoseSplines, WaypointPath
 from mrts.program.excess import BETWEEN, Excess
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import motion_rows
 from mrts.program.motion_widening import motion_widening
 from mrts.program.rate_limits import rate_names
 from mrts.program.sample_problem import build_sample_problem
@@ -182,9 +183,12 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Nam
         over.append(np.stack([jerk, np.full_like(jerk, -np.inf)]))
         names = [rate_names(timed.cell)[2][joint] for joint in limited.tolist()]
         row_at.append(lambda row, upper: ActiveRow(names[row], "upper", float(part.program.jerk[row])))  # noqa: ARG005
+    rows = motion_rows(timed.cell, path)
     for load, free in zip(loads, carried, strict=True):
         between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]
-        problem = build_sample_problem(timed.cell, path, sharing=timed.options.sharing, load=load, varying=True)
+        problem = build_sample_problem(
+            timed.cell, path, sharing=timed.options.sharing, load=load, varying=True, rows=rows
+        )
         values = apply(problem.A, np.column_stack([between, u, x]))
         if problem.speed is not None:
             values += problem.speed * np.sqrt(x[:, None])

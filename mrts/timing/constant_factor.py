@@ -35,7 +35,7 @@ class ConstantFactor:
             SolverError: If no solver answers.
         """
         try:
-            return chosen_factor(self.cell, self.motion, self.options)
+            return chosen_factor(self.cell, self.motion, self.options)[0]
         except SelectionError as error:
             if error.result is None:
                 raise

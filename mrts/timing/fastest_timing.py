@@ -14,6 +14,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import Conflict
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.trajectory_programs import motion_planes
 from mrts.scaling.loads import effective_parameters
@@ -111,6 +112,11 @@ class _Search:
         )
         return start, end
 
+    @cached_property
+    def rows(self) -> MotionRows:
+        """The limits along the piece."""
+        return motion_rows(self.untimed.cell, self.piece.path)
+
     def run(self, progress: Progress) -> FastestPiece | RetimingResult:
         """The fastest profile, or the outcome without one."""
         parts, with_root, step = [], [], self.piece.step
@@ -118,7 +124,7 @@ class _Search:
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
             load, sharing = None if point is None else point.load, self.untimed.options.sharing
-            known = motion_planes(self.untimed.cell, self.piece.path, sharing, load)
+            known = motion_planes(self.untimed.cell, self.piece.path, sharing, load, self.rows)
             if known is not None:
                 parts.append(regions_of_planes(*known, length, self.ends))
                 continue
@@ -211,7 +217,7 @@ class _Search:
     def _problem(self, point: LoadPoint | None) -> SampleProblem:
         load = None if point is None else point.load
         cell, sharing = self.untimed.cell, self.untimed.options.sharing
-        return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True)
+        return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True, rows=self.rows)
 
     def _conflict(
         self, sample: int, reach: tuple[float, float] | None = None, x: float | None = None

@@ -227,7 +227,6 @@ def _smooth_options(
                 raise InputError(name, "needs limits of rates: give rates too.", value=value)
         return None
     goal = smooth_goal(given["weigh"], given["least_energy_in"])
-    check_type("distribute", distribute, str)
     if distribute != "least-torque":
         rule = "does not go with rates: where torques change slowly they are the least ones."
         raise InputError("distribute", rule, value=distribute)
@@ -238,7 +237,7 @@ def _smooth_options(
             raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given[name])
         held.append(torque)
     for name, torque in zip(("start_torque", "end_torque"), held, strict=True):
-        if torque is not None and question == "guaranteed" and cell.load_box is not None:
+        if torque is not None and question == "guaranteed":
             raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
     return goal, (held[0], held[1])
 

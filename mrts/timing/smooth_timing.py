@@ -11,6 +11,7 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.path_program import path_program
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
@@ -81,10 +82,10 @@ class SmoothQuestion:
         """W of the effort, Shape (m, m)."""
         return torque_weights(self.bare.options.weights, self.bare.cell)
 
-    def problem(self, path: SmoothPath, load: Array) -> SampleProblem:
-        """Rows of [F, u, x] at the nodes of a path."""
+    def problem(self, path: SmoothPath, load: Array, rows: MotionRows) -> SampleProblem:
+        """Rows of [F, u, x] at the nodes of a path, of the limits along it."""
         return build_sample_problem(
-            self.bare.cell, path.path, sharing=self.bare.options.sharing, load=load, varying=True
+            self.bare.cell, path.path, sharing=self.bare.options.sharing, load=load, varying=True, rows=rows
         )
 
     def program(
@@ -137,7 +138,8 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     paths, parts = [smooth_path(motion, given, end_speeds, usual) for given in pieces], []
     for number, piece in enumerate(joined_at_stops(paths)):
         first, last = number == 0, number == len(pieces) - 1
-        problems = [question.problem(piece, load) for load in question.bare.loads]
+        rows = motion_rows(cell, piece.path)
+        problems = [question.problem(piece, load, rows) for load in question.bare.loads]
         start, held = _held(question, problems, held, first=first, last=last)
         for end, asked in ((0, first), (1, last)):
             why = unheld(cell, problems[0], question.end_torques, end) if asked else None
@@ -146,7 +148,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
         weights = question.weights if question.goal.effort > 0 else None
         program = question.program(piece, problems, (start, held), weights)
         likely = _likely(question, piece, program, before[number] if before else None)
-        own = problems[0] if len(problems) == 1 else question.problem(piece, cell.load)
+        own = problems[0] if len(problems) == 1 else question.problem(piece, cell.load, rows)
         parts.append((piece, own, program.narrowed(NARROWING), likely))
     return parts
 

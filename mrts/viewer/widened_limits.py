@@ -8,6 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.program.motion_rows import motion_rows
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.torque_distribution import distribute_torques, torque_weights
@@ -22,9 +23,9 @@ INTERIOR = 1e-6
 def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2: float) -> tuple[Array, Array]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at any c² > 0.
 
-    At a sample that keeps its limits at this c² they are those of `TORQUES`. At any other, all limits are first
-    moved outward by the least share of their size that leaves a solution, so that what is beyond its limit is what
-    forbids the speed. A fixed distribution asks no limits.
+    At a sample that keeps its limits at this c² they are those of `distributed_torques`. At any other, all limits are
+    first moved outward by the least share of their size that leaves a solution, so that what is beyond its limit is
+    what forbids the speed. A fixed distribution asks no limits.
 
     Args:
         cell: The cell, with its load.
@@ -39,11 +40,12 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
     solver, by_reserve = options.solver, options.distribute == "reserve"
     cell = cell.with_reserve(0.0) if by_reserve else cell  # it is of the limits as they are given
     W = torque_weights(options.weights, cell)
+    rows = motion_rows(cell, motion)
     torques, wrenches = [], []
     for start in range(0, motion.samples, BLOCK):
         block = np.arange(start, min(start + BLOCK, motion.samples))
         problem = build_sample_problem(
-            cell, motion, formulation=options.formulation, sharing=options.sharing, samples=block
+            cell, motion, formulation=options.formulation, sharing=options.sharing, samples=block, rows=rows
         ).without_caps()  # no torques change what the speed alone moves
         widening = _least_widening(problem, c2, solver)[:, None] * problem.is_limit
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)

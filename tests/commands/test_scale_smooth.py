@@ -167,7 +167,7 @@ def test_options_that_make_no_sense_are_told_by_name(options, message, capsys):
 
 def test_steps_are_counted_and_control_c_ends_them(tmp_path):
     """A table of many rows takes seconds."""
-    motion = yaml.safe_load((DATA / "lift.yaml").read_text()) | {"samples": 4001}
+    motion = yaml.safe_load((DATA / "lift.yaml").read_text()) | {"samples": 20001}
     path = tmp_path / "long.yaml"
     path.write_text(yaml.safe_dump(motion))
     command = [*MRTS, "scale", CELL, path, "--profile", "smooth", "--rates", "11.5", "--json"]

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from mrts.kernel.binding import bind, structure
-from mrts.kernel.c_text import CELL_FILES, SMOOTH_FILES, TRACKING_FILES, one_text
+from mrts.kernel.c_text import one_text
 
 STRUCTURES = {
-    "mrts_limits": CELL_FILES,
-    "mrts_terms": CELL_FILES,
-    "mrts_joint_path": CELL_FILES,
-    "mrts_following": TRACKING_FILES,
-    "mrts_outcome": TRACKING_FILES,
-    "mrts_smooth_program": SMOOTH_FILES,
+    "mrts_limits": "rows.h",
+    "mrts_terms": "rows.h",
+    "mrts_joint_path": "dense/path_places.c",
+    "mrts_following": "tracking/follow.h",
+    "mrts_outcome": "tracking/follow.h",
+    "mrts_smooth_program": "smooth/smooth_program.h",
 }
 
 
@@ -27,7 +27,7 @@ def test_structures_are_laid_out_as_the_compiler_does(name, tmp_path):
     checks = [f"offsetof({name}, {field}) == {place}" for field, place in places.items()]
     checks.append(f"sizeof({name}) == {ctypes.sizeof(made)}")
     asserted = "".join(f'_Static_assert({check}, "{check}");\n' for check in checks)
-    text = f"#include <stddef.h>\n#define MRTS_LOCAL static\n{one_text(STRUCTURES[name])}\n{asserted}"
+    text = f"#include <stddef.h>\n#define MRTS_LOCAL static\n{one_text((STRUCTURES[name],))}\n{asserted}"
     (tmp_path / "check.c").write_text(text)
     compiler = shutil.which("gcc") or shutil.which("cc")
     command = [compiler, "-std=c11", "-w", "-fsyntax-only", tmp_path / "check.c"]

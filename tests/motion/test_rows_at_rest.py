@@ -10,7 +10,7 @@ from scaled_paths import scaled_path
 import mrts
 from mrts.limits import limit_rows
 from mrts.motion.csv_motion import read_table
-from mrts.motion.rows_at_rest import HOLDING_STEP, motion_rows, pushing_ends
+from mrts.motion.rows_at_rest import HOLDING_STEP, moving_rows, pushing_ends
 from mrts.output.trajectory_table import played_rows, trajectory_csv
 
 STATICS = 1e-9
@@ -107,15 +107,15 @@ def test_only_rows_at_rest_beside_an_acceleration_are_left_out():
     q, dq, ddq = np.array([[0.0], [0.0], [0.5], [1.0], [1.0]]), np.zeros((5, 1)), np.zeros((5, 1))
     dq[2], ddq[[1, 3], 0] = 1.0, (2.0, -2.0)
     time, none = np.array([0.0, 1e-3, 0.1, 0.2, 0.201]), np.zeros((5, 0))
-    assert motion_rows(time, q, dq, ddq) == slice(1, 4)
+    assert moving_rows(time, q, dq, ddq) == slice(1, 4)
     assert pushing_ends(dq[1:4], ddq[1:4]) == (True, True)
-    assert motion_rows(time, q, dq, np.zeros((5, 1))) == slice(0, 5)
-    assert motion_rows(time, q, dq, none) == motion_rows(time, q, none, none) == slice(1, 4)
-    assert motion_rows(time * 1.1, q, none, none) == slice(0, 5)
+    assert moving_rows(time, q, dq, np.zeros((5, 1))) == slice(0, 5)
+    assert moving_rows(time, q, dq, none) == moving_rows(time, q, none, none) == slice(1, 4)
+    assert moving_rows(time * 1.1, q, none, none) == slice(0, 5)
     moved = q.copy()
     moved[0] = -1e-9
-    assert motion_rows(time, moved, dq, ddq) == slice(0, 4)
-    assert motion_rows(time[:2], q[:2], dq[:2], ddq[:2]) == slice(0, 2)
+    assert moving_rows(time, moved, dq, ddq) == slice(0, 4)
+    assert moving_rows(time[:2], q[:2], dq[:2], ddq[:2]) == slice(0, 2)
 
 
 def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
