@@ -143,8 +143,8 @@ def _conflicts_along_speed(
 ) -> list[Conflict | None]:
     """`find_conflicts` where rows have a term in ṙ: at the c² at which the limits must move outward the least.
 
-    The widening is no convex function of c: it is looked for around the best of a grid, and as long as some c is admitted
-    with limits moved outward by a little less, among these.
+    The widening is no convex function of c: it is looked for around the best of a grid, and as long as some c is
+    admitted with limits moved outward by a little less, among these.
     """
     best = closest_speed(part, solver) ** 2
     found = conflicts_at(part, best, time, solver)

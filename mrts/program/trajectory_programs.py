@@ -15,15 +15,14 @@ from mrts.kernel.cell_library import KernelRanges
 from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, KnownWrenches
 from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.limits.rows import Side
 from mrts.program.closed_form import tied_codes, tied_sides
 from mrts.program.formulation import FormulationName
 from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, binds, motion_rows
 from mrts.program.range_ends import BindingRows, kernel_rows
-from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, with_end_problem
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.speed_intervals import intervals_below
 from mrts.program.torque_distribution import TORQUE_WIDENING, distribute_torques, known_torques
@@ -68,13 +67,13 @@ def motion_ranges(
     else:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load, rows=rows)
         found = sample_ranges(problem, motion.object.time, solver, high)
-    if sharing is not None:
-        return found
-    return with_end_problem(cell, motion, found, partial(_load_at, load))
+    return found if one_unknown else replace(found, problem=partial(_problem_of_sample, cell, motion, load))
 
 
-def _load_at(load: Array | None, sample: int, _side: Side) -> Array | None:
-    return load if load is None or load.ndim == 1 else load[sample]
+def _problem_of_sample(
+    cell: Cell, motion: CoordinatedMotion, known: Array | None, sample: int, load: Array | None
+) -> SampleProblem:
+    return build_sample_problem(cell, motion, load=known if load is None else load, samples=np.array([sample]))
 
 
 def _kernel_ranges(
