@@ -211,7 +211,8 @@ def _widening_at_speeds(problem: SampleProblem, speeds: Array, solver: str) -> A
     """The widening at p speeds c of each sample, Shape (N, p) as `speeds`."""
     repeated = problem.at(np.repeat(np.arange(problem.samples), speeds.shape[1]))
     what = "at which speed the limits come closest"
-    return widening_at(repeated, speeds.reshape(-1, 1) ** 2, solver, what).reshape(speeds.shape)
+    needed: Array = widening_at(repeated, speeds.reshape(-1, 1) ** 2, solver, what).reshape(speeds.shape)
+    return needed
 
 
 def _closest_between(
