@@ -12,8 +12,8 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow
+from mrts.program.range_ends import highest_intervals, speed_unit
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.speed_intervals import highest_intervals, speed_unit
 from mrts.program.widening import least_widening, widening_at
 
 CERTIFICATE_TOLERANCE = 1e-9

@@ -14,15 +14,23 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow, Side
-from mrts.program.closed_form import ends_in_closed_form
-from mrts.program.end_rows import rows_at_end, tight_codes
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
-from mrts.program.linear_programs import ends_by_linear_programs
 from mrts.program.motion_rows import binds
-from mrts.program.range_ends import BindingRows, RangeEnds, codes_of_duals, no_codes, rows_of_problem
+from mrts.program.range_ends import (
+    BindingRows,
+    RangeEnds,
+    codes_of_duals,
+    ends_by_linear_programs,
+    ends_in_closed_form,
+    highest_intervals,
+    intervals_below,
+    no_codes,
+    rows_at_end,
+    rows_of_problem,
+    tight_codes,
+)
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.speed_intervals import highest_intervals, intervals_below
 
 REST_TOLERANCE = 1e-12
 """A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""

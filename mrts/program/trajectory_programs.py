@@ -15,16 +15,14 @@ from mrts.kernel.cell_library import CellLibrary, KernelRanges, SparseLimits
 from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, known_planes, known_ranges
 from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.program.closed_form import tied_codes, tied_sides
 from mrts.program.formulation import FormulationName
 from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, binds, motion_rows
-from mrts.program.range_ends import BindingRows, kernel_rows
+from mrts.program.range_ends import BindingRows, intervals_below, kernel_rows, tied_codes, tied_sides
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.program.speed_intervals import intervals_below
 from mrts.program.torque_distribution import BLOCK, TORQUE_WIDENING, torques_by_blocks
 
 MOST_ROWS = 32_767

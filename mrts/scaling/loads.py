@@ -23,10 +23,15 @@ from mrts.base.load_box import OFFSETS, LoadBox, LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.program.closed_form import LoadSensitivity, ends_in_closed_form, load_sensitivity, worst_parameters
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.range_ends import chosen_rows
+from mrts.program.range_ends import (
+    LoadSensitivity,
+    chosen_rows,
+    ends_in_closed_form,
+    load_sensitivity,
+    worst_parameters,
+)
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import SampleRanges, first_least, statuses, without_speed_at_rest
 from mrts.program.trajectory_programs import motion_ranges
