@@ -10,11 +10,8 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
-from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.motion_rows import path_rows
-from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits.rows import ActiveRow, LimitRows, RowName
 from mrts.program.formulation import FORMULATIONS, FormulationName
 from mrts.program.load_sharing import LoadSharing
@@ -23,6 +20,12 @@ from mrts.program.motor_terms import MotorTerms
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
+
+
+MAPS = ("torque_map", "torque_offset", "torque_speed", "wrench_map", "wrench_offset")
+OF_ROWS = ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
+OF_SAMPLES = ("A", "lower", "upper", "speed")
+"""Attributes with samples, with rows, and with rows of each sample."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,18 +142,19 @@ class SampleProblem:
 
     def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
         """The same problem at some samples only (indices or a mask)."""
-        return replace(
-            self,
-            torque_map=self.torque_map[samples],
-            torque_speed=None if self.torque_speed is None else self.torque_speed[samples],
-            torque_offset=self.torque_offset[samples],
-            wrench_map=self.wrench_map[samples],
-            wrench_offset=self.wrench_offset[samples],
-            A=self.A[samples],
-            speed=None if self.speed is None else self.speed[samples],
-            lower=self.lower[samples],
-            upper=self.upper[samples],
+        along = (
+            "torque_map",
+            "torque_offset",
+            "torque_speed",
+            "wrench_map",
+            "wrench_offset",
+            "A",
+            "lower",
+            "upper",
+            "speed",
         )
+        given = {name: getattr(self, name) for name in along}
+        return replace(self, **{name: None if of is None else of[samples] for name, of in given.items()})
 
     def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
         """The same problem with more rows, which have no term in ṙ.
@@ -168,17 +172,14 @@ class SampleProblem:
             more["speed"] = np.concatenate([self.speed, np.zeros((self.samples, len(names)))], axis=1)
         return replace(self, names=(*self.names, *names), **more)
 
-    def without_caps(self) -> "SampleProblem":
-        """The same problem without the rows that bound the last unknown alone."""
-        kept = ~self.is_cap
+    def only(self, rows: NDArray[np.int_]) -> "SampleProblem":
+        """The same problem with some of the rows, in this order."""
+        along = {name: getattr(self, name) for name in OF_SAMPLES}
         return replace(
             self,
-            names=tuple(name for name, keep in zip(self.names, kept, strict=True) if keep),
-            **{
-                name: getattr(self, name)[kept] for name in ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
-            },
-            **{name: getattr(self, name)[:, kept] for name in ("A", "lower", "upper")},
-            speed=None if self.speed is None else self.speed[:, kept],
+            names=tuple(self.names[row] for row in rows.tolist()),
+            **{name: getattr(self, name)[rows] for name in OF_ROWS},
+            **{name: None if of is None else of[:, rows] for name, of in along.items()},
         )
 
 
@@ -219,16 +220,12 @@ def build_sample_problem(
     elif formulation == "torque":
         _check_invertible(cell, motion)
     form = motion_rows(cell, motion) if rows is None else rows
-    of_kernel = varying and samples is None and sharing is None and formulation == "wrench" and form.sparse is not None
     count, limits, motors = motion.samples, form.rows, form.motors
     if samples is not None:
         inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
         count, limits, motors = len(samples), limits.at(samples), None if motors is None else motors.at(samples)
-    if of_kernel:
-        found = _kernel_rows(cell, count, inputs, form)
-    else:
-        found = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
-        found |= _rows_of_maps(limits, form.size, found, motors, varying=varying)
+    found = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
+    found |= _rows_of_maps(limits, form.size, found, motors, varying=varying)
     torque_speed, speed = None if motors is None else motors.speed, limits.speed
     if torque_speed is not None:
         speed = torque_speed @ limits.torque_matrix.T + (0.0 if speed is None else speed)
@@ -311,19 +308,6 @@ def _rows_of_maps(
     margin = np.zeros(1) if inward is None else inward
     lower, upper = (rows.lower + margin - offset) / size, (rows.upper - margin - offset) / size
     return {"A": A / size[:, None], "lower": lower, "upper": upper}
-
-
-def _kernel_rows(cell: Cell, count: int, inputs: dict[str, Array], form: MotionRows) -> dict[str, Array]:
-    """Maps and rows of the wrench form where the speed varies, by the kernel in one call."""
-    library, rows, motors = cell.library, form.rows, form.motors
-    terms, rate = SampleTerms(square=rows.square), np.zeros((count, library.joints))
-    if motors is not None:
-        rate, margin = motors.rate, motors.margin(rows)
-        terms = replace(terms, torque_square=motors.square, torque_offset=motors.dry, margin=margin)
-    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse(), form.size, terms, rate)
-    if rows.rate is not None:
-        found.A[:, :, -2] += rows.rate / form.size
-    return dict(vars(found))
 
 
 def _check_invertible(cell: Cell, motion: CoordinatedMotion) -> None:
