@@ -43,15 +43,7 @@ class ConvexPrograms:
 
     def at(self, samples: Mask) -> "ConvexPrograms":
         """Some of the programs."""
-        return ConvexPrograms(
-            H=None if self.H is None else self.H[samples],
-            g=self.g[samples],
-            A=self.A[samples],
-            lower=self.lower[samples],
-            upper=self.upper[samples],
-            x_lower=self.x_lower[samples],
-            x_upper=self.x_upper[samples],
-        )
+        return ConvexPrograms(**{name: None if of is None else of[samples] for name, of in vars(self).items()})
 
     def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
         """The same programs with unknowns of the size of the limits: the largest coefficient of each unknown is 1.

@@ -139,7 +139,7 @@ class RangeEnds:
     upper: Array
     rows: BindingRows
     undecided: NDArray[np.bool_]
-    fallbacks: int
+    fallbacks: int = 0
     several: bool = False
 
     def replace(self, samples: NDArray[np.int_], other: "RangeEnds") -> None:
@@ -221,7 +221,7 @@ def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | N
         tied_sides(most, upper, most_by_upper <= most_by_lower),
     ]
     rows = rows_of_problem(problem, tied_codes(np.stack(sides), lower))
-    return RangeEnds(lower, upper, rows, lower > upper, 0)
+    return RangeEnds(lower, upper, rows, lower > upper)
 
 
 def tied_codes(sides: NDArray[np.int8], lower: Array) -> NDArray[np.int32]:

@@ -19,9 +19,9 @@ from mrts.program.formulation import FormulationName
 from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, binds, motion_rows
-from mrts.program.range_ends import BindingRows, intervals_below, kernel_rows, tied_codes, tied_sides
+from mrts.program.range_ends import BindingRows, RangeEnds, intervals_below, kernel_rows, tied_codes, tied_sides
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses
+from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, decided_ends, ranges_of_ends, sample_ranges
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import BLOCK, TORQUE_WIDENING, torques_by_blocks
 
@@ -98,28 +98,15 @@ def _kernel_ranges(
     at_rest = found.effect <= REST_TOLERANCE * effect
     lower, upper = found.lower + 0.0, np.where(at_rest, most, found.upper) + 0.0  # 0 has no sign
     suspects = np.flatnonzero(undecided | (at_rest & (lower > 0)))
-    binding = _rows_at_ends(rows, found, (lower, upper), at_rest)
+    ends = RangeEnds(lower, upper, _rows_at_ends(rows, found, (lower, upper), at_rest), undecided, several=several)
     conflicts: list[Conflict] = []
-    fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
         problem = build_sample_problem(cell, motion, sharing=sharing, load=load, samples=block, rows=rows)
-        part = sample_ranges(problem, time[block], solver, high, doubtful=True, effect=effect)
-        lower[block], upper[block] = part.lower, part.upper
-        binding = binding.with_samples(block, part.rows.codes)
-        conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
-        fallbacks += part.fallbacks
-        several |= part.several
-    return SampleRanges(
-        time=time,
-        status=statuses(lower, upper, conflicts),
-        lower=lower,
-        upper=upper,
-        rows=binding,
-        conflicts=tuple(conflicts),
-        fallbacks=fallbacks,
-        several=several,
-    )
+        part, own = decided_ends(problem, time[block], solver, high, effect)
+        ends.replace(block, part)
+        conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in own]
+    return ranges_of_ends(time, ends, conflicts)
 
 
 def motion_torques(
