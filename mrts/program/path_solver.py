@@ -110,7 +110,7 @@ class KernelSolver:
         if self._rows is None or self._rows[0] is not program:
             names = ("step", "square", "rate", "root", "offset", "lower", "upper", "change", "weight")
             arrays = {name: getattr(program, name) for name in (*names, "q1", "q2", "q3", "jerk")}
-            self._rows = program, path_rows(program.free, program.columns, **arrays)
+            self._rows = program, path_rows(program.free, **arrays)
         held = _given(program.end_free)
         solved = solve_smooth(self._rows[1], found.x, found.u, found.free, held=held, **options)
         self.iterations = solved.iterations
