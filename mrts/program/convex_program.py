@@ -2,6 +2,7 @@
 """Batches of small convex programs and the verification that makes their answers trustworthy."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +44,8 @@ class ConvexPrograms:
 
     def at(self, samples: Mask) -> "ConvexPrograms":
         """Some of the programs."""
-        return ConvexPrograms(**{name: None if of is None else of[samples] for name, of in vars(self).items()})
+        given: dict[str, Any] = {name: None if of is None else of[samples] for name, of in vars(self).items()}
+        return ConvexPrograms(**given)
 
     def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
         """The same programs with unknowns of the size of the limits: the largest coefficient of each unknown is 1.

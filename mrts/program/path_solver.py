@@ -62,13 +62,7 @@ class KernelSolver:
         return None
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
-        """F of the least effort at a given timing, Shape (n, f); None where none is found.
-
-        Args:
-            program: The program.
-            x: Shape (n,).
-            u: Shape (n,).
-        """
+        """F of the least effort at a given timing, Shape (n, f); None where none is found."""
         program = program.without_jerks()
         if program.free.shape[2] == 0:
             return np.zeros((program.nodes, 0))

@@ -471,11 +471,6 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     """All rows at their limit in every solution at an end of a sample's range, in the order of the rows.
 
     A row whose limits are equal is at both whatever c² is, and none of them.
-
-    Args:
-        problem: Rows of one sample.
-        c2: The end, finite.
-        end: Which.
     """
     if end == "lower" and c2 * float(effect_of_speed(problem)[0]) <= WIDER:
         return (ActiveRow(STANDSTILL, "lower", 0.0),)

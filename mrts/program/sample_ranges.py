@@ -184,13 +184,7 @@ def _ends(problem: SampleProblem, solver: str, high: float) -> RangeEnds:
 
 
 def statuses(lower: Array, upper: Array, conflicts: Iterable[Conflict]) -> tuple[RangeStatus, ...]:
-    """The outcome at every sample.
-
-    Args:
-        lower: c²⁻(t), Shape (N,).
-        upper: c²⁺(t), Shape (N,).
-        conflicts: Of the infeasible samples.
-    """
+    """The outcome at every sample."""
     names = np.array([RangeStatus.FEASIBLE, RangeStatus.EMPTY, RangeStatus.UNBOUNDED, RangeStatus.INFEASIBLE])
     code = np.where(np.isinf(upper), 2, np.where(lower > upper * (1 + POINT_TOLERANCE), 1, 0))
     code[[conflict.sample for conflict in conflicts]] = 3

@@ -95,13 +95,7 @@ class SmoothProgram:
         return replace(self, q1=nothing, q2=nothing, q3=np.zeros((n - 1, 2, 0)), jerk=np.zeros(0), joints=())
 
     def values(self, x: Array, u: Array, free: Array) -> Array:
-        """Values v of every row, Shape (n, r).
-
-        Args:
-            x: Shape (n,).
-            u: Shape (n,).
-            free: Shape (n, f).
-        """
+        """Values v of every row, Shape (n, r)."""
         moved = self.square * x[:, None] + self.rate * u[:, None] + self.root * np.sqrt(x)[:, None] + self.offset
         values: Array = moved + np.einsum("nrf,nf->nr", self.free, free)
         return values

@@ -124,15 +124,7 @@ def motion_torques(
 ) -> tuple[Array, Array, int]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
 
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        formulation: As in `motion_ranges`.
-        sharing: Likewise.
-        solver: Likewise.
-        c2: Chosen c².
-        weights: W, Shape (m, m).
-        rows: As in `motion_ranges`.
+    W, Shape (m, m), is in `weights`; the others are as in `motion_ranges`.
 
     Raises:
         InputError: If an argument breaks a rule.

@@ -119,11 +119,11 @@ def motion_widening(
         cell: The cell.
         motion: Its motion, N samples.
         c2: c² at each sample asked for, Shape (k,).
-        formulation: As in `mrts.program.trajectory_programs.motion_ranges`.
-        sharing: Likewise.
+        formulation: "wrench" or "torque".
+        sharing: A fixed distribution of the load, None for a free one.
         load: Load vector instead of the cell's, Shape (10,), or one a sample asked for, Shape (k, 10).
         samples: Indices of those that are asked for, Shape (k,); None takes all N.
-        rows: As in `motion_ranges`.
+        rows: From `motion_rows`, where they are at hand.
 
     Raises:
         InputError: If an argument breaks a rule.
