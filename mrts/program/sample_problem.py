@@ -122,15 +122,6 @@ class SampleProblem:
         torque = apply(self.torque_map, x) + self.torque_offset
         return torque if self.torque_speed is None else torque + self.torque_speed * np.sqrt(x[:, -1:])
 
-    def torque_without_free(self, c2: float | Array) -> Array:
-        """Torques at a value of the last unknown with all others at zero, Shape (N, m) [N m].
-
-        Args:
-            c2: One for all samples, or one a sample, Shape (N, 1).
-        """
-        torque: Array = self.torque_map[:, :, -1] * c2 + self.torque_offset
-        return torque if self.torque_speed is None else torque + self.torque_speed * np.sqrt(c2)
-
     def wrench(self, x: Array) -> Array:
         """Wrenches of unknowns x, Shape (N, k), as Shape (N, n w) [N, N m], base axes."""
         return apply(self.wrench_map, x) + self.wrench_offset
@@ -218,7 +209,7 @@ def build_sample_problem(
     if sharing is not None:
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":
-        _check_invertible(cell, motion)
+        _check_invertible(cell, motion, np.arange(motion.samples) if samples is None else samples)
     form = motion_rows(cell, motion) if rows is None else rows
     count, limits, motors = motion.samples, form.rows, form.motors
     if samples is not None:
@@ -310,7 +301,7 @@ def _rows_of_maps(
     return {"A": A / size[:, None], "lower": lower, "upper": upper}
 
 
-def _check_invertible(cell: Cell, motion: CoordinatedMotion) -> None:
+def _check_invertible(cell: Cell, motion: CoordinatedMotion, samples: NDArray[np.int_]) -> None:
     size = len(cell.wrench_components)
     for robot in cell.robots:
         if len(robot.joints) != size:
@@ -318,13 +309,13 @@ def _check_invertible(cell: Cell, motion: CoordinatedMotion) -> None:
                 f"the torque form needs a square Jacobian: robot '{robot.name}' has {len(robot.joints)} joints and "
                 f"{size} wrench components. Use the wrench form."
             )
-    J = cell.functions("kinematics", motion.samples, {"q": motion.q})["jacobian"]
+    J = cell.functions("kinematics", len(samples), {"q": motion.q[samples]})["jacobian"]
     for robot in cell.robots:
         condition = np.linalg.cond(J[:, :, cell.joint_slices[robot.name]])
-        worst = int(np.argmax(condition))
-        if not condition[worst] <= TORQUE_FORM_CONDITION_LIMIT:
+        worst = samples[int(np.argmax(condition))]
+        if not np.max(condition) <= TORQUE_FORM_CONDITION_LIMIT:
             raise MotionError(
                 f"the torque form inverts Jacobians: at sample {worst} (t = {motion.object.time[worst]:.6g} s) that of "
-                f"robot '{robot.name}' has the condition number {condition[worst]:.3g}, the limit is "
+                f"robot '{robot.name}' has the condition number {np.max(condition):.3g}, the limit is "
                 f"{TORQUE_FORM_CONDITION_LIMIT:.0e}. Use the wrench form."
             )

@@ -77,9 +77,10 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     speed = np.broadcast_to(np.reshape(c2, (-1, 1)), (count, 1))
     if unknowns == 1:
         return speed, 0
-    free, at_rest = problem.torque_map[:, :, :-1], problem.torque_without_free(speed)
+    free = problem.torque_map[:, :, :-1]
+    others = problem.torque(np.concatenate([np.zeros((count, unknowns - 1)), speed], axis=1))
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
-    g = np.einsum("nij,ik,nk->nj", free, weights, at_rest)
+    g = np.einsum("nij,ik,nk->nj", free, weights, others)
     lower, upper = problem.limits_at(speed)
     widening = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), TORQUE_WIDENING, 0.0)
     programs = ConvexPrograms(
