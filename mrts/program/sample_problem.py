@@ -165,13 +165,11 @@ class SampleProblem:
 
     def only(self, rows: NDArray[np.int_]) -> "SampleProblem":
         """The same problem with some of the rows, in this order."""
-        along = {name: getattr(self, name) for name in OF_SAMPLES}
-        return replace(
-            self,
-            names=tuple(self.names[row] for row in rows.tolist()),
-            **{name: getattr(self, name)[rows] for name in OF_ROWS},
-            **{name: None if of is None else of[:, rows] for name, of in along.items()},
-        )
+        some: dict[str, Any] = {name: getattr(self, name)[rows] for name in OF_ROWS}
+        for name in OF_SAMPLES:
+            of = getattr(self, name)
+            some[name] = None if of is None else of[:, rows]
+        return replace(self, names=tuple(self.names[row] for row in rows.tolist()), **some)
 
 
 def build_sample_problem(
