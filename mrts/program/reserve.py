@@ -23,7 +23,7 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.torque_distribution import BLOCK, torques_by_blocks
+from mrts.program.torque_distribution import BLOCK
 from mrts.program.widening import least_widening
 
 LEAST_SHARE = 0.01
@@ -79,26 +79,6 @@ def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProb
     low, high = _side_sizes(problem)
     kept = replace(problem, lower=problem.lower + inward * low, upper=problem.upper - inward * high)
     return kept, fallbacks
-
-
-def reserve_torques(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    formulation: FormulationName,
-    sharing: LoadSharing | None,
-    solver: str,
-    c2: float,
-    weights: Array,
-) -> tuple[Array, Array, int]:
-    """The least torques of those that keep most of every limit free; as `motion_torques`.
-
-    Raises:
-        InputError: If an argument breaks a rule.
-        SolverError: If no solver answers.
-    """
-    cell = cell.with_reserve(0.0)
-    given = cell, motion, formulation, sharing, solver, c2, weights, motion_rows(cell, motion)
-    return torques_by_blocks(*given, within=lambda problem: reserved(problem, c2, solver))
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,12 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import KernelRanges
 from mrts.kernel.one_unknown import KnownRanges, known_ranges
 from mrts.kernel.programs import OPTIMAL
-from mrts.program.formulation import FormulationName
+from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, binds, motion_rows
 from mrts.program.range_ends import BindingRows, RangeEnds, intervals_below, kernel_rows, tied_codes, tied_sides
+from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, decided_ends, ranges_of_ends, sample_ranges
 from mrts.program.solvers import check_solver
@@ -120,15 +121,21 @@ def motion_torques(
     c2: float,
     weights: Array,
     rows: MotionRows | None = None,
+    distribute: DistributionName = "least-torque",
 ) -> tuple[Array, Array, int]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
 
-    W, Shape (m, m), is in `weights`; the others are as in `motion_ranges`.
+    W, Shape (m, m), is in `weights`; the others are as in `motion_ranges`. By "reserve" the limits count as they are
+    given, whatever reserve the cell keeps.
 
     Raises:
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
+    if distribute == "reserve":
+        cell = cell.with_reserve(0.0)
+        given = cell, motion, formulation, sharing, solver, c2, weights, motion_rows(cell, motion)
+        return torques_by_blocks(*given, within=lambda problem: reserved(problem, c2, solver))
     rows = motion_rows(cell, motion) if rows is None else rows
     given = cell, motion, formulation, sharing, solver, c2, weights, rows
     of_kernel = _is_for_kernel(cell, rows, formulation, solver)

@@ -13,7 +13,6 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.reserve import reserve_torques
 from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
 from mrts.program.trajectory_programs import motion_torques
 from mrts.program.widening import motion_widening
@@ -94,8 +93,8 @@ def distributed_torques(
         SolverError: If no solver answers.
     """
     W = torque_weights(options.weights, cell)
-    given = cell, motion, options.formulation, options.sharing, options.solver, c2, W
-    return reserve_torques(*given) if options.distribute == "reserve" else motion_torques(*given, rows)
+    given = cell, motion, options.formulation, options.sharing, options.solver, c2, W, rows
+    return motion_torques(*given, options.distribute)
 
 
 def _holding(cell: Cell, motion: CoordinatedMotion, options: Options) -> tuple[Holding, tuple[Remark, ...]]:

@@ -11,9 +11,10 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import limit_rows
-from mrts.program.reserve import least_shares, reserve_torques
+from mrts.program.reserve import least_shares
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.trajectory_programs import motion_torques
 
 SHARE_TOLERANCE = 1e-8  # of a limit; HiGHS is asked for 1e-10
 COST_TOLERANCE = 1e-5  # HiGHS's active-set solver stops near 1e-7 of a limit, where the cost falls by 20 per limit
@@ -86,7 +87,9 @@ def test_both_stages_equal_highs(seed, tmp_path):
     cell, case, reference, c2 = random_case(seed, tmp_path)
     motion = mrts.follow_object(cell, case.motion)
     shares = 1 + least_shares(build_sample_problem(cell, motion), c2, DEFAULT_SOLVER)[0]
-    torque, wrench, _ = reserve_torques(cell, motion, "wrench", None, DEFAULT_SOLVER, c2, np.eye(motion.q.shape[1]))
+    torque, wrench, _ = motion_torques(
+        *(cell, motion, "wrench", None, DEFAULT_SOLVER, c2, np.eye(motion.q.shape[1])), distribute="reserve"
+    )
     rows = limit_rows(cell, motion)
     used = np.max(rows.share(rows.value(torque, wrench, 0.0, np.sqrt(c2))), axis=1)
     _, samples = reference.object_motion(case.motion_file)
