@@ -23,8 +23,7 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.torque_distribution import distribute_torques
-from mrts.program.trajectory_programs import BLOCK
+from mrts.program.torque_distribution import BLOCK, torques_by_blocks
 from mrts.program.widening import least_widening
 
 LEAST_SHARE = 0.01
@@ -116,18 +115,9 @@ def reserve_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    cell, fallbacks = cell.with_reserve(0.0), 0
-    rows = motion_rows(cell, motion)
-    torques, wrenches = [], []
-    for start in range(0, motion.samples, BLOCK):
-        block = np.arange(start, min(start + BLOCK, motion.samples))
-        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, samples=block, rows=rows)
-        kept, before = reserved(problem, c2, solver)
-        x, by_another = distribute_torques(kept, c2, weights, solver)
-        torques.append(problem.torque(x))
-        wrenches.append(problem.wrench(x))
-        fallbacks += before + by_another
-    return np.concatenate(torques), np.concatenate(wrenches), fallbacks
+    cell = cell.with_reserve(0.0)
+    given = cell, motion, formulation, sharing, solver, c2, weights, motion_rows(cell, motion)
+    return torques_by_blocks(*given, within=lambda problem: reserved(problem, c2, solver))
 
 
 @dataclass(frozen=True)

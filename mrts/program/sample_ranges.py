@@ -12,8 +12,6 @@ from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
-from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow, Side
 from mrts.program.closed_form import ends_in_closed_form
@@ -23,7 +21,7 @@ from mrts.program.linear_programs import ends_by_linear_programs
 from mrts.program.motion_rows import binds
 from mrts.program.range_ends import BindingRows, RangeEnds, codes_of_duals, no_codes, rows_of_problem
 from mrts.program.range_status import RangeStatus
-from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_problem import SampleProblem
 from mrts.program.speed_intervals import highest_intervals, intervals_below
 
 REST_TOLERANCE = 1e-12
@@ -52,7 +50,7 @@ class SampleRanges(InNotebooks):
         lower_loads: If the load is uncertain, the load that sets the lower end of each sample.
         upper_loads: Likewise of the upper end.
         several: Whether some sample admits other intervals of c² as well.
-        problem: The rows of one sample at an end; None where `rows` has all that bind.
+        problem: The rows of one sample, with a load if the load is uncertain; None where `rows` has all that bind.
     """
 
     time: Array
@@ -65,7 +63,7 @@ class SampleRanges(InNotebooks):
     lower_loads: Sequence[LoadPoint] | None = None
     upper_loads: Sequence[LoadPoint] | None = None
     several: bool = False
-    problem: Callable[[int, Side], SampleProblem] | None = field(default=None, repr=False, compare=False)
+    problem: Callable[[int, Array | None], SampleProblem] | None = field(default=None, repr=False, compare=False)
 
     def binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """Rows that bind at one end of a sample; where more meet than determine it, some of them."""
@@ -80,7 +78,9 @@ class SampleRanges(InNotebooks):
         c2 = float((self.lower if side == "lower" else self.upper)[sample])
         if self.problem is None or not np.isfinite(c2) or (side == "lower" and c2 == 0):
             return self.binding(sample, side)
-        return rows_at_end(self.problem(sample, side), c2, side) or self.binding(sample, side)
+        loads = self.lower_loads if side == "lower" else self.upper_loads
+        problem = self.problem(sample, None if loads is None else loads[sample].load)
+        return rows_at_end(problem, c2, side) or self.binding(sample, side)
 
     def to_json(self) -> dict[str, Any]:
         """Entry of "samples" in the JSON result; null stands for an end that does not exist."""
@@ -191,38 +191,6 @@ def first_least(values: Array) -> Any:
     """
     least = np.min(values, axis=0)
     return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
-
-
-def end_problem(
-    cell: Cell, motion: CoordinatedMotion, load_at: Callable[[int, Side], Array | None], sample: int, side: Side
-) -> SampleProblem:
-    """The rows of one sample with the load that sets an end of its range.
-
-    Args:
-        cell: The cell; the distribution of its load is free.
-        motion: Its motion.
-        load_at: Load vector of one end of a sample, Shape (10,); None for the cell's.
-        sample: Index.
-        side: Which end.
-    """
-    load = load_at(sample, side)
-    loads = None if load is None else np.broadcast_to(load, (motion.samples, len(load)))
-    return build_sample_problem(cell, motion, load=loads, samples=np.array([sample]))
-
-
-def with_end_problem(
-    cell: Cell, motion: CoordinatedMotion, samples: SampleRanges, load_at: Callable[[int, Side], Array | None]
-) -> SampleRanges:
-    """The same ranges, which can name all rows that set an end.
-
-    Args:
-        cell: As in `end_problem`.
-        motion: Likewise.
-        samples: Ranges of all samples.
-        load_at: As in `end_problem`.
-    """
-    # of one arm nothing is free: the closed form names all
-    return samples if len(cell.robots) == 1 else replace(samples, problem=partial(end_problem, cell, motion, load_at))
 
 
 def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> SampleProblem:

@@ -11,25 +11,21 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.cell_library import KernelRanges
-from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, KnownWrenches
+from mrts.kernel.cell_library import CellLibrary, KernelRanges, SparseLimits
+from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, known_planes, known_ranges
 from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.limits.rows import Side
 from mrts.program.closed_form import tied_codes, tied_sides
 from mrts.program.formulation import FormulationName
 from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, binds, motion_rows
 from mrts.program.range_ends import BindingRows, kernel_rows
-from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, with_end_problem
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.speed_intervals import intervals_below
-from mrts.program.torque_distribution import TORQUE_WIDENING, distribute_torques, known_torques
-
-BLOCK = 4096
-"""Samples whose rows are put together at a time where the kernel has not answered."""
+from mrts.program.torque_distribution import BLOCK, TORQUE_WIDENING, torques_by_blocks
 
 MOST_ROWS = 32_767
 """The compiled path keeps the rows of each sample's answer as 16-bit numbers."""
@@ -68,13 +64,13 @@ def motion_ranges(
     else:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load, rows=rows)
         found = sample_ranges(problem, motion.object.time, solver, high)
-    if sharing is not None:
-        return found
-    return with_end_problem(cell, motion, found, partial(_load_at, load))
+    return found if one_unknown else replace(found, problem=partial(_problem_of_sample, cell, motion, load))
 
 
-def _load_at(load: Array | None, sample: int, _side: Side) -> Array | None:
-    return load if load is None or load.ndim == 1 else load[sample]
+def _problem_of_sample(
+    cell: Cell, motion: CoordinatedMotion, known: Array | None, sample: int, load: Array | None
+) -> SampleProblem:
+    return build_sample_problem(cell, motion, load=known if load is None else load, samples=np.array([sample]))
 
 
 def _kernel_ranges(
@@ -90,7 +86,7 @@ def _kernel_ranges(
     most, several, time, library = rows.most, False, motion.object.time, cell.library
     found: KnownRanges | KernelRanges
     if sharing is not None or library.robots == 1:
-        found = _known(cell, motion, sharing, load, rows).ranges(rows.terms(), most)
+        found = known_ranges(*_known(cell, motion, sharing, load, rows), rows.terms(), most)
         undecided = found.lower > found.upper
     else:
         assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
@@ -154,14 +150,12 @@ def motion_torques(
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    if formulation == "wrench" and (sharing is not None or len(cell.robots) == 1):
-        check_solver(solver)
-        return *known_torques(cell, motion, sharing, c2), 0
     rows = motion_rows(cell, motion) if rows is None else rows
-    if not _is_for_kernel(cell, rows, formulation, solver) or rows.sparse is None:
-        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, rows=rows)
-        x, fallbacks = distribute_torques(problem, c2, weights, solver)
-        return problem.torque(x), problem.wrench(x), fallbacks
+    given = cell, motion, formulation, sharing, solver, c2, weights, rows
+    of_kernel = _is_for_kernel(cell, rows, formulation, solver)
+    if not of_kernel or sharing is not None or len(cell.robots) == 1:
+        return torques_by_blocks(*given)
+    assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
     torque, wrench, status = cell.library.torques(
         motion.samples,
         _inputs(cell, motion, None),
@@ -171,13 +165,8 @@ def motion_torques(
         weights,
         TORQUE_WIDENING,
     )
-    missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
-    for start in range(0, len(missing), BLOCK):
-        block = missing[start : start + BLOCK]
-        problem = build_sample_problem(cell, motion, samples=block, rows=rows)
-        x, by_another = distribute_torques(problem, c2, weights, solver)
-        torque[block], wrench[block] = problem.torque(x), problem.wrench(x)
-        fallbacks += by_another
+    missing = np.flatnonzero(status != OPTIMAL)
+    torque[missing], wrench[missing], fallbacks = torques_by_blocks(*given, missing)
     return torque, wrench, fallbacks
 
 
@@ -206,7 +195,7 @@ def motion_planes(
     if rows.has_speed_terms or not _is_for_kernel(cell, rows, "wrench", DEFAULT_SOLVER):
         return None
     by_rate = SampleTerms(torque_square=None if rows.motors is None else rows.motors.rate, square=rows.kept.rate)
-    planes = _known(cell, motion, sharing, load, rows).planes(rows.terms(), by_rate)
+    planes = known_planes(*_known(cell, motion, sharing, load, rows), (rows.terms(), by_rate))
     return None if planes is None else (planes, rows.most)
 
 
@@ -219,13 +208,13 @@ def _is_for_kernel(cell: Cell, rows: MotionRows, formulation: FormulationName, s
 
 def _known(
     cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None, rows: MotionRows
-) -> KnownWrenches:
-    """The samples of a motion where c² is the only unknown."""
+) -> tuple[CellLibrary, str, int, dict[str, Array], SparseLimits]:
+    """What the kernel takes of a motion where c² is the only unknown."""
     assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
     inputs, function = _inputs(cell, motion, load), "wrench_form"
     if sharing is not None:
         inputs, function = inputs | sharing.inputs(cell, motion), "fixed_distribution"
-    return KnownWrenches(cell.library, function, motion.samples, inputs, rows.sparse)
+    return cell.library, function, motion.samples, inputs, rows.sparse
 
 
 def _rows_at_ends(

@@ -28,7 +28,6 @@ from mrts.scaling.loads import (
     problem_of_load,
     ranges_of_load,
     ranges_of_loads,
-    with_all_rows,
 )
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange, common_range
@@ -95,7 +94,7 @@ def possible_range(
         best = combined_ranges(points, ranges, every=False)
         if varying:
             best, not_converged = _searched(cell, motion, options, box, varying, best, progress)
-        return with_all_rows(cell, motion, options, best)
+        return best
 
     found = common_range(find, high)
     return found, LoadStudy("possible", box, points, of_points, not_converged)
