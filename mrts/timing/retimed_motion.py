@@ -120,7 +120,7 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
         played.append((*_played(path, part.x, at_samples), *_directions(path)))
     dq, ddq, twist, acceleration, *travel = map(_joined, zip(*played, strict=True))
     carried = motion.object.played(new_times(pieces), twist, acceleration)
-    return CoordinatedMotion(carried, motion.q, dq, ddq, travel=np.stack(travel))
+    return unchecked_coordinated_motion(carried, motion.q, dq, ddq, np.stack(travel))
 
 
 def _directions(path: CoordinatedMotion) -> Array:
