@@ -34,13 +34,12 @@ from mrts.scaling.torques import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
 from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_timing import fastest_timing
-from mrts.timing.held_wrenches import GivenTorques
 from mrts.timing.path_pieces import NoPath
 from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import TimedPiece, retimed_motion
 from mrts.timing.smooth_path import smooth_nodes
 from mrts.timing.smooth_piece import SmoothAnswer, fastest_pieces, smooth_pieces
-from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
+from mrts.timing.smooth_timing import GivenTorques, SmoothQuestion, smooth_timing
 
 NEAR = 0.3
 """Share of the tolerance from which a segment gets a node once one passes it: each round solves all programs anew."""
