@@ -167,7 +167,7 @@ class Cell(InNotebooks):
     @cached_property
     def all_remarks(self) -> tuple[Remark, ...]:
         """All that is to know of it, what its numbers look like included."""
-        from mrts.cell.remarks.cell_remarks import cell_remarks  # noqa: PLC0415 (it looks at cells)
+        from mrts.cell.remarks import cell_remarks  # noqa: PLC0415 (it looks at cells)
 
         return tuple(cell_remarks(self))
 
