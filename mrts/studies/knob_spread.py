@@ -120,8 +120,7 @@ def read_knob(path: Path, key: str, value: object) -> KnobDescription:
     try:
         return KnobDescription.read(path, value)
     except InputError as error:
-        inside = f"{key}.{error.key}" if error.key else key
-        raise InputError(path, error.rule, key=inside, value=error.value) from None
+        raise error.inside(path, key) from None
 
 
 def knob_spread(path: Path, key: str, knob: KnobDescription, sample: SampleName) -> Spread:
