@@ -68,6 +68,11 @@ class InputError(MrtsError):
         """The same error, which carries others."""
         return InputError(self.where, self.rule, key=self.key, value=self.value, others=others)
 
+    def inside(self, where: Path | str, key: str = "") -> "InputError":
+        """The same error, and those that it carries, told of a file, and of what is below a key of it."""
+        first, *others = (InputError(where, one.rule, key=joined(key, one.key), value=one.value) for one in self.each())
+        return first.with_others(others)
+
     def each(self) -> "tuple[InputError, ...]":
         """This error by itself, then those that it carries."""
         return (self.with_others(()), *self.others)
@@ -76,6 +81,11 @@ class InputError(MrtsError):
         # an exception pickles as its message alone, which this constructor does not take: a pool of workers would die
         again = partial(type(self), key=self.key, value=self.value, others=self.others)
         return again, (self.where, self.rule)
+
+
+def joined(key: str, inner: str) -> str:
+    """A key and what is below it, such as "robots[0].name" of "robots" and "[0].name"."""
+    return f"{key}.{inner}" if key and inner and not inner.startswith("[") else f"{key}{inner}"
 
 
 class Mistakes:

@@ -11,7 +11,6 @@ import numpy as np
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
 from mrts.cell.hands.contact import Contact
@@ -51,7 +50,7 @@ SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChangeSteps(InNotebooks):
+class ChangeSteps:
     """How far numbers are changed, each up and down.
 
     Attributes:
@@ -76,7 +75,7 @@ class ChangeSteps(InNotebooks):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellChange(InNotebooks):
+class CellChange:
     """One number of a cell changed.
 
     Attributes:
