@@ -2,7 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
@@ -172,12 +172,6 @@ class ScalingResult(InNotebooks, JsonOutput):
         formulation, sharing = options.formulation, options.sharing
         return plan_reserve(self.cell, self.motion, formulation, sharing, DEFAULT_SOLVER, done.c2, self.loads)
 
-    def with_known_reserve(self, reserve: PlanReserve | None) -> Self:
-        """The same result with its `reserve` as found before: finding it takes the cell's functions."""
-        done = replace(self)
-        object.__setattr__(done, "reserve", reserve)
-        return done
-
     def what_if(
         self,
         *,
@@ -307,8 +301,7 @@ class ScalingResult(InNotebooks, JsonOutput):
             "summary": self.sentence(),
             "warnings": [warning.to_json() for warning in self.warnings],
             "explanation": self.explanation() or None,
-            "distribute": self.options.distribute,
-            "kept_reserve": self.cell.reserve,
+            **self.options.to_json(self.cell),
             "kept_rates": self.options.rates and self.options.rates.to_json(),
             **self.range.to_json(),
             "samples": samples.to_json(),
