@@ -12,12 +12,9 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.robot import Robot
-from mrts.drawing.bodies.arm_meshes import arm_meshes
-from mrts.drawing.bodies.cell_shapes import points_on_bodies
-from mrts.drawing.colours import SHARED_BASE
-
-Rgb = tuple[int, int, int]
-"""0 to 255."""
+from mrts.scene.arm_meshes import arm_meshes
+from mrts.scene.cell_shapes import points_on_bodies
+from mrts.scene.scene import SHARED_BASE, Rgb
 
 JOINT_SHADE = 0.6
 """Of a joint's ball, as a share of the arm's colour."""

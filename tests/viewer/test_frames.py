@@ -9,7 +9,6 @@ from viewer_socket import connected, messages_of
 import mrts
 from mrts.viewer.motion_viewer import FRAME
 from mrts.viewer.server import close_server, open_server
-from mrts.viewer.shown_course import course_of
 from mrts.viewer.viewer import Viewer
 from mrts.viewer.workbench.choices import Given
 from mrts.viewer.workbench.held_poses import tip_pose
@@ -73,7 +72,7 @@ def test_a_second_of_playing_is_thirty_frames_each_whole(viewer):
 
 def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(viewer):
     state = viewer.state
-    course = course_of(state)
+    course = state.scene
     for place in (3.25, 50.5, 99.99):
         moment = course.moment(place)
         low, high = int(place), int(place) + 1

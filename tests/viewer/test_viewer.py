@@ -22,9 +22,9 @@ from viewer_browser import SIZE, chromium, in_picture, interrupt, open_page, run
 import mrts
 from mrts.cell.source_files import urdf_files
 from mrts.cli import main
-from mrts.drawing.bodies.arm_meshes import arm_meshes
-from mrts.drawing.bodies.cell_shapes import body_poses, joint_points
-from mrts.drawing.bodies.cell_view import look_at_cell
+from mrts.scene.arm_meshes import arm_meshes
+from mrts.scene.cell_shapes import body_poses, joint_points
+from mrts.scene.cell_view import look_at_cell
 from mrts.drawing.colours import SHARED_BASE
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.scene_arms import SHORTEST_LINK, drawn_arm

@@ -9,15 +9,16 @@ import numpy as np
 import viser
 
 from mrts.base.arrays import Array
-from mrts.drawing.bodies.cell_shapes import body_poses
-from mrts.drawing.bodies.cell_view import look_at_cell
-from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.labels import shortened
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scene.cell_shapes import body_poses
+from mrts.scene.cell_view import look_at_cell
+from mrts.scene.held_body import held_body
+from mrts.scene.scene import OBJECT, Rgb
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene import OBJECT, THICKNESS, ViewerScene
-from mrts.viewer.scene_arms import Rgb, drawn_arm, wxyz
+from mrts.viewer.scene import THICKNESS, ViewerScene
+from mrts.viewer.scene_arms import drawn_arm, wxyz
 from mrts.viewer.viewer_part import ViewerPart
 from mrts.viewer.workbench.answer import Answer
 

@@ -20,7 +20,7 @@ def arm_meshes(
 ) -> "list[tuple[int, Trimesh]]":
     """Body and mesh (base axes with every joint of the chain at zero [m]) of every visual of an arm.
 
-    Body 0 stands with the base, body k is moved by the first k joints (`mrts.drawing.bodies.cell_shapes.body_poses`).
+    Body 0 stands with the base, body k is moved by the first k joints (`mrts.scene.cell_shapes.body_poses`).
     Other joints stand where they are held, else at zero; what they could still move and no joint of the chain carries,
     such as the other arm of a torso, is left out.
 
