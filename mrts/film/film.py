@@ -17,7 +17,8 @@ from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import message_text
 from mrts.film.frames import Composition
-from mrts.film.renderer import Clip, Frame, Warn, silent
+from mrts.film.renderer import Clip, Frame, silent
+from mrts.scene.arm_meshes import Warn
 from mrts.scene.scene import PACES, suited_pace
 
 RATES = {".gif": 20, ".mp4": 30}

@@ -15,7 +15,8 @@ from mrts.base.errors import InputError
 from mrts.base.printable import cut, printable
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.limit_shares import limit_shares
-from mrts.film.renderer import Clip, Frame, SceneRenderer, Warn, silent
+from mrts.film.renderer import Clip, Frame, SceneRenderer, silent
+from mrts.scene.arm_meshes import Warn
 from mrts.scene.cell_view import look_at_cell
 from mrts.scene.scene import OVER_LIMIT, arm_colour
 
@@ -179,8 +180,8 @@ class Composition:
             text += f", {self._clips[0].trajectory.duration / done.duration:.3g} × as fast"
         self._put(left, 42, text, TEXT, room, color=FAINT)
         if clip.deciding is not None:
-            name, share, time = clip.deciding
-            used = f"limit: {name.short}, {100 * share:.0f} % at {time:.2g} s"
+            share, time = clip.deciding.share, done.time[clip.deciding.sample]
+            used = f"limit: {clip.deciding.name.short}, {100 * share:.0f} % at {time:.2g} s"
             self._put(left, 60, used, TEXT, room, color=FAINT if share < AT_LIMIT else _share(OVER_LIMIT))
         here: float = left + room
         robots = done.cell.robots if alone else ()

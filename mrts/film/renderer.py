@@ -3,11 +3,9 @@
 
 import os
 import sys
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,18 +15,13 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.drawing.round_numbers import round_down
-from mrts.limits.rows import RowName
-from mrts.scaling.limit_use import used_shares
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scene.arm_meshes import arm_meshes
-from mrts.scene.cell_shapes import ContactForces, shares_base
+from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
+from mrts.scene.cell_shapes import ContactForces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
 from mrts.scene.held_body import held_body
 from mrts.scene.object_surface import object_edges
-from mrts.scene.scene import FORCE, OBJECT, OUTLINE, OVER_LIMIT, PATH, SHARED_BASE, Rgb, Scene, arm_colour, blended
-
-BASE_RADIUS, TIP_RADIUS = 0.036, 0.02
-"""Radius of an arm without meshes at its base and its tip, as a share of its length when it is straight."""
+from mrts.scene.scene import FORCE, OBJECT, OUTLINE, PATH, DecidingLimit, Rgb, Scene, blended, deciding_limit
 
 ARROW_RADIUS, PATH_RADIUS = 0.008, 0.004
 """As a share of the cell's size."""
@@ -51,12 +44,6 @@ TILES = 5
 OUTLINE_RADIUS = 0.0025
 """Of the object's edges at the start and the goal, as a share of the cell's size."""
 
-JOINT = (62, 70, 82)
-"""Colour of joints."""
-
-SAME_SHARE = 1e-6
-"""Shares of limits that differ by less are alike."""
-
 MOST_FACES = 200_000
 """Of a mesh of MuJoCo's; larger ones become several."""
 
@@ -65,8 +52,6 @@ BACKDROP, FLOOR, GROOVE = (0.96, 0.97, 0.98), (0.93, 0.94, 0.95), (0.80, 0.82, 0
 
 Frame = NDArray[np.uint8]
 """Shape (height, width, 3)."""
-
-Warn = Callable[[str], None]
 
 
 def silent(_text: str) -> None:
@@ -85,7 +70,7 @@ class Clip:
 
     title: str
     trajectory: ScaledTrajectory
-    urdfs: Mapping[str, tuple[Path, str | None]] = field(default_factory=dict)
+    urdfs: Urdfs = field(default_factory=dict)
 
     @cached_property
     def scene(self) -> Scene:
@@ -104,17 +89,9 @@ class Clip:
         return float(np.interp(time, done.time, np.arange(len(done.time))))
 
     @cached_property
-    def deciding(self) -> tuple[RowName, float, float] | None:
-        """The limit that is used most, and the longest, its share, and when first [s]; None without limits."""
-        names, share = used_shares(self.trajectory)
-        kept = [self.trajectory.cell.enforces_velocity_limits or name.kind != "velocity" for name in names]
-        if not any(kept):
-            return None
-        share = np.where(kept, share, -1.0)
-        reached = share >= np.max(share) - SAME_SHARE
-        row = int(np.argmax(np.count_nonzero(reached, axis=0)))
-        sample = int(np.argmax(reached[:, row]))
-        return names[row], float(share[sample, row]), float(self.trajectory.time[sample])
+    def deciding(self) -> DecidingLimit | None:
+        """The limit that decides how fast the motion may be played."""
+        return deciding_limit(self.trajectory)
 
     @property
     def strongest(self) -> float:
@@ -180,9 +157,20 @@ class SceneRenderer:
         held = self._spec.worldbody.add_body(name="object", mocap=True)
         flat = np.arange(3 * len(corners)).reshape(-1, 3)
         self._add_mesh(held, "object", corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), flat, OBJECT)
-        self._colours, self._simple = self._arm_colours(), []
-        for number, robot in enumerate(cell.robots):
-            self._simple.append(not self._add_arm(number, clip.urdfs.get(robot.name), warn))
+        for number, parts in enumerate(drawn_arms(cell, clip.urdfs, warn)):
+            robot, found = cell.robots[number], clip.deciding
+            deciding = None if found is None else found.body(robot)
+            bodies = [
+                self._spec.worldbody.add_body(name=f"{number}/{index}", mocap=True)
+                for index in range(len(robot.joints) + 1)
+            ]
+            for place, part in enumerate(parts):
+                mesh = part.mesh
+                for start in range(0, len(mesh.faces), MOST_FACES):
+                    faces, name = mesh.faces[start : start + MOST_FACES], f"{number}/{place}/{start}"
+                    self._add_mesh(
+                        bodies[part.body], name, mesh.vertices, mesh.vertex_normals, faces, part.colour(deciding)
+                    )
         self._model = self._spec.compile()
         self._data = mujoco.MjData(self._model)
         self._renderer = mujoco.Renderer(self._model, size[1], size[0])
@@ -205,14 +193,11 @@ class SceneRenderer:
         moment = self._clip.scene.moment(place)
         self._move("object", moment.rotation, moment.position)
         for number, (R, p) in enumerate(moment.bodies):
-            for index in range(0 if self._simple[number] else len(R)):
+            for index in range(len(R)):
                 self._move(f"{number}/{index}", R[index], p[index])
         self._mujoco.mj_kinematics(self._model, self._data)
         self._mujoco.mj_camlight(self._model, self._data)
         self._renderer.update_scene(self._data, camera="camera")
-        for number, (line, (R, _)) in enumerate(zip(moment.lines, moment.bodies, strict=True)):
-            if self._simple[number]:
-                self._add_arm_of_bars(number, line, R)
         self._add_path()
         self._add_forces(moment.contacts(blended(self._clip.trajectory.wrench, place)))
         drawn: Frame = self._renderer.render()
@@ -222,10 +207,10 @@ class SceneRenderer:
         """The line along which the object moves, and the object's edges at its ends."""
         capsule, size, scene = self._mujoco.mjtGeom.mjGEOM_CAPSULE, self._view.size, self._clip.scene
         for start, end in pairwise(self._path):
-            self._connect(capsule, start, end, PATH_RADIUS * size, PATH, decoration=True)
+            self._connect(capsule, start, end, PATH_RADIUS * size, PATH)
         for sample in (0, -1):
             for start, end in scene.position[sample] + self._edges @ scene.rotation[sample].T:
-                self._connect(capsule, start, end, OUTLINE_RADIUS * size, OUTLINE, decoration=True)
+                self._connect(capsule, start, end, OUTLINE_RADIUS * size, OUTLINE)
 
     def _add_forces(self, contacts: ContactForces) -> None:
         """Arrows, seen over all else, because most begin inside a hand or the object: drawn smaller, but nearer."""
@@ -233,21 +218,7 @@ class SceneRenderer:
         for point, force in zip(contacts.point, self._metres_per_newton * contacts.force, strict=True):
             if np.linalg.norm(force) > SHORTEST * size:
                 start, step = eye + NEARER * (point - eye), NEARER * HALF_DRAWN * force
-                self._connect(arrow, start, start + step, NEARER * ARROW_RADIUS * size, FORCE, decoration=True)
-
-    def _arm_colours(self) -> list[list[Rgb]]:
-        """The colour of every body of each arm: that which decides how fast the motion may be played stands out."""
-        cell, found = self._clip.trajectory.cell, self._clip.deciding
-        colours = []
-        for number, robot in enumerate(cell.robots):
-            own = [arm_colour(number)] * (len(robot.joints) + 1)
-            if shares_base(cell, robot):
-                own[0] = SHARED_BASE
-            if found is not None and found[0].robot == robot.name:
-                element = found[0].element
-                own[robot.joints.index(element) + 1 if element in robot.joints else -1] = OVER_LIMIT
-            colours.append(own)
-        return colours
+                self._connect(arrow, start, start + step, NEARER * ARROW_RADIUS * size, FORCE)
 
     def _add_surroundings(self, size: tuple[int, int]) -> None:
         mujoco, spec, view, camera = self._mujoco, self._spec, self._view, self._camera
@@ -287,28 +258,6 @@ class SceneRenderer:
             quat=_wxyz(np.stack([across, np.cross(view.up, across), view.up], axis=1)),
         )  # fmt: skip
 
-    def _add_arm(self, number: int, urdf: tuple[Path, str | None] | None, warn: Warn) -> bool:
-        """Add the meshes of an arm; whether there are any."""
-        robot = self._clip.trajectory.cell.robots[number]
-        try:
-            meshes = [] if urdf is None else arm_meshes(*urdf, robot.joints, robot.held)
-        except InputError as error:
-            warn(f"robot '{robot.name}' is drawn with simple shapes: {error}")
-            return False
-        if not meshes:
-            return False
-        bodies = [
-            self._spec.worldbody.add_body(name=f"{number}/{index}", mocap=True)
-            for index in range(len(robot.joints) + 1)
-        ]
-        for place, (body, mesh) in enumerate(meshes):
-            for start in range(0, len(mesh.faces), MOST_FACES):
-                faces, name = mesh.faces[start : start + MOST_FACES], f"{number}/{place}/{start}"
-                self._add_mesh(
-                    bodies[body], name, mesh.vertices, mesh.vertex_normals, faces, self._colours[number][body]
-                )
-        return True
-
     def _add_mesh(
         self, body: Any, name: str, vertices: Array, normals: Array, faces: NDArray[np.integer], colour: Rgb
     ) -> None:
@@ -323,34 +272,16 @@ class SceneRenderer:
         body = self._model.body(name).mocapid[0]
         self._data.mocap_pos[body], self._data.mocap_quat[body] = p, _wxyz(R)
 
-    def _add_arm_of_bars(self, number: int, points: Array, R: Array) -> None:
-        """Bars from joint to joint, with a cylinder along every joint's axis."""
-        shapes, robot, colour = self._mujoco.mjtGeom, self._clip.trajectory.cell.robots[number], arm_colour(number)
-        length = float(np.sum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-        radii = length * np.linspace(BASE_RADIUS, TIP_RADIUS, len(points))
-        for start, end, radius in zip(points[:-1], points[1:], radii[1:], strict=True):
-            self._connect(shapes.mjGEOM_CAPSULE, start, end, 0.8 * radius, colour)
-        marks = [JOINT if own == colour else own for own in self._colours[number]]
-        axes = np.einsum("kij,kj->ki", R[1:], robot.axes)
-        for point, radius, axis, mark in zip(points[1:-1], radii[1:-1], axes, marks[1:], strict=True):
-            along = 1.25 * radius * axis
-            self._connect(shapes.mjGEOM_CYLINDER, point - along, point + along, radius, mark)
-        for index in (0, -1):
-            self._connect(shapes.mjGEOM_SPHERE, points[index], points[index], radii[index], marks[index])
-
-    def _connect(
-        self, shape: Any, start: Array, end: Array, width: float, colour: Rgb, *, decoration: bool = False
-    ) -> None:
-        """Add a shape from one point to another; it casts a shadow unless it is a decoration."""
+    def _connect(self, shape: Any, start: Array, end: Array, radius: float, colour: Rgb) -> None:
+        """Add a shape from one point to another; it casts no shadow."""
         mujoco, scene = self._mujoco, self._renderer.scene
-        if scene.ngeom >= scene.maxgeom:
+        if scene.ngeom >= scene.maxgeom or np.linalg.norm(end - start) == 0:
             return
         geom = scene.geoms[scene.ngeom]
         scene.ngeom += 1
-        mujoco.mjv_initGeom(geom, shape, np.full(3, width), start, np.eye(3).ravel(), np.array(_rgba(colour)))
-        if np.linalg.norm(end - start) > 0:
-            mujoco.mjv_connector(geom, shape, width, start, end)
-        geom.category = mujoco.mjtCatBit.mjCAT_DECOR if decoration else mujoco.mjtCatBit.mjCAT_DYNAMIC
+        mujoco.mjv_initGeom(geom, shape, np.full(3, radius), start, np.eye(3).ravel(), np.array(_rgba(colour)))
+        mujoco.mjv_connector(geom, shape, radius, start, end)
+        geom.category = mujoco.mjtCatBit.mjCAT_DECOR
 
 
 def _rgba(colour: Rgb) -> tuple[float, float, float, float]:

@@ -9,7 +9,11 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
 from mrts.drawing.colours import COLOURS
+from mrts.limits.rows import RowName
+from mrts.scaling.limit_use import used_shares
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.cell_shapes import ContactForces, body_poses, contact_forces, points_on_bodies
 
 Rgb = tuple[int, int, int]
@@ -29,6 +33,9 @@ SHARED_BASE = (156, 163, 172)
 PACES = {1.0: "real time", 0.5: "1/2", 0.2: "1/5", 0.1: "1/10", 0.05: "1/20", 0.02: "1/50", 0.01: "1/100"}
 """Seconds of the motion in a second of its playing, and what that is called."""
 
+SAME_SHARE = 1e-6
+"""Shares of limits that differ by less are alike."""
+
 SHORTEST_PLAY = 3.0
 """A motion is played at least this long, at one of `PACES` [s]."""
 
@@ -46,6 +53,45 @@ def suited_pace(duration: float) -> float:
         duration: Of the motion [s].
     """
     return next((pace for pace in PACES if duration >= SHORTEST_PLAY * pace), min(PACES))
+
+
+@dataclass(frozen=True, eq=False)
+class DecidingLimit:
+    """The limit that a played motion uses most, and of these the longest.
+
+    Attributes:
+        name: What it limits.
+        share: Of it that is used, 1 at the limit.
+        sample: When first.
+    """
+
+    name: RowName
+    share: float
+    sample: int
+
+    def body(self, robot: Robot) -> int | None:
+        """The body of an arm that it is about: that of the joint, else the hand; None of another arm."""
+        if self.name.robot != robot.name:
+            return None
+        joint = self.name.element
+        return robot.joints.index(joint) + 1 if joint in robot.joints else len(robot.joints)
+
+
+def deciding_limit(done: ScaledTrajectory) -> DecidingLimit | None:
+    """The limit that decides how fast a motion may be played; None without limits.
+
+    Args:
+        done: As it is played.
+    """
+    names, share = used_shares(done)
+    kept = [done.cell.enforces_velocity_limits or name.kind != "velocity" for name in names]
+    if not any(kept):
+        return None
+    share = np.where(kept, share, -1.0)
+    reached = share >= np.max(share) - SAME_SHARE
+    row = int(np.argmax(np.count_nonzero(reached, axis=0)))
+    sample = int(np.argmax(reached[:, row]))
+    return DecidingLimit(names[row], float(share[sample, row]), sample)
 
 
 @dataclass(frozen=True, eq=False)

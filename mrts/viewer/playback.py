@@ -22,6 +22,7 @@ class Playback:
         gui: Where, in the container that is open.
         duration: Of the motion as it is shown [s].
         later: Takes work for the thread that follows the controls.
+        start: Where along the duration it stands first, from 0 to 1.
         visible: Whether there is anything to play.
     """
 
@@ -31,10 +32,11 @@ class Playback:
         duration: Callable[[], float],
         later: Callable[[Callable[[], None]], None],
         *,
+        start: float = 0.0,
         visible: bool = True,
     ) -> None:
         self._duration = duration
-        self._playing, self._share, self._unread, self._shown = False, 0.0, 0.0, 0.0
+        self._playing, self._share, self._unread, self._shown = False, start, 0.0, 0.0
         self._toggled = False
         self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)

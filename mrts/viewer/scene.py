@@ -12,13 +12,26 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.drawing.round_numbers import round_down
-from mrts.scene.cell_shapes import name_place, shares_base
+from mrts.scene.arm_meshes import Urdfs, drawn_arms
+from mrts.scene.cell_shapes import name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
 from mrts.scene.held_body import held_body
 from mrts.scene.object_surface import object_edges
-from mrts.scene.scene import FORCE, MOMENT, OBJECT, OUTLINE, OVER_LIMIT, PATH, Moment, Scene, arm_colour, blended
+from mrts.scene.scene import (
+    FORCE,
+    MOMENT,
+    OBJECT,
+    OUTLINE,
+    OVER_LIMIT,
+    PATH,
+    DecidingLimit,
+    Moment,
+    Scene,
+    arm_colour,
+    blended,
+)
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene_arms import Urdfs, drawn_arm, wxyz, z_along
+from mrts.viewer.scene_arms import DrawnArm, wxyz, z_along
 from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.held_poses import HeldPoses
 
@@ -80,10 +93,8 @@ class ViewerScene:
         self._draw_surroundings()
         radius = THICKNESS * self.size
         self._arms = [
-            drawn_arm(
-                self._scene, robot, urdfs, self.colours[robot.name], radius, warn, shared_base=shares_base(cell, robot)
-            )
-            for robot in cell.robots
+            DrawnArm(self._scene, robot.name, len(robot.joints) + 1, parts)
+            for robot, parts in zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True)
         ]
         self._names = [
             self._scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
@@ -149,6 +160,11 @@ class ViewerScene:
         passed = course.passed[:-1] | course.passed[1:]
         colours = np.where(passed[:, None], np.array(OVER_LIMIT), np.array(PATH)).astype(np.uint8)
         self._path.points, self._path.colors = steps, colours
+
+    def mark(self, deciding: DecidingLimit | None) -> None:
+        """Let the joint or the hand stand out whose limit decides how fast the motion may be played."""
+        for arm, robot in zip(self._arms, self._course.cell.robots, strict=True):
+            arm.mark(None if deciding is None else deciding.body(robot))
 
     def rescale(self, state: PlayerState) -> None:
         """Choose the arrows' lengths for a trajectory as it is now."""
@@ -261,8 +277,8 @@ class ViewerScene:
         """Move all that moves; where the tips are, each Shape (3,) [m]."""
         cell, tips = moment.cell, [line[-1] for line in moment.lines]
         position, rotation = moment.position, moment.rotation
-        for arm, robot, (R, p) in zip(self._arms, cell.robots, moment.bodies, strict=True):
-            arm.update(robot, R, p)
+        for arm, (R, p) in zip(self._arms, moment.bodies, strict=True):
+            arm.update(R, p)
         for part in (self._body, self._carried):
             part.position, part.wxyz = position, wxyz(rotation)
         for hand, tip in zip(self._hands, tips, strict=True):

@@ -48,7 +48,7 @@ def viewer(dual_ur5):
 def test_a_second_of_playing_is_thirty_frames_each_whole(viewer):
     """Each step of the viewer is one message with every part that moves, at the slowest pace too."""
     moving = {"/object", "/hands/left", "/hands/right", "/carried", "/carried/forces"}
-    moving |= {f"/arms/{arm}/{part}" for arm in ("left", "right") for part in ("points", "links")}
+    moving |= {f"/arms/{arm}/body{body}" for arm in ("left", "right") for body in range(1, 7)}
     pace = next(handle for handle in viewer.server.controls.values() if getattr(handle, "label", "") == "pace")
     for pace.value in ("1/10", "1/50"):
         with connected(viewer.server.url) as opened:

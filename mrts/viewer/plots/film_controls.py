@@ -15,10 +15,10 @@ import viser
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scene.arm_meshes import Urdfs
 from mrts.viewer.panel import error_html, note_html
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.other_result import Others
-from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.workbench.answer import Answer
 
 PICTURE = "Picture (PNG)"
