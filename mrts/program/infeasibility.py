@@ -189,7 +189,8 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
     place = np.argmin(needed, axis=1)
     samples = np.arange(problem.samples)
     low, high = grid[samples, np.maximum(place - 1, 0)], grid[samples, np.minimum(place + 1, SEARCH_POINTS - 1)]
-    best, least = grid[samples, place], needed[samples, place]
+    best: Array = grid[samples, place]
+    least = needed[samples, place]
     for _ in range(SEARCH_ROUNDS):
         part = problem.at(samples)
         best[samples], least[samples] = _closest_between(part, low, best[samples], high, least[samples], solver)

@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points
-from mrts.drawing.bodies.held_body import held_body
-from mrts.drawing.bodies.object_surface import object_edges
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import shortened
 from mrts.report.markup import plot_text
 from mrts.report.plots import numbers
 from mrts.scaling.result import ScalingResult
+from mrts.scene.cell_shapes import contact_forces, joint_points
+from mrts.scene.held_body import held_body
+from mrts.scene.object_surface import object_edges
+from mrts.scene.scene import suited_pace
 
 MOST_FRAMES = 160
 MOST_TRIANGLES = 250
@@ -39,11 +40,6 @@ ALONG = 1e-6
 
 MARGIN = 0.08
 """Around everything that moves, as a share of the scene."""
-
-SHORTEST_PLAY = 3.0
-"""Playing takes at least this long at the speed that is chosen first [s]."""
-
-SPEEDS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.02, 0.01)
 
 
 @dataclass(frozen=True)
@@ -102,13 +98,12 @@ def player(result: ScalingResult, way: Array | None = None) -> Player:
         moving.append((arrows, _line_trace("force on the object", "#000", 5)))
     path = _line_trace("path of the object", "#888", 2) | _coordinates(given.position[frames])
     still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
-    speed = next((speed for speed in SPEEDS if time[-1] / speed >= SHORTEST_PLAY), SPEEDS[-1])
     return Player(
         [*still, path],
         _layout(cell, np.concatenate([solid, arrows.reshape(-1, 3)])),
         [_coordinates(points) for points, _ in moving],
         numbers(time[frames]),
-        speed,
+        suited_pace(float(time[-1])),
         largest if largest > NO_FORCE else 0.0,
         clocks={"given": numbers(given.time[frames]), "played": numbers(time[frames])}
         | ({} if way is None else {"way": numbers(way[frames])}),

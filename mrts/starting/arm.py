@@ -10,7 +10,7 @@ import numpy as np
 from mrts.base.arrays import Array, cross
 from mrts.base.rigid_transform import PLANE_TOLERANCE
 from mrts.cell.robot import Robot
-from mrts.drawing.bodies.cell_shapes import body_poses
+from mrts.scene.cell_shapes import body_poses
 
 NO_LEVER = 1e-3
 """A hand nearer to its last joint than this says nothing of where it points [m]."""

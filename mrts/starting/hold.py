@@ -15,7 +15,7 @@ from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.base.yaml_parser import parse_yaml
 from mrts.cell.cell import Cell, Numbers
-from mrts.drawing.bodies.cell_shapes import body_poses
+from mrts.scene.cell_shapes import body_poses
 from mrts.starting.cell_writing import flow
 from mrts.starting.proposal import pose_keys
 

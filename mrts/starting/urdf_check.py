@@ -16,7 +16,7 @@ from mrts.cell.remarks import first_few, urdf_remarks
 from mrts.cell.robot import Robot
 from mrts.cell.source_files import UrdfReading, urdf_with_mistakes
 from mrts.diagnosis.cell_check import finite_json, mistakes_json, position_range
-from mrts.drawing.bodies.arm_meshes import mesh_file
+from mrts.scene.arm_meshes import mesh_file
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.cell_writing import missing
 from mrts.starting.reading import check_movable

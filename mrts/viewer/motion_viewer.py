@@ -14,6 +14,8 @@ import numpy as np
 import viser
 
 from mrts.base.errors import MrtsError
+from mrts.scene.arm_meshes import Urdfs
+from mrts.scene.scene import deciding_limit
 from mrts.viewer.controls.view_controls import ViewControls
 from mrts.viewer.panel import (
     PANEL,
@@ -33,7 +35,6 @@ from mrts.viewer.plots.other_result import Others, other_results
 from mrts.viewer.plots.plot_panel import PlotPanel
 from mrts.viewer.readings import Readings
 from mrts.viewer.scene import ViewerScene
-from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.viewer_part import ViewerPart
 from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.held_poses import Unreached
@@ -139,7 +140,10 @@ class MotionViewer:
         """Do what a viewer's own controls ask for."""
 
     def _add_player(self) -> None:
-        self.playback = Playback(self.server.gui, self._duration, self._todo.put, visible=not self._stands)
+        found, start = None if self.state is None else deciding_limit(self.state.trajectory), 0.0
+        if self.state is not None and found is not None:
+            start = float(self.state.trajectory.time[found.sample]) / self._duration()
+        self.playback = Playback(self.server.gui, self._duration, self._todo.put, start=start, visible=not self._stands)
 
     def _add_texts(self) -> None:
         gui, visible = self.server.gui, not self._stands
@@ -206,6 +210,7 @@ class MotionViewer:
             if others:
                 self._scene.show_answer(answer)
             if answer.state is not None:
+                self._scene.mark(deciding_limit(answer.state.trajectory))
                 if others:
                     self._scene.rescale(answer.state)
                 self._outcome = outcome_html(answer.state, coarse=answer.coarse)

@@ -26,6 +26,7 @@ from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, conflict_at, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scaling.torques import distributed_torques
+from mrts.scene.scene import Scene
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime
 from mrts.viewer.offered_speeds import OF_TIMINGS, Speeds, offered_speeds
@@ -161,6 +162,12 @@ class PlayerState:
         else:
             self.timing, self.result, self.speeds = found, found.retimed, OF_TIMINGS
             found.factor, found.retimed.range.samples  # noqa: B018 (found here, not by whoever shows them)
+
+    @property
+    def scene(self) -> Scene:
+        """What is drawn of it."""
+        motion = self.result.motion
+        return Scene(self.result.cell, motion.q, motion.object.position, motion.object.rotation, self.excess > 0)
 
     @property
     def given_duration(self) -> float:

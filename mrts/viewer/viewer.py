@@ -13,6 +13,7 @@ from typing import Any
 import viser
 
 from mrts.base.rigid_transform import RigidTransform
+from mrts.scene.arm_meshes import Urdfs
 from mrts.viewer.controls.change_controls import ChangeControls
 from mrts.viewer.controls.save_controls import SaveControls
 from mrts.viewer.motion_viewer import FRAME, MotionViewer
@@ -20,7 +21,6 @@ from mrts.viewer.offered_speeds import Speeds
 from mrts.viewer.playback import set_slider
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.other_result import Others
-from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.choices import Choices
 from mrts.viewer.workbench.workbench import Workbench

@@ -11,7 +11,7 @@ from conftest import DATA
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.loading import cell_to_compile
 from mrts.cli import main
-from mrts.drawing.bodies.cell_shapes import body_poses
+from mrts.scene.cell_shapes import body_poses
 from mrts.viewer.motion_viewer import MotionViewer
 from mrts.viewer.panel import held_html
 from mrts.viewer.server import close_server, open_server

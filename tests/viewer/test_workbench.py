@@ -13,9 +13,9 @@ from conftest import DATA
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
-from mrts.drawing.bodies.cell_shapes import body_poses
-from mrts.drawing.bodies.held_body import held_body
 from mrts.motion.motion_file import described_motion
+from mrts.scene.cell_shapes import body_poses
+from mrts.scene.held_body import held_body
 from mrts.viewer.controls.places import Place, in_plane, moved_by, offset_of, places
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.workbench.choices import Choices, Given

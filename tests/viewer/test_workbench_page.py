@@ -8,7 +8,7 @@ from conftest import DATA
 from playwright.sync_api import TimeoutError as NotInTime
 from viewer_browser import chromium, in_picture, open_page, running_viewer
 
-from mrts.drawing.bodies.cell_view import look_at_cell
+from mrts.scene.cell_view import look_at_cell
 from mrts.viewer.controls.gizmo import ARM
 
 assert chromium  # a fixture, imported for pytest

@@ -15,10 +15,10 @@ import viser
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scene.arm_meshes import Urdfs
 from mrts.viewer.panel import error_html, note_html
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.other_result import Others
-from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.workbench.answer import Answer
 
 PICTURE = "Picture (PNG)"
@@ -29,7 +29,7 @@ NO_LETTER = re.compile(r"[^A-Za-z0-9_-]+")
 """What of a cell's name, which a saved result may hold as it likes, is not in the name of a file."""
 
 LONGEST_NAME = 60
-NEEDS = ("matplotlib", "PIL")
+NEEDS = ("matplotlib", "mujoco", "PIL", "imageio_ffmpeg")
 
 
 class _AskerLeftError(Exception):
@@ -103,9 +103,9 @@ class FilmControls:
 
     def _make(self, client: viser.ClientHandle, kind: str, done: ScaledTrajectory, at: float, backward: Array) -> None:
         from mrts.film.film import picture_bytes, write_film  # noqa: PLC0415 (an extra of its own)
-        from mrts.film.stage import Take  # noqa: PLC0415
+        from mrts.film.renderer import Clip  # noqa: PLC0415
 
-        takes = [Take(f"c = {done.c:.4g}", done, self._urdfs), *(Take(name, other) for name, other in self._others)]
+        clips = [Clip(f"c = {done.c:.4g}", done, self._urdfs), *(Clip(name, other) for name, other in self._others)]
 
         def require_asker() -> None:
             if client.client_id not in self._clients():
@@ -119,10 +119,10 @@ class FilmControls:
             self._said = note_html("Drawing …")
             name = f"{NO_LETTER.sub('_', done.cell.name)[:LONGEST_NAME]}{FORMATS[kind]}"
             if kind == PICTURE:
-                content = picture_bytes(takes, at, backward)
+                content = picture_bytes(clips, at, backward)
             else:
                 with tempfile.TemporaryDirectory(prefix="mrts-film-") as folder:
-                    write_film(takes, Path(folder) / name, backward, progress=tell)
+                    write_film(clips, Path(folder) / name, backward, progress=tell)
                     content = (Path(folder) / name).read_bytes()
             require_asker()
             client.send_file_download(name, content, save_immediately=True)

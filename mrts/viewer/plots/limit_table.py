@@ -5,9 +5,9 @@ from collections.abc import Mapping
 
 import viser
 
+from mrts.scene.scene import Rgb
 from mrts.viewer.panel import limits_html
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene_arms import Rgb
 from mrts.viewer.workbench.answer import Answer
 
 

@@ -11,9 +11,10 @@ from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.drawing.bodies.cell_shapes import body_poses
 from mrts.following.grasp_tracking import FURTHER_STEPS, reached, solve_grasps
 from mrts.motion.object_motion import ObjectMotion
+from mrts.scene.cell_shapes import body_poses
+from mrts.scene.scene import Scene
 
 MOST_SAMPLES = 41
 """Samples that are looked at: a picture of where arms end needs no more."""
@@ -40,6 +41,11 @@ class HeldPoses:
     q: Array
     gap: Array
     reached: NDArray[np.bool_]
+
+    @property
+    def scene(self) -> Scene:
+        """What is drawn of it."""
+        return Scene(self.cell, self.q, self.position, self.rotation, ~np.all(self.reached, axis=1))
 
     def nearest(self, time: float) -> int:
         """Index of the sample looked at that is nearest to a time [s]."""

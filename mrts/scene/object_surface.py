@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, unpacked_surface
 from mrts.cell.cell import Cell
-from mrts.drawing.bodies.cell_shapes import object_box
+from mrts.scene.cell_shapes import object_box
 
 CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
 """Of a box with sides of 1."""

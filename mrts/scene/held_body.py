@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.formats.surface_text import MOST_DRAWN
 from mrts.cell.cell import Cell
-from mrts.drawing.bodies.cell_shapes import object_box
-from mrts.drawing.bodies.object_surface import CORNERS, TRIANGLES, object_surface
+from mrts.scene.cell_shapes import object_box
+from mrts.scene.object_surface import CORNERS, TRIANGLES, object_surface
 
 WAIST = 0.4
 """A side of the box is drawn as short as this share of what its inertia gives it, so that a hand is at its surface."""
