@@ -37,7 +37,6 @@ class SparseLimits:
 
     Attributes:
         rows: r.
-        sides: Limits of all rows, lower and upper ones.
         entries: Row and column of each entry that is kept, each Shape (e,).
         values: Of the entries, Shape (e,).
 
@@ -59,7 +58,6 @@ class SparseLimits:
         if not np.all(lower <= upper):
             raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
-        self.sides = int(np.count_nonzero(lower > -INFINITY) + np.count_nonzero(upper < INFINITY))
         self.entries = row, column = np.nonzero(matrix if pattern is None else pattern)
         self.values = np.ascontiguousarray(matrix[row, column])
         start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=self.rows))])

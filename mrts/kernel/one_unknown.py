@@ -2,7 +2,6 @@
 """Samples whose wrenches balance fixes, whole trajectories in one foreign call (mrts/kernel/c/one_unknown)."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,19 +32,6 @@ class KnownRanges:
     tied: NDArray[np.int8]
 
 
-@dataclass(frozen=True)
-class KnownPlanes:
-    """Half-planes n_u u + n_x x <= h at N samples, e of each, in units of limits.
-
-    Attributes:
-        planes: n_u, n_x, h, Shape (N, e, 3).
-        effect: Largest effect of u = 1 and of x = 1 on a row, Shape (N, 2).
-    """
-
-    planes: Array
-    effect: Array
-
-
 def known_ranges(
     library: CellLibrary,
     function: str,
@@ -66,44 +52,13 @@ def known_ranges(
         terms: What is added at every sample.
         most: Largest c² that the velocities allow, Shape (N,), infinity where they do not bound it.
     """
+    run = library.address(function), len(library.records[function].inputs)
     tied = np.zeros((2, samples, limits.rows), dtype=np.int8)
     found = KnownRanges(np.zeros(samples), np.zeros(samples), np.zeros(samples), tied)
     each, outputs = [np.minimum(most, INFINITY)], [found.lower, found.upper, found.effect, *tied]
     library.over_samples(
-        *("mrts_known_ranges", samples, inputs, limits, [terms], each, outputs, _evaluated(library, function)),
+        *("mrts_known_ranges", samples, inputs, limits, [terms], each, outputs, run),
         function=function,
         one_piece=ONE_PIECE,
     )
     return found
-
-
-def known_planes(
-    library: CellLibrary,
-    function: str,
-    samples: int,
-    inputs: dict[str, Array],
-    limits: SparseLimits,
-    terms: tuple[SampleTerms, SampleTerms],
-) -> KnownPlanes | None:
-    """The sides of rows that have a limit, over u and x; None where a coefficient is no number.
-
-    Args:
-        library: As in `known_ranges`.
-        function: As there.
-        samples: N.
-        inputs: Of the function, by name.
-        limits: Rows over torques and wrenches.
-        terms: What is added at every sample with x for c², and what u adds.
-    """
-    found = KnownPlanes(np.empty((samples, limits.sides, 3)), np.empty((samples, 2)))
-    numbers = library.over_samples(
-        *("mrts_known_planes", samples, inputs, limits, terms, [], [found.effect, found.planes]),
-        _evaluated(library, function),
-        function=function,
-        one_piece=ONE_PIECE,
-    )
-    return found if numbers else None
-
-
-def _evaluated(library: CellLibrary, function: str) -> tuple[Any, int]:
-    return library.address(function), len(library.records[function].inputs)

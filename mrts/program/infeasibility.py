@@ -12,8 +12,8 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow
+from mrts.program.range_ends import highest_intervals, speed_unit
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.speed_intervals import highest_intervals, speed_unit
 from mrts.program.widening import least_widening, widening_at
 
 CERTIFICATE_TOLERANCE = 1e-9
@@ -100,12 +100,6 @@ def find_conflicts(
     The elastic program min s, lower - s <= A x <= upper + s (in rows of limits) always has a solution; s > 0 exactly
     where the sample is infeasible, and its multipliers are the Farkas certificate.
 
-    Args:
-        problem: Rows of all samples.
-        time: Shape (N,) [s].
-        samples: Indices of the samples in question.
-        solver: Name in the registry.
-
     Returns:
         For each of `samples` the conflict, or None where the limits hold together.
 
@@ -157,12 +151,6 @@ def _conflicts_along_speed(
 def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) -> list[Conflict | None]:
     """`find_conflicts` at a chosen c² of each sample, where everything is linear.
 
-    Args:
-        problem: Rows.
-        c2: Shape (N,).
-        time: Shape (N,) [s].
-        solver: Name in the registry.
-
     Raises:
         SolverError: If no solver answers.
     """
@@ -174,10 +162,6 @@ def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) ->
 
 def closest_speed(problem: SampleProblem, solver: str) -> Array:
     """The c at which the limits of a sample must move outward the least, Shape (N,).
-
-    Args:
-        problem: Rows with a column of ṙ.
-        solver: Name in the registry.
 
     Raises:
         SolverError: If no solver answers.

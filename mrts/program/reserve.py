@@ -44,11 +44,6 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
 
     Rows that no distribution moves do not count. Where both sides are one number, a row is kept and does not count.
 
-    Args:
-        problem: Rows of a cell without a reserve, with a free distribution.
-        c2: c².
-        solver: Name in the registry.
-
     Raises:
         SolverError: If no solver answers.
     """
@@ -69,11 +64,6 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
 
 def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProblem, int]:
     """The same problem with limits moved to the least largest share of them that is possible at c², or `LEAST_SHARE`.
-
-    Args:
-        problem: Rows of a cell without a reserve.
-        c2: c².
-        solver: Name in the registry.
 
     Returns:
         The problem, and the programs that a fallback had to solve.
@@ -101,15 +91,6 @@ def reserve_torques(
     weights: Array,
 ) -> tuple[Array, Array, int]:
     """The least torques of those that keep most of every limit free; as `motion_torques`.
-
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        formulation: As in `motion_ranges`.
-        sharing: Likewise.
-        solver: Likewise.
-        c2: Chosen c².
-        weights: W, Shape (m, m).
 
     Raises:
         InputError: If an argument breaks a rule.

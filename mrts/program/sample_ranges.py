@@ -14,15 +14,23 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow, Side
-from mrts.program.closed_form import ends_in_closed_form
-from mrts.program.end_rows import rows_at_end, tight_codes
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
-from mrts.program.linear_programs import ends_by_linear_programs
 from mrts.program.motion_rows import binds
-from mrts.program.range_ends import BindingRows, RangeEnds, codes_of_duals, no_codes, rows_of_problem
+from mrts.program.range_ends import (
+    BindingRows,
+    RangeEnds,
+    codes_of_duals,
+    ends_by_linear_programs,
+    ends_in_closed_form,
+    highest_intervals,
+    intervals_below,
+    no_codes,
+    rows_at_end,
+    rows_of_problem,
+    tight_codes,
+)
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.speed_intervals import highest_intervals, intervals_below
 
 REST_TOLERANCE = 1e-12
 """A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""
@@ -92,15 +100,7 @@ class SampleRanges(InNotebooks):
         }
 
 
-def sample_ranges(
-    problem: SampleProblem,
-    time: Array,
-    solver: str,
-    high: float = np.inf,
-    *,
-    doubtful: bool = False,
-    effect: float = 0.0,
-) -> SampleRanges:
+def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float = np.inf) -> SampleRanges:
     """Step 1 of MMTSF: min and max of c² at every sample, with binding rows.
 
     One unknown (a fixed distribution, a single arm) is an intersection of intervals; more are linear programs.
@@ -110,18 +110,26 @@ def sample_ranges(
         time: Shape (N,) [s].
         solver: Name in the registry.
         high: Of several intervals the highest is found that does not begin above this c².
-        doubtful: Whether all of them may be infeasible, which is then looked at first.
-        effect: Largest effect of c² at other samples of the motion.
 
     Raises:
         InputError: If there is no such solver.
         SolverError: If no solver answers.
     """
-    problem = without_speed_at_rest(problem, effect)
+    return ranges_of_ends(time, *decided_ends(problem, time, solver, high))
+
+
+def decided_ends(
+    problem: SampleProblem, time: Array, solver: str, high: float, effect: float | None = None
+) -> tuple[RangeEnds, list[Conflict]]:
+    """`sample_ranges` as ends, and the conflicts of the samples that have none.
+
+    Where the largest effect of c² at other samples is given, these are doubtful: whether they are infeasible is looked
+    at first.
+    """
+    doubtful = effect is not None
+    problem = without_speed_at_rest(problem, effect or 0.0)
     none, samples = np.full(problem.samples, np.inf), np.arange(problem.samples)
-    ends = RangeEnds(
-        none, -none, rows_of_problem(problem, no_codes(len(samples))), np.ones(len(samples), dtype=bool), 0
-    )
+    ends = RangeEnds(none, -none, rows_of_problem(problem, no_codes(len(samples))), np.ones(len(samples), dtype=bool))
     if not doubtful:
         ends.replace(samples, _ends(problem, solver, high))
     conflicts: list[Conflict] = []
@@ -142,6 +150,11 @@ def sample_ranges(
             f"no solver found the range of c² at t = {time[np.argmax(ends.undecided)]:.6g} s, although its limits hold "
             "together. This is a defect of mrts or of extremely scaled data: please report the cell and the motion."
         )
+    return ends, conflicts
+
+
+def ranges_of_ends(time: Array, ends: RangeEnds, conflicts: Sequence[Conflict], **loads: Any) -> SampleRanges:
+    """The ranges with these ends; `loads` are `lower_loads` and `upper_loads`."""
     return SampleRanges(
         time=time,
         status=statuses(ends.lower, ends.upper, conflicts),
@@ -151,6 +164,7 @@ def sample_ranges(
         conflicts=tuple(conflicts),
         fallbacks=ends.fallbacks,
         several=ends.several,
+        **loads,
     )
 
 
@@ -170,13 +184,7 @@ def _ends(problem: SampleProblem, solver: str, high: float) -> RangeEnds:
 
 
 def statuses(lower: Array, upper: Array, conflicts: Iterable[Conflict]) -> tuple[RangeStatus, ...]:
-    """The outcome at every sample.
-
-    Args:
-        lower: c²⁻(t), Shape (N,).
-        upper: c²⁺(t), Shape (N,).
-        conflicts: Of the infeasible samples.
-    """
+    """The outcome at every sample."""
     names = np.array([RangeStatus.FEASIBLE, RangeStatus.EMPTY, RangeStatus.UNBOUNDED, RangeStatus.INFEASIBLE])
     code = np.where(np.isinf(upper), 2, np.where(lower > upper * (1 + POINT_TOLERANCE), 1, 0))
     code[[conflict.sample for conflict in conflicts]] = 3

@@ -77,9 +77,10 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     speed = np.broadcast_to(np.reshape(c2, (-1, 1)), (count, 1))
     if unknowns == 1:
         return speed, 0
-    free, at_rest = problem.torque_map[:, :, :-1], problem.torque_without_free(speed)
+    free = problem.torque_map[:, :, :-1]
+    others = problem.torque(np.concatenate([np.zeros((count, unknowns - 1)), speed], axis=1))
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
-    g = np.einsum("nij,ik,nk->nj", free, weights, at_rest)
+    g = np.einsum("nij,ik,nk->nj", free, weights, others)
     lower, upper = problem.limits_at(speed)
     widening = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), TORQUE_WIDENING, 0.0)
     programs = ConvexPrograms(
@@ -108,23 +109,10 @@ def torques_by_blocks(
     samples: NDArray[np.intp] | None = None,
     within: Callable[[SampleProblem], tuple[SampleProblem, int]] = lambda problem: (problem, 0),
 ) -> tuple[Array, Array, int]:
-    """`distribute_torques` for k samples of a motion: torques, Shape (k, m), wrenches, Shape (k, n w), and fallbacks.
+    """`distribute_torques` for k samples of a motion, all or some, as from `motion_torques`.
 
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        formulation: As in `build_sample_problem`.
-        sharing: A fixed distribution of the load, None for a free one.
-        solver: Name in the registry.
-        c2: Chosen c².
-        weights: W, Shape (m, m).
-        rows: From `motion_rows`.
-        samples: Indices, Shape (k,); None takes all.
-        within: Moves the limits of a block, and says how many programs a fallback solved for that.
-
-    Raises:
-        InputError: If an argument breaks a rule.
-        SolverError: If no solver answers.
+    Arguments are those of `build_sample_problem`; `within` moves the limits of some samples, and says how many programs
+    a fallback solved for that.
     """
     places = np.arange(motion.samples) if samples is None else samples
     torque, wrench = (np.zeros((len(places), size)) for size in (cell.library.joints, cell.library.wrenches))

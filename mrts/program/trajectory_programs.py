@@ -11,20 +11,17 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.cell_library import CellLibrary, KernelRanges, SparseLimits
-from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, known_planes, known_ranges
+from mrts.kernel.cell_library import KernelRanges
+from mrts.kernel.one_unknown import KnownRanges, known_ranges
 from mrts.kernel.programs import OPTIMAL
-from mrts.kernel.sample_terms import SampleTerms
-from mrts.program.closed_form import tied_codes, tied_sides
 from mrts.program.formulation import FormulationName
 from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, binds, motion_rows
-from mrts.program.range_ends import BindingRows, kernel_rows
+from mrts.program.range_ends import BindingRows, RangeEnds, intervals_below, kernel_rows, tied_codes, tied_sides
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses
-from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.program.speed_intervals import intervals_below
+from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, decided_ends, ranges_of_ends, sample_ranges
+from mrts.program.solvers import check_solver
 from mrts.program.torque_distribution import BLOCK, TORQUE_WIDENING, torques_by_blocks
 
 MOST_ROWS = 32_767
@@ -85,12 +82,16 @@ def _kernel_ranges(
     """The ranges by the kernel; what it does not settle is left to the solvers."""
     most, several, time, library = rows.most, False, motion.object.time, cell.library
     found: KnownRanges | KernelRanges
-    if sharing is not None or library.robots == 1:
-        found = known_ranges(*_known(cell, motion, sharing, load, rows), rows.terms(), most)
+    assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
+    given = motion.samples, _inputs(cell, motion, load), rows.sparse, rows.terms()
+    if sharing is not None:
+        shared = given[0], given[1] | sharing.inputs(cell, motion), *given[2:]
+        found = known_ranges(library, "fixed_distribution", *shared, most)
+        undecided = found.lower > found.upper
+    elif library.robots == 1:
+        found = known_ranges(library, "wrench_form", *given, most)
         undecided = found.lower > found.upper
     else:
-        assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
-        given = motion.samples, _inputs(cell, motion, load), rows.sparse, rows.terms()
         if rows.has_speed_terms:
             found, several = intervals_below(partial(library.speed_ranges, *given), most, high)
         else:
@@ -100,28 +101,15 @@ def _kernel_ranges(
     at_rest = found.effect <= REST_TOLERANCE * effect
     lower, upper = found.lower + 0.0, np.where(at_rest, most, found.upper) + 0.0  # 0 has no sign
     suspects = np.flatnonzero(undecided | (at_rest & (lower > 0)))
-    binding = _rows_at_ends(rows, found, (lower, upper), at_rest)
+    ends = RangeEnds(lower, upper, _rows_at_ends(rows, found, (lower, upper), at_rest), undecided, several=several)
     conflicts: list[Conflict] = []
-    fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
         problem = build_sample_problem(cell, motion, sharing=sharing, load=load, samples=block, rows=rows)
-        part = sample_ranges(problem, time[block], solver, high, doubtful=True, effect=effect)
-        lower[block], upper[block] = part.lower, part.upper
-        binding = binding.with_samples(block, part.rows.codes)
-        conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
-        fallbacks += part.fallbacks
-        several |= part.several
-    return SampleRanges(
-        time=time,
-        status=statuses(lower, upper, conflicts),
-        lower=lower,
-        upper=upper,
-        rows=binding,
-        conflicts=tuple(conflicts),
-        fallbacks=fallbacks,
-        several=several,
-    )
+        part, own = decided_ends(problem, time[block], solver, high, effect)
+        ends.replace(block, part)
+        conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in own]
+    return ranges_of_ends(time, ends, conflicts)
 
 
 def motion_torques(
@@ -136,15 +124,7 @@ def motion_torques(
 ) -> tuple[Array, Array, int]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
 
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        formulation: As in `motion_ranges`.
-        sharing: Likewise.
-        solver: Likewise.
-        c2: Chosen c².
-        weights: W, Shape (m, m).
-        rows: As in `motion_ranges`.
+    W, Shape (m, m), is in `weights`; the others are as in `motion_ranges`.
 
     Raises:
         InputError: If an argument breaks a rule.
@@ -170,51 +150,11 @@ def motion_torques(
     return torque, wrench, fallbacks
 
 
-def motion_planes(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    sharing: LoadSharing | None,
-    load: Array | None,
-    rows: MotionRows | None = None,
-) -> tuple[KnownPlanes, Array] | None:
-    """The limits over u = r̈ and x = ṙ² where nothing else is unknown, and the largest x that velocities allow.
-
-    Args:
-        cell: The cell.
-        motion: Its motion; its time is the path parameter r.
-        sharing: A fixed distribution of the load, None for a free one.
-        load: As in `motion_ranges`.
-        rows: Likewise.
-
-    Returns:
-        Half-planes, and Shape (N,); None where the compiled path does not answer.
-    """
-    if sharing is None and len(cell.robots) > 1:
-        return None
-    rows = motion_rows(cell, motion) if rows is None else rows
-    if rows.has_speed_terms or not _is_for_kernel(cell, rows, "wrench", DEFAULT_SOLVER):
-        return None
-    by_rate = SampleTerms(torque_square=None if rows.motors is None else rows.motors.rate, square=rows.kept.rate)
-    planes = known_planes(*_known(cell, motion, sharing, load, rows), (rows.terms(), by_rate))
-    return None if planes is None else (planes, rows.most)
-
-
 def _is_for_kernel(cell: Cell, rows: MotionRows, formulation: FormulationName, solver: str) -> bool:
     """Whether the compiled path answers: wrench form, no sides that cross."""
     check_solver(solver)
     few = len(rows.kept.names) + cell.library.unknowns <= MOST_ROWS
     return solver == "kernel" and formulation == "wrench" and rows.sparse is not None and few
-
-
-def _known(
-    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None, rows: MotionRows
-) -> tuple[CellLibrary, str, int, dict[str, Array], SparseLimits]:
-    """What the kernel takes of a motion where c² is the only unknown."""
-    assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
-    inputs, function = _inputs(cell, motion, load), "wrench_form"
-    if sharing is not None:
-        inputs, function = inputs | sharing.inputs(cell, motion), "fixed_distribution"
-    return cell.library, function, motion.samples, inputs, rows.sparse
 
 
 def _rows_at_ends(

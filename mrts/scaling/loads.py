@@ -23,12 +23,17 @@ from mrts.base.load_box import OFFSETS, LoadBox, LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.program.closed_form import LoadSensitivity, ends_in_closed_form, load_sensitivity, worst_parameters
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.range_ends import chosen_rows
+from mrts.program.range_ends import (
+    LoadSensitivity,
+    chosen_rows,
+    ends_in_closed_form,
+    load_sensitivity,
+    worst_parameters,
+)
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.sample_ranges import SampleRanges, first_least, statuses, without_speed_at_rest
+from mrts.program.sample_ranges import SampleRanges, first_least, ranges_of_ends, statuses, without_speed_at_rest
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.options import Options, load_box
 from mrts.scaling.range import ScalingRange, common_range, intersect
@@ -294,17 +299,8 @@ def _in_closed_form(
     ends = ends_in_closed_form(problem, sensitivity)
     if np.any(ends.undecided):
         return None
-    return SampleRanges(
-        time=motion.object.time,
-        status=statuses(ends.lower, ends.upper, ()),
-        lower=ends.lower,
-        upper=ends.upper,
-        rows=ends.rows,
-        conflicts=(),
-        fallbacks=0,
-        lower_loads=_worst_loads(problem, sensitivity, box, varying, ends.lower),
-        upper_loads=_worst_loads(problem, sensitivity, box, varying, ends.upper),
-    )
+    worst = (_worst_loads(problem, sensitivity, box, varying, end) for end in (ends.lower, ends.upper))
+    return ranges_of_ends(motion.object.time, ends, (), **dict(zip(("lower_loads", "upper_loads"), worst, strict=True)))
 
 
 def _worst_loads(
