@@ -109,7 +109,15 @@ def retime(
         MotionError: If the arms cannot follow the object.
         SolverError: If no solver answers.
     """
-    _check_arguments(cell, sharing, start_speed, end_speed, progress)
+    check_type("cell", cell, Cell)
+    check_type("sharing", sharing, LoadSharing, NoneType)
+    check_callable("progress", progress)
+    for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
+        if not is_number(speed, 0, LARGEST_NUMBER):
+            rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
+            raise InputError(name, rule, value=speed)
+    if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
+        raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
     cell = limited_cell(cell, reserve, limits)
     options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between)
     options = options.checked(cell)
@@ -124,18 +132,22 @@ def retime(
     compared = ConstantFactor(cell, given, options)
     if options.between is not None:
         check_held_between(cell, given)
-    first = fastest_timing(compared, given, end_speeds, progress)
-    fastest = refined_timing(
-        first, lambda path: fastest_timing(compared, path, end_speeds, progress, refined=True), options.between
-    )
+
+    def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
+        return fastest_timing(compared, path, end_speeds, progress, refined=refined)
+
+    first = timed(given, refined=False)
+    fastest = refined_timing(first, timed, options.between)
     if smooth is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    time, remarks = given.object.time, motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
-    remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
+    remarks = motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
+    if fastest.motion is not given:
+        time = given.object.time
+        remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
     added = interpolated_timing(given, first.duration, fastest.duration)
-    return _played(fastest, options, "fastest timing", remarks, added)
+    return _played(fastest, "fastest timing", remarks, added)
 
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
@@ -166,15 +178,15 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     found = replace(found, smooth=answer)
     if not pieces:
         return found
-    torque, wrench = ([getattr(part, name) for part in pieces] for name in ("torque", "wrench"))
-    plan = [np.concatenate([of[0], *(part[1:] for part in of[1:])]) for of in (torque, wrench)]
+    first, *rest = pieces
+    torque = np.concatenate([first.torque, *(part.torque[1:] for part in rest)])
+    wrench = np.concatenate([first.wrench, *(part.wrench[1:] for part in rest)])
     remarks, stopped = lasting(constant.warnings), _stopped(answer, found)
-    return _played(found, bare.options, answer.what, remarks, stopped, torques=(plan[0], plan[1]), also=f". {answer}")
+    return _played(found, answer.what, remarks, stopped, torques=(torque, wrench), also=f". {answer}")
 
 
 def _played(
     timed: RetimingResult,
-    options: Options,
     what: str,
     remarks: tuple[Remark, ...],
     added: tuple[Remark, ...],
@@ -197,7 +209,7 @@ def _played(
         c2=1.0,
         trajectory=None,
         fallbacks=0,
-        options=replace(options, load="nominal"),
+        options=replace(timed.options, load="nominal"),
         origin=f"{what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s{also}",
         warnings=remarks,
         excess=excess,
@@ -236,10 +248,9 @@ def _smooth_options(
         torque = None if given[name] is None else as_array(name, given[name])
         if torque is not None and (torque.shape != (joints,) or not np.all(np.isfinite(torque))):
             raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given[name])
-        held.append(torque)
-    for name, torque in zip(("start_torque", "end_torque"), held, strict=True):
         if torque is not None and question == "guaranteed":
             raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
+        held.append(torque)
     return goal, (held[0], held[1])
 
 
@@ -272,17 +283,3 @@ def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None
         rule = "must be > 0: with the energy alone a motion may last for ever. Or ask for the least in a duration."
         raise InputError("weigh", rule, key="time", value=goal.time)
     return goal
-
-
-def _check_arguments(
-    cell: Cell, sharing: LoadSharing | None, start_speed: float, end_speed: float, progress: Progress
-) -> None:
-    check_type("cell", cell, Cell)
-    check_type("sharing", sharing, LoadSharing, NoneType)
-    check_callable("progress", progress)
-    for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
-        if not is_number(speed, 0, LARGEST_NUMBER):
-            rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
-            raise InputError(name, rule, value=speed)
-    if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
-        raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
