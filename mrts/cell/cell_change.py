@@ -126,9 +126,6 @@ class CellChange:
     def applied(self, cell: Cell) -> Cell:
         """The cell with this change; both sides of a limit move outward by a positive step, a side of 0 stays.
 
-        Args:
-            cell: The cell.
-
         Raises:
             InputError: If the changed number breaks a rule of the cell.
         """
@@ -146,7 +143,6 @@ class CellChange:
         return cell.with_robots({self.robot: self._of_robot(cell, robots[self.robot])})
 
     def _of_robot(self, cell: Cell, robot: Robot) -> dict[str, Any]:
-        """What changes of a robot."""
         if self.kind == "grasp":
             return {"T_object_tip": self._moved(robot.T_object_tip, robot.T_object_tip.p)}
         if self.kind == "velocity":
@@ -176,7 +172,6 @@ class CellChange:
         return replace(contact, lower=lower, upper=upper)
 
     def _steps(self, names: Sequence[str]) -> Array:
-        """The step at the place of its element, 0 elsewhere."""
         return np.array([self.step if name == self.element else 0.0 for name in names])
 
     def _moved(self, pose: RigidTransform, about: Array) -> RigidTransform:
@@ -194,10 +189,6 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     Sides of a limit move together. A joint with a torque-speed curve has its torques changed with the limit, as by
     another motor, and the curve's speeds by themselves. A component that is held at one number is no limit. Arms of one
     machine move with the base of the first of them.
-
-    Args:
-        cell: The cell.
-        steps: How far.
     """
     named: list[Changed] = [*limit_names(cell), ("mass", "", "")]
     if cell.reserve:
@@ -218,11 +209,7 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
 
 
 def limit_names(cell: Cell) -> Iterator[Changed]:
-    """Kind, robot and element of every limit that bounds something.
-
-    Args:
-        cell: The cell.
-    """
+    """Kind, robot and element of every limit that bounds something."""
     for robot in cell.robots:
         yield from _bounded("torque", robot.name, robot.joints, robot.torque_lower, robot.torque_upper)
     for robot in cell.robots:

@@ -67,10 +67,6 @@ class Rule:
     def check(self, value: Any, given: object) -> None:
         """Check a value of the annotated type.
 
-        Args:
-            value: The value.
-            given: As it was given, for the message.
-
         Raises:
             InputError: If it is outside of a limit.
         """
@@ -149,10 +145,6 @@ class Record:
     @classmethod
     def read(cls, where: Path | str, data: dict[Any, Any]) -> Self:
         """The record that a mapping of a file describes.
-
-        Args:
-            where: The file, or what the mapping is, for messages.
-            data: The mapping.
 
         Raises:
             InputError: If a key or a value breaks a rule.
@@ -282,7 +274,6 @@ def _at(key: str, kind: Any, value: object) -> Any:
 
 
 def _each_at(entries: Iterable[tuple[str, Any, object]]) -> list[Any]:
-    """The checked values of keys, kinds and values beside each other."""
     read, mistakes = [], Mistakes()
     for key, kind, value in entries:
         try:
@@ -338,7 +329,6 @@ def _dataclass(kind: Any, value: Any) -> Any:
 
 
 def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
-    """One of some texts, or a list, tuple or dictionary."""
     if origin is Literal:
         if not isinstance(value, str) or value not in parts:
             *others, last = map(repr, parts)
@@ -357,7 +347,6 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
 
 
 def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ...]) -> Any:
-    """The items of a list, or of a tuple with a kind each."""
     if origin is list or kinds[-1] is Ellipsis:
         return origin(_each_at((f"[{index}]", kinds[0], item) for index, item in enumerate(value)))
     if len(value) != len(kinds):
@@ -367,7 +356,6 @@ def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ..
 
 
 def _plain(kind: type, value: Any) -> Any:
-    """A number, a truth or a text."""
     if kind is float:
         if isinstance(value, bool) or not isinstance(value, float | int):
             _fail("float_type", value)
