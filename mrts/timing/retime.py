@@ -133,7 +133,7 @@ def retime(
         return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    time, remarks = given.object.time, motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
+    time, remarks = given.object.time, motion_remarks(cell, given, None)
     remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
     added = interpolated_timing(given, first.duration, fastest.duration)
     return _played(fastest, options, "fastest timing", remarks, added)
