@@ -2,10 +2,10 @@
 """Loads that are known only within ranges: the box, its corners, and loads drawn from it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import permutations, product
 from types import NoneType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -111,18 +111,6 @@ class LoadBox:
         axes = principal_axes(self.inertia)
         object.__setattr__(self, "principal_axes", axes)
         object.__setattr__(self, "principal_moments", np.diag(axes.T @ self.inertia @ axes).copy())
-
-    def with_axes(self, axes: Array, moments: Array) -> Self:
-        """The same box with principal axes that were found before: another machine may turn equal ones otherwise.
-
-        Args:
-            axes: As `principal_axes`.
-            moments: As `principal_moments`.
-        """
-        box = replace(self)
-        object.__setattr__(box, "principal_axes", axes)
-        object.__setattr__(box, "principal_moments", moments)
-        return box
 
     @property
     def varying(self) -> tuple[str, ...]:

@@ -169,7 +169,7 @@ class CellChange:
         if contact.name != self.element:
             return contact
         step = np.where(contact.lower < contact.upper, self.step, 0.0)
-        return replace(contact, **{side: _outward(contact, side, step) for side in ("lower", "upper")})
+        return replace(contact, lower=_outward(contact, "lower", step), upper=_outward(contact, "upper", step))
 
     def _steps(self, names: Sequence[str]) -> Array:
         return np.array([self.step if name == self.element else 0.0 for name in names])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -33,7 +33,7 @@ from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.loads import range_at_samples, ranges_of_load
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
-from mrts.scaling.options import Options, Selection
+from mrts.scaling.options import Limit, Options, Selection, limited_cell
 from mrts.scaling.range import ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, ScalingResult, kept_text
 from mrts.scaling.torques import with_torques
@@ -69,6 +69,7 @@ def scale(
     load: str = "auto",
     distribute: DistributionName = "least-torque",
     reserve: float | None = None,
+    limits: Sequence[Limit] | None = None,
     closure: ClosureBound | None = None,
     between: float | None = BETWEEN,
     rates: Rates = False,
@@ -92,6 +93,8 @@ def scale(
         distribute: What redundant torques are chosen by: "least-torque", or "reserve", which first makes the largest
             share of any limit as small as can be at each sample.
         reserve: Share of every limit that is kept free, 0 or more and below 1; None is the cell's own.
+        limits: Functions of a cell and its motion that give further `mrts.limits.rows.LimitRows`, as in
+            `Cell.with_limits`; docs/extending.md. None is the cell's own.
         closure: How far given joints may be off their grasps; None allows 2 mm and 5 mrad.
         between: Share of a limit by which it may be overstepped between the samples; samples are added where it takes
             them. None looks at the given samples alone.
@@ -112,7 +115,7 @@ def scale(
     """
     check_callable("progress", progress)
     check_type("cell", cell, Cell)
-    cell = cell if reserve is None else cell.with_reserve(reserve)
+    cell = limited_cell(cell, reserve, limits)
     options = Options(
         select=select,
         sharing=sharing,
@@ -152,7 +155,7 @@ def chosen_factor(
     """
     result, rows, refinement = admissible_range(cell, motion, options, progress)
     result, factors = within_rate_limits(result)
-    remarks, own = motion_remarks(cell, motion, lambda: result.range, constant=True), motion.object.time
+    remarks, own = motion_remarks(cell, motion, result.range), motion.object.time
     remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(result.motion.object.time, own))
     result = replace(result, warnings=remarks + result.warnings)
     if not result.status.admits_motion or options.load == "possible":

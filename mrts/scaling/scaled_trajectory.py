@@ -2,9 +2,9 @@
 """The motion played at the chosen speed: what a controller gets."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -160,12 +160,6 @@ class ScaledTrajectory(InNotebooks):
             "joint_duty": {name: duty.to_json() for name, duty in self.duty.items()},
         }
         return output | ({"torque_friction": by_robot(joints, self.friction)} if self.has_friction else {})
-
-    def with_internal_wrench(self, internal: Array) -> Self:
-        """The same trajectory with its `internal_wrench` as found before: finding it takes the cell's functions."""
-        done = replace(self)
-        object.__setattr__(done, "internal_wrench", internal)
-        return done
 
 
 def accumulated_energy(time: Array, power: Array) -> Array:
