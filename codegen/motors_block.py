@@ -140,7 +140,6 @@ def _same_round_number(values: list[float]) -> bool:
 def _curves(
     path: Path, key: str, given: list[list[float]] | list[list[list[float]] | None] | None, joints: list[str]
 ) -> tuple[Array | None, ...]:
-    """One curve a joint."""
     if given is None:
         return (None,) * len(joints)
     one = given[0] is not None and not isinstance(given[0][0], list)

@@ -96,8 +96,3 @@ def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *
 def without_infinity(values: Array) -> list[float | None]:
     """Values as JSON has them: None stands for an infinite one."""
     return [value if np.isfinite(value) else None for value in values.tolist()]
-
-
-def with_infinity(values: list[float | None], unbounded: float) -> Array:
-    """Values of JSON, with `unbounded` in place of None."""
-    return np.array([unbounded if value is None else value for value in values])

@@ -123,7 +123,6 @@ class Mistakes:
 
 
 def _shown(value: object) -> str:
-    """A value in one line, short."""
     if getattr(value, "shape", None) == ():  # a number of numpy
         value = cast("Any", value).item()
     try:
@@ -135,10 +134,6 @@ def _shown(value: object) -> str:
 
 def as_array(name: str, value: object) -> "NDArray[np.float64]":
     """An argument of the Python API as an array of numbers, its own unless nobody can write to the one given.
-
-    Args:
-        name: Of the argument, for the message.
-        value: Anything that numpy can read.
 
     Raises:
         InputError: If it is not numbers of one shape.

@@ -213,7 +213,6 @@ class LoadBox:
         return ", ".join(words)
 
     def _inside(self) -> dict[str, float]:
-        """The nominal values, moved into the ranges."""
         limits = {name: self.ranges.get(name, (value, value)) for name, value in NOMINAL.items()}
         return {name: min(max(value, limits[name][0]), limits[name][1]) for name, value in NOMINAL.items()}
 
@@ -316,7 +315,6 @@ def principal_axes(inertia: Array) -> Array:
 
 
 def _equal_groups(moments: Array) -> list[list[int]]:
-    """Indices of moments that are equal, in groups."""
     groups: list[list[int]] = []
     for index, moment in enumerate(moments):
         for group in groups:

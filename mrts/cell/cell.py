@@ -401,7 +401,6 @@ class Cell(InNotebooks):
         return replace(self, gravity=np.array(_given("cell", "gravity", gravity, Vector3)))
 
     def _robot(self, argument: str, name: str) -> Robot:
-        """The robot of a name that a user gave."""
         known = {robot.name: robot for robot in self.robots}
         if not isinstance(name, str) or name not in known:
             raise InputError(argument, f"there is no such robot; there are {', '.join(known)}.", value=name)
@@ -418,7 +417,6 @@ class Cell(InNotebooks):
 
 
 def _given(where: str, key: str, value: object, kind: Any) -> Any:
-    """A value as a cell file would have it."""
     try:
         return checked(kind, plain(where, value))
     except InputError as error:

@@ -176,7 +176,6 @@ def verified_manifest(where: Path | str, text: str) -> CellManifest:
 
 
 def _check_format(data: object) -> None:
-    """What of a manifest of any format is looked at first."""
     given = data.get("format") if isinstance(data, dict) else None
     if isinstance(given, int) and given != FORMAT:
         raise InputError("", f"this mrts reads format {FORMAT}.", key="format", value=given)

@@ -159,7 +159,6 @@ def _joint_source(robot: "Robot", j: int) -> JointSource:
 
 
 def _unit_remarks(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
-    """Remarks on the numbers of a cell that are likely in another unit."""
     yield from _gravity(cell.gravity)
     for robot in cell.robots:
         yield from _angles(robot)
@@ -326,7 +325,6 @@ def _load(cell: "Cell") -> Iterator[Remark]:
 
 
 def _inertia_remarks(cell: "Cell") -> Iterator[Remark]:
-    """That the inertia does not fit mass and shape or, without a shape, the distance of the grasps."""
     if cell.object_shape is not None:
         ratio = _ratio_to_shape(cell, cell.object_shape)
         fits, against = LEAST_INERTIA <= ratio <= MOST_INERTIA, "a body of this shape has at most"
@@ -436,7 +434,6 @@ def _unlike_limits(cell: "Cell") -> Iterator[Remark]:
 
 
 def _alike(one: "Robot", other: "Robot") -> bool:
-    """Whether two arms have the same joints in the same distances, and links of the same masses."""
     if one.joint_types != other.joint_types:
         return False
     sizes = (
@@ -446,7 +443,6 @@ def _alike(one: "Robot", other: "Robot") -> bool:
 
 
 def _missing_masses(joints: Sequence[JointSource]) -> Iterator[Remark]:
-    """That links have no mass, or a mass but no inertia, in the URDF."""
     weightless = [joint for joint in joints if joint.carried_mass == 0]
     if weightless:
         yield Remark("links-without-mass", f"{WEIGHTLESS} ({_named(weightless, joints)})")
@@ -459,7 +455,6 @@ def _missing_masses(joints: Sequence[JointSource]) -> Iterator[Remark]:
 
 
 def _assumptions(cell: "Cell", joints: Sequence[JointSource]) -> Iterator[Remark]:
-    """A remark on each thing that is taken for granted."""
     of_urdf = {joint.robot: None for joint in joints if joint.torque_from == "URDF"}
     if of_urdf:
         text = f"torque limits: the effort limits of the URDF ({', '.join(of_urdf)}); 'torque' gives others"
@@ -496,7 +491,6 @@ def first_few(names: Sequence[str]) -> str:
 
 
 def _named(concerned: Sequence[JointSource], joints: Sequence[JointSource]) -> str:
-    """Arms and joints in few words."""
     if len(concerned) == len(joints):
         return "all joints"
     parts = []

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
+from abc import abstractmethod
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -60,8 +61,40 @@ class Residuals(InNotebooks):
     object: float
 
 
+class Result(InNotebooks, JsonOutput):
+    """What is said alike of a range of c² and of a timing."""
+
+    cell: Cell
+    options: Options
+    warnings: tuple[Remark, ...]
+    changes: "WhatIf | None"
+
+    @abstractmethod
+    def sentence(self) -> str:
+        """The outcome alone."""
+
+    def summary(self) -> str:
+        """The outcome in one or two sentences, and a line for each warning."""
+        return "\n".join([self.sentence(), *map(str, self.warnings)])
+
+    def notebook_words(self) -> list[str]:
+        """The outcome, and a line for each warning."""
+        return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
+
+    def said_json(self) -> dict[str, Any]:
+        """Entries of the JSON result that every outcome has."""
+        changes = {} if self.changes is None else {"what_if": self.changes.to_json()}
+        return {
+            "cell": self.cell.name,
+            "summary": self.sentence(),
+            "warnings": [warning.to_json() for warning in self.warnings],
+            **self.options.to_json(self.cell),
+            **changes,
+        }
+
+
 @dataclass(frozen=True, repr=False)
-class ScalingResult(InNotebooks, JsonOutput):
+class ScalingResult(Result):
     """What `mrts.scale` found.
 
     Attributes:
@@ -105,10 +138,6 @@ class ScalingResult(InNotebooks, JsonOutput):
         done = self.trajectory
         chosen = "" if done is None else f" Chosen: c² = {done.c2:.4g}, {done.duration:.4g} s."
         return f"<ScalingResult of cell '{self.cell.name}': {self.sentence()}{chosen}>"
-
-    def notebook_words(self) -> list[str]:
-        """The outcome, and a line for each warning."""
-        return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Range and chosen speed, then what is made of each limited quantity."""
@@ -218,10 +247,6 @@ class ScalingResult(InNotebooks, JsonOutput):
             if use.share > 1 + LIMIT_TOLERANCE
         ]
 
-    def summary(self) -> str:
-        """The outcome in one or two sentences, and a line for each warning."""
-        return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
-
     def sentence(self) -> str:
         """The outcome alone."""
         rated = "" if self.options.rates is None else "rates apart, " if self.origin else "within the rates, "
@@ -297,11 +322,8 @@ class ScalingResult(InNotebooks, JsonOutput):
         """The result as JSON values; null stands for an unbounded end."""
         samples = self.range.samples
         output: dict[str, Any] = {
-            "cell": self.cell.name,
-            "summary": self.sentence(),
-            "warnings": [warning.to_json() for warning in self.warnings],
+            **self.said_json(),
             "explanation": self.explanation() or None,
-            **self.options.to_json(self.cell),
             "kept_rates": self.options.rates and self.options.rates.to_json(),
             **self.range.to_json(),
             "samples": samples.to_json(),
@@ -310,8 +332,6 @@ class ScalingResult(InNotebooks, JsonOutput):
         }
         if self.load is not None:
             output["load"] = self.load.to_json()
-        if self.changes is not None:
-            output["what_if"] = self.changes.to_json()
         if self.trajectory is not None:
             output |= self.trajectory.to_json() | {"velocity_limits_passed": self.too_fast()} | self._nearness()
         return output

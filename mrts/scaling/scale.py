@@ -155,7 +155,7 @@ def chosen_factor(
     """
     result, rows, refinement = admissible_range(cell, motion, options, progress)
     result, factors = within_rate_limits(result)
-    remarks, own = motion_remarks(cell, motion, lambda: result.range, constant=True), motion.object.time
+    remarks, own = motion_remarks(cell, motion, result.range), motion.object.time
     remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(result.motion.object.time, own))
     result = replace(result, warnings=remarks + result.warnings)
     if not result.status.admits_motion or options.load == "possible":

@@ -11,8 +11,7 @@ import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.json_output import JsonOutput
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.notebook.in_notebooks import NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
@@ -25,7 +24,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.options import Options
-from mrts.scaling.result import ScalingResult, kept_text
+from mrts.scaling.result import Result, ScalingResult, kept_text
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.profile_limits import profile_limits
@@ -79,7 +78,7 @@ OF_TRAJECTORY = (
 
 
 @dataclass(frozen=True, repr=False)
-class RetimingResult(InNotebooks, JsonOutput):
+class RetimingResult(Result):
     """What `mrts.retime` found.
 
     Attributes:
@@ -115,10 +114,6 @@ class RetimingResult(InNotebooks, JsonOutput):
     def __repr__(self) -> str:
         return f"RetimingResult({self.cell.name}: {self.sentence()})"
 
-    def notebook_words(self) -> list[str]:
-        """The outcome, and a line for each warning."""
-        return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
-
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Durations, and what limits the speed for how long."""
         best, given = self.factor.duration, float(self.motion.object.time[-1])
@@ -132,7 +127,7 @@ class RetimingResult(InNotebooks, JsonOutput):
             yield NotebookTable(("what limits the speed", "of the duration"), shares)
 
     @property
-    def options(self) -> Options:
+    def options(self) -> Options:  # type: ignore[override]  # nobody writes to either
         """What was asked."""
         return self.compared.options
 
@@ -192,7 +187,7 @@ class RetimingResult(InNotebooks, JsonOutput):
         return profile_limits(self.cell, self.pieces, self.options.sharing, self.loads)
 
     @property
-    def warnings(self) -> tuple[Remark, ...]:
+    def warnings(self) -> tuple[Remark, ...]:  # type: ignore[override]  # nobody writes to either
         """What to know of the cell and the motion before trusting the answer."""
         if self.retimed is not None:
             return self.retimed.warnings
@@ -225,10 +220,6 @@ class RetimingResult(InNotebooks, JsonOutput):
         check_callable("progress", progress)
         return timing_what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), progress)
 
-    def summary(self) -> str:
-        """The outcome in a sentence or two, and a line for each warning."""
-        return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
-
     def sentence(self) -> str:
         """The outcome alone."""
         kept = kept_text(self.cell.reserve, self.warnings)
@@ -254,12 +245,9 @@ class RetimingResult(InNotebooks, JsonOutput):
     def to_json(self) -> dict[str, Any]:
         """The outcome as JSON values; null stands for what nothing bounds."""
         output: dict[str, Any] = {
-            "cell": self.cell.name,
-            "summary": self.sentence(),
-            "warnings": [warning.to_json() for warning in self.warnings],
+            **self.said_json(),
             "status": self.status.value,
             "explanation": self.explanation or None,
-            **self.options.to_json(self.cell),
             "duration": self.duration,
             "saving": self.saving,
             "constant": self.factor.range.to_json(),
@@ -267,8 +255,6 @@ class RetimingResult(InNotebooks, JsonOutput):
             "smooth": self.smooth and self.smooth.to_json() | {"effort": self.effort},
             "kept_rates": self.smooth and self.smooth.rates.to_json(),
         }
-        if self.changes is not None:
-            output["what_if"] = self.changes.to_json()
         if self.retimed is None or self.excess is None:
             return output
         whole, time = self.retimed.to_json(), self.motion.object.time

@@ -142,7 +142,7 @@ def retime(
         return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    remarks = motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
+    remarks = motion_remarks(cell, given, None)
     if fastest.motion is not given:
         time = given.object.time
         remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))

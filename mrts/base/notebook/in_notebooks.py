@@ -43,12 +43,7 @@ class InNotebooks:
 
 
 def notebook_html(words: Sequence[str], tables: Iterator[NotebookTable]) -> str:
-    """Paragraphs and tables, escaped.
-
-    Args:
-        words: A text each paragraph.
-        tables: Below them.
-    """
+    """Paragraphs and tables, escaped."""
     paragraphs = "".join(f"<p style='max-width:50em'>{html_text(text)}</p>" for text in words)
     return f"<div>{paragraphs}{''.join(map(_table, tables))}</div>"
 

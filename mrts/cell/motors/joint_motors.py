@@ -122,7 +122,6 @@ def torque_speed_lines(curve: Array) -> list[tuple[float, float]]:
 
 
 def _checked_curve(joint: int, given: object) -> Array:
-    """Corners of a curve, if they keep its rules."""
     key = f"torque_speed[{joint}]"
     curve = as_array(f"motors: {key}", given)
 
