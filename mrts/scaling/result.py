@@ -333,16 +333,22 @@ class ScalingResult(Result):
         if self.load is not None:
             output["load"] = self.load.to_json()
         if self.trajectory is not None:
-            output |= self.trajectory.to_json() | {"velocity_limits_passed": self.too_fast()} | self._nearness()
+            load = LoadPoint({}, self.trajectory.cell.load).to_json()["load"]
+            output |= {
+                "selected": {"c2": self.c2, "duration": self.duration, "load": load},
+                "velocity_limits_passed": self.too_fast(),
+                "reserve": self.reserve and self.reserve.to_json(),
+                "excess": self.excess and self.excess.to_json(),
+                **self.played_json(self.trajectory),
+            }
         return output
 
-    def _nearness(self) -> dict[str, Any]:
-        """How near the limits are, and how far all goes from sample to sample and between, as JSON values."""
+    def played_json(self, done: ScaledTrajectory) -> dict[str, Any]:
+        """Entries of the JSON result of a trajectory of this cell, and how far all goes from sample to sample."""
         steps = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
         return {
-            "reserve": self.reserve and self.reserve.to_json(),
+            **done.to_json(),
             "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
-            "excess": self.excess and self.excess.to_json(),
             "rates": [use.rate_json() for use in rate_uses(self)],
         }
 

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.cell.motors.joint_duty import JointDuty, joint_duty
@@ -136,7 +135,7 @@ class ScaledTrajectory(InNotebooks):
         return internal
 
     def to_json(self) -> dict[str, Any]:
-        """The entries of the JSON result that a chosen c² adds."""
+        """Entries of the JSON result."""
         cell, time = self.cell, self.time.tolist()
 
         def by_robot(parts: Mapping[str, slice], values: Array) -> dict[str, Any]:
@@ -148,9 +147,7 @@ class ScaledTrajectory(InNotebooks):
             | {name: getattr(self, name)[:, joints[robot.name]].tolist() for name in ("q", "dq", "ddq")}
             for robot in cell.robots
         }
-        load = LoadPoint({}, cell.load).to_json()["load"]
         output = {
-            "selected": {"c2": self.c2, "duration": self.duration, "load": load},
             "joints": {"time": time} | motion,
             "torque": by_robot(joints, self.torque),
             "wrench": {"time": time, "components": list(cell.wrench_components)} | by_robot(wrenches, self.wrench),

@@ -70,13 +70,6 @@ ADMITTING = {
 """Outcomes with a profile."""
 
 
-OF_TRAJECTORY = (
-    *("joints", "torque", "torque_friction", "wrench", "internal_wrench"),
-    *("power", "energy", "joint_duty", "largest_step", "rates"),
-)
-"""Entries of the JSON result that are those of the retimed motion."""
-
-
 @dataclass(frozen=True, repr=False)
 class RetimingResult(Result):
     """What `mrts.retime` found.
@@ -255,12 +248,13 @@ class RetimingResult(Result):
             "smooth": self.smooth and self.smooth.to_json() | {"effort": self.effort},
             "kept_rates": self.smooth and self.smooth.rates.to_json(),
         }
-        if self.retimed is None or self.excess is None:
+        done = None if self.retimed is None else self.retimed.trajectory
+        if self.retimed is None or done is None or self.excess is None:
             return output
-        whole, time = self.retimed.to_json(), self.motion.object.time
+        time = self.motion.object.time
         at = self.excess.time or 0.0
         output["excess"] = self.excess.to_json() | {"sample": int(np.searchsorted(time, at, side="right")) - 1}
         output["limits"] = [{"limit": name, "share_of_duration": share} for name, share in self.limits]
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
-        return output | {key: whole[key] for key in OF_TRAJECTORY if key in whole}
+        return output | self.retimed.played_json(done)
