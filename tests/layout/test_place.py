@@ -15,8 +15,7 @@ from scipy.optimize import minimize
 
 import mrts
 from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.layout.layout_search import LayoutSearch
-from mrts.layout.place import SEED
+from mrts.layout.place import SEED, LayoutSearch
 from mrts.limits.cell_limits import velocity_limits
 from mrts.studies.sampling import sample_points
 from mrts.studies.spreads import Range
@@ -133,8 +132,7 @@ def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     layouts = Layouts.of(path)
     study, values = layouts.study, np.array([0.0, 0.0, 2.5, 0.0])
     cell = mrts.Cell.from_description(study.cell, folder=study.folder)
-    numbers = LayoutNumbers.of(study, cell)
-    search = LayoutSearch(study, numbers, layouts.motion, cell, lambda: False)
+    search = LayoutSearch(study)
     ranked = mrts.rank_configurations(cell, layouts.motion, between=None).ranked
     other = next(one for one in ranked if one.c2_upper < 0.95 * ranked[0].c2_upper)
     start = search.tried(values, other.postures())
