@@ -10,7 +10,6 @@ from pydantic import BaseModel, ConfigDict, FailFast, Field, ValidationError, mo
 
 from mrts.base.errors import InputError
 from mrts.base.formats.broken_record import BrokenRecordError
-from mrts.base.formats.strict_model import broken_rule
 from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Matrix, Matrix3, Vector3
 from mrts.base.remark import Severity
@@ -109,7 +108,7 @@ class StudyEntry(_Record):
     @model_validator(mode="after")
     def _grid_of_masses(self) -> Self:
         if self.question.startswith("grid") and "mass" not in self.box.ranges:
-            raise broken_rule("a grid runs along the mass")
+            raise ValueError("a grid runs along the mass")
         return self
 
 
@@ -128,7 +127,7 @@ class ConflictEntry(_Record):
     @model_validator(mode="after")
     def _one_of_each_a_row(self) -> Self:
         if not len(self.rows) == len(self.multipliers) == len(self.moves):
-            raise broken_rule("rows, multipliers and moves must be of one length")
+            raise ValueError("rows, multipliers and moves must be of one length")
         return self
 
 
@@ -161,7 +160,7 @@ class EndEntry(_Record):
     @model_validator(mode="after")
     def _somewhere(self) -> Self:
         if (self.c2 is None) != (self.sample is None):
-            raise broken_rule("an end without a c2 must be at no sample, and only such an end")
+            raise ValueError("an end without a c2 must be at no sample, and only such an end")
         return self
 
 
@@ -175,11 +174,11 @@ class RatedEntry(_Record):
     def _agrees(self) -> Self:
         lower, upper = self.ends
         if lower.c2 is None:
-            raise broken_rule("a lower end must have a c2")
+            raise ValueError("a lower end must have a c2")
         if self.status is RangeStatus.INFEASIBLE:
-            raise broken_rule("an infeasible motion has no range within rates")
+            raise ValueError("an infeasible motion has no range within rates")
         if (self.status is RangeStatus.UNBOUNDED) != (upper.c2 is None):
-            raise broken_rule("an upper end must have a c2, unless the range is unbounded")
+            raise ValueError("an upper end must have a c2, unless the range is unbounded")
         return self
 
 

@@ -2,21 +2,20 @@
 """How an entry of `vary` is spread, as the study file says it."""
 
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
 
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite, Positive
-from mrts.base.formats.strict_model import StrictModel, broken_format, broken_rule
+from mrts.base.formats.record import Record, Rule
 from mrts.studies.sampling import MOST_STEPS, SampleName
 from mrts.studies.spreads import Distribution, Levels, Range, Spread
 
 FORMS = "a list such as [1, 2, 3], a range such as {from: 1, to: 3, steps: 5}, or {normal: {mean: 2, std: 0.1}}"
 
 
-class NormalDescription(StrictModel):
+class NormalDescription(Record):
     """A normal distribution.
 
     Attributes:
@@ -28,7 +27,7 @@ class NormalDescription(StrictModel):
     std: Positive
 
 
-class LognormalDescription(StrictModel):
+class LognormalDescription(Record):
     """A distribution of which the logarithm is normal.
 
     Attributes:
@@ -37,19 +36,19 @@ class LognormalDescription(StrictModel):
     """
 
     median: Positive
-    log_std: Annotated[float, Field(gt=0, le=10, allow_inf_nan=False)]
+    log_std: Annotated[float, Rule(gt=0, le=10, allow_inf_nan=False)]
 
 
-class UniformDescription(StrictModel):
+class UniformDescription(Record):
     """Every value from one to another, one as likely as another.
 
     Attributes:
-        low: `from` in the file: the least value.
-        high: `to`: the largest.
+        from_: The least value.
+        to: The largest.
     """
 
-    low: Finite = Field(alias="from")
-    high: Finite = Field(alias="to")
+    from_: Finite
+    to: Finite
 
 
 class TriangularDescription(UniformDescription):
@@ -62,33 +61,33 @@ class TriangularDescription(UniformDescription):
     peak: Finite
 
 
-class KnobDescription(StrictModel):
+class KnobDescription(Record):
     """An entry of `vary` that is no list; see docs/study_file.md.
 
     Attributes:
-        low: `from` in the file: where a range begins.
-        high: `to`: where it ends.
+        from_: Where a range begins.
+        to: Where it ends.
         steps: Of a range, in a grid.
         values: Some values.
         normal, lognormal, uniform, triangular: Distributions.
-        sets, shifts, scales: Numbers that a knob moves; an entry without them is itself the path to one.
+        sets, shifts, scales: Numbers that a knob moves; an entry without them, (), is itself the path to one.
     """
 
-    low: Finite | None = Field(default=None, alias="from")
-    high: Finite | None = Field(default=None, alias="to")
-    steps: Annotated[int, Field(ge=2, le=MOST_STEPS)] | None = None
-    values: Annotated[list[Finite], Field(min_length=1)] | None = None
+    from_: Finite | None = None
+    to: Finite | None = None
+    steps: Annotated[int, Rule(ge=2, le=MOST_STEPS)] | None = None
+    values: Annotated[list[Finite], Rule(min_length=1)] | None = None
     normal: NormalDescription | None = None
     lognormal: LognormalDescription | None = None
     uniform: UniformDescription | None = None
     triangular: TriangularDescription | None = None
-    sets: Any = None
-    shifts: Any = None
-    scales: Any = None
+    sets: Any = ()
+    shifts: Any = ()
+    scales: Any = ()
 
-    @model_validator(mode="after")
-    def _one_form(self) -> Self:
-        ends = [name for name, value in (("from", self.low), ("to", self.high)) if value is not None]
+    def problem(self) -> str:
+        """The rule that its keys break with each other; empty if none."""
+        ends = [name for name, value in (("from", self.from_), ("to", self.to)) if value is not None]
         forms = ["a range"] if ends or self.steps is not None else []
         forms += [
             name
@@ -97,10 +96,10 @@ class KnobDescription(StrictModel):
         ]
         if len(forms) != 1:
             given = f"here are {', '.join(forms)}" if forms else "here is none of them"
-            raise broken_rule(f"one way to vary it belongs here: {FORMS}; {given}")
+            return f"one way to vary it belongs here: {FORMS}; {given}"
         if forms == ["a range"] and len(ends) < 2:  # noqa: PLR2004 (both ends)
-            raise broken_rule(f"a range needs 'from' and 'to'; here is {ends[0] if ends else 'steps alone'}")
-        return self
+            return f"a range needs 'from' and 'to'; here is {ends[0] if ends else 'steps alone'}"
+        return ""
 
 
 def read_knob(path: Path, key: str, value: object) -> KnobDescription:
@@ -119,11 +118,10 @@ def read_knob(path: Path, key: str, value: object) -> KnobDescription:
     if not isinstance(value, dict):
         raise InputError(path, f"must say how it varies: {FORMS}.", key=key, value=value)
     try:
-        return KnobDescription.model_validate(value)
-    except ValidationError as error:
-        broken = broken_format(path, value, error)
-        inside = f"{key}.{broken.key}" if broken.key else key
-        raise InputError(path, broken.rule, key=inside, value=broken.value) from None
+        return KnobDescription.read(path, value)
+    except InputError as error:
+        inside = f"{key}.{error.key}" if error.key else key
+        raise InputError(path, error.rule, key=inside, value=error.value) from None
 
 
 def knob_spread(path: Path, key: str, knob: KnobDescription, sample: SampleName) -> Spread:
@@ -167,11 +165,12 @@ def _continuous(path: Path, key: str, knob: KnobDescription) -> Range | Distribu
     kind = "uniform" if knob.uniform is not None else "triangular" if knob.triangular is not None else ""
     key = f"{key}.{kind}" if kind else key
     ends = knob.uniform or knob.triangular or knob
-    assert ends.low is not None and ends.high is not None  # noqa: S101, PT018 (checked by the model)
-    if not ends.low < ends.high:
-        raise InputError(path, "'from' must be below 'to'.", key=key, value={"from": ends.low, "to": ends.high})
+    low, high = ends.from_, ends.to
+    assert low is not None and high is not None  # noqa: S101, PT018 (checked by the record)
+    if not low < high:
+        raise InputError(path, "'from' must be below 'to'.", key=key, value={"from": low, "to": high})
     if isinstance(ends, TriangularDescription):
-        if not ends.low <= ends.peak <= ends.high:
+        if not low <= ends.peak <= high:
             raise InputError(path, "must lie between 'from' and 'to'.", key=f"{key}.peak", value=ends.peak)
-        return Distribution("triangular", (ends.low, ends.peak, ends.high))
-    return Range(float(ends.low), float(ends.high))
+        return Distribution("triangular", (low, ends.peak, high))
+    return Range(float(low), float(high))

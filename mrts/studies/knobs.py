@@ -167,13 +167,13 @@ class _TargetReader:
 
 
 def _moves(knob: KnobDescription) -> list[str]:
-    return [move for move in MOVES if move in knob.model_fields_set]
+    return [move for move in MOVES if getattr(knob, move) != ()]
 
 
 def _unit(knob: KnobDescription, targets: tuple[Target, ...]) -> str:
     """Unit of a parameter: that of its numbers where they have one unit; a factor has none."""
     units = {target.unit for target in targets}
-    return units.pop() if len(units) == 1 and knob.scales is None else ""
+    return units.pop() if len(units) == 1 and knob.scales == () else ""
 
 
 def _check_whole(path: Path, key: str, spread: Spread, targets: tuple[Target, ...]) -> None:

@@ -7,13 +7,11 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator
-
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite, Pose
-from mrts.base.formats.strict_model import StrictModel
-from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES, read_model, read_text
+from mrts.base.formats.record import Record, Rule
+from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES, read_data, read_text, validated
 from mrts.base.regular_file import is_folder, open_regular, read_regular
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
@@ -40,7 +38,7 @@ HASHED_AT_A_TIME = 1 << 20
 """Bytes of a file."""
 
 
-class StudyDescription(StrictModel):
+class StudyDescription(Record):
     """A validated study file; see docs/study_file.md.
 
     Attributes:
@@ -57,23 +55,17 @@ class StudyDescription(StrictModel):
         seed: Of what is drawn.
     """
 
-    cell: Annotated[str, Field(min_length=1)]
-    motion: Annotated[str, Field(min_length=1)]
+    cell: Annotated[str, Rule(min_length=1)]
+    motion: Annotated[str, Rule(min_length=1)]
     profile: Literal["constant", "optimal"] = "constant"
-    load: Annotated[str, Field(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
+    load: Annotated[str, Rule(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
     torques: bool = False
-    reserve: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] | None = None
+    reserve: Annotated[float, Rule(ge=0, lt=1, allow_inf_nan=False)] | None = None
     between: Finite | None = None
     vary: dict[str, Any]
     sample: SampleName = "grid"
-    count: Annotated[int, Field(ge=1, le=MOST_VARIANTS)] | None = None
-    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] | None = None
-
-    @field_validator("between", mode="before")
-    @classmethod
-    def _off(cls, between: object) -> object:
-        """`off`, as on the command line, is False in YAML."""
-        return None if between is False or between == "off" else between
+    count: Annotated[int, Rule(ge=1, le=MOST_VARIANTS)] | None = None
+    seed: Annotated[int, Rule(ge=0, le=2**32 - 1)] | None = None
 
 
 def read_study(path: Path | str) -> Study:
@@ -153,7 +145,10 @@ def _study_files(path: Path, given: dict[str, Any]) -> tuple[tuple[StudyFile, ..
 
 def _described(path: Path) -> StudyDescription:
     try:
-        return read_model(path, StudyDescription, "study file")
+        data = read_data(path, "study file")
+        if isinstance(data, dict) and (data.get("between") is False or data.get("between") == "off"):
+            data["between"] = None  # `off`, as on the command line, is False in YAML
+        return validated(path, data, StudyDescription, "study file")
     except InputError as error:
         if not error.rule.endswith("but got '['."):
             raise

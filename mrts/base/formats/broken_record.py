@@ -22,6 +22,7 @@ RULES = {
     "missing": "this key is required",
     "model_type": "must be a mapping of keys to values",
     "string_pattern_mismatch": "must be letters, digits and single underscores, and start with a letter",
+    "string_too_short": "must have at least {min_length} character",
     "string_type": "must be text",
     "too_long": "has {actual_length} values, at most {max_length} belong here",
     "too_near_zero": "must be 0, or at least {smallest:g} in size",

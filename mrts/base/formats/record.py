@@ -4,7 +4,7 @@
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from inspect import get_annotations
 from pathlib import Path
@@ -55,6 +55,7 @@ class Rule:
             kind = _KINDS[name]
             if not _KEPT[name](value, limit):
                 length = len(value) if name.endswith("length") else 0
+                kind = "string_too_short" if kind == "too_short" and isinstance(value, str) else kind
                 _fail(kind, given, **{name: limit, "actual_length": length})
 
 
@@ -87,8 +88,9 @@ class Record:
     """Named values of the annotated kinds; nothing is converted but whole numbers to numbers, and lists to tuples.
 
     Kinds are float, int, bool, str, Any, Literal, records, dataclasses, arrays, lists, tuples and dictionaries of
-    these, each with None or not, and with a `Rule` or not. Numbers are finite; of arrays, JSON has infinite ones as the
-    texts "inf" and "-inf", and a dataclass checks its own arrays.
+    these, alternatives and None, each with a `Rule` or not. Numbers are finite; of arrays, JSON has infinite ones as
+    the texts "inf" and "-inf", and a dataclass checks its own arrays. The attribute of a key that is a word of Python
+    ends in an underscore.
 
     Raises:
         BrokenRecordError: If a key or a value breaks a rule.
@@ -196,7 +198,7 @@ class Record:
 
     __hash__ = None  # type: ignore[assignment]  # it holds lists
 
-    def __iter__(self) -> Any:
+    def __iter__(self) -> Iterator[tuple[str, Any]]:
         return iter([(name, getattr(self, name)) for name in self.model_fields])
 
     def __repr__(self) -> str:
@@ -227,19 +229,20 @@ def _defaults(cls: type[Record]) -> dict[str, Any]:
 
 def _checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[Any, Any]) -> dict[str, Any]:
     wrong = Wrong()
+    keys = {name.rstrip("_"): name for name in kinds}
     for key in data:
-        if key not in kinds:
-            wrong.add(BrokenRecordError(unknown_key(key, list(kinds)), told=True))
-    values, known = {}, defaults | data
-    for name, kind in kinds.items():
-        if name in known:
+        if key not in keys:
+            wrong.add(BrokenRecordError(unknown_key(key, list(keys)), told=True))
+    values = {}
+    for key, name in keys.items():
+        if key in data or name in defaults:
             try:
-                values[name] = _at(name, kind, known[name])
+                values[name] = _at(key, kinds[name], data[key] if key in data else defaults[name])
             except BrokenRecordError as error:
                 wrong.add(error)
         else:
             missing = BrokenRecordError(RULES["missing"], told=True)
-            missing.keys = (name,)
+            missing.keys = (key,)
             wrong.add(missing)
     wrong.raise_added()
     return values
@@ -279,7 +282,7 @@ def checked(kind: Any, value: Any) -> Any:
             rule.check(read, value)
         return read
     if origin in {Union, UnionType}:
-        return None if value is None else checked(next(part for part in parts if part is not NoneType), value)
+        return None if value is None and NoneType in parts else _one_of(value, *(p for p in parts if p is not NoneType))
     if origin is not None:
         return _of_parts(origin, parts, value)
     if kind is Any:
@@ -287,6 +290,17 @@ def checked(kind: Any, value: Any) -> Any:
     if is_dataclass(kind):
         return value if type(value) is kind else _dataclass(kind, value)
     return kind.model_validate(value) if issubclass(kind, Record) else _plain(kind, value)
+
+
+def _one_of(value: Any, *kinds: Any) -> Any:
+    """A value of the first of some kinds that takes it; if none does, the error of the one that went deepest."""
+    errors = []
+    for kind in kinds:
+        try:
+            return checked(kind, value)
+        except BrokenRecordError as error:
+            errors.append(error)
+    raise max(errors, key=lambda error: (len(error.keys), error.told))
 
 
 def _dataclass(kind: Any, value: Any) -> Any:
