@@ -11,8 +11,8 @@ from mrts.base.errors import InputError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
 from mrts.studies.number_paths import Keys, value_at
-from mrts.studies.spreads import Levels, Range
-from mrts.studies.study import Parameter, Study
+from mrts.studies.parameters import Parameter
+from mrts.studies.study import Study
 
 POSE = 6
 """Numbers of a pose in a cell file: x, y, z, roll, pitch, yaw."""
@@ -146,14 +146,14 @@ def _looks(study: Study, keys: Keys) -> bool:
 
 
 def _bounds(study: Study, parameter: Parameter) -> tuple[float, float]:
-    spread = parameter.spread
-    if isinstance(spread, Range) or (isinstance(spread, Levels) and spread.between):
-        return spread.bounds
+    distribution = parameter.distribution
+    if distribution.kind in {"uniform", "steps"} and distribution.bounds is not None:
+        return distribution.bounds
     raise InputError(
         study.path,
         "must be given by 'from' and 'to', between which the best layout is searched.",
         key=f"vary: {parameter.path}",
-        value=spread.text(parameter.unit),
+        value=distribution.text(parameter.unit),
     )
 
 

@@ -29,8 +29,8 @@ from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN, checked_tolerance
 from mrts.scaling.scale import scale
+from mrts.studies.distributions import Distribution
 from mrts.studies.sampling import sample_points
-from mrts.studies.spreads import Range
 from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
 from mrts.timing.retime import retime
@@ -163,7 +163,9 @@ class LayoutSearch:
         failures = [self.given] if isinstance(self.given, str) else []
         counts = {"looked_at": 0, "playable": 0, "searches": 0}
         bounds = zip(self.numbers.lower, self.numbers.upper, strict=True)
-        points = sample_points([Range(*pair) for pair in bounds], "sobol", looked_at, SEED, (0, looked_at))
+        points = sample_points(
+            [Distribution("uniform", pair) for pair in bounds], "sobol", looked_at, SEED, (0, looked_at)
+        )
         for values in self.numbers.rounded(points):
             if self.over():
                 break
@@ -204,8 +206,8 @@ class LayoutSearch:
             if parted:
                 first, second = min(parted)
                 return (
-                    f"robots '{first}' and '{second}' are arms of one machine: their bases move together. Let one knob "
-                    "move both."
+                    f"robots '{first}' and '{second}' are arms of one machine: their bases move together. Let one "
+                    "parameter move both."
                 )
             result = scale(cell, self.motion, load=asked.load, reserve=asked.reserve, between=None)
         except MrtsError as error:

@@ -24,69 +24,12 @@ from mrts.base.yaml_parser import yaml_text
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.studies.number_paths import Keys, set_number
+from mrts.studies.number_paths import set_number
+from mrts.studies.parameters import Parameter
 from mrts.studies.sampling import SampleName, sample_points
-from mrts.studies.spreads import Spread
 
 VARIANT_FILES = "cell.yaml", "motion.yaml"
 """That a variant is written as."""
-
-NUMBERS_SHOWN = 3
-"""Of what a knob moves."""
-
-
-@dataclass(frozen=True)
-class Target:
-    """A number that a parameter sets to offset + factor × its own value.
-
-    Attributes:
-        path: Of the number: `robots.left.base.xyz[0]`.
-        keys: The same as keys and indices, from "cell" or "motion" inward.
-        unit: Of the number; empty if it has none.
-        factor: Of the parameter's value.
-        offset: Added to it.
-        whole: Whether it is a whole number.
-    """
-
-    path: str
-    keys: Keys
-    unit: str
-    factor: float = 1.0
-    offset: float = 0.0
-    whole: bool = False
-
-    def value(self, at: float) -> float | int:
-        """The number where the parameter has a value."""
-        number = self.offset + self.factor * at
-        return round(number) if self.whole else number
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """What a study varies: one number, or several that move together.
-
-    Attributes:
-        path: Of the number, or the name of the knob that moves several; heads its column in the table.
-        unit: Empty if it has none.
-        spread: How it is spread.
-        targets: The numbers that it sets.
-    """
-
-    path: str
-    unit: str
-    spread: Spread
-    targets: tuple[Target, ...]
-
-    def __str__(self) -> str:
-        return f"{self.path}{self._moved()}: {self.spread.text(self.unit)}"
-
-    def _moved(self) -> str:
-        """The numbers that a knob moves, for people."""
-        paths = [target.path for target in self.targets]
-        if paths == [self.path]:
-            return ""
-        more = f" and {len(paths) - NUMBERS_SHOWN} more" if len(paths) > NUMBERS_SHOWN else ""
-        return f" ({', '.join(paths[:NUMBERS_SHOWN])}{more})"
 
 
 @dataclass(frozen=True)
@@ -194,7 +137,7 @@ class Study(InNotebooks):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """What varies."""
-        rows = [(entry.path, entry.spread.text(entry.unit)) for entry in self.parameters]
+        rows = [(entry.path, entry.distribution.text(entry.unit)) for entry in self.parameters]
         yield NotebookTable(("number", "varies"), rows)
 
     def points(self, first: int, last: int) -> Array:
@@ -215,10 +158,10 @@ class Study(InNotebooks):
         if not 0 <= first <= last <= self.variants:
             rule = f"must be a block of the variants 0 to {self.variants}, the first one and the first left out."
             raise InputError("first, last", rule, value=(first, last))
-        spreads = [parameter.spread for parameter in self.parameters]
+        distributions = [parameter.distribution for parameter in self.parameters]
         if first == last:
-            return np.empty((0, len(spreads)))
-        return sample_points(spreads, self.sample, self.variants, self.seed, (int(first), int(last)))
+            return np.empty((0, len(distributions)))
+        return sample_points(distributions, self.sample, self.variants, self.seed, (int(first), int(last)))
 
     def descriptions(self, point: Array) -> tuple[dict[str, Any], dict[str, Any]]:
         """Keys and values of the cell file and the motion file of one variant.

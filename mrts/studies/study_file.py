@@ -26,9 +26,9 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.program.excess import checked_tolerance
 from mrts.scaling.loads import mass_grid
-from mrts.studies.knobs import read_parameters
-from mrts.studies.sampling import MOST_HYPERCUBE_NUMBERS, MOST_VARIANTS, SampleName, grid_size
-from mrts.studies.study import Parameter, Study, StudyFile, StudyQuestion
+from mrts.studies.parameters import Parameter, read_parameters
+from mrts.studies.sampling import MAX_HYPERCUBE_NUMBERS, MAX_VARIANTS, SampleName, grid_size
+from mrts.studies.study import Study, StudyFile, StudyQuestion
 
 MAX_BAG_FILE_BYTES = 10**10
 """Of one file of a ROS 2 bag; as large as its reader can bear."""
@@ -49,7 +49,7 @@ class StudyDescription(Record):
         torques: Whether energy and root mean square torques are wanted.
         reserve: Share of every limit that is kept free.
         between: Share of a limit by which it may be overstepped between the samples; None looks at the samples alone.
-        vary: What varies: a path to a number or a name of a knob, and how; `KnobDescription` or a list of values.
+        vary: What varies: a path to a number, or a name, and how; `ParameterDescription` or a list of values.
         sample: How points are chosen.
         count: How many are drawn; a grid has as many as it has.
         seed: Of what is drawn.
@@ -64,7 +64,7 @@ class StudyDescription(Record):
     between: Finite | None = None
     vary: dict[str, Any]
     sample: SampleName = "grid"
-    count: Annotated[int, Rule(ge=1, le=MOST_VARIANTS)] | None = None
+    count: Annotated[int, Rule(ge=1, le=MAX_VARIANTS)] | None = None
     seed: Annotated[int, Rule(ge=0, le=2**32 - 1)] | None = None
 
 
@@ -290,19 +290,17 @@ def _variants(path: Path, described: StudyDescription, parameters: tuple[Paramet
             if value is not None:
                 rule = "a grid takes every combination, so nothing is drawn. Leave this out, or take sample: sobol."
                 raise InputError(path, rule, key=key, value=value)
-        size = grid_size([parameter.spread for parameter in parameters])
-        if size > MOST_VARIANTS:
-            rule = (
-                f"this grid has {size} variants, at most {MOST_VARIANTS} are allowed. Take fewer steps, or a sample: "
-            )
+        size = grid_size([parameter.distribution for parameter in parameters])
+        if size > MAX_VARIANTS:
+            rule = f"this grid has {size} variants, at most {MAX_VARIANTS} are allowed. Take fewer steps, or a sample: "
             raise InputError(path, rule + "sobol or lhs with a count.", key="vary")
         return size
     if described.count is None:
         rule = f"this key is required with sample: {described.sample}: how many variants are drawn, such as 1024."
         raise InputError(path, rule, key="count")
-    if described.sample == "lhs" and described.count * len(parameters) > MOST_HYPERCUBE_NUMBERS:
+    if described.sample == "lhs" and described.count * len(parameters) > MAX_HYPERCUBE_NUMBERS:
         rule = (
-            f"a Latin hypercube is drawn as a whole, at most {MOST_HYPERCUBE_NUMBERS} numbers; this one has "
+            f"a Latin hypercube is drawn as a whole, at most {MAX_HYPERCUBE_NUMBERS} numbers; this one has "
             f"{described.count} times {len(parameters)}. Take sample: sobol, which has no such bound."
         )
         raise InputError(path, rule, key="count", value=described.count)

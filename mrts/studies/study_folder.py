@@ -28,6 +28,7 @@ from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
 from mrts.limits.row_check import limit_name
+from mrts.studies.parameters import Parameter
 from mrts.studies.study import Study
 from mrts.studies.study_record import FORMAT, study_record
 from mrts.studies.variant_rows import column_types
@@ -250,7 +251,7 @@ def study_content(study: Study) -> dict[str, Any]:
             "motion": study.motion,
             "limits": list(map(limit_name, study.limits)),
             "question": asdict(study.question),
-            "vary": [asdict(each) | {"bounds": each.spread.bounds, "text": str(each)} for each in study.parameters],
+            "vary": list(map(_parameter_content, study.parameters)),
             "sample": study.sample,
             "count": study.variants,
             "seed": study.seed,
@@ -259,6 +260,13 @@ def study_content(study: Study) -> dict[str, Any]:
     }
     same: dict[str, Any] = json.loads(json.dumps(content))
     return same
+
+
+def _parameter_content(parameter: Parameter) -> dict[str, Any]:
+    spread, bounds = parameter.distribution.to_json(), parameter.distribution.bounds
+    targets = [asdict(target) for target in parameter.targets]
+    told = {"path": parameter.path, "unit": parameter.unit, "spread": spread, "targets": targets}
+    return told | {"bounds": bounds, "text": str(parameter)}
 
 
 @contextmanager
