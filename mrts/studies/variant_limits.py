@@ -16,7 +16,7 @@ from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.motion_rows import binds
-from mrts.studies.at_once.variant_numbers import LIMITS, VariantNumbers
+from mrts.studies.variant_numbers import LIMITS, VariantNumbers
 
 
 class VariantLimits:
