@@ -19,7 +19,6 @@ from mrts.starting.arm import Arm
 from mrts.starting.layouts import layouts
 from mrts.starting.postures import drawn_postures
 from mrts.starting.request import ArmRequest, Layout, Request, Stand
-from mrts.starting.scene import scene_of
 
 LOAD_SHARE = 0.1
 """Of the arms' own mass that the object has: an industrial arm carries a quarter of its mass or less."""
@@ -101,7 +100,7 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
             mass = _two_digits(first * share_of_load)
             tell(lift * len(LOADS) + load, total, f"{mass:g} kg")
             try:
-                found = found or layouts(scene_of(request, mass, share_of_lift))
+                found = found or layouts(request, mass, share_of_lift)
             except MotionError as error:
                 reason = reason or str(error)
                 continue

@@ -18,9 +18,8 @@ from mrts.cell.remarks.unit_remarks import urdf_remarks
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.cell.source_files import Survey, surveyed_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
-from mrts.starting.arm import Arm, make_arm, plane_of
+from mrts.starting.arm import Arm, make_arm, plane_of, twist_rows
 from mrts.starting.request import ArmRequest, Request
-from mrts.starting.scene import twist_rows
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, Hand, first_link, hands, moved_by, possible_tips
 
 SPATIAL_JOINTS = 6
