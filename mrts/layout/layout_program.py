@@ -372,7 +372,6 @@ def _turned_wrenches(cell: Cell, wrench: Any, R_object: Any, geometry: Any) -> t
 
 
 def _redundant_arms(cell: Cell) -> list[tuple[int, Robot, slice]]:
-    """Place, robot and joints of each redundant arm."""
     arms = zip(cell.robots, cell.joint_slices.values(), strict=True)
     return [(index, robot, part) for index, (robot, part) in enumerate(arms) if is_redundant(cell, robot)]
 
@@ -438,13 +437,7 @@ def _along_path(value: Any, position: tuple[Any, ...], force: tuple[Any, ...]) -
 
 
 def _multipliers(cell: Cell, q: Array, reference: Array) -> Array:
-    """F of least squares at given positions of all arms, Shape (N, w a) for a redundant arms.
-
-    Args:
-        cell: The cell.
-        q: Shape (N, m) [rad or m].
-        reference: Positions of all arms to stay near, Shape (m,) [rad or m].
-    """
+    """F of least squares at given positions of all arms, Shape (N, w a) for a redundant arms."""
     J = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
     found = [np.zeros((len(q), 0))]
     for _, robot, part in _redundant_arms(cell):

@@ -178,7 +178,6 @@ class Placement(InNotebooks):
         yield ""
 
     def _bounds(self) -> Iterator[str]:
-        """Numbers at their bounds, and what a step beyond would gain."""
         after, numbers = self.after, self.numbers
         if after is None or after.values is None or after.slope is None:
             return

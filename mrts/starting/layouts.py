@@ -67,7 +67,6 @@ def layouts(request: Request, mass: float, share: float = 1.0) -> list[Layout]:
 
 
 def _sides(request: Request, out: Array, width: float) -> Array:
-    """Of a box that is held along a direction, Shape (3,) [m]."""
     high = int(np.argmax(np.abs(request.up)))
     along = int(np.argmax(np.abs(np.where(np.arange(3) == high, 0, out))))
     across = 3 - high - along
@@ -128,7 +127,6 @@ def _placed_around(request: Request, spots: Sequence[Spot], out: Array, lift: Ar
 
 
 def _turn(up: Array, start: Array, end: Array) -> Array:
-    """The rotation about the vertical that turns one level direction into another, Shape (3, 3)."""
     angle = np.arctan2(np.cross(start, end) @ up, start @ end)
     turned: Array = rotations_from_vectors(angle * up)
     return turned
@@ -278,7 +276,6 @@ def _rolls(request: Request, arm: Arm, facing: Array, up: Array) -> list[Array]:
 
 
 def _held_here(request: Request, lift: Array) -> Layout:
-    """Arms in the postures that the user gave: the object between the hands, wherever they are."""
     tips, facings = [], []
     for each in request.arms:
         assert each.posture is not None  # noqa: S101 (all are given)

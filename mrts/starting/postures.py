@@ -170,7 +170,6 @@ def _unwound(arm: Arm, q: Array) -> Array:
 
 
 def _half_range(arm: Arm) -> Array:
-    """How far joints may go from their middle, Shape (n,) [rad or m]."""
     free = np.array([FREE_TURN if kind == "revolute" else FREE_SLIDE for kind in arm.chain.joint_types])
     span = arm.chain.position_upper - arm.chain.position_lower
     half: Array = np.minimum(np.where(np.isfinite(span), span / 2, free), free)

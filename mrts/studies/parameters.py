@@ -302,7 +302,6 @@ def _targets(entry: ParameterDescription, files: dict[str, Any], cell: Cell) -> 
 
 
 def _moved(move: str, listed: object, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
-    """The numbers that an entry sets, shifts or scales."""
     for path, factor, offset in _listed(listed):
         if move == "scales" and (factor, offset) != (1, 0):
             rule = "a parameter that scales takes a list of paths: it is itself the factor of each"
@@ -325,7 +324,6 @@ def _moved(move: str, listed: object, files: dict[str, Any], cell: Cell) -> Iter
 
 
 def _listed(given: object) -> Iterator[tuple[str, float, float]]:
-    """Paths with factors and offsets."""
     form = (
         "must be a list of paths, or paths with the factor of each, such as robots.left.base.xyz[0]: -1, or with "
         "{factor: -1, offset: 0.1}"

@@ -79,7 +79,6 @@ def _hypercube(numbers: int, count: int, seed: int) -> Array:
 
 
 def _sobol(numbers: int, seed: int, first: int, last: int) -> Array:
-    """Points of a scrambled Sobol sequence, Shape (V, P)."""
     from scipy.stats import qmc  # noqa: PLC0415 (slow to import)
 
     engine = qmc.Sobol(numbers, rng=np.random.default_rng(seed))

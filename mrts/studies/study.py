@@ -7,7 +7,7 @@ from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.package_uri import is_uri
+from mrts.base.formats.pose import Finite
+from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import MAX_FILE_BYTES
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
@@ -32,8 +34,7 @@ VARIANT_FILES = "cell.yaml", "motion.yaml"
 """That a variant is written as."""
 
 
-@dataclass(frozen=True)
-class StudyQuestion:
+class StudyQuestion(Record):
     """What is asked of each variant.
 
     Attributes:
@@ -45,10 +46,10 @@ class StudyQuestion:
     """
 
     profile: Literal["constant", "optimal"] = "constant"
-    load: str = "auto"
+    load: Annotated[str, Rule(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
     torques: bool = False
-    reserve: float | None = None
-    between: float | None = None
+    reserve: Annotated[float, Rule(ge=0, lt=1, allow_inf_nan=False)] | None = None
+    between: Finite | None = None
 
 
 @dataclass(frozen=True)
@@ -255,7 +256,6 @@ def _write_bytes(path: Path, content: bytes) -> None:
 
 
 def _holds(path: Path, content: bytes) -> bool:
-    """Whether a file is there with a content."""
     try:
         return read_regular(path, "input file", MAX_FILE_BYTES) == content
     except InputError:
@@ -263,7 +263,6 @@ def _holds(path: Path, content: bytes) -> bool:
 
 
 def _reference(file: Path, folder: Path) -> str:
-    """The path of a file as one in a folder gives it."""
     try:
         return Path(os.path.relpath(file, folder.resolve())).as_posix()
     except ValueError:  # another drive, or no path at all, which writing refuses

@@ -250,7 +250,7 @@ def study_content(study: Study) -> dict[str, Any]:
             "cell": study.cell,
             "motion": study.motion,
             "limits": list(map(limit_name, study.limits)),
-            "question": asdict(study.question),
+            "question": study.question.model_dump(),
             "vary": list(map(_parameter_content, study.parameters)),
             "sample": study.sample,
             "count": study.variants,
@@ -339,11 +339,7 @@ def _gone_if_unused(path: Path) -> Iterator[None]:
 
 
 def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
-    """Check that a folder is of the study that is to be solved.
-
-    Raises:
-        InputError: If not; it says where the two differ.
-    """
+    """Check that a folder is of the study that is to be solved."""
     if folder.digest == content["digest"]:
         return
     before, now = folder.record, {**folder.record, **content}

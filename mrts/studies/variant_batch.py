@@ -162,7 +162,6 @@ class VariantAnswers:
         return RangeEnd(c2, sample, float(self._of("time", variant)[sample]), self._rows(variant, end))
 
     def _rows(self, variant: int, end: int) -> tuple[ActiveRow, ...]:
-        """What sets an end."""
         rows = self._named(variant, end)
         if end and self.found[variant]["capped"]:
             rows += self._velocities[variant]

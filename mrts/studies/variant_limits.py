@@ -109,7 +109,6 @@ class VariantLimits:
         return rows
 
     def _places_of(self, kind: str, every: tuple[RowName, ...]) -> tuple[list[int], list[int]]:
-        """Rows of torques or wrenches, and their places among all joints or components."""
         rows = [row for row, name in enumerate(self.rows.names) if name.kind == kind]
         return rows, [every.index(self.rows.names[row]) for row in rows]
 

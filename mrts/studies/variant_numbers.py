@@ -152,12 +152,10 @@ def base_numbers(study: Study, cell: Cell) -> dict[str, Array]:
 
 
 def _looks(robot: Mapping[str, Any]) -> bool:
-    """Whether a robot's grasp is given by what its tip looks at."""
     return (robot.get("grasp") or {}).get("look_at") is not None
 
 
 def _with_angles(pose: Mapping[str, Any], robot: Robot) -> dict[str, Any]:
-    """A grasp that looks at a point, by the angles that it has."""
     return {"xyz": pose.get("xyz"), "rpy": rpy_from_rotation(robot.T_object_tip.R)}
 
 

@@ -158,7 +158,6 @@ def solved_row(study: Study, point: Array) -> Row:
 
 
 def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
-    """What is asked of one variant."""
     question = study.question
     if question.profile == "optimal":
         return _retimed(study, cell, motion)
@@ -170,7 +169,6 @@ def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
 
 
 def _scaled(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
-    """The row of a variant whose torques are wanted."""
     question = study.question
     try:
         result = scale(cell, motion, load=question.load, reserve=question.reserve, between=question.between)
@@ -207,7 +205,6 @@ def _torques(study: Study, result: ScalingResult) -> Row:
 
 
 def _torque_columns(study: Study) -> list[str]:
-    """Names of the columns of torques; none unless they are wanted."""
     if not study.question.torques:
         return []
     rms = [f"rms.{robot}.{joint}" for robot, joints in study.joints.items() for joint in joints]

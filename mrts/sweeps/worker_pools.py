@@ -205,11 +205,7 @@ def worker_pool(workers: int | None, scheduler: str | None) -> Iterator[WorkerPo
 
 
 def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> DaskCluster:
-    """The workers of a cluster, made first for `LOCAL`.
-
-    Raises:
-        InputError: If that is no address, or no scheduler answers.
-    """
+    """The workers of a cluster, made first for `LOCAL`."""
     if scheduler != LOCAL and not ADDRESS.fullmatch(scheduler):
         rule = "no Dask scheduler answers there: it is no address. Name one as tcp://HOST:PORT, or local."
         raise InputError("scheduler", rule, value=scheduler)
