@@ -118,6 +118,5 @@ def build_contacts(
         try:
             contacts.append(KINDS[given.kind](**values, components=there, name=name))
         except InputError as error:
-            inside = f"{here}.{error.key}" if error.key else here
-            raise InputError(path, error.rule, key=inside, value=error.value) from None
+            raise error.inside(path, here) from None
     return tuple(contacts)

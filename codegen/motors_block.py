@@ -8,7 +8,6 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.broken_record import BrokenRecordError
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule
 from mrts.base.remark import Remark
@@ -51,7 +50,7 @@ class FrictionDescription(Record):
     def model_validate(cls, data: object) -> Self:
         """What a mapping that is not empty says; one rule is told of all that is none."""
         if not isinstance(data, dict) or not data:
-            raise BrokenRecordError(FRICTION_RULE, data)
+            raise InputError("", f"{FRICTION_RULE}.", value=data)
         return super().model_validate(data)
 
 
@@ -111,7 +110,7 @@ def build_motors(
         motors = JointMotors(torque_speed=curves, **columns)
     except InputError as error:
         block = "friction." if error.key.startswith(OF_FRICTION) else ""
-        raise InputError(path, error.rule, key=f"{key}.{block}{error.key}", value=error.value) from None
+        raise error.inside(path, f"{key}.{block}".rstrip(".")) from None
     contradiction = motors.problem_with(*limits, joints)
     if contradiction is not None:
         of_urdf = contradiction[0].startswith("friction") and bool(remarks)
@@ -141,7 +140,6 @@ def _same_round_number(values: list[float]) -> bool:
 def _curves(
     path: Path, key: str, given: list[list[float]] | list[list[list[float]] | None] | None, joints: list[str]
 ) -> tuple[Array | None, ...]:
-    """One curve a joint."""
     if given is None:
         return (None,) * len(joints)
     one = given[0] is not None and not isinstance(given[0][0], list)

@@ -121,7 +121,6 @@ def _check_centre(path: Path, T: RigidTransform, centre: Array, size: float) -> 
 
 
 def _size(shape: ShapeDescription, mesh: Mesh | None) -> float:
-    """Longest side of a box around the shape [m]."""
     if mesh is not None:
         return mesh.size
     return max(shape.box) if shape.box else max(2 * shape.cylinder.radius, shape.cylinder.length)  # type: ignore[union-attr]  # one kind is given

@@ -11,7 +11,6 @@ import numpy as np
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
 from mrts.cell.hands.contact import Contact
@@ -51,7 +50,7 @@ SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChangeSteps(InNotebooks):
+class ChangeSteps:
     """How far numbers are changed, each up and down.
 
     Attributes:
@@ -76,7 +75,7 @@ class ChangeSteps(InNotebooks):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellChange(InNotebooks):
+class CellChange:
     """One number of a cell changed.
 
     Attributes:
@@ -127,9 +126,6 @@ class CellChange(InNotebooks):
     def applied(self, cell: Cell) -> Cell:
         """The cell with this change; both sides of a limit move outward by a positive step, a side of 0 stays.
 
-        Args:
-            cell: The cell.
-
         Raises:
             InputError: If the changed number breaks a rule of the cell.
         """
@@ -147,7 +143,6 @@ class CellChange(InNotebooks):
         return cell.with_robots({self.robot: self._of_robot(cell, robots[self.robot])})
 
     def _of_robot(self, cell: Cell, robot: Robot) -> dict[str, Any]:
-        """What changes of a robot."""
         if self.kind == "grasp":
             return {"T_object_tip": self._moved(robot.T_object_tip, robot.T_object_tip.p)}
         if self.kind == "velocity":
@@ -177,7 +172,6 @@ class CellChange(InNotebooks):
         return replace(contact, lower=lower, upper=upper)
 
     def _steps(self, names: Sequence[str]) -> Array:
-        """The step at the place of its element, 0 elsewhere."""
         return np.array([self.step if name == self.element else 0.0 for name in names])
 
     def _moved(self, pose: RigidTransform, about: Array) -> RigidTransform:
@@ -195,10 +189,6 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     Sides of a limit move together. A joint with a torque-speed curve has its torques changed with the limit, as by
     another motor, and the curve's speeds by themselves. A component that is held at one number is no limit. Arms of one
     machine move with the base of the first of them.
-
-    Args:
-        cell: The cell.
-        steps: How far.
     """
     named: list[Changed] = [*limit_names(cell), ("mass", "", "")]
     if cell.reserve:
@@ -219,11 +209,7 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
 
 
 def limit_names(cell: Cell) -> Iterator[Changed]:
-    """Kind, robot and element of every limit that bounds something.
-
-    Args:
-        cell: The cell.
-    """
+    """Kind, robot and element of every limit that bounds something."""
     for robot in cell.robots:
         yield from _bounded("torque", robot.name, robot.joints, robot.torque_lower, robot.torque_upper)
     for robot in cell.robots:

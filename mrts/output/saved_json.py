@@ -9,7 +9,6 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, FailFast, Field, ValidationError, model_validator
 
 from mrts.base.errors import InputError
-from mrts.base.formats.broken_record import BrokenRecordError
 from mrts.base.load_box import PARAMETERS, LoadBox
 from mrts.base.manifest import FORMAT, LOAD_ENTRIES, Matrix, Matrix3, Vector3
 from mrts.base.remark import Severity
@@ -323,9 +322,9 @@ def read_description(path: Path, text: bytes) -> Description:
     except ValidationError as error:
         first = error.errors()[0]
         inner = first.get("ctx", {}).get("error")
-        keys = (*first["loc"], *(inner.keys if isinstance(inner, BrokenRecordError) else ()))
-        key = ".".join(str(part) for part in keys)
-        raise InputError(path, f"{first['msg']}. {DAMAGED}", key=key) from None
+        keys = (*first["loc"], *([inner.key] if isinstance(inner, InputError) else ()))
+        key = ".".join(str(part) for part in keys if part != "")
+        raise InputError(path, f"{first['msg'].rstrip('.')}. {DAMAGED}", key=key) from None
     manifest = description.manifest
     if manifest.format != FORMAT or manifest.content_sha256 != manifest.content_hash():
         raise InputError(path, "was edited after it was saved. Save the result again.", key="manifest")

@@ -11,7 +11,7 @@ import numpy as np
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.base.yaml_parser import parse_yaml
-from mrts.cell.remarks.assumptions import POINT_MASSES, WEIGHTLESS, first_few
+from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS, first_few
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal
 from mrts.starting.request import ArmRequest

@@ -14,7 +14,7 @@ from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri, is_xacro
 from mrts.base.formats.urdf_tree import UrdfTree
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.remarks.unit_remarks import urdf_remarks
+from mrts.cell.remarks import urdf_remarks
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.cell.source_files import Survey, surveyed_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank

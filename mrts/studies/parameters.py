@@ -11,7 +11,6 @@ import numpy as np
 
 from mrts.base.argument_types import is_number
 from mrts.base.errors import InputError
-from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Finite, Positive
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME
@@ -90,12 +89,6 @@ class Parameter:
         more = f" and {len(paths) - PATHS_SHOWN} more" if len(paths) > PATHS_SHOWN else ""
         moved = "" if paths == [self.path] else f" ({', '.join(paths[:PATHS_SHOWN])}{more})"
         return f"{self.path}{moved}: {self.distribution.text(self.unit)}"
-
-
-def _broken(rule: str, value: object, key: str) -> BrokenRecordError:
-    error = BrokenRecordError(rule, value)
-    error.keys = (key,)
-    return error
 
 
 def _reversed(low: float, high: float) -> str:
@@ -186,17 +179,17 @@ class ParameterDescription(Record):
             sample: How the points of the study are chosen.
 
         Raises:
-            BrokenRecordError: If the two do not go together.
+            InputError: If the two do not go together.
         """
         found = self._distribution()
         if sample != "grid" and self.steps is not None:
             rule = f"steps are those of a grid; sample: {sample} draws from the whole range. Leave this out"
-            raise _broken(rule, self.steps, "steps")
+            raise InputError("", f"{rule}.", key="steps", value=self.steps)
         if sample == "grid" and found.levels is None:
             rule = "a grid needs to know in how many steps, such as steps: 5"
             if found.kind != "uniform":
                 rule = f"a {found.kind} distribution has no steps to make a grid of"
-            raise BrokenRecordError(f"{rule}. Take sample: sobol or lhs with a count", told=True)
+            raise InputError("", f"{rule}. Take sample: sobol or lhs with a count.")
         return found
 
     def _distribution(self) -> Distribution:
@@ -251,10 +244,8 @@ def read_parameters(
         try:
             parameter = _parameter(name, value, sample, filled, cell)
             _check_apart(name, parameter, moved, above)
-        except BrokenRecordError as error:
-            broken = broken_record(path, error)
-            key = ".".join(filter(None, (f"vary.{name}", broken.key)))
-            raise InputError(path, broken.rule, key=key, value=broken.value) from None
+        except InputError as error:
+            raise error.inside(path, f"vary.{name}") from None
         parameters.append(parameter)
     for target in (target for parameter in parameters for target in parameter.targets):
         with_place(given, filled, target.keys)
@@ -265,7 +256,7 @@ def _parameter(name: str, value: object, sample: SampleName, files: dict[str, An
     if isinstance(value, list):
         value = {"values": value}
     if not isinstance(value, dict):
-        raise BrokenRecordError(f"must say how it varies: {FORMS}", value)
+        raise InputError("", f"must say how it varies: {FORMS}.", value=value)
     entry = ParameterDescription.model_validate(value)
     distribution = entry.distribution(sample)
     if entry.moves:
@@ -277,7 +268,7 @@ def _parameter(name: str, value: object, sample: SampleName, files: dict[str, An
         if target.whole and not (
             distribution.levels and all((target.offset + target.factor * at).is_integer() for at in distribution.levels)
         ):
-            raise BrokenRecordError(f"{target.path} is a whole number: list the values that it takes", told=True)
+            raise InputError("", f"{target.path} is a whole number: list the values that it takes.")
     units = {target.unit for target in targets}
     unit = units.pop() if len(units) == 1 and "scales" not in entry.moves else ""  # a factor has none
     return Parameter(name if entry.moves else targets[0].path, unit, distribution, targets)
@@ -289,25 +280,24 @@ def _check_name(name: str) -> None:
             "is the name of a parameter that moves several numbers, and heads a column: letters, digits and single "
             f"underscores, at most {LONGEST_NAME}, and none of {', '.join(RESERVED_NAMES)}"
         )
-        raise BrokenRecordError(rule, told=True)
+        raise InputError("", f"{rule}.")
 
 
 def _targets(entry: ParameterDescription, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
     for move in entry.moves:
         try:
             yield from _moved(move, getattr(entry, move), files, cell)
-        except BrokenRecordError as error:
-            error.keys = (move, *error.keys)
-            raise
+        except InputError as error:
+            raise error.inside("", move) from None
 
 
 def _moved(move: str, listed: object, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
     for path, factor, offset in _listed(listed):
         if move == "scales" and (factor, offset) != (1, 0):
             rule = "a parameter that scales takes a list of paths: it is itself the factor of each"
-            raise BrokenRecordError(rule, listed)
+            raise InputError("", f"{rule}.", value=listed)
         if move == "shifts" and offset != 0:
-            raise BrokenRecordError("an offset belongs to 'sets'", offset)
+            raise InputError("", "an offset belongs to 'sets'.", value=offset)
         if move == "sets":
             yield _target(files, cell, path, factor, offset)
             continue
@@ -315,10 +305,10 @@ def _moved(move: str, listed: object, files: dict[str, Any], cell: Cell) -> Iter
         own = [float(value_at(files, number)) for number in numbers]
         if not own:
             rule = f"the cell and motion files give no number at {path}, so there is none to move. Write it there first"
-            raise BrokenRecordError(rule, told=True)
+            raise InputError("", f"{rule}.")
         if move == "scales" and not any(own):
             rule = f"what is at {path} is 0, and stays 0 however it is scaled. Use 'sets' or 'shifts'"
-            raise BrokenRecordError(rule, told=True)
+            raise InputError("", f"{rule}.")
         for number, value in zip(numbers, own, strict=True):
             yield _target(files, cell, number, *((value, 0.0) if move == "scales" else (factor, value)))
 
@@ -332,13 +322,13 @@ def _listed(given: object) -> Iterator[tuple[str, float, float]]:
         yield from ((path, 1.0, 0.0) for path in given)
         return
     if not isinstance(given, dict) or not given or not all(isinstance(path, str) for path in given):
-        raise BrokenRecordError(form, given)
+        raise InputError("", f"{form}.", value=given)
     for path, line in given.items():
         parts = line if isinstance(line, dict) else {"factor": line}
         numbers = {"factor": 1.0, "offset": 0.0} | parts
         sound = all(is_number(one, -LARGEST_NUMBER, LARGEST_NUMBER) for one in numbers.values())
         if not parts or len(numbers) > 2 or not sound or numbers["factor"] == 0:  # noqa: PLR2004 (the two)
-            raise _broken(f"{form}; a factor is not 0", line, path)
+            raise InputError("", f"{form}; a factor is not 0.", key=path, value=line)
         yield path, float(numbers["factor"]), float(numbers["offset"])
 
 
@@ -346,7 +336,7 @@ def _keys(files: dict[str, Any], cell: Cell, path: str) -> Keys:
     try:
         return find_keys(files, [len(robot.joints) for robot in cell.robots], path)
     except PathError as error:
-        raise BrokenRecordError(str(error), path) from None
+        raise InputError("", str(error), value=path) from None
 
 
 def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float = 1.0, offset: float = 0.0) -> Target:
@@ -356,9 +346,9 @@ def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float 
     if isinstance(value, dict | list):
         inside = next(numbers_below(files, keys), None)
         advice = "" if inside is None else f": name one of its numbers, such as {path_text(files, inside)}"
-        raise BrokenRecordError(f"{text} is no number{advice}", told=True)
+        raise InputError("", f"{text} is no number{advice}.")
     if isinstance(value, str | bool):
-        raise BrokenRecordError(f"{text} is '{value}', which is no number; numbers vary", told=True)
+        raise InputError("", f"{text} is '{value}', which is no number; numbers vary.")
     unit = number_unit(keys, cell.robots, cell.wrench_units)
     return Target(text, keys, unit, factor, offset, whole=keys == ("motion", "samples"))
 
@@ -377,6 +367,6 @@ def _check_apart(mover: str, parameter: Parameter, moved: dict[Keys, str], above
         other = next(filter(None, map(moved.get, [target.keys, *parents])), above.get(target.keys))
         if other is not None:
             by = f", by '{other}' and '{mover}'" if other != mover else ""
-            raise BrokenRecordError(f"{target.path} is moved twice{by}. Each number has one mover", told=True)
+            raise InputError("", f"{target.path} is moved twice{by}. Each number has one mover.")
         moved[target.keys] = mover
         above |= dict.fromkeys(parents, mover)

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from mrts.base.errors import InputError
-from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.record import Record, Rule
 
 FORMAT = 1
@@ -84,8 +83,7 @@ def study_record(path: Path, text: str) -> dict[str, Any]:
         raise InputError(path, f"is not a study of format {FORMAT}, which this mrts reads; name another folder.")
     try:
         _Whole.model_validate(record)
-    except BrokenRecordError as error:
-        broken = broken_record(path, error)
-        rule = f"is damaged: {broken.rule} Remove the folder, or name another."
-        raise InputError(path, rule, key=broken.key, value=broken.value) from None
+    except InputError as error:
+        rule = f"is damaged: {error.rule} Remove the folder, or name another."
+        raise InputError(path, rule, key=error.key, value=error.value) from None
     return record

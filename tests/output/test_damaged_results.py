@@ -50,7 +50,7 @@ MISTAKES = {
     "hostile source": (spoil_word(lambda d: d["manifest"].update(source="../x.c")), "manifest: its source must be"),
     "ragged pose": (
         spoil_word(lambda d: d["manifest"]["robots"][0]["T_base_tip"].update(R=[[1], [2, 3], []])),
-        r"manifest\.robots\.0\.T_base_tip\.R: .* one rectangular shape",
+        r"manifest\.robots\[0\]\.T_base_tip\.R: .* one rectangular shape",
     ),
     "nan word": (spoil_word(lambda d: d.update(c2=float("nan"))), "c2: .* finite number"),
     "negative c2": (spoil_word(lambda d: d.update(c2=-1)), "c2: .* greater than 0"),

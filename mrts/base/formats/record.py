@@ -11,8 +11,31 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, Union, dataclass_transform, get_args, get_origin
 
-from mrts.base.errors import InputError, as_array
-from mrts.base.formats.broken_record import RULES, BrokenRecordError, Key, Wrong, broken_record, unknown_key
+from mrts.base.errors import InputError, Mistakes, as_array
+
+RULES = {
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
+    "dict_type": "must be a mapping of keys to values",
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "greater_than": "must be > {gt:g}",
+    "greater_than_equal": "must be >= {ge:g}",
+    "int_type": "must be a whole number",
+    "less_than": "must be < {lt:g}",
+    "less_than_equal": "must be <= {le:g}",
+    "list_type": "must be a list",
+    "literal_error": "must be {expected}",
+    "missing": "this key is required",
+    "model_type": "must be a mapping of keys to values",
+    "string_pattern_mismatch": "must be letters, digits and single underscores, and start with a letter",
+    "string_too_short": "must have at least {min_length} character",
+    "string_type": "must be text",
+    "too_long": "has {actual_length} values, at most {max_length} belong here",
+    "too_near_zero": "must be 0, or at least {smallest:g} in size",
+    "too_short": "has {actual_length} values, at least {min_length} belong here",
+}
+"""What is wrong with a value, by pydantic's names; fields are numbers and texts of the format, nothing of the file."""
 
 
 class Rule:
@@ -44,12 +67,8 @@ class Rule:
     def check(self, value: Any, given: object) -> None:
         """Check a value of the annotated type.
 
-        Args:
-            value: The value.
-            given: As it was given, for the message.
-
         Raises:
-            BrokenRecordError: If it is outside of a limit.
+            InputError: If it is outside of a limit.
         """
         for name, limit in self.limits.items():
             kind = _KINDS[name]
@@ -93,7 +112,7 @@ class Record:
     ends in an underscore.
 
     Raises:
-        BrokenRecordError: If a key or a value breaks a rule.
+        InputError: If a key or a value breaks a rule.
     """
 
     model_fields: ClassVar[dict[str, Any]] = {}
@@ -103,53 +122,49 @@ class Record:
         cls.model_fields = {name: kind for base in bases for name, kind in get_annotations(base).items()}
 
     def __init__(self, **keys: Any) -> None:
-        vars(self).update(_checked_fields(self.model_fields, _defaults(type(self)), keys))
-        if problem := self.problem():
-            raise BrokenRecordError(problem, told=True)
+        try:
+            self._fill(keys)
+        except InputError as error:
+            raise error.inside(type(self).__name__) from None
 
     @classmethod
     def model_validate(cls, data: object) -> Self:
         """The record that a mapping describes.
 
         Raises:
-            BrokenRecordError: If it is none, or a key or a value breaks a rule.
+            InputError: If it is none, or a key or a value breaks a rule.
         """
         if isinstance(data, cls):
             return data
         if not isinstance(data, dict):
-            raise BrokenRecordError(f"{RULES['model_type']}, of {', '.join(cls.model_fields)}", data)
-        return cls._of(data)
+            raise _broken(f"{RULES['model_type']}, of {', '.join(cls.model_fields)}", data)
+        record = object.__new__(cls)
+        record._fill(data)
+        return record
 
     @classmethod
     def read(cls, where: Path | str, data: dict[Any, Any]) -> Self:
         """The record that a mapping of a file describes.
 
-        Args:
-            where: The file, or what the mapping is, for messages.
-            data: The mapping.
-
         Raises:
             InputError: If a key or a value breaks a rule.
         """
         try:
-            return cls._of(data)
-        except BrokenRecordError as error:
-            raise broken_record(where, error) from None
+            return cls.model_validate(data)
+        except InputError as error:
+            raise error.inside(where) from None
 
-    @classmethod
-    def _of(cls, data: dict[Any, Any]) -> Self:
-        record = object.__new__(cls)
-        vars(record).update(_checked_fields(cls.model_fields, _defaults(cls), data))
-        if problem := record.problem():
-            raise BrokenRecordError(problem, told=True)
-        return record
+    def _fill(self, data: dict[Any, Any]) -> None:
+        vars(self).update(_checked_fields(self.model_fields, _defaults(type(self)), data))
+        if problem := self.problem():
+            raise InputError("", f"{problem.rstrip('.')}.")
 
     @classmethod
     def model_validate_json(cls, text: str) -> Self:
         """The record that a JSON text describes.
 
         Raises:
-            BrokenRecordError: As `model_validate`.
+            InputError: As `model_validate`.
         """
         return cls.model_validate(read_json(text))
 
@@ -181,7 +196,7 @@ class Record:
         def read(data: object) -> Any:
             try:
                 return cls.model_validate(data)
-            except BrokenRecordError as error:
+            except InputError as error:
                 raise PydanticCustomError("record", "{rule}", {"rule": error.rule, "error": error}) from None
 
         dump = core_schema.plain_serializer_function_ser_schema(lambda record: record.model_dump())
@@ -209,14 +224,12 @@ def read_json(text: str) -> Any:
     """The value of a JSON text.
 
     Raises:
-        BrokenRecordError: If it is none, or holds a number that is not finite.
+        InputError: If it is none, or holds a number that is not finite.
     """
     try:
         return json.loads(text, parse_constant=_refuse)
-    except BrokenRecordError:
-        raise
     except (ValueError, RecursionError) as error:
-        raise BrokenRecordError(f"is not JSON: {error}", told=True) from None
+        raise InputError("", f"is not JSON: {error}.") from None
 
 
 def _refuse(constant: str) -> NoReturn:
@@ -228,44 +241,46 @@ def _defaults(cls: type[Record]) -> dict[str, Any]:
 
 
 def _checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[Any, Any]) -> dict[str, Any]:
-    wrong = Wrong()
+    mistakes, values = Mistakes(), {}
     keys = {name.rstrip("_"): name for name in kinds}
     for key in data:
         if key not in keys:
-            wrong.add(BrokenRecordError(unknown_key(key, list(keys)), told=True))
-    values = {}
+            mistakes.add(_unknown_key(key, list(keys)))
     for key, name in keys.items():
-        if key in data or name in defaults:
-            try:
-                values[name] = _at(key, kinds[name], data[key] if key in data else defaults[name])
-            except BrokenRecordError as error:
-                wrong.add(error)
-        else:
-            missing = BrokenRecordError(RULES["missing"], told=True)
-            missing.keys = (key,)
-            wrong.add(missing)
-    wrong.raise_added()
+        try:
+            if key not in data and name not in defaults:
+                raise InputError("", f"{RULES['missing']}.", key=key)  # noqa: TRY301 (noted with the others)
+            values[name] = _at(key, kinds[name], data[key] if key in data else defaults[name])
+        except InputError as error:
+            mistakes.add(error)
+    mistakes.raise_noted()
     return values
 
 
-def _at(key: Key, kind: Any, value: object) -> Any:
+def _unknown_key(key: object, known: list[str]) -> InputError:
+    import difflib  # noqa: PLC0415 (for this message only)
+
+    close = difflib.get_close_matches(str(key), known, n=1)
+    hint = f"; did you mean '{close[0]}'?" if close else ""
+    rule = f"unknown key '{key}'{hint or '.'} The keys here are: {', '.join(known)}."
+    return InputError("", rule)
+
+
+def _at(key: str, kind: Any, value: object) -> Any:
     try:
         return checked(kind, value)
-    except BrokenRecordError as error:
-        for each in error.each():
-            each.keys = (key, *each.keys)
-        raise
+    except InputError as error:
+        raise error.inside("", key) from None
 
 
-def _each_at(entries: Iterable[tuple[Key, Any, object]]) -> list[Any]:
-    """The checked values of keys, kinds and values beside each other."""
-    read, wrong = [], Wrong()
+def _each_at(entries: Iterable[tuple[str, Any, object]]) -> list[Any]:
+    read, mistakes = [], Mistakes()
     for key, kind, value in entries:
         try:
             read.append(_at(key, kind, value))
-        except BrokenRecordError as error:
-            wrong.add(error)
-    wrong.raise_added()
+        except InputError as error:
+            mistakes.add(error)
+    mistakes.raise_noted()
     return read
 
 
@@ -273,7 +288,7 @@ def checked(kind: Any, value: Any) -> Any:
     """A value of a kind, see `Record`.
 
     Raises:
-        BrokenRecordError: If it is none.
+        InputError: If it is none.
     """
     origin, parts = get_origin(kind), get_args(kind)
     if origin is Annotated:
@@ -298,9 +313,9 @@ def _one_of(value: Any, *kinds: Any) -> Any:
     for kind in kinds:
         try:
             return checked(kind, value)
-        except BrokenRecordError as error:
+        except InputError as error:
             errors.append(error)
-    raise max(errors, key=lambda error: (len(error.keys), error.told))
+    raise max(errors, key=lambda error: (len(re.findall(r"[^.[]+", error.key)), error.value is None))
 
 
 def _dataclass(kind: Any, value: Any) -> Any:
@@ -310,27 +325,10 @@ def _dataclass(kind: Any, value: Any) -> Any:
     given: list[Field[Any]] = [field for field in fields(kind) if field.init]
     defaults = {field.name: field.default for field in given if field.default is not MISSING}
     values = _checked_fields({field.name: field.type for field in given}, defaults, value)
-    try:
-        return kind(**values)
-    except InputError as error:
-        raise _of_input(error) from None
-
-
-def _array(value: Any) -> Any:
-    try:
-        return as_array("", value)
-    except InputError as error:
-        raise _of_input(error) from None
-
-
-def _of_input(error: InputError) -> BrokenRecordError:
-    broken = BrokenRecordError(error.rule, error.value)
-    broken.keys = (error.key,) if error.key else ()
-    return broken
+    return kind(**values)
 
 
 def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
-    """One of some texts, or a list, tuple or dictionary."""
     if origin is Literal:
         if not isinstance(value, str) or value not in parts:
             *others, last = map(repr, parts)
@@ -342,24 +340,22 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
         names = _each_at((str(name), parts[0], name) for name in value)
         return dict(zip(names, _each_at((str(name), parts[1], entry) for name, entry in value.items()), strict=True))
     if getattr(origin, "__name__", "") == "ndarray":
-        return _array(value)
+        return as_array("", value)
     if not isinstance(value, list | tuple):
         _fail("list_type", value)
     return _items(origin, parts, value)
 
 
 def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ...]) -> Any:
-    """The items of a list, or of a tuple with a kind each."""
     if origin is list or kinds[-1] is Ellipsis:
-        return origin(_each_at((index, kinds[0], item) for index, item in enumerate(value)))
+        return origin(_each_at((f"[{index}]", kinds[0], item) for index, item in enumerate(value)))
     if len(value) != len(kinds):
         kind, length = ("too_long", "max_length") if len(value) > len(kinds) else ("too_short", "min_length")
         _fail(kind, value, actual_length=len(value), **{length: len(kinds)})
-    return tuple(_each_at((index, *pair) for index, pair in enumerate(zip(kinds, value, strict=True))))
+    return tuple(_each_at((f"[{index}]", *pair) for index, pair in enumerate(zip(kinds, value, strict=True))))
 
 
 def _plain(kind: type, value: Any) -> Any:
-    """A number, a truth or a text."""
     if kind is float:
         if isinstance(value, bool) or not isinstance(value, float | int):
             _fail("float_type", value)
@@ -376,7 +372,11 @@ def _plain(kind: type, value: Any) -> Any:
 
 
 def _fail(kind: str, value: object, **of_format: Any) -> NoReturn:
-    raise BrokenRecordError(RULES[kind].format(**of_format), value)
+    raise _broken(RULES[kind].format(**of_format), value)
+
+
+def _broken(rule: str, value: object) -> InputError:
+    return InputError("", f"{rule} (it is empty)." if value is None else f"{rule}.", value=value)
 
 
 def _dumped(value: Any) -> Any:
