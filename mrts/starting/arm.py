@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from mrts.base.arrays import Array, cross
-from mrts.base.rigid_transform import PLANE_TOLERANCE
+from mrts.base.rigid_transform import PLANE_TOLERANCE, plane_normal
 from mrts.cell.robot import Robot
 from mrts.scene.cell_shapes import body_poses
 
@@ -140,3 +140,11 @@ def plane_of(arms: Sequence[Arm]) -> str | None:
         if flat:
             return plane
     return None
+
+
+def twist_rows(plane: str | None) -> list[int]:
+    """Components of a twist that count: all in space, in a plane the two along it and the turn about its normal."""
+    if plane is None:
+        return list(range(6))
+    normal = np.abs(plane_normal(plane))
+    return [*np.flatnonzero(normal == 0).tolist(), 3 + int(np.argmax(normal))]

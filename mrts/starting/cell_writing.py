@@ -169,16 +169,11 @@ def missing_bodies(arm: Arm) -> Iterator[str]:
 
 
 def _some(names: list[str], of: tuple[str, ...]) -> str:
-    """The first few of many names."""
     return "any joint" if len(names) == len(of) else first_few(names)
 
 
 def _read_back(text: str, keys: dict[str, Any]) -> str:
-    """The text, if it means what it is to mean.
-
-    Raises:
-        InputError: If YAML cannot hold a name.
-    """
+    """The text, if it means what it is to mean."""
     try:
         same = parse_yaml(text) == keys
     except ValueError:

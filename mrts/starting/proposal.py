@@ -19,7 +19,6 @@ from mrts.starting.arm import Arm
 from mrts.starting.layouts import layouts
 from mrts.starting.postures import drawn_postures
 from mrts.starting.request import ArmRequest, Layout, Request, Stand
-from mrts.starting.scene import scene_of
 
 LOAD_SHARE = 0.1
 """Of the arms' own mass that the object has: an industrial arm carries a quarter of its mass or less."""
@@ -101,7 +100,7 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
             mass = _two_digits(first * share_of_load)
             tell(lift * len(LOADS) + load, total, f"{mass:g} kg")
             try:
-                found = found or layouts(scene_of(request, mass, share_of_lift))
+                found = found or layouts(request, mass, share_of_lift)
             except MotionError as error:
                 reason = reason or str(error)
                 continue
@@ -124,7 +123,6 @@ def _two_digits(number: float) -> float:
 
 
 def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
-    """The proposal of a layout, or why it cannot be played."""
     keys, assumed = _cell_keys(request, layout, mass)
     try:
         first = _played(request, keys, _motion_keys(layout, FIRST_DURATION), None)
@@ -147,7 +145,6 @@ def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
 
 
 def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], between: float | None) -> ScalingResult:
-    """What `mrts.scale` finds of the files that these keys will be."""
     paths = [{"urdf": str(each.path)} for each in request.arms]
     robots = [robot | path for robot, path in zip(keys["robots"], paths, strict=True)]
     cell = Cell.from_description(keys | {"robots": robots}, folder=request.arms[0].path.parent)
@@ -177,7 +174,6 @@ def _motion_keys(layout: Layout, duration: float) -> dict[str, Any]:
 
 
 def _cell_keys(request: Request, layout: Layout, mass: float) -> tuple[dict[str, Any], dict[str, tuple[str, ...]]]:
-    """Keys of the cell file, and by robot the joints whose torque limits are assumed."""
     robots, assumed = [], {}
     for each, stand in zip(request.arms, layout.stands, strict=True):
         robot, joints = _robot_keys(request, each, stand, layout, mass)
@@ -210,7 +206,6 @@ def _robot_keys(
 
 
 def _assumed_torque(request: Request, arm: Arm, mass: float) -> Any:
-    """Torques for joints whose URDF gives none, Shape (n,) [N m or N]."""
     share = mass * float(np.linalg.norm(request.gravity)) / len(request.arms)
     state = arm.at(drawn_postures(arm))
     pulls = [arm.torque(state, sign * axis * 9.81, -sign * share * axis) for axis in np.eye(3) for sign in (1, -1)]

@@ -144,7 +144,6 @@ def _joints(chain: Robot) -> Iterator[tuple[Any, ...]]:
 
 
 def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
-    """Chains to the hands of a URDF, those that can be read."""
     arms: list[Arm] = []
     if read.tree is None or read.survey is None:
         return arms

@@ -149,14 +149,7 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
 
 
 def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Sequence[str]) -> str | None:
-    """Unit of a number of a robot; None where the key alone says it.
-
-    Args:
-        keys: The place.
-        inside: Those of its keys that are words, from the robot inward.
-        robot: The robot.
-        wrench_units: Of its contact wrench.
-    """
+    """Unit of a number of a robot; None where the key alone says it."""
     index = keys[-1] if isinstance(keys[-1], int) else 0
     if inside[0] == "fixed":
         return ""
@@ -196,7 +189,6 @@ def set_number(file: dict[str, Any], keys: Keys, value: float) -> None:
 
 
 def _holder(file: Mapping[str, Any], keys: Keys) -> Any:
-    """The list or mapping in which a place is."""
     return value_at(file, keys[:-1])
 
 

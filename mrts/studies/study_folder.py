@@ -28,6 +28,7 @@ from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
 from mrts.limits.row_check import limit_name
+from mrts.studies.parameters import Parameter
 from mrts.studies.study import Study
 from mrts.studies.study_record import FORMAT, study_record
 from mrts.studies.variant_rows import column_types
@@ -249,8 +250,8 @@ def study_content(study: Study) -> dict[str, Any]:
             "cell": study.cell,
             "motion": study.motion,
             "limits": list(map(limit_name, study.limits)),
-            "question": asdict(study.question),
-            "vary": [asdict(each) | {"bounds": each.spread.bounds, "text": str(each)} for each in study.parameters],
+            "question": study.question.model_dump(),
+            "vary": list(map(_parameter_content, study.parameters)),
             "sample": study.sample,
             "count": study.variants,
             "seed": study.seed,
@@ -259,6 +260,13 @@ def study_content(study: Study) -> dict[str, Any]:
     }
     same: dict[str, Any] = json.loads(json.dumps(content))
     return same
+
+
+def _parameter_content(parameter: Parameter) -> dict[str, Any]:
+    spread, bounds = parameter.distribution.to_json(), parameter.distribution.bounds
+    targets = [asdict(target) for target in parameter.targets]
+    told = {"path": parameter.path, "unit": parameter.unit, "spread": spread, "targets": targets}
+    return told | {"bounds": bounds, "text": str(parameter)}
 
 
 @contextmanager
@@ -331,11 +339,7 @@ def _gone_if_unused(path: Path) -> Iterator[None]:
 
 
 def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
-    """Check that a folder is of the study that is to be solved.
-
-    Raises:
-        InputError: If not; it says where the two differ.
-    """
+    """Check that a folder is of the study that is to be solved."""
     if folder.digest == content["digest"]:
         return
     before, now = folder.record, {**folder.record, **content}

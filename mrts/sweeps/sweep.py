@@ -17,7 +17,7 @@ from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder, require_pyarrow
 from mrts.sweeps.best_variants import write_best
-from mrts.sweeps.chunks import Chunk, ChunkSolver
+from mrts.sweeps.chunks import Chunk, solved_chunks
 from mrts.sweeps.sweep_progress import TALLIED, SweepProgress, Tally
 from mrts.sweeps.worker_pools import check_workers, worker_pool
 
@@ -110,7 +110,7 @@ def solve_study(
         if missing:
             with (
                 worker_pool(workers, scheduler) as pool,
-                closing(ChunkSolver(study, pool).solved(missing)) as coming,
+                closing(solved_chunks(study, pool, missing)) as coming,
             ):
                 for chunk, pieces in coming:
                     rows = folder.rows(pieces)
