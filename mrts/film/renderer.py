@@ -15,6 +15,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.drawing.round_numbers import round_down
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import ContactForces
@@ -65,11 +66,13 @@ class Clip:
     Attributes:
         title: What it is, for people.
         trajectory: Motion, speed, torques and wrenches.
+        range: Of the motion.
         urdfs: URDF and base link by robot, for meshes; robots that are not named are drawn with simple shapes.
     """
 
     title: str
     trajectory: ScaledTrajectory
+    range: ScalingRange
     urdfs: Urdfs = field(default_factory=dict)
 
     @cached_property
@@ -91,7 +94,7 @@ class Clip:
     @cached_property
     def deciding(self) -> DecidingLimit | None:
         """The limit that decides how fast the motion may be played."""
-        return deciding_limit(self.trajectory)
+        return deciding_limit(self.trajectory, self.range)
 
     @property
     def strongest(self) -> float:

@@ -26,7 +26,7 @@ from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, conflict_at, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scaling.torques import distributed_torques
-from mrts.scene.scene import Scene
+from mrts.scene.scene import DecidingLimit, Scene, deciding_limit
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime
 from mrts.viewer.offered_speeds import OF_TIMINGS, Speeds, offered_speeds
@@ -189,6 +189,11 @@ class PlayerState:
         """What is drawn of it."""
         motion = self.result.motion
         return Scene(self.result.cell, motion.q, motion.object.position, motion.object.rotation, self.excess > 0)
+
+    @property
+    def deciding(self) -> DecidingLimit | None:
+        """The limit that decides how fast the motion may be played."""
+        return deciding_limit(self.trajectory, self.result.range)
 
     @property
     def given_duration(self) -> float:

@@ -19,7 +19,6 @@ import viser
 from mrts.base.errors import MrtsError
 from mrts.base.rigid_transform import RigidTransform
 from mrts.scene.arm_meshes import Urdfs
-from mrts.scene.scene import deciding_limit
 from mrts.viewer.controls.change_controls import ChangeControls
 from mrts.viewer.controls.save_controls import SaveControls
 from mrts.viewer.controls.view_controls import ViewControls
@@ -228,9 +227,9 @@ class Viewer:
         set_marks(self._speed, speeds)
 
     def _add_player(self) -> None:
-        found, start = None if self.state is None else deciding_limit(self.state.trajectory), 0.0
-        if self.state is not None and found is not None:
-            start = float(self.state.trajectory.time[found.sample]) / self._duration()
+        start, state = 0.0, self.state
+        if state is not None and (found := state.deciding) is not None:
+            start = float(state.trajectory.time[found.sample]) / self._duration()
         self.playback = Playback(self.server.gui, self._duration, self._todo.put, start=start, visible=not self._stands)
 
     def _add_tabs(self) -> None:
@@ -286,7 +285,7 @@ class Viewer:
             if others:
                 self._scene.show_answer(answer)
             if answer.state is not None:
-                self._scene.mark(deciding_limit(answer.state.trajectory))
+                self._scene.mark(answer.state.deciding)
                 if others:
                     self._scene.rescale(answer.state)
                 self._outcome = outcome_html(answer.state, coarse=answer.coarse)

@@ -160,3 +160,12 @@ def test_every_number_field_takes_decimal_places(viewer):
     sliders = [each for each in viewer.controls.values() if isinstance(each, viser.GuiSliderHandle)]
     assert len(sliders) == 13
     assert all(slider.precision >= DECIMALS for slider in sliders)
+
+
+def test_it_opens_at_the_moment_that_decides(viewer):
+    state = viewer.shown.state
+    upper = state.result.range.upper
+    assert 0 < upper.sample < len(state.trajectory.time)
+    assert state.sample == upper.sample
+    assert viewer.controls["time [s]"].value == pytest.approx(state.trajectory.time[upper.sample], abs=1e-4)
+    assert state.deciding.name in [row.name for row in upper.rows]

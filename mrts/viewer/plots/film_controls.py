@@ -14,6 +14,7 @@ import viser
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs
 from mrts.viewer.panel import error_html, note_html
@@ -49,7 +50,7 @@ class FilmControls:
 
     def __init__(self, server: viser.ViserServer, urdfs: Urdfs, others: Others = ()) -> None:
         gui, self._clients, self._urdfs = server.gui, server.get_clients, urdfs
-        self._others = [(name, done) for name, result in others if (done := result.trajectory) is not None]
+        self._others = others
         self._state: PlayerState | None = None
         self._coarse = False
         self._worker: Thread | None = None
@@ -96,16 +97,24 @@ class FilmControls:
             self._said = error_html("There is no motion to show.")
             return
         backward = np.asarray(client.camera.position) - np.asarray(client.camera.look_at)
-        done, at = state.trajectory, state.time
-        work = (client, kind, done, at, backward)
+        work = (client, kind, state.trajectory, state.result.range, state.time, backward)
         self._worker = Thread(target=self._make, args=work, name="mrts film", daemon=True)
         self._worker.start()
 
-    def _make(self, client: viser.ClientHandle, kind: str, done: ScaledTrajectory, at: float, backward: Array) -> None:
+    def _make(
+        self,
+        client: viser.ClientHandle,
+        kind: str,
+        done: ScaledTrajectory,
+        found: ScalingRange,
+        at: float,
+        backward: Array,
+    ) -> None:
         from mrts.film.film import picture_bytes, write_film  # noqa: PLC0415 (an extra of its own)
         from mrts.film.renderer import Clip  # noqa: PLC0415
 
-        clips = [Clip(f"c = {done.c:.4g}", done, self._urdfs), *(Clip(name, other) for name, other in self._others)]
+        clips = [Clip(f"c = {done.c:.4g}", done, found, self._urdfs)]
+        clips += [Clip(name, each.trajectory, each.range) for name, each in self._others if each.trajectory is not None]
 
         def require_asker() -> None:
             if client.client_id not in self._clients():
