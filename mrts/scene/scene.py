@@ -38,9 +38,14 @@ SHORTEST_PLAY = 3.0
 """A motion is played at least this long, at one of `PACES` [s]."""
 
 
+def arm_hex(index: int) -> str:
+    """The colour of the arm with this number, as "#0072B2"; after six they begin again."""
+    return COLOURS[index % (len(COLOURS) - 1)]
+
+
 def arm_colour(index: int) -> Rgb:
-    """The colour of the arm with this number; after six they begin again."""
-    colour = COLOURS[index % (len(COLOURS) - 1)]
+    """The colour of `arm_hex` as numbers."""
+    colour = arm_hex(index)
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:], 16)
 
 

@@ -28,6 +28,7 @@ from mrts.viewer.panel import (
     STYLE,
     error_html,
     held_html,
+    limits_html,
     moment_html,
     note_html,
     outcome_html,
@@ -37,7 +38,6 @@ from mrts.viewer.panel import (
 from mrts.viewer.playback import Playback, set_slider
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.film_controls import FilmControls
-from mrts.viewer.plots.limit_table import LimitTable
 from mrts.viewer.plots.other_result import Others, other_results
 from mrts.viewer.plots.time_plots import PlotPanel
 from mrts.viewer.readings import Readings
@@ -237,7 +237,7 @@ class Viewer:
         tabs = gui.add_tab_group()
         if self._stands:
             with tabs.add_tab("Limits"):
-                self.parts.append(LimitTable(gui, self._scene.colours))
+                self._limits = gui.add_html("")
         else:
             with tabs.add_tab("Readings"):
                 self._readings = Readings(gui, self._scene)
@@ -291,6 +291,8 @@ class Viewer:
                 self._outcome = outcome_html(answer.state, coarse=answer.coarse)
             elif answer.held is not None:
                 self._outcome = held_html(answer.held)
+                if self._stands:
+                    self._limits.content = limits_html(answer.held.cell, self._scene.colours)
             self._show_verdict()
             self._speed_text.content = speed_html(answer.state)
             if self._readings is not None:
