@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from conftest import DATA
 from PIL import Image
+from trimesh import Trimesh
+from trimesh.creation import box
 
 import mrts
 from mrts.drawing.limit_shares import limit_shares
@@ -17,6 +19,7 @@ from mrts.film import film, renderer
 from mrts.film.film import write_film, write_picture
 from mrts.film.frames import KIND_COLOURS, Composition
 from mrts.film.renderer import Clip, SceneRenderer
+from mrts.scene.arm_meshes import ArmMesh
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.scene.scene import FORCE, OBJECT, OVER_LIMIT, PACES, arm_colour, suited_pace
 
@@ -174,6 +177,16 @@ def test_an_arm_whose_meshes_lack_is_drawn_and_told(lifted, tmp_path):
     assert len(said) == 1
     assert "robot 'left' is drawn with simple shapes" in said[0]
     assert amount(picture, arm_colour(0)) > 0.001
+
+
+def test_meshes_without_a_surface_are_left_out(lifted, monkeypatch):
+    """MuJoCo refuses a triangle by itself, and triangles that are lines; URDFs have both."""
+    line = Trimesh(np.outer(np.arange(4.0), [1, 0, 0]), [[0, 1, 2], [0, 2, 3]], process=False)
+    triangle = Trimesh(np.eye(3), [[0, 1, 2]], process=False)
+    striking = (255, 0, 255)
+    parts = [ArmMesh(0, mesh, striking, marks=False) for mesh in (line, triangle, box((0.3, 0.3, 0.3)))]
+    monkeypatch.setattr(renderer, "drawn_arms", lambda cell, *_: [parts for _ in cell.robots])
+    assert amount(rendered(clip_of("", lifted), 0.1)[0], striking) > 0.001
 
 
 def test_titles_are_smaller_rather_than_cut_and_cut_only_at_last(lifted):
