@@ -15,6 +15,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.drawing.round_numbers import round_down
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import ContactForces
@@ -47,6 +48,9 @@ OUTLINE_RADIUS = 0.0025
 MOST_FACES = 200_000
 """Of a mesh of MuJoCo's; larger ones become several."""
 
+FEWEST_VERTICES, LEAST_AREA = 4, 1e-12
+"""Of such a mesh [m²]."""
+
 BACKDROP, FLOOR, GROOVE = (0.96, 0.97, 0.98), (0.93, 0.94, 0.95), (0.80, 0.82, 0.85)
 """Red, green and blue, 0 to 1."""
 
@@ -65,11 +69,13 @@ class Clip:
     Attributes:
         title: What it is, for people.
         trajectory: Motion, speed, torques and wrenches.
+        range: Of the motion.
         urdfs: URDF and base link by robot, for meshes; robots that are not named are drawn with simple shapes.
     """
 
     title: str
     trajectory: ScaledTrajectory
+    range: ScalingRange
     urdfs: Urdfs = field(default_factory=dict)
 
     @cached_property
@@ -91,7 +97,7 @@ class Clip:
     @cached_property
     def deciding(self) -> DecidingLimit | None:
         """The limit that decides how fast the motion may be played."""
-        return deciding_limit(self.trajectory)
+        return deciding_limit(self.trajectory, self.range)
 
     @property
     def strongest(self) -> float:
@@ -261,6 +267,10 @@ class SceneRenderer:
     def _add_mesh(
         self, body: Any, name: str, vertices: Array, normals: Array, faces: NDArray[np.integer], colour: Rgb
     ) -> None:
+        corners = np.asarray(vertices)[faces]
+        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        if len(vertices) < FEWEST_VERTICES or np.sum(area) < LEAST_AREA:
+            return  # MuJoCo refuses what is not to be seen
         mesh = self._spec.add_mesh(name=name, inertia=self._mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
         mesh.uservert, mesh.usernormal = np.ravel(vertices).tolist(), np.ravel(normals).tolist()
         mesh.userface = mesh.userfacenormal = np.ravel(faces).tolist()

@@ -13,6 +13,7 @@ from mrts.cell.robot import Robot
 from mrts.drawing.colours import COLOURS
 from mrts.limits.rows import RowName
 from mrts.scaling.limit_use import used_shares
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.cell_shapes import ContactForces, body_poses, contact_forces, points_on_bodies
 
@@ -33,16 +34,18 @@ SHARED_BASE = (156, 163, 172)
 PACES = {1.0: "real time", 0.5: "1/2", 0.2: "1/5", 0.1: "1/10", 0.05: "1/20", 0.02: "1/50", 0.01: "1/100"}
 """Seconds of the motion in a second of its playing, and what that is called."""
 
-SAME_SHARE = 1e-6
-"""Shares of limits that differ by less are alike."""
-
 SHORTEST_PLAY = 3.0
 """A motion is played at least this long, at one of `PACES` [s]."""
 
 
+def arm_hex(index: int) -> str:
+    """The colour of the arm with this number, as "#0072B2"; after six they begin again."""
+    return COLOURS[index % (len(COLOURS) - 1)]
+
+
 def arm_colour(index: int) -> Rgb:
-    """The colour of the arm with this number; after six they begin again."""
-    colour = COLOURS[index % (len(COLOURS) - 1)]
+    """The colour of `arm_hex` as numbers."""
+    colour = arm_hex(index)
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:], 16)
 
 
@@ -57,12 +60,12 @@ def suited_pace(duration: float) -> float:
 
 @dataclass(frozen=True, eq=False)
 class DecidingLimit:
-    """The limit that a played motion uses most, and of these the longest.
+    """The limit that decides how fast a motion may be played; where no speed is admissible, that which is passed most.
 
     Attributes:
         name: What it limits.
-        share: Of it that is used, 1 at the limit.
-        sample: When first.
+        share: Of it that is used there, 1 at the limit.
+        sample: Where it decides.
     """
 
     name: RowName
@@ -77,21 +80,22 @@ class DecidingLimit:
         return robot.joints.index(joint) + 1 if joint in robot.joints else len(robot.joints)
 
 
-def deciding_limit(done: ScaledTrajectory) -> DecidingLimit | None:
-    """The limit that decides how fast a motion may be played; None without limits.
+def deciding_limit(done: ScaledTrajectory, found: ScalingRange) -> DecidingLimit | None:
+    """The limit that decides; None where nothing does.
 
     Args:
-        done: As it is played.
+        done: A motion as it is played.
+        found: Its range.
     """
     names, share = used_shares(done)
-    kept = [done.cell.enforces_velocity_limits or name.kind != "velocity" for name in names]
-    if not any(kept):
-        return None
-    share = np.where(kept, share, -1.0)
-    reached = share >= np.max(share) - SAME_SHARE
-    row = int(np.argmax(np.count_nonzero(reached, axis=0)))
-    sample = int(np.argmax(reached[:, row]))
-    return DecidingLimit(names[row], float(share[sample, row]), sample)
+    end = found.upper
+    if end is not None and end.sample is not None:
+        row = next((names.index(each.name) for each in end.rows if each.name in names), None)
+        return None if row is None else DecidingLimit(names[row], float(share[end.sample, row]), end.sample)
+    if not found.status.admits_motion and names:
+        sample, row = (int(place) for place in np.unravel_index(np.argmax(share), share.shape))
+        return DecidingLimit(names[row], float(share[sample, row]), sample)
+    return None
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from mrts.limits.rows import ActiveRow
 from mrts.program.range_status import RangeStatus
 from mrts.scene.scene import Rgb
 from mrts.viewer.player_state import Bar, PlayerState
-from mrts.viewer.workbench.held_poses import HeldPoses, Unreached
+from mrts.viewer.workbench.held_poses import HeldPoses
 
 WITHIN, OVER, PASSED = "#0072B2", "var(--mrts-over)", "#B36B00"
 """Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
@@ -120,7 +120,7 @@ def held_html(held: HeldPoses) -> str:
     Args:
         held: Where the arms are.
     """
-    stands = not isinstance(held, Unreached)
+    stands = not held.message
     lost = [
         f"{html_text(robot.name)}{'' if stands else f' at {np.count_nonzero(~reached)} of {len(reached)} samples'}, "
         f"by up to {1000 * float(np.max(gap)):.3g} mm"
@@ -128,7 +128,7 @@ def held_html(held: HeldPoses) -> str:
         if not np.all(reached)
     ]
     missing = f" Red in the scene is what is missing: {'; '.join(lost)}." if lost else ""
-    if isinstance(held, Unreached):
+    if held.message:
         return _paragraph("outcome", f"<b>No motion:</b> {html_text(held.message)}{missing}", OVER)
     arms = ", ".join(f"{html_text(robot.name)} ({len(robot.joints)} joints)" for robot in held.cell.robots)
     text = (

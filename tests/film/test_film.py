@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from conftest import DATA
 from PIL import Image
+from trimesh import Trimesh
+from trimesh.creation import box
 
 import mrts
 from mrts.drawing.limit_shares import limit_shares
@@ -17,6 +19,7 @@ from mrts.film import film, renderer
 from mrts.film.film import write_film, write_picture
 from mrts.film.frames import KIND_COLOURS, Composition
 from mrts.film.renderer import Clip, SceneRenderer
+from mrts.scene.arm_meshes import ArmMesh
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.scene.scene import FORCE, OBJECT, OVER_LIMIT, PACES, arm_colour, suited_pace
 
@@ -43,9 +46,13 @@ sys.exit(main(sys.argv[1:]))
 """`mrts` on a machine without the libraries that draw."""
 
 
+def clip_of(title, result, urdfs=None):
+    return Clip(title, result.trajectory, result.range, urdfs or {})
+
+
 @pytest.fixture(scope="module")
 def clips(planar_cell, lift, lifted):
-    return [Clip("as <given>", mrts.scale(planar_cell, lift, 0.5).trajectory), Clip("fastest", lifted.trajectory)]
+    return [clip_of("as <given>", mrts.scale(planar_cell, lift, 0.5)), clip_of("fastest", lifted)]
 
 
 def where(picture, colour):
@@ -147,7 +154,7 @@ def test_clips_stand_before_their_start_and_after_their_end(clips):
 
 def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
     """Colours at the pixels onto which joints, the object's middle and the forces' tips fall."""
-    clip = Clip("", mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")).trajectory)
+    clip = clip_of("", mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")))
     time = clip.trajectory.duration / 2
     picture, camera, scale = rendered(clip, time)
     moment = clip.scene.moment(clip.place(time))
@@ -166,16 +173,26 @@ def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
 
 def test_an_arm_whose_meshes_lack_is_drawn_and_told(lifted, tmp_path):
     said = []
-    picture, _, _ = rendered(Clip("", lifted.trajectory, {"left": (tmp_path / "none.urdf", None)}), 0.1, said.append)
+    picture, _, _ = rendered(clip_of("", lifted, {"left": (tmp_path / "none.urdf", None)}), 0.1, said.append)
     assert len(said) == 1
     assert "robot 'left' is drawn with simple shapes" in said[0]
     assert amount(picture, arm_colour(0)) > 0.001
 
 
+def test_meshes_without_a_surface_are_left_out(lifted, monkeypatch):
+    """MuJoCo refuses a triangle by itself, and triangles that are lines; URDFs have both."""
+    line = Trimesh(np.outer(np.arange(4.0), [1, 0, 0]), [[0, 1, 2], [0, 2, 3]], process=False)
+    triangle = Trimesh(np.eye(3), [[0, 1, 2]], process=False)
+    striking = (255, 0, 255)
+    parts = [ArmMesh(0, mesh, striking, marks=False) for mesh in (line, triangle, box((0.3, 0.3, 0.3)))]
+    monkeypatch.setattr(renderer, "drawn_arms", lambda cell, *_: [parts for _ in cell.robots])
+    assert amount(rendered(clip_of("", lifted), 0.1)[0], striking) > 0.001
+
+
 def test_titles_are_smaller_rather_than_cut_and_cut_only_at_last(lifted):
     """What would run into the next clip's heading is written smaller, and at last cut."""
     for title in ("x", "a title that is much too long for its place", "y" * 400):
-        clips = [Clip(title, lifted.trajectory), Clip("", lifted.trajectory)]
+        clips = [clip_of(title, lifted), clip_of("", lifted)]
         composition = Composition(clips)
         try:
             heading = composition.frame(0.0)[:26]

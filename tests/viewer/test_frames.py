@@ -7,9 +7,8 @@ from scipy.spatial.transform import Rotation
 from viewer_socket import connected, messages_of
 
 import mrts
-from mrts.viewer.motion_viewer import FRAME
 from mrts.viewer.server import close_server, open_server
-from mrts.viewer.viewer import Viewer
+from mrts.viewer.viewer import FRAME, Viewer
 from mrts.viewer.workbench.choices import Given
 from mrts.viewer.workbench.held_poses import tip_pose
 from mrts.viewer.workbench.workbench import Workbench

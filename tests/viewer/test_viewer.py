@@ -139,10 +139,13 @@ def test_what_two_arms_stand_on_has_the_colour_of_neither(shared, monkeypatch):
 def test_the_joint_that_decides_stands_out(dual_ur5):
     """The range of this cell ends where the right arm's fifth joint reaches its velocity limit."""
     result = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-    found = deciding_limit(result.trajectory)
+    found = deciding_limit(result.trajectory, result.range)
     (row,) = result.range.upper.rows
     assert found.name == row.name
     assert found.sample == result.range.upper.sample
+    assert found.share == pytest.approx(1.0)
+    slow = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"), 1.0)
+    assert deciding_limit(slow.trajectory, slow.range).share == pytest.approx(result.trajectory.c2**-0.5)
     left, right = drawn_arms(dual_ur5, {}, pytest.fail)
     assert [found.body(robot) for robot in dual_ur5.robots] == [None, 5]
     assert {part.body for part in right if part.colour(5) == OVER_LIMIT} == {5}

@@ -139,8 +139,9 @@ def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
     found = answer.held
     assert answer.state is None
     assert "cannot reach" in answer.message
-    assert 0 < found.first < len(found.time) - 1
-    for sample in (0, found.first, len(found.time) - 1):
+    lost = int(np.flatnonzero(~np.all(found.reached, axis=1))[0])
+    assert 0 < lost < len(found.time) - 1
+    for sample in (0, lost, len(found.time) - 1):
         for index, (robot, part) in enumerate(zip(found.cell.robots, found.cell.joint_slices.values(), strict=True)):
             R, p = body_poses(robot, found.q[sample : sample + 1, part])
             _, tip = tip_pose(robot, R[0], p[0])

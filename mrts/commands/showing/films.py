@@ -111,11 +111,14 @@ def _clips(options: argparse.Namespace) -> "tuple[list[Clip], bool]":
     """What is played, and whether all of it keeps its limits."""
     from mrts.film.renderer import Clip
 
-    others = [Clip(other.stem, done) for other in options.others for done in [played(other).trajectory] if done]
+    def saved(path: Path) -> Clip:
+        result = played(path)
+        assert result.trajectory is not None  # noqa: S101 (what is played has one)
+        return Clip(path.stem, result.trajectory, result.range)
+
+    others = [saved(other) for other in options.others]
     if is_saved(options):
-        done = played(options.cell).trajectory
-        assert done is not None  # noqa: S101 (what is played has one)
-        clips, within = [Clip(options.cell.stem, done)], True
+        clips, within = [saved(options.cell)], True
     else:
         clips, within = _played_sides(options)
     if len(clips) + len(others) > MOST_SIDES:
@@ -140,14 +143,13 @@ def _played_sides(options: argparse.Namespace) -> "tuple[list[Clip], bool]":
         if side == "given":
             state.choose_speed(1.0)
             within &= state.admissible
-            clips.append(
-                Clip("as given" if state.admissible else "as given: beyond its limits", state.trajectory, urdfs)
-            )
+            title = "as given" if state.admissible else "as given: beyond its limits"
+            clips.append(Clip(title, state.trajectory, state.result.range, urdfs))
         elif side == "fastest":
             state.choose_speed(state.speeds.start)
             if not state.admissible:
                 raise InputError("--side-by-side", f"no speed is admissible: {state.result.sentence()}", value=side)
-            clips.append(Clip(f"constant factor {state.trajectory.c:.3g}", state.trajectory, urdfs))
+            clips.append(Clip(f"constant factor {state.trajectory.c:.3g}", state.trajectory, state.result.range, urdfs))
         else:
             rates = (options.rates or True) if side == "smooth" else False
             if rates:
@@ -155,7 +157,8 @@ def _played_sides(options: argparse.Namespace) -> "tuple[list[Clip], bool]":
                     rate_limits(cell, rates)
             with working(f"timing {options.motion}") as progress:
                 found = retime(cell, motion, sharing=sharing, closure=closure, rates=rates, progress=progress)
-            if found.retimed is None or found.retimed.trajectory is None:
+            timed, title = found.retimed, f"{'fastest' if side == 'optimal' else side} timing"
+            if timed is None or timed.trajectory is None:
                 raise InputError("--side-by-side", f"there is no such timing: {found.sentence()}", value=side)
-            clips.append(Clip(f"{'fastest' if side == 'optimal' else side} timing", found.retimed.trajectory, urdfs))
+            clips.append(Clip(title, timed.trajectory, timed.range, urdfs))
     return clips, within
