@@ -193,7 +193,7 @@ class CellLibrary(MotionLibrary):
             dual=np.zeros((2, N, k), dtype=np.float32),
         )
         outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
-        self.over_samples("mrts_ranges", samples, inputs, limits, [terms], [np.minimum(most, INFINITY)], outputs)
+        self.over_samples("mrts_ranges", samples, inputs, limits, terms, [np.minimum(most, INFINITY)], outputs)
         return found
 
     def speed_ranges(
@@ -220,7 +220,7 @@ class CellLibrary(MotionLibrary):
             gap=gap,
         )
         outputs = [found.lower, found.upper, gap, *found.status, found.effect, *found.basis, *found.dual]
-        self.over_samples("mrts_speed_ranges", samples, inputs, limits, [terms], [np.minimum(most, INFINITY)], outputs)
+        self.over_samples("mrts_speed_ranges", samples, inputs, limits, terms, [np.minimum(most, INFINITY)], outputs)
         return found
 
     def torques(
@@ -248,7 +248,7 @@ class CellLibrary(MotionLibrary):
         status = np.full(samples, STOPPED, dtype=np.uint8)
         W = np.ascontiguousarray(weights)
         outputs: list[NDArray[Any]] = [torque, wrench, status]
-        self.over_samples("mrts_torques", samples, inputs, limits, [terms], [c2], outputs, (1, W, widening))
+        self.over_samples("mrts_torques", samples, inputs, limits, terms, [c2], outputs, (1, W, widening))
         return torque, wrench, status
 
     def over_samples(
@@ -257,15 +257,15 @@ class CellLibrary(MotionLibrary):
         samples: int,
         inputs: dict[str, Array],
         limits: SparseLimits,
-        terms: Sequence[SampleTerms],
+        terms: SampleTerms,
         asked: Sequence[Array],
         outputs: Sequence[NDArray[Any]],
         for_all: tuple[Any, ...] = (),
         *,
         function: str = "wrench_form",
         one_piece: int = 0,
-    ) -> bool:
-        """Call a C function of whole trajectories for all samples, in pieces; False if it met what is no number.
+    ) -> None:
+        """Call a C function of whole trajectories for all samples, in pieces.
 
         Args:
             name: Of the function.
@@ -286,7 +286,7 @@ class CellLibrary(MotionLibrary):
         def run(first: int, count: int) -> None:
             failed = getattr(self.opened, name)(
                 *(count, pointers(given, first, strides), strides, limits.structure),
-                *(added.structure(first) for added in terms),
+                terms.structure(first),
                 *(values[first:] for values in each),
                 *for_all,
                 *(output[first:] for output in outputs),
@@ -298,8 +298,7 @@ class CellLibrary(MotionLibrary):
             run(0, samples)
         else:
             over_chunks(self.opened, samples, run)
-        assert 1 not in failures  # noqa: S101 (`SparseLimits` has looked at the limits)
-        return not any(failures)
+        assert not any(failures)  # noqa: S101 (`SparseLimits` has looked at the limits)
 
     def address(self, function: str) -> ctypes.c_void_p:
         """Of a generated function, by its short name."""

@@ -56,9 +56,6 @@ def known_ranges(
     tied = np.zeros((2, samples, limits.rows), dtype=np.int8)
     found = KnownRanges(np.zeros(samples), np.zeros(samples), np.zeros(samples), tied)
     each, outputs = [np.minimum(most, INFINITY)], [found.lower, found.upper, found.effect, *tied]
-    library.over_samples(
-        *("mrts_known_ranges", samples, inputs, limits, [terms], each, outputs, run),
-        function=function,
-        one_piece=ONE_PIECE,
-    )
+    given = samples, inputs, limits, terms, each, outputs, run
+    library.over_samples("mrts_known_ranges", *given, function=function, one_piece=ONE_PIECE)
     return found

@@ -174,7 +174,7 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
     samples = np.arange(problem.samples)
     low, high = grid[samples, np.maximum(place - 1, 0)], grid[samples, np.minimum(place + 1, SEARCH_POINTS - 1)]
     best: Array = grid[samples, place]
-    least = needed[samples, place]
+    least: Array = needed[samples, place]
     for _ in range(SEARCH_ROUNDS):
         part = problem.at(samples)
         best[samples], least[samples] = _closest_between(part, low, best[samples], high, least[samples], solver)
@@ -196,8 +196,7 @@ def _widening_at_speeds(problem: SampleProblem, speeds: Array, solver: str) -> A
     """The widening at p speeds c of each sample, Shape (N, p) as `speeds`."""
     repeated = problem.at(np.repeat(np.arange(problem.samples), speeds.shape[1]))
     what = "at which speed the limits come closest"
-    needed: Array = widening_at(repeated, speeds.reshape(-1, 1) ** 2, solver, what).reshape(speeds.shape)
-    return needed
+    return widening_at(repeated, speeds.reshape(-1, 1) ** 2, solver, what).reshape(speeds.shape)
 
 
 def _closest_between(

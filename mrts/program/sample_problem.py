@@ -133,19 +133,9 @@ class SampleProblem:
 
     def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
         """The same problem at some samples only (indices or a mask)."""
-        along = (
-            "torque_map",
-            "torque_offset",
-            "torque_speed",
-            "wrench_map",
-            "wrench_offset",
-            "A",
-            "lower",
-            "upper",
-            "speed",
-        )
-        given = {name: getattr(self, name) for name in along}
-        return replace(self, **{name: None if of is None else of[samples] for name, of in given.items()})
+        given = {name: getattr(self, name) for name in (*MAPS, *OF_SAMPLES)}
+        some: dict[str, Any] = {name: None if of is None else of[samples] for name, of in given.items()}
+        return replace(self, **some)
 
     def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
         """The same problem with more rows, which have no term in ṙ.
@@ -165,13 +155,11 @@ class SampleProblem:
 
     def only(self, rows: NDArray[np.int_]) -> "SampleProblem":
         """The same problem with some of the rows, in this order."""
-        along = {name: getattr(self, name) for name in OF_SAMPLES}
-        return replace(
-            self,
-            names=tuple(self.names[row] for row in rows.tolist()),
-            **{name: getattr(self, name)[rows] for name in OF_ROWS},
-            **{name: None if of is None else of[:, rows] for name, of in along.items()},
-        )
+        some: dict[str, Any] = {name: getattr(self, name)[rows] for name in OF_ROWS}
+        for name in OF_SAMPLES:
+            of = getattr(self, name)
+            some[name] = None if of is None else of[:, rows]
+        return replace(self, names=tuple(self.names[row] for row in rows.tolist()), **some)
 
 
 def build_sample_problem(

@@ -83,13 +83,12 @@ def _kernel_ranges(
     most, several, time, library = rows.most, False, motion.object.time, cell.library
     found: KnownRanges | KernelRanges
     assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
-    given = motion.samples, _inputs(cell, motion, load), rows.sparse, rows.terms()
+    function, inputs = "wrench_form", _inputs(cell, motion, load)
     if sharing is not None:
-        shared = given[0], given[1] | sharing.inputs(cell, motion), *given[2:]
-        found = known_ranges(library, "fixed_distribution", *shared, most)
-        undecided = found.lower > found.upper
-    elif library.robots == 1:
-        found = known_ranges(library, "wrench_form", *given, most)
+        function, inputs = "fixed_distribution", inputs | sharing.inputs(cell, motion)
+    given = motion.samples, inputs, rows.sparse, rows.terms()
+    if sharing is not None or library.robots == 1:
+        found = known_ranges(library, function, *given, most)
         undecided = found.lower > found.upper
     else:
         if rows.has_speed_terms:

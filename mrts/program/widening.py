@@ -8,8 +8,8 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.kernel.between_samples import widenings
 from mrts.kernel.cell_library import SparseLimits
-from mrts.kernel.motion_rows import widenings
 from mrts.kernel.programs import OPTIMAL
 from mrts.program.convex_program import ConvexPrograms
 from mrts.program.formulation import FormulationName

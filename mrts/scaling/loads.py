@@ -299,8 +299,8 @@ def _in_closed_form(
     ends = ends_in_closed_form(problem, sensitivity)
     if np.any(ends.undecided):
         return None
-    worst = (_worst_loads(problem, sensitivity, box, varying, end) for end in (ends.lower, ends.upper))
-    return ranges_of_ends(motion.object.time, ends, (), **dict(zip(("lower_loads", "upper_loads"), worst, strict=True)))
+    low, high = (_worst_loads(problem, sensitivity, box, varying, end) for end in (ends.lower, ends.upper))
+    return ranges_of_ends(motion.object.time, ends, (), lower_loads=low, upper_loads=high)
 
 
 def _worst_loads(

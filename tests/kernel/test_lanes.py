@@ -14,10 +14,10 @@ import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
+from mrts.kernel.between_samples import path_places, widenings
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
-from mrts.kernel.motion_rows import path_places, widenings
 from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import closure_sizes

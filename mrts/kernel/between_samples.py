@@ -87,5 +87,5 @@ def widenings(
     """
     per_limit = np.ascontiguousarray(units)
     share, status = np.zeros(samples), np.full(samples, STOPPED, dtype=np.uint8)
-    library.over_samples("mrts_widenings", samples, inputs, limits, [terms], [c2], [share, status], (per_limit,))
+    library.over_samples("mrts_widenings", samples, inputs, limits, terms, [c2], [share, status], (per_limit,))
     return share, status
