@@ -109,15 +109,7 @@ def retime(
         MotionError: If the arms cannot follow the object.
         SolverError: If no solver answers.
     """
-    check_type("cell", cell, Cell)
-    check_type("sharing", sharing, LoadSharing, NoneType)
-    check_callable("progress", progress)
-    for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
-        if not is_number(speed, 0, LARGEST_NUMBER):
-            rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
-            raise InputError(name, rule, value=speed)
-    if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
-        raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
+    _check_arguments(cell, sharing, start_speed, end_speed, progress)
     cell = limited_cell(cell, reserve, limits)
     options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between)
     options = options.checked(cell)
@@ -283,3 +275,17 @@ def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None
         rule = "must be > 0: with the energy alone a motion may last for ever. Or ask for the least in a duration."
         raise InputError("weigh", rule, key="time", value=goal.time)
     return goal
+
+
+def _check_arguments(
+    cell: Cell, sharing: LoadSharing | None, start_speed: float, end_speed: float, progress: Progress
+) -> None:
+    check_type("cell", cell, Cell)
+    check_type("sharing", sharing, LoadSharing, NoneType)
+    check_callable("progress", progress)
+    for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
+        if not is_number(speed, 0, LARGEST_NUMBER):
+            rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
+            raise InputError(name, rule, value=speed)
+    if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
+        raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
