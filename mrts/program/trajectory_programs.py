@@ -96,7 +96,7 @@ def _kernel_ranges(
         assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
         given = motion.samples, _inputs(cell, motion, load), rows.sparse, rows.terms()
         if rows.has_speed_terms:
-            found, several = intervals_below(partial(library.speed_ranges, *given), most, high)
+            found, several = intervals_below(partial(library.ranges, *given, speeds=True), most, high)
         else:
             found = library.ranges(*given, most)
         undecided = np.any(found.status != OPTIMAL, axis=0)
