@@ -63,7 +63,7 @@ class MotorsDescription(Record):
         torque_speed: Corners |q̇|, |τ|: one curve for all joints, or one a joint, null where there is none.
         torque_rate: [N m/s, N/s].
         jerk: [rad/s³, m/s³].
-        rated: Torque that the motor bears for ever [N m, N].
+        rated: Continuous (rated) torque [N m, N].
     """
 
     armature: PerJoint = 0.0

@@ -97,6 +97,7 @@ class Mistakes:
 
     def __init__(self) -> None:
         self.found: list[InputError] = []
+        self._said: set[str] = set()
 
     @contextmanager
     def noted(self) -> Iterator[None]:
@@ -108,8 +109,10 @@ class Mistakes:
 
     def add(self, error: InputError) -> None:
         """Note an error with what it carries."""
-        said = {str(known) for known in self.found}
-        self.found += [each for each in error.each() if str(each) not in said]
+        for each in error.each():
+            if str(each) not in self._said:
+                self._said.add(str(each))
+                self.found.append(each)
 
     def raise_noted(self) -> None:
         """Go on if there is none.

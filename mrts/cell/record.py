@@ -46,7 +46,7 @@ class MeshRecord(Record):
         scale: Metres of one unit of the file.
         sha256: Of the file's bytes.
         vertices: Of the surface that is drawn, in the shape's frame [m] (`mrts.base.formats.surface_text`).
-        triangles: Likewise.
+        triangles: Three vertices each, as text.
     """
 
     file: str

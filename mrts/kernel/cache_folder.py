@@ -26,10 +26,23 @@ def cache_folder(*inside: str) -> Path:
     Raises:
         InputError: If it cannot be made.
     """
-    folder = _permanent_cache(inside)
-    if folder is None:
-        folder = _temporary_cache().joinpath(*inside)
-        _make_private(folder)
+    named = os.environ.get("MRTS_CACHE_DIR")
+    base, problem = Path(named) if named else _default_cache(), "there is no home folder"
+    if base is not None:
+        try:
+            _make_private(base)
+            base = base.resolve()
+            problem = _problem(base, inside)
+            if not problem:
+                _make_private(base.joinpath(*inside))
+                return base.joinpath(*inside)
+        except OSError as error:
+            if named:
+                raise InputError(base, f"the cache folder cannot be made: {error.strerror}. {ADVICE}") from None
+            problem = f"{base} cannot be made: {error.strerror}"
+    _warn(problem)
+    folder = _temporary_cache().joinpath(*inside)
+    _make_private(folder)
     return folder
 
 
@@ -44,28 +57,6 @@ def only_ours(path: Path) -> bool:
     except OSError:
         return False
     return stat.S_ISREG(found.st_mode) and _writers_problem(found) == ""
-
-
-def _permanent_cache(inside: tuple[str, ...]) -> Path | None:
-    """A folder in the cache that variables and home name; None, and a warning, where it is not private."""
-    named = os.environ.get("MRTS_CACHE_DIR")
-    base = Path(named) if named else _default_cache()
-    if base is None:
-        _warn("there is no home folder")
-        return None
-    try:
-        _make_private(base)
-        base = base.resolve()
-        problem = _problem(base, inside)
-        if not problem:
-            _make_private(base.joinpath(*inside))
-            return base.joinpath(*inside)
-    except OSError as error:
-        if named:
-            raise InputError(base, f"the cache folder cannot be made: {error.strerror}. {ADVICE}") from None
-        problem = f"{base} cannot be made: {error.strerror}"
-    _warn(problem)
-    return None
 
 
 def _default_cache() -> Path | None:

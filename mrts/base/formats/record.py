@@ -286,7 +286,8 @@ def _one_of(value: Any, *kinds: Any) -> Any:
             return checked(kind, value)
         except InputError as error:
             errors.append(error)
-    raise max(errors, key=lambda error: (len(re.findall(r"[^.[]+", error.key)), error.value is None))
+    forms = tuple(RULES[kind] for kind in ("list_type", "model_type", "float_type"))
+    raise max(errors, key=lambda error: (len(re.findall(r"[^.[]+", error.key)), not error.rule.startswith(forms)))
 
 
 def _dataclass(kind: Any, value: Any) -> Any:

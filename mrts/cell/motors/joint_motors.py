@@ -35,7 +35,7 @@ class JointMotors:
             from standstill to its largest speed, Shape (c, 2) [rad/s, N m]; None where there is none.
         torque_rate: Largest change of the torque, infinity where it is not known, Shape (n,) [N m/s].
         jerk: Likewise of the acceleration, Shape (n,) [rad/s³].
-        rated: Torque that the motor bears for ever, likewise, Shape (n,) [N m].
+        rated: Continuous (rated) torque, likewise, Shape (n,) [N m].
 
     Raises:
         InputError: If a number is negative or a curve rises, bends upward or does not start at standstill.
