@@ -15,6 +15,7 @@ VERSIONS = {
     "newer": (lambda d: d.update(version=VERSION + 1), "version = .*: this mrts reads version .*; .* Update mrts"),
     "older": (lambda d: d.update(version=1), "version = 1: .* Save the result again"),
     "no version": (lambda d: d.pop("version"), "version: this mrts reads"),
+    "another manifest": (lambda d: d.update(manifest_format=1), "version = .*: this mrts reads version"),
     "foreign": (lambda d: d.update(format="other"), "is no saved result of mrts"),
 }
 
