@@ -3,6 +3,7 @@
 
 import hashlib
 import json
+from contextlib import suppress
 from pathlib import Path
 from types import NoneType
 from typing import Any
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_atomically
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import FORMAT
 from mrts.base.remark import Remark
@@ -80,7 +81,9 @@ def save_result(result: ScalingResult | RetimingResult, path: Path | str) -> Non
     check_type("result", result, ScalingResult, RetimingResult)
     path, found = as_path("path", path), dict(FOUND)
     if isinstance(result, RetimingResult) and result.retimed is None:  # a report shows the constant factor instead
-        found["ConstantFactor"] = ("factor", "whole")
+        with suppress(SolverError):  # of limits of rates that leave no torques
+            result.constant  # noqa: B018 (found now, it is kept)
+            found["ConstantFactor"] = ("factor", "whole")
     writer = TreeWriter({Cell: _cell_entry}, found)
     known = {"format": FORMAT_NAME, "version": VERSION, "manifest_format": FORMAT, "mrts_version": __version__}
     text = json.dumps(known | {"result": writer.entry(result, "")}, ensure_ascii=False)

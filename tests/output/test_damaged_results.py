@@ -67,6 +67,7 @@ FORGERIES = {
     "an unknown field": lambda d: d["result"].update(extra=1),
     "a place that is not": lambda d: d["result"].update(motion={"same": "nowhere"}),
     "an array that is not": lambda d: d["result"]["motion"].update(q={"array": "nowhere"}),
+    "an array of texts": lambda d: d["result"]["trajectory"]["holding"]["torque"].update(dtype="U9"),
     "a hostile name": lambda d: d["result"]["cell"]["manifest"].update(name="../../x"),
     "a hostile source": lambda d: d["result"]["cell"]["manifest"].update(source="../x.c"),
     "no result": lambda d: d.pop("result"),
