@@ -3,6 +3,7 @@
 
 import hashlib
 import json
+from contextlib import suppress
 from pathlib import Path
 from types import NoneType
 from typing import Any
@@ -12,8 +13,9 @@ from numpy.typing import NDArray
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_atomically
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadBox
+from mrts.base.manifest import FORMAT
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
@@ -32,7 +34,7 @@ from mrts.timing.result import RetimingResult
 FORMAT_NAME = "mrts result"
 
 VERSION = 8
-"""Of arrays and description together; any change of what results hold, or of the manifest's format, raises it."""
+"""Of arrays and description together; any change of what results hold raises it, unless it is one of the manifest."""
 
 DESCRIPTION_BYTES = 5_000_000
 DESCRIPTION_RATIO = 20
@@ -79,9 +81,11 @@ def save_result(result: ScalingResult | RetimingResult, path: Path | str) -> Non
     check_type("result", result, ScalingResult, RetimingResult)
     path, found = as_path("path", path), dict(FOUND)
     if isinstance(result, RetimingResult) and result.retimed is None:  # a report shows the constant factor instead
-        found["ConstantFactor"] = ("factor", "whole")
+        with suppress(SolverError):  # of limits of rates that leave no torques
+            result.constant  # noqa: B018 (found now, it is kept)
+            found["ConstantFactor"] = ("factor", "whole")
     writer = TreeWriter({Cell: _cell_entry}, found)
-    known = {"format": FORMAT_NAME, "version": VERSION, "mrts_version": __version__}
+    known = {"format": FORMAT_NAME, "version": VERSION, "manifest_format": FORMAT, "mrts_version": __version__}
     text = json.dumps(known | {"result": writer.entry(result, "")}, ensure_ascii=False)
     arrays: dict[str, Any] = writer.arrays | {"description": np.frombuffer(text.encode(), dtype=np.uint8)}
     arrays["seal"] = seal(arrays)
@@ -182,12 +186,13 @@ def _checked_description(path: Path, text: bytes) -> dict[str, Any]:
     if not isinstance(said, dict) or said.get("format") != FORMAT_NAME:
         raise InputError(path, "is no saved result of mrts. Make one with mrts.save_result or `mrts scale --save`.")
     version = said.get("version")
-    if version != VERSION:
+    if (version, said.get("manifest_format")) != (VERSION, FORMAT):
         newer = isinstance(version, int) and version > VERSION
         advice = "Update mrts to read it." if newer else "Save the result again."
         raise InputError(
             path,
-            f"this mrts reads version {VERSION}; the file was written by mrts {said.get('mrts_version')}. {advice}",
+            f"this mrts reads version {VERSION} with manifests of format {FORMAT}; the file was written by mrts "
+            f"{said.get('mrts_version')}. {advice}",
             key="version",
             value=version,
         )

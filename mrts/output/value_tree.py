@@ -108,7 +108,7 @@ class TreeReader:
         if "same" in entry:
             return self._known[entry["same"]]
         if origin is np.ndarray:
-            array = self._arrays[entry["array"]] if "array" in entry else np.array(entry["values"], entry["dtype"])
+            array = self._arrays[entry["array"]] if "array" in entry else np.array(entry["values"], _dtype(entry))
             self._known[path] = array
             return array
         found = _family(kind)[entry["class"]]
@@ -137,6 +137,13 @@ class TreeReader:
             if find is not None:
                 kinds[name] = get_type_hints(find, localns=self._names)["return"]
         return kinds
+
+
+def _dtype(entry: dict[str, Any]) -> np.dtype[Any]:
+    found: np.dtype[Any] = np.dtype(entry["dtype"])
+    if found.kind not in "biuf":
+        raise TypeError(f"{found} are no numbers")
+    return found
 
 
 def _below(path: str, name: str) -> str:

@@ -15,6 +15,7 @@ VERSIONS = {
     "newer": (lambda d: d.update(version=VERSION + 1), "version = .*: this mrts reads version .*; .* Update mrts"),
     "older": (lambda d: d.update(version=1), "version = 1: .* Save the result again"),
     "no version": (lambda d: d.pop("version"), "version: this mrts reads"),
+    "another manifest": (lambda d: d.update(manifest_format=1), "version = .*: this mrts reads version"),
     "foreign": (lambda d: d.update(format="other"), "is no saved result of mrts"),
 }
 
@@ -66,6 +67,7 @@ FORGERIES = {
     "an unknown field": lambda d: d["result"].update(extra=1),
     "a place that is not": lambda d: d["result"].update(motion={"same": "nowhere"}),
     "an array that is not": lambda d: d["result"]["motion"].update(q={"array": "nowhere"}),
+    "an array of texts": lambda d: d["result"]["trajectory"]["holding"]["torque"].update(dtype="U9"),
     "a hostile name": lambda d: d["result"]["cell"]["manifest"].update(name="../../x"),
     "a hostile source": lambda d: d["result"]["cell"]["manifest"].update(source="../x.c"),
     "no result": lambda d: d.pop("result"),
