@@ -135,24 +135,15 @@ class StudyFolder(InNotebooks):
         return {number: numbered[number] for number in sorted(numbered) if number < self.chunks}
 
     def rows(self, pieces: Sequence[Mapping[str, list[Any] | Array]]) -> "pa.Table":
-        """Rows as a table; a column that lacks has no value in any of them, a NaN is no value.
+        """Rows as a table, where a NaN is no value.
 
         Args:
-            pieces: One after the other, each its columns by name, with `variant` at least.
+            pieces: One after the other, each its columns by name.
         """
         import pyarrow as pa  # noqa: PLC0415 (an extra)
 
-        tables = []
-        for columns in pieces:
-            length = len(columns["variant"])
-            arrays = [
-                pa.array(columns[field.name], field.type, from_pandas=True)
-                if field.name in columns
-                else pa.nulls(length, field.type)
-                for field in self.schema
-            ]
-            tables.append(pa.Table.from_arrays(arrays, schema=self.schema))
-        return pa.concat_tables(tables)
+        arrays = [[pa.array(piece[each.name], each.type, from_pandas=True) for each in self.schema] for piece in pieces]
+        return pa.concat_tables([pa.Table.from_arrays(columns, schema=self.schema) for columns in arrays])
 
     def write(self, number: int, rows: "pa.Table") -> None:
         """Write the rows of a chunk, whole or not at all.
