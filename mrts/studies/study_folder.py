@@ -45,7 +45,7 @@ PART_FILE = re.compile(r"part-(\d{8})\.parquet")
 TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
 """What a writer that was killed leaves."""
 
-MOST_BYTES = 10**8
+MAX_RECORD_BYTES = 10**8
 """Of study.json: many more than lists of values take."""
 
 UNITS = {"duration": "s", "energy": "J"}
@@ -217,7 +217,7 @@ def read_study_folder(path: Path | str) -> StudyFolder:
     require_pyarrow()
     folder = as_path("path", path)
     try:
-        text = read_text(folder / STUDY_FILE, "file", MOST_BYTES)
+        text = read_text(folder / STUDY_FILE, "file", MAX_RECORD_BYTES)
     except InputError as error:
         rule = f"holds no study: {STUDY_FILE}: {error.rule} Name what `mrts sweep -o` wrote."
         raise InputError(folder, rule) from None
