@@ -41,21 +41,21 @@ STARTS = 3
 LOOKED_AT = 64
 """Layouts that are looked at for starts."""
 
-MOST = 100_000
+MAX_LAYOUTS = 100_000
 """That may be: an hour of looking."""
 
 SEED = 17
 
-COARSE = 25
+COARSE_SAMPLES = 25
 """Samples of the first program; samples that turn out to bind are added."""
 
-ROUNDS = 6
+MAX_ROUNDS = 6
 """Most programs from one start."""
 
-KEPT_PROMISE = 1e-4
+MISSING_SAMPLE = 1e-4
 """Share by which c²⁺ of all samples may be less than that of the program's: then no sample between is missing."""
 
-BROKEN_PROMISE = 1e-2
+OTHER_POSITIONS = 1e-2
 """Share above which it is not samples: the arms took other joint positions than the program's."""
 
 POSTURE_DIGITS = 4
@@ -98,8 +98,8 @@ def place(
         study = read_study(study)
     for name, value in (("starts", starts), ("looked_at", looked_at)):
         check_type(name, value, int)
-        if not 1 <= value <= MOST:
-            raise InputError(name, f"must be at least 1, and at most {MOST}.", value=value)
+        if not 1 <= value <= MAX_LAYOUTS:
+            raise InputError(name, f"must be at least 1, and at most {MAX_LAYOUTS}.", value=value)
     if seconds is not None and not is_number(seconds, 0):
         raise InputError("seconds", "must be a number of seconds, 0 or more, or None for no limit.", value=seconds)
     check_callable("progress", progress)
@@ -225,7 +225,7 @@ class LayoutSearch:
         """
         samples = _coarse_samples(start)
         best = start
-        for _ in range(ROUNDS):
+        for _ in range(MAX_ROUNDS):
             if self.over() or not np.isfinite(best.c2):
                 return
             assert best.values is not None  # noqa: S101 (a layout of the study)
@@ -235,7 +235,7 @@ class LayoutSearch:
                 return
             found.append(reached)
             best = max(best, reached, key=lambda playable: playable.c2)
-            short = reached.result.range.samples.upper < answer.c2 * (1 - KEPT_PROMISE)
+            short = reached.result.range.samples.upper < answer.c2 * (1 - MISSING_SAMPLE)
             more = np.setdiff1d(np.flatnonzero(short), samples)
             if not more.size:
                 return
@@ -248,7 +248,7 @@ class LayoutSearch:
         """
         values = self.numbers.rounded(answer.layout)
         reached = self.tried(values)
-        if isinstance(reached, str) or reached.c2 < answer.c2 * (1 - BROKEN_PROMISE):
+        if isinstance(reached, str) or reached.c2 < answer.c2 * (1 - OTHER_POSITIONS):
             parts = start.result.cell.joint_slices.items()
             postures = {name: np.round(answer.start[part], POSTURE_DIGITS).tolist() for name, part in parts}
             again = self.tried(values, postures)
@@ -309,7 +309,7 @@ class LayoutSearch:
 def _coarse_samples(start: PlayedLayout) -> NDArray[np.intp]:
     """Evenly spaced samples with both ends, and the one that binds."""
     count, end = start.result.motion.samples, start.result.range.upper
-    spread = np.linspace(0, count - 1, min(COARSE, count)).round().astype(np.intp)
+    spread = np.linspace(0, count - 1, min(COARSE_SAMPLES, count)).round().astype(np.intp)
     return np.union1d(spread, [] if end is None or end.sample is None else [end.sample]).astype(np.intp)
 
 

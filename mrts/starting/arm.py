@@ -92,6 +92,11 @@ class Arm:
         wrench: Array = np.einsum("nij,i->nj", state.jacobian[:, :3], force)
         return wrench - own
 
+    @property
+    def without_effort(self) -> tuple[str, ...]:
+        """Joints of which the URDF says no torque limit."""
+        return tuple(np.array(self.chain.joints)[np.isinf(self.chain.torque_upper)].tolist())
+
     def middle(self) -> Array:
         """The middle of the joint limits, 0 where there are none, Shape (n,) [rad or m]."""
         lower, upper = self.chain.position_lower, self.chain.position_upper

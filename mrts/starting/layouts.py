@@ -36,7 +36,7 @@ NEARLY = 0.1
 ROUNDING = 1e-9
 """Entries of rotations this near to 0 and ±1 are those."""
 
-MOST_LEVEL = 0.3
+STEEPEST = 0.3
 """A hand is level if its direction is not steeper than this cosine to the vertical leaves it; else its side counts."""
 
 
@@ -268,7 +268,7 @@ def _rolls(request: Request, arm: Arm, facing: Array, up: Array) -> list[Array]:
     second = np.roll(np.abs(arm.approach), 1)
     own = np.stack([arm.approach, second, np.cross(arm.approach, second)], axis=1)
     side = np.cross(up, facing)
-    if np.linalg.norm(side) < MOST_LEVEL:
+    if np.linalg.norm(side) < STEEPEST:
         side = np.roll(np.abs(np.round(up)), 1)
     side = side / np.linalg.norm(side)
     sides = (side, np.cross(facing, side), -side, -np.cross(facing, side))
@@ -313,7 +313,7 @@ def _base_around(request: Request, tip: RigidTransform, facing: Array, place: Ar
     turn = np.eye(3)
     level = facing - (facing @ request.up) * request.up
     if request.plane is None:
-        if np.linalg.norm(level) < MOST_LEVEL:
+        if np.linalg.norm(level) < STEEPEST:
             level = tip.p - (tip.p @ request.up) * request.up
         turn = _clean(_turn(request.up, level / max(float(np.linalg.norm(level)), ROUNDING), -place))
     ahead = place - turn @ tip.p

@@ -3,7 +3,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil, floor, inf, isfinite, log10
+from math import ceil, floor, isfinite, log10
 from typing import Any
 
 import numpy as np
@@ -67,7 +67,6 @@ class Proposal:
         mass: Of the object [kg].
         cell: Keys and values of the cell file.
         motion: Likewise of the motion file.
-        assumed: Joints by robot whose torque limits are assumed, because the URDF says nothing.
         result: What `mrts.scale` finds.
     """
 
@@ -76,7 +75,6 @@ class Proposal:
     mass: float
     cell: dict[str, Any]
     motion: dict[str, Any]
-    assumed: dict[str, tuple[str, ...]]
     result: ScalingResult
 
 
@@ -123,7 +121,7 @@ def _two_digits(number: float) -> float:
 
 
 def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
-    keys, assumed = _cell_keys(request, layout, mass)
+    keys = _cell_keys(request, layout, mass)
     try:
         first = _played(request, keys, _motion_keys(layout, FIRST_DURATION), None)
         c2 = _upper(first)
@@ -141,7 +139,7 @@ def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
         return str(error)
     if not _upper(result) > 1:
         return result.explanation() or result.sentence()
-    return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, assumed=assumed, result=result)
+    return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, result=result)
 
 
 def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], between: float | None) -> ScalingResult:
@@ -173,24 +171,15 @@ def _motion_keys(layout: Layout, duration: float) -> dict[str, Any]:
     }
 
 
-def _cell_keys(request: Request, layout: Layout, mass: float) -> tuple[dict[str, Any], dict[str, tuple[str, ...]]]:
-    robots, assumed = [], {}
-    for each, stand in zip(request.arms, layout.stands, strict=True):
-        robot, joints = _robot_keys(request, each, stand, layout, mass)
-        robots.append(robot)
-        if joints:
-            assumed[each.arm.name] = joints
-    whole = {"name": request.name, "gravity": request.gravity.tolist(), "plane": request.plane}
-    carried = {"mass": mass, "shape": {"box": layout.sides.tolist()}}
-    return {key: value for key, value in whole.items() if value is not None} | {
-        "object": carried,
-        "robots": robots,
-    }, assumed
+def _cell_keys(request: Request, layout: Layout, mass: float) -> dict[str, Any]:
+    keys = {"name": request.name, "gravity": request.gravity.tolist()}
+    keys |= {} if request.plane is None else {"plane": request.plane}
+    keys["object"] = {"mass": mass, "shape": {"box": layout.sides.tolist()}}
+    stands = zip(request.arms, layout.stands, strict=True)
+    return keys | {"robots": [_robot_keys(request, each, stand, layout, mass) for each, stand in stands]}
 
 
-def _robot_keys(
-    request: Request, each: ArmRequest, stand: Stand, layout: Layout, mass: float
-) -> tuple[dict[str, Any], tuple[str, ...]]:
+def _robot_keys(request: Request, each: ArmRequest, stand: Stand, layout: Layout, mass: float) -> dict[str, Any]:
     chain = each.arm.chain
     T = RigidTransform(stand.T_world_tip.R, stand.T_world_tip.p - layout.position)
     robot: dict[str, Any] = {"name": each.arm.name, "urdf": each.urdf}
@@ -198,11 +187,10 @@ def _robot_keys(
         robot["xacro_args"] = dict(each.xacro_args)
     robot |= {"base_link": chain.source.base_link, "tip_link": chain.source.tip_link}
     robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": stand.posture.tolist()}
-    missing = tuple(name for name, effort in zip(chain.joints, chain.torque_upper, strict=True) if effort == inf)
-    if missing:
+    if each.arm.without_effort:
         known = chain.torque_upper
         robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, each.arm, mass)).tolist()
-    return robot, missing
+    return robot
 
 
 def _assumed_torque(request: Request, arm: Arm, mass: float) -> Any:

@@ -168,6 +168,7 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
 
 
 def _chosen(given: Given, choose: Choose) -> list[_Chosen]:
+    """The arms, in the order of the robots."""
     files = {robot: surveyed_urdf(Path(ROBOT), Path.cwd(), robot, given.xacro_args) for robot in given.robots}
     if given.xacro_args and not any(is_xacro(path) for path, _, _ in files.values()):
         raise InputError(XACRO_ARG, "no --robot is a xacro, whose name ends in .xacro.")

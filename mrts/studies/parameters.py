@@ -2,6 +2,7 @@
 """`vary` of the study file: each parameter of a study is a distribution and the numbers that its value moves."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -169,7 +170,7 @@ class ParameterDescription(Record):
             return _reversed(self.from_, self.to)
         if forms == ["a range"]:
             return f"a range needs 'from' and 'to'; here is {ends[0] if ends else 'steps alone'}"
-        repeated = [value for value in self.values or [] if (self.values or []).count(value) > 1]
+        repeated = [value for value, count in Counter(self.values or []).items() if count > 1]
         return f"{repeated[0]:g} stands twice; each value belongs here once" if repeated else ""
 
     def distribution(self, sample: SampleName) -> Distribution:

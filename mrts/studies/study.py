@@ -5,7 +5,6 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -248,11 +247,7 @@ class Study(InNotebooks):
 
 def _keep(path: Path, content: bytes) -> None:
     if not _holds(path, content):
-        write_atomically(path, partial(_write_bytes, content=content), private=True)
-
-
-def _write_bytes(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
+        write_atomically(path, lambda temporary: temporary.write_bytes(content), private=True)
 
 
 def _holds(path: Path, content: bytes) -> bool:

@@ -87,13 +87,12 @@ def read_study(path: Path | str) -> Study:
     urdfs, mesh = _study_files(cell_path, given["cell"])
     question = StudyQuestion(**{name: getattr(described, name) for name in StudyQuestion.model_fields})
     variants, seed = _variants(path, described, parameters), described.seed or 0
-    asked = [__version__, repr((parameters, described.sample, variants, seed, question))]
-    asked += [json.dumps(given["cell"])]
     where = {"file", "joints"}  # what such a table says is hashed
-    asked += [json.dumps({key: value for key, value in given["motion"].items() if key not in where})]
-    files = [*urdfs, *([] if mesh is None else [mesh])]
-    parts = [_hash(text.encode()) for text in asked] + [_hash(file.content) for file in files]
-    parts += [] if poses else _table_hashes(given["motion"])
+    own = {key: value for key, value in given["motion"].items() if key not in where}
+    asked = repr((parameters, described.sample, variants, seed, question))
+    content = [json.dumps([__version__, asked, given["cell"], own]).encode(), *(file.content for file in urdfs)]
+    content += [] if mesh is None else [mesh.content]
+    hashes = [*map(_hash, content), *([] if poses else _table_hashes(given["motion"]))]
     return Study(
         path=path.absolute(),
         folder=cell_path.resolve().parent,
@@ -108,7 +107,7 @@ def read_study(path: Path | str) -> Study:
         urdfs=urdfs,
         mesh=mesh,
         joints={robot.name: robot.joints for robot in cell.robots},
-        digest=_hash(b"".join(parts)).hex(),
+        digest=_hash(b"".join(hashes)).hex(),
     )
 
 

@@ -45,7 +45,7 @@ PART_FILE = re.compile(r"part-(\d{8})\.parquet")
 TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
 """What a writer that was killed leaves."""
 
-MOST_BYTES = 10**8
+MAX_RECORD_BYTES = 10**8
 """Of study.json: many more than lists of values take."""
 
 UNITS = {"duration": "s", "energy": "J"}
@@ -135,24 +135,15 @@ class StudyFolder(InNotebooks):
         return {number: numbered[number] for number in sorted(numbered) if number < self.chunks}
 
     def rows(self, pieces: Sequence[Mapping[str, list[Any] | Array]]) -> "pa.Table":
-        """Rows as a table; a column that lacks has no value in any of them, a NaN is no value.
+        """Rows as a table, where a NaN is no value.
 
         Args:
-            pieces: One after the other, each its columns by name, with `variant` at least.
+            pieces: One after the other, each its columns by name.
         """
         import pyarrow as pa  # noqa: PLC0415 (an extra)
 
-        tables = []
-        for columns in pieces:
-            length = len(columns["variant"])
-            arrays = [
-                pa.array(columns[field.name], field.type, from_pandas=True)
-                if field.name in columns
-                else pa.nulls(length, field.type)
-                for field in self.schema
-            ]
-            tables.append(pa.Table.from_arrays(arrays, schema=self.schema))
-        return pa.concat_tables(tables)
+        arrays = [[pa.array(piece[each.name], each.type, from_pandas=True) for each in self.schema] for piece in pieces]
+        return pa.concat_tables([pa.Table.from_arrays(columns, schema=self.schema) for columns in arrays])
 
     def write(self, number: int, rows: "pa.Table") -> None:
         """Write the rows of a chunk, whole or not at all.
@@ -226,7 +217,7 @@ def read_study_folder(path: Path | str) -> StudyFolder:
     require_pyarrow()
     folder = as_path("path", path)
     try:
-        text = read_text(folder / STUDY_FILE, "file", MOST_BYTES)
+        text = read_text(folder / STUDY_FILE, "file", MAX_RECORD_BYTES)
     except InputError as error:
         rule = f"holds no study: {STUDY_FILE}: {error.rule} Name what `mrts sweep -o` wrote."
         raise InputError(folder, rule) from None

@@ -6,14 +6,12 @@ from collections import Counter
 from collections.abc import Generator, Iterable
 from concurrent.futures import Future
 from functools import lru_cache
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import NamedTuple
 
 from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.base.version import __version__
 from mrts.studies.study import Study
-from mrts.studies.variant_rows import FAILED, Columns, solve_variants
+from mrts.studies.variant_rows import FAILED, Columns, columns_of, solve_variants
 from mrts.sweeps.worker_pools import WorkerPool
 
 MAX_DEATHS = 2
@@ -152,10 +150,10 @@ def _check_ready(pool: WorkerPool, pickled: bytes) -> None:
 
 
 def _whole(study: Study, pieces: list[Columns]) -> list[Columns]:
-    """The pieces, with the values of the parameters where a variant failed."""
-    return [piece | _numbers(study, piece["variant"][0]) if piece["status"] == [FAILED] else piece for piece in pieces]
+    """The pieces, with all columns where a variant failed."""
+    return [piece if piece["status"] != [FAILED] else _row(study, piece["variant"][0], piece) for piece in pieces]
 
 
-def _numbers(study: Study, variant: int) -> dict[str, Any]:
-    point = study.points(variant, variant + 1)[0]
-    return dict(zip((each.path for each in study.parameters), np.atleast_2d(point).T, strict=True))
+def _row(study: Study, variant: int, failed: Columns) -> Columns:
+    row = {name: failed[name][0] for name in ("status", "reason")}
+    return columns_of(study, study.points(variant, variant + 1), variant, [row])

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 CHUNK_TIME = 1.0
 """That a worker takes for a chunk, about [s]: little is lost with a worker, and little time goes into passing them."""
 
-MOST_VARIANTS = 20_000
+MAX_CHUNK_SIZE = 20_000
 """Of a chunk, however fast they are solved: few megabytes."""
 
-ROUND = (1, 2, 5)
+ROUND_NUMBERS = (1, 2, 5)
 """Sizes of chunks, times a power of ten."""
 
 
@@ -126,6 +126,6 @@ def chunk_size(study: Study) -> int:
     Args:
         study: The study, of which a few are solved.
     """
-    fitting = min(CHUNK_TIME / estimate(study).seconds_each, study.variants, MOST_VARIANTS)
+    fitting = min(CHUNK_TIME / estimate(study).seconds_each, study.variants, MAX_CHUNK_SIZE)
     power = int(10 ** max(0, math.floor(math.log10(fitting))))
-    return max([1, *(step * power for step in ROUND if step * power <= fitting)])
+    return max([1, *(step * power for step in ROUND_NUMBERS if step * power <= fitting)])
