@@ -20,8 +20,7 @@ from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import ContactForces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
-from mrts.scene.held_body import held_body
-from mrts.scene.object_surface import object_edges
+from mrts.scene.held_body import held_body, object_edges
 from mrts.scene.scene import FORCE, OBJECT, OUTLINE, PATH, DecidingLimit, Rgb, Scene, blended, deciding_limit
 
 ARROW_RADIUS, PATH_RADIUS = 0.008, 0.004
