@@ -20,8 +20,7 @@ from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import ContactForces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
-from mrts.scene.held_body import held_body
-from mrts.scene.object_surface import object_edges
+from mrts.scene.held_body import held_body, object_edges
 from mrts.scene.scene import FORCE, OBJECT, OUTLINE, PATH, DecidingLimit, Rgb, Scene, blended, deciding_limit
 
 ARROW_RADIUS, PATH_RADIUS = 0.008, 0.004
@@ -48,8 +47,11 @@ OUTLINE_RADIUS = 0.0025
 MOST_FACES = 200_000
 """Of a mesh of MuJoCo's; larger ones become several."""
 
-FEWEST_VERTICES, LEAST_AREA = 4, 1e-12
-"""Of such a mesh [m²]."""
+FEWEST_VERTICES = 4
+"""Of such a mesh."""
+
+LEAST_AREA = 1e-12
+"""Of such a mesh [m²]: MuJoCo refuses what has none, and nobody sees less."""
 
 BACKDROP, FLOOR, GROOVE = (0.96, 0.97, 0.98), (0.93, 0.94, 0.95), (0.80, 0.82, 0.85)
 """Red, green and blue, 0 to 1."""
@@ -270,7 +272,7 @@ class SceneRenderer:
         corners = np.asarray(vertices)[faces]
         area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
         if len(vertices) < FEWEST_VERTICES or np.sum(area) < LEAST_AREA:
-            return  # MuJoCo refuses what is not to be seen
+            return
         mesh = self._spec.add_mesh(name=name, inertia=self._mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
         mesh.uservert, mesh.usernormal = np.ravel(vertices).tolist(), np.ravel(normals).tolist()
         mesh.userface = mesh.userfacenormal = np.ravel(faces).tolist()

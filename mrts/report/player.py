@@ -15,8 +15,7 @@ from mrts.report.plots import numbers
 from mrts.scaling.result import ScalingResult
 from mrts.scene.cell_shapes import contact_forces, joint_points
 from mrts.scene.cell_view import look_at_cell
-from mrts.scene.held_body import held_body
-from mrts.scene.object_surface import object_edges
+from mrts.scene.held_body import held_body, object_edges
 from mrts.scene.scene import FORCE, OBJECT, arm_hex, suited_pace
 
 MOST_FRAMES = 160

@@ -15,8 +15,7 @@ from mrts.drawing.round_numbers import round_down
 from mrts.scene.arm_meshes import Urdfs, drawn_arms
 from mrts.scene.cell_shapes import name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
-from mrts.scene.held_body import held_body
-from mrts.scene.object_surface import object_edges
+from mrts.scene.held_body import held_body, object_edges
 from mrts.scene.scene import (
     FORCE,
     MOMENT,

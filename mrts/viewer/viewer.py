@@ -11,7 +11,7 @@ from collections.abc import Callable
 from functools import partial
 from math import sqrt
 from queue import Empty, SimpleQueue
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import viser
@@ -38,11 +38,10 @@ from mrts.viewer.panel import (
 from mrts.viewer.playback import Playback, set_slider
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.film_controls import FilmControls
-from mrts.viewer.plots.other_result import Others, other_results
+from mrts.viewer.plots.other_result import OtherResult, Others
 from mrts.viewer.plots.time_plots import PlotPanel
 from mrts.viewer.readings import Readings
 from mrts.viewer.scene import ViewerScene
-from mrts.viewer.viewer_part import ViewerPart
 from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.choices import Choices
 from mrts.viewer.workbench.workbench import Workbench
@@ -55,6 +54,23 @@ PATIENCE = 60.0
 
 FIXED = "A saved result is played at the speed it was saved with. To change something, view its cell and motion."
 """Of a panel with nothing to change."""
+
+
+class ViewerPart(Protocol):
+    """What follows the scene and the panel, by the thread that follows the controls: nothing of it may wait."""
+
+    def show_answer(self, answer: Answer) -> None:
+        """Show an answer: other choices, or another speed; its state is None where arms do not reach."""
+
+    def show_moment(self, state: PlayerState) -> None:
+        """Show the state's chosen sample."""
+
+    def step(self, elapsed: float) -> None:
+        """Do what its own controls ask for, forty times a second.
+
+        Args:
+            elapsed: Since the last call [s].
+        """
 
 
 class Viewer:
@@ -250,7 +266,7 @@ class Viewer:
             if not self._stands:
                 self.playback.add_pace(gui)
             self._view = ViewControls(self.server, self._scene, self._todo.put)
-            self.parts += other_results(self.server, self._scene, self._others)
+            self.parts += [OtherResult(self.server, self._scene, *other) for other in self._others[:1]]  # more: no room
         with tabs.add_tab("Save"):
             if self.bench is not None:
                 SaveControls(gui, self.bench, self._todo.put)

@@ -13,7 +13,7 @@ import mrts
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface
 from mrts.cell.generation import generate_to
 from mrts.scene.cell_shapes import object_box
-from mrts.scene.object_surface import object_edges, object_surface
+from mrts.scene.held_body import object_edges, object_surface
 from mrts.studies.variant_numbers import varied_entries
 
 ROUNDING = 1e-12

@@ -145,6 +145,7 @@ def test_a_picture_has_arms_object_forces_and_lines_of_each_limit(clips, tmp_pat
     assert {path.name for path in tmp_path.iterdir()} == {"moment.png"}
 
 
+@pytest.mark.quick
 def test_clips_stand_before_their_start_and_after_their_end(clips):
     clip = clips[1]
     last = len(clip.trajectory.time) - 1

@@ -18,7 +18,6 @@ from mrts.scene.scene import OBJECT, Rgb
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.scene_arms import DrawnArm, wxyz
-from mrts.viewer.viewer_part import ViewerPart
 from mrts.viewer.workbench.answer import Answer
 
 Others = Sequence[tuple[str, ScalingResult]]
@@ -32,17 +31,6 @@ APART = 1.9
 
 COLOUR: Rgb = (140, 146, 156)
 """Of its arms."""
-
-
-def other_results(server: viser.ViserServer, scene: ViewerScene, others: Others) -> list[ViewerPart]:
-    """Show the first of some results in the scene; more have no room there.
-
-    Args:
-        server: Where; its control stands in the container that is open.
-        scene: Of the first.
-        others: May be none.
-    """
-    return [OtherResult(server, scene, *other) for other in others[:1]]
 
 
 class OtherResult:
