@@ -172,7 +172,14 @@ class CellLibrary(MotionLibrary):
         return {name: _by_rows(value) for name, value in outputs.items()}
 
     def ranges(
-        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, most: Array
+        self,
+        samples: int,
+        inputs: dict[str, Array],
+        limits: SparseLimits,
+        terms: SampleTerms,
+        most: Array,
+        *,
+        speeds: bool = False,
     ) -> KernelRanges:
         """Least and largest c² at every sample.
 
@@ -181,46 +188,23 @@ class CellLibrary(MotionLibrary):
             inputs: Of the wrench form, by name.
             limits: Rows over torques and wrenches.
             terms: What is added at every sample.
-            most: Largest c² that the velocities allow, Shape (N,), infinity where they do not bound it.
+            most: Largest c² that the velocities allow or that is asked for, Shape (N,), infinity where none is.
+            speeds: Whether rows have terms in c: then the ends are those of the highest interval.
         """
-        k, N = self.unknowns, samples
+        rows, N = self.unknowns + speeds, samples
         found = KernelRanges(
             lower=np.zeros(N),
             upper=np.zeros(N),
-            status=np.full((2, N), STOPPED, dtype=np.uint8),
+            status=np.full((1 if speeds else 2, N), STOPPED, dtype=np.uint8),
             effect=np.zeros(N),
-            basis=np.zeros((2, N, k), dtype=np.int16),
-            dual=np.zeros((2, N, k), dtype=np.float32),
+            basis=np.zeros((2, N, rows), dtype=np.int16),
+            dual=np.zeros((2, N, rows), dtype=np.float32),
+            gap=np.zeros(N) if speeds else None,
         )
-        outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
-        self.over_samples("mrts_ranges", samples, inputs, limits, terms, [np.minimum(most, INFINITY)], outputs)
-        return found
-
-    def speed_ranges(
-        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, most: Array
-    ) -> KernelRanges:
-        """The highest interval of c² at every sample where rows have terms in c.
-
-        Args:
-            samples: N.
-            inputs: Of the wrench form, by name.
-            limits: Rows over torques and wrenches.
-            terms: What is added at every sample.
-            most: Largest c² that is asked for, Shape (N,), infinity where none is.
-        """
-        k, N = self.unknowns, samples
-        gap = np.zeros(N)
-        found = KernelRanges(
-            lower=np.zeros(N),
-            upper=np.zeros(N),
-            status=np.full((1, N), STOPPED, dtype=np.uint8),
-            effect=np.zeros(N),
-            basis=np.zeros((2, N, k + 1), dtype=np.int16),
-            dual=np.zeros((2, N, k + 1), dtype=np.float32),
-            gap=gap,
-        )
-        outputs = [found.lower, found.upper, gap, *found.status, found.effect, *found.basis, *found.dual]
-        self.over_samples("mrts_speed_ranges", samples, inputs, limits, terms, [np.minimum(most, INFINITY)], outputs)
+        between = [] if found.gap is None else [found.gap]
+        outputs = [found.lower, found.upper, *between, *found.status, found.effect, *found.basis, *found.dual]
+        name = "mrts_speed_ranges" if speeds else "mrts_ranges"
+        self.over_samples(name, samples, inputs, limits, terms, [np.minimum(most, INFINITY)], outputs)
         return found
 
     def torques(

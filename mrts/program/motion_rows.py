@@ -63,6 +63,18 @@ class MotionRows:
         """Whether a row has a term in ṙ beside others."""
         return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
+    def at_rest(self, cell: Cell, still: CoordinatedMotion, samples: NDArray[np.intp]) -> "MotionRows":
+        """The same rows at some samples at which the joints stand: all that is a velocity or an acceleration is 0.
+
+        Args:
+            cell: The cell.
+            still: The motion of these samples.
+            samples: Which of the N, Shape (k,).
+        """
+        rows, kept = (replace(of.at(samples), rate=None, speed=None, square=None) for of in (self.rows, self.kept))
+        share = np.zeros((len(samples), self.cap_share.shape[1]))
+        return replace(self, rows=rows, kept=kept, cap_share=share, motors=motor_terms(cell, still))
+
     def terms(self, speed: float | Array | None = None) -> SampleTerms:
         """What is added at every sample to the kept rows, with terms in ṙ put in, or left as they are.
 

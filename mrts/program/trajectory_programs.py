@@ -93,7 +93,7 @@ def _kernel_ranges(
         undecided = found.lower > found.upper
     else:
         if rows.has_speed_terms:
-            found, several = intervals_below(partial(library.speed_ranges, *given), most, high)
+            found, several = intervals_below(partial(library.ranges, *given, speeds=True), most, high)
         else:
             found = library.ranges(*given, most)
         undecided = np.any(found.status != OPTIMAL, axis=0)

@@ -28,7 +28,7 @@ is left of it is rounding."""
 NO_DIRECTION = 1e-12
 """A principal direction of the free unknowns that moves rows by less than this share of the first moves none."""
 
-PROBES = 33
+PROBES = 9
 """Samples whose accelerations are looked at, to learn how fast the path may become."""
 
 
