@@ -134,11 +134,6 @@ def squared(given: LimitRows, samples: int, motors: MotorTerms | None = None) ->
 
     A row b ṙ becomes b |b| ṙ² between l |l| and u |u|: as ṙ >= 0, squares with their sign keep the order. Where the
     speed is limited alike in both directions that is b² ṙ² <= u². A row with other terms beside ṙ keeps it.
-
-    Args:
-        given: Rows along a motion.
-        samples: N.
-        motors: What motors add.
     """
     size = given.units()
     rows, unit, is_cap, square = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))

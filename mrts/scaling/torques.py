@@ -13,10 +13,10 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.motion_widening import motion_widening
 from mrts.program.reserve import reserve_torques
 from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
 from mrts.program.trajectory_programs import motion_torques
+from mrts.program.widening import motion_widening
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult

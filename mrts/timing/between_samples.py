@@ -16,12 +16,12 @@ from mrts.motion.object_courses import Geodesic, PoseSplines, WaypointPath
 from mrts.program.excess import BETWEEN, Excess
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
-from mrts.program.motion_widening import motion_widening
 from mrts.program.rate_limits import rate_names
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.search import COARSE
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.widening import motion_widening
 from mrts.timing.path_pieces import PLACES, with_samples
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import TimedPiece, between_path_samples

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The fastest admissible r(t): a speed that varies along the path, where `mrts.scale` keeps its factor constant."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import NoneType
 from typing import Any
@@ -28,7 +28,7 @@ from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import CONVERGED
 from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
-from mrts.scaling.options import Options
+from mrts.scaling.options import Limit, Options, limited_cell
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.torques import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
@@ -57,6 +57,7 @@ def retime(
     load: str = "auto",
     distribute: DistributionName = "least-torque",
     reserve: float | None = None,
+    limits: Sequence[Limit] | None = None,
     closure: ClosureBound | None = None,
     start_speed: float = 0.0,
     end_speed: float = 0.0,
@@ -84,6 +85,7 @@ def retime(
         load: "guaranteed" (for every load of the box) or "nominal"; "auto" is "guaranteed" if the cell has a load box.
         distribute: As in `mrts.scale`; with rates "least-torque" alone.
         reserve: Likewise.
+        limits: Likewise.
         closure: Likewise.
         start_speed: ṙ at the start, where the given motion does not start from rest [1].
         end_speed: ṙ at the end, likewise [1].
@@ -108,7 +110,7 @@ def retime(
         SolverError: If no solver answers.
     """
     _check_arguments(cell, sharing, start_speed, end_speed, progress)
-    cell = cell if reserve is None else cell.with_reserve(reserve)
+    cell = limited_cell(cell, reserve, limits)
     options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between)
     options = options.checked(cell)
     if options.load not in {"guaranteed", "nominal"}:
@@ -132,7 +134,7 @@ def retime(
         return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    remarks = motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
+    remarks = motion_remarks(cell, given, None)
     if fastest.motion is not given:
         time = given.object.time
         remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))

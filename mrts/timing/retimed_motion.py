@@ -11,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
-from mrts.kernel.motion_rows import path_places
+from mrts.kernel.between_samples import path_places
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.program.motor_terms import travel_directions
 from mrts.timing.fastest_profile import SpeedProfile, segment_times
