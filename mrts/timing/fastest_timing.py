@@ -120,9 +120,9 @@ class _Search:
         """The fastest profile, or the outcome without one."""
         parts, with_root, step = [], [], self.piece.step
         length = float(np.sum(step))
-        for number, point in enumerate(self.points):
+        for number, load in enumerate(self.untimed.loads):
             progress(number, len(self.points))
-            problem = self._problem(point)
+            problem = self._problem(load)
             if problem.speed is None:
                 parts.append(speed_regions(problem, length, self.ends))
             else:
@@ -208,8 +208,7 @@ class _Search:
         sample += self.piece.first
         return f"t = {self.untimed.motion.object.time[sample]:.6g} s (sample {sample})"
 
-    def _problem(self, point: LoadPoint | None) -> SampleProblem:
-        load = None if point is None else point.load
+    def _problem(self, load: Array) -> SampleProblem:
         cell, sharing = self.untimed.cell, self.untimed.options.sharing
         return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True, rows=self.rows)
 
@@ -219,12 +218,12 @@ class _Search:
         """The limits that conflict at a sample, or on the segment from it into the reach, with the worst load."""
         time = self.untimed.motion.object.time[self.piece.first :]
         worst: Conflict | None = None
-        for point in self.points:
+        for point, load in zip(self.points, self.untimed.loads, strict=True):
+            problem = self._problem(load)
             if reach is None:
-                found = sample_conflict(self._problem(point), time, sample, x)
+                found = sample_conflict(problem, time, sample, x)
             else:
-                step = float(self.piece.step[sample])
-                found = segment_conflict(self._problem(point), time, sample, step, reach, x)
+                found = segment_conflict(problem, time, sample, float(self.piece.step[sample]), reach, x)
             if found is not None and (worst is None or found.widening > worst.widening):
                 worst = replace(found, sample=self.piece.first + sample, load=point)
         return worst

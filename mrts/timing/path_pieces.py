@@ -226,12 +226,7 @@ def by_turns(piece: PathPiece) -> PathPiece:
 
 
 def _steady(values: Array, most: Array) -> Array:
-    """Values between the least above and the largest below that change by no more from sample to sample.
-
-    Args:
-        values: Shape (n,).
-        most: Largest change on each segment, Shape (n - 1,).
-    """
+    """Values between the least above and the largest below that change by no more from sample to sample."""
     way = np.concatenate([[0.0], np.cumsum(most)])
 
     def below(given: Array) -> Array:

@@ -291,14 +291,7 @@ def _given_wrenches(problems: Sequence[SampleProblem], torque: Array | None, pla
 
 
 def _unheld(cell: Cell, problem: SampleProblem, given: GivenTorques, end: int) -> str | None:
-    """Why torques given for an end do not hold the object still within the limits; None if they do, or none are given.
-
-    Args:
-        cell: The cell.
-        problem: Rows of [F, u, x] at the nodes of a path.
-        given: The torques.
-        end: 0 for the start of the path, 1 for its end.
-    """
+    """Why torques given for an end do not hold the object still within the limits; None if they do or are not given."""
     torque = given[end]
     if torque is None:
         return None

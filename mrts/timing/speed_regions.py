@@ -136,14 +136,7 @@ def _at_rest(effect: Array) -> NDArray[np.bool_]:
 
 
 def _likely_speed(rates: Array, most: Array, length: float, ends: tuple[float, float]) -> float:
-    """The x that the accelerations of some samples at rest reach along the whole path, at least those of its ends.
-
-    Args:
-        rates: The largest u of samples at rest; none where u has no effect.
-        most: Largest x that velocities allow, Shape (N,).
-        length: Of the path.
-        ends: x at the first and the last sample.
-    """
+    """The x that the accelerations of some samples at rest reach along the whole path, at least those of its ends."""
     if rates.size:
         return max(*ends, 2 * length * median(rates))
     return max(*ends, float(np.max(most[np.isfinite(most)], initial=1.0)))
@@ -156,13 +149,7 @@ def _probes(effect: Array) -> NDArray[np.int_]:
 
 
 def _rates_by_projection(problem: SampleProblem, rows: NDArray[np.int32], effect: Array) -> Array:
-    """The largest u of some samples at rest, at least that of a whole limit: some samples leave none.
-
-    Args:
-        problem: Rows of [F, u, x].
-        rows: Those that count.
-        effect: Of u on the rows, Shape (N,).
-    """
+    """The largest u of some samples at rest, at least that of a whole limit: some samples leave none."""
     probes = _probes(effect)
     scale = np.ones((len(probes), problem.unknowns))
     scale[:, -2] /= effect[probes]
