@@ -9,7 +9,6 @@ import numpy as np
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.errors import InputError
-from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import read_model
@@ -83,8 +82,8 @@ class MotionDescription(Record):
     def __init__(self, **keys: Any) -> None:
         try:
             super().__init__(**keys)
-        except BrokenRecordError as error:
-            raise broken_record("motion", error) from None
+        except InputError as error:
+            raise error.inside("motion") from None
 
     def problem(self) -> str:
         """The rule that keys break with each other; empty if none."""

@@ -116,7 +116,10 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
     remarks: dict[str, Remark] = {}
 
     def read_cell(reader: TreeReader, entry: dict[str, Any], place: str) -> Cell:
-        manifest = CellManifest.model_validate(entry["manifest"])
+        try:
+            manifest = CellManifest.model_validate(entry["manifest"])
+        except InputError as error:
+            raise ValueError(error.rule) from None  # told as the other damages
         functions = saved_functions(manifest, path) if cell is None else _functions_of(cell, manifest, path)
         names, given = entry["limits"], () if cell is None else cell.limits
         if names != (others := list(map(limit_name, given))):

@@ -5,7 +5,7 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points, name_place, object_box, shares_base
+from mrts.scene.cell_shapes import contact_forces, joint_points, name_place, object_box, shares_base
 
 pytestmark = pytest.mark.quick
 
