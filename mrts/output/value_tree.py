@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
+from math import prod
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -18,7 +19,11 @@ from numpy.typing import NDArray
 Arrays = dict[str, NDArray[Any]]
 
 INLINE = 16
-"""Numbers of an array that stands in the tree; larger ones stand beside it, under their path."""
+"""Numbers of an array that stands in the tree; larger ones stand beside it, under their path, or, in lists, which may
+be long, one after the other in a pool of each kind of number."""
+
+POOL = "pool."
+"""Before the kind of the numbers of a pool."""
 
 LEFT_OUT = {"course", "problem"}
 """Fields that are functions: None when they are read."""
@@ -36,12 +41,14 @@ class TreeWriter:
     """
 
     def __init__(self, own: Mapping[type, Callable[..., Any]], found: Mapping[str, Sequence[str]]) -> None:
-        self.arrays: Arrays = {}
+        self._arrays: Arrays = {}
+        self._pools: dict[str, list[NDArray[Any]]] = {}
+        self._filled: dict[str, int] = {}
         self._own, self._found = own, found
         self._known: dict[int, tuple[object, str]] = {}
 
     def entry(self, value: Any, path: str) -> Any:  # noqa: PLR0911 (one a kind of value)
-        """What JSON says of a value; large arrays are added to `arrays`."""
+        """What JSON says of a value; large arrays are added to `arrays()`."""
         if isinstance(value, np.generic | Enum):
             return value.item() if isinstance(value, np.generic) else value.value
         if value is None or isinstance(value, bool | int | float | str):
@@ -56,8 +63,14 @@ class TreeWriter:
         if isinstance(value, np.ndarray):
             if value.size <= INLINE:
                 return {"values": value.tolist(), "dtype": value.dtype.name}
-            self.arrays[path] = value
-            return {"array": path}
+            if not any(part.isdecimal() for part in path.split(".")):
+                self._arrays[path] = value
+                return {"array": path}
+            number = value.dtype.name
+            start = self._filled.get(number, 0)
+            self._pools.setdefault(number, []).append(value.ravel())
+            self._filled[number] = start + value.size
+            return {"pool": number, "start": start, "shape": list(value.shape)}
         kind = type(value)
         if kind in self._own:
             return self._own[kind](self, value, path)
@@ -66,6 +79,10 @@ class TreeWriter:
         names |= {name: name for name in self._found.get(kind.__name__, ())}
         parts = {name: self.entry(getattr(value, read), _below(path, name)) for name, read in names.items()}
         return {"class": kind.__name__, **parts}
+
+    def arrays(self) -> Arrays:
+        """All that stands beside the tree."""
+        return self._arrays | {POOL + name: np.concatenate(parts) for name, parts in self._pools.items()}
 
 
 class TreeReader:
@@ -108,13 +125,20 @@ class TreeReader:
         if "same" in entry:
             return self._known[entry["same"]]
         if origin is np.ndarray:
-            array = self._arrays[entry["array"]] if "array" in entry else np.array(entry["values"], _dtype(entry))
-            self._known[path] = array
+            self._known[path] = array = self._array(entry)
             return array
         found = _family(kind)[entry["class"]]
         value = self._own[found](self, entry, path) if found in self._own else self.made(found, entry, path)
         self._known[path] = value
         return value
+
+    def _array(self, entry: dict[str, Any]) -> NDArray[Any]:
+        if "array" in entry:
+            return self._arrays[entry["array"]]
+        if "pool" in entry:
+            start, shape = entry["start"], entry["shape"]
+            return self._arrays[POOL + entry["pool"]][start : start + prod(shape)].reshape(shape).copy()
+        return np.array(entry["values"], _dtype(entry))
 
     def made(self, kind: type, entry: dict[str, Any], path: str) -> Any:
         """A value of a class, made as an unpickled one is."""
@@ -163,7 +187,7 @@ def _fits(kind: Any, entry: Any) -> bool:  # noqa: PLR0911 (one a kind of entry)
     if isinstance(entry, list):
         return origin in {list, tuple, Sequence}
     if isinstance(entry, dict):
-        if "values" in entry or "array" in entry:
+        if {"values", "array", "pool"} & entry.keys():
             return origin is np.ndarray
         if "class" in entry:
             return is_dataclass(kind) and entry["class"] in _family(kind)

@@ -329,6 +329,12 @@ def test_a_timing_comes_back_whole(timing, planar_cell, lift, tmp_path):
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "timing.npz").read_bytes()
 
 
+def test_a_study_of_many_loads_comes_back(planar_cell, lift, tmp_path):
+    result = mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), until_braking(lift), load="grid:400", between=None)
+    mrts.save_result(result, tmp_path / "result.npz")
+    assert mrts.load_result(tmp_path / "result.npz").json_text() == result.json_text()
+
+
 def test_a_timing_is_asked_again_with_its_cell(planar_cell, lift, tmp_path):
     found = mrts.retime(planar_cell, lift)
     mrts.save_result(found, tmp_path / "timing.npz")
