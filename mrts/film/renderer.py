@@ -116,7 +116,7 @@ def require_renderer() -> Any:
     Raises:
         InputError: If it, or the library that it draws by, is not installed.
     """
-    if sys.platform == "linux":
+    if sys.platform == "linux" and "mujoco" not in sys.modules:  # it looks once, when it is imported
         os.environ.setdefault("MUJOCO_GL", "egl")
     try:
         import mujoco  # noqa: PLC0415 (an extra, and a quarter of a second)
@@ -134,7 +134,8 @@ def require_renderer() -> Any:
 def _no_renderer(error: Exception) -> InputError:
     way = os.environ.get("MUJOCO_GL", "")
     rule = "pictures and films are drawn by libEGL, which lacks or does not work: on Debian, apt install libegl1 "
-    rule += f"libgl1-mesa-dri; or apt install libosmesa6 and set MUJOCO_GL=osmesa ({type(error).__name__}: {error})."
+    rule += "libgl1-mesa-dri; or apt install libosmesa6 and set MUJOCO_GL=osmesa; set it before mujoco is imported "
+    rule += f"({type(error).__name__}: {error})."
     return InputError("MUJOCO_GL", rule, value=way)
 
 

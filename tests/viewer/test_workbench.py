@@ -12,6 +12,7 @@ import yaml
 from conftest import DATA
 
 import mrts
+from mrts.base.edited_yaml import edited_yaml
 from mrts.base.rigid_transform import RigidTransform
 from mrts.motion.motion_file import described_motion
 from mrts.scene.cell_shapes import body_poses
@@ -19,7 +20,6 @@ from mrts.scene.held_body import held_body
 from mrts.viewer.controls.places import Place, in_plane, moved_by, offset_of, places
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.workbench.choices import Choices, Given
-from mrts.viewer.workbench.edited_yaml import edited_yaml
 from mrts.viewer.workbench.held_poses import tip_pose
 from mrts.viewer.workbench.saved_choices import motion_text, save_choices
 from mrts.viewer.workbench.workbench import Workbench

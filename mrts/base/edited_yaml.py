@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Values of a YAML text changed where they stand: what was not changed, comments too, stays as it was written."""
 
+import json
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -9,6 +11,11 @@ import yaml
 from mrts.base.errors import InputError
 
 Key = str | int
+
+PLAIN = re.compile(
+    r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z./][A-Za-z0-9_./-]*[A-Za-z][A-Za-z0-9_./-]*", re.IGNORECASE
+)
+"""Text that needs no quotes in YAML; without a letter it may be a number."""
 
 
 def edited_yaml(text: str, edits: Mapping[tuple[Key, ...], Any]) -> str:
@@ -20,10 +27,13 @@ def edited_yaml(text: str, edits: Mapping[tuple[Key, ...], Any]) -> str:
             existing mapping.
 
     Raises:
-        InputError: If there is no such place.
+        InputError: If there is no such place, or an alias repeats what was there.
     """
     for keys, value in edits.items():
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
+        try:
+            root = yaml.compose(text, Loader=yaml.SafeLoader)
+        except yaml.YAMLError:
+            raise InputError("YAML", "an alias repeats what is to be replaced; write it out.") from None
         text = _edited(text, root, keys, value)
     return text
 
@@ -37,7 +47,7 @@ def _edited(text: str, node: Any, keys: tuple[Key, ...], value: Any) -> str:
             return _with_key(text, node, key, value)
         node = child
     start: int = node.start_mark.index
-    return text[:start] + _flow(value) + text[_end(node) :]
+    return text[:start] + flow(value) + text[_end(node) :]
 
 
 def _child(node: Any, key: Key) -> Any:
@@ -45,7 +55,7 @@ def _child(node: Any, key: Key) -> Any:
         return node.value[key]
     if isinstance(node, yaml.MappingNode):
         return next((value for name, value in node.value if name.value == key), None)
-    raise InputError("saving", "finds no such place in the file.", key=str(key))
+    raise InputError("YAML", "there is no such place in the file.", key=str(key))
 
 
 def _end(node: Any) -> int:
@@ -59,8 +69,8 @@ def _end(node: Any) -> int:
 
 def _with_key(text: str, node: Any, key: Key, value: Any) -> str:
     if not isinstance(node, yaml.MappingNode) or not isinstance(key, str):
-        raise InputError("saving", "finds no such place in the file.", key=str(key))
-    end, entry = _end(node), f"{key}: {_flow(value)}"
+        raise InputError("YAML", "there is no such place in the file.", key=str(key))
+    end, entry = _end(node), f"{key}: {flow(value)}"
     if node.flow_style:
         return text[: end - 1] + (", " if node.value else "") + entry + text[end - 1 :]
     line = text.find("\n", end)
@@ -69,12 +79,18 @@ def _with_key(text: str, node: Any, key: Key, value: Any) -> str:
     return text[:line] + "\n" + " " * indent + entry + text[line:]
 
 
-def _flow(value: Any) -> str:
-    """A value on one line; numbers with all their digits."""
+def flow(value: Any) -> str:
+    """A value on one line of YAML; numbers with all their digits.
+
+    Args:
+        value: Mappings with plain keys, lists, texts, numbers, None.
+    """
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key}: {_flow(part)}" for key, part in value.items()) + "}"
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return "[" + ", ".join(map(_flow, value)) + "]"
+        return "{" + ", ".join(f"{key}: {flow(part)}" for key, part in value.items()) + "}"
+    if isinstance(value, str):
+        return value if PLAIN.fullmatch(value) else json.dumps(value, ensure_ascii=False)
+    if isinstance(value, Sequence):
+        return "[" + ", ".join(map(flow, value)) + "]"
     if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:  # noqa: PLR2004 (whole without loss)
         return str(int(value))
-    return "null" if value is None else repr(value)
+    return json.dumps(value) if value is None or isinstance(value, bool) else repr(value)

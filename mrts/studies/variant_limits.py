@@ -16,7 +16,7 @@ from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.motion_rows import binds
-from mrts.studies.at_once.variant_numbers import LIMITS, VariantNumbers
+from mrts.studies.variant_numbers import LIMITS, VariantNumbers
 
 
 class VariantLimits:
@@ -109,7 +109,6 @@ class VariantLimits:
         return rows
 
     def _places_of(self, kind: str, every: tuple[RowName, ...]) -> tuple[list[int], list[int]]:
-        """Rows of torques or wrenches, and their places among all joints or components."""
         rows = [row for row, name in enumerate(self.rows.names) if name.kind == kind]
         return rows, [every.index(self.rows.names[row]) for row in rows]
 

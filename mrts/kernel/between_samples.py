@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Rows along a path, a motion between its samples, and what limits lack, each in one foreign call (kernel/c/dense)."""
+"""A motion between its samples, and what limits lack, each in one foreign call (kernel/c/dense)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -88,58 +87,5 @@ def widenings(
     """
     per_limit = np.ascontiguousarray(units)
     share, status = np.zeros(samples), np.full(samples, STOPPED, dtype=np.uint8)
-    library.over_samples("mrts_widenings", samples, inputs, limits, [terms], [c2], [share, status], (per_limit,))
+    library.over_samples("mrts_widenings", samples, inputs, limits, terms, [c2], [share, status], (per_limit,))
     return share, status
-
-
-@dataclass(frozen=True)
-class PathRows:
-    """Torques, wrenches and rows along N samples of a path, over the free wrenches, r̈ and ṙ², k unknowns in all.
-
-    Attributes:
-        torque_map: Shape (N, m, k).
-        torque_offset: Shape (N, m) [N m].
-        wrench_map: Shape (N, n w, k).
-        wrench_offset: Shape (N, n w) [N, N m].
-        A: Shape (N, r, k).
-        lower: Shape (N, r).
-        upper: Shape (N, r).
-    """
-
-    torque_map: Array
-    torque_offset: Array
-    wrench_map: Array
-    wrench_offset: Array
-    A: Array
-    lower: Array
-    upper: Array
-
-
-def path_rows(
-    library: CellLibrary,
-    samples: int,
-    inputs: dict[str, Array],
-    limits: SparseLimits,
-    units: Array,
-    terms: SampleTerms,
-    torque_rate: Array,
-) -> PathRows:
-    """The rows along a path whose speed varies.
-
-    Args:
-        library: Of the cell.
-        samples: N.
-        inputs: Of the wrench form, by name.
-        limits: Rows over torques and wrenches, each with a limit.
-        units: What 100 % of each limit is, Shape (r,).
-        terms: What is added at every sample.
-        torque_rate: What motors add to the torques by r̈, Shape (N, m).
-    """
-    rows, k = limits.rows, library.unknowns + 1
-    m, f = library.joints, library.wrenches
-    shapes = [(m, k), (m,), (f, k), (f,), (rows, k), (rows,), (rows,)]
-    found = PathRows(*(np.empty((samples, *shape)) for shape in shapes))
-    per_limit = np.ascontiguousarray(units)
-    outputs = list(vars(found).values())
-    library.over_samples("mrts_path_rows", samples, inputs, limits, [terms], [torque_rate], outputs, (per_limit,))
-    return found

@@ -14,6 +14,7 @@ from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.studies.number_paths import Keys
+from mrts.studies.parameters import Target
 from mrts.studies.study import Study
 
 LARGEST, LARGEST_ANGLE = 1e6, 1e3
@@ -61,16 +62,22 @@ def varied_entries(study: Study, cell: Cell) -> tuple[Entry, ...] | None:
         study: The study.
         cell: Its cell, unvaried.
     """
-    entries = []
-    for column, parameter in enumerate(study.parameters):
-        for target in parameter.targets:
-            places = _places(target.keys, study, cell)
-            if not places:
-                return None
-            entries += [
-                Entry(column, name, index, sign * target.factor, sign * target.offset) for name, index, sign in places
-            ]
-    return tuple(entries)
+    targets = [(target, column) for column, each in enumerate(study.parameters) for target in each.targets]
+    entries = [target_entries(target, column, study, cell) for target, column in targets]
+    return tuple(entry for places in entries for entry in places) if all(entries) else None
+
+
+def target_entries(target: Target, column: int, study: Study, cell: Cell) -> list[Entry]:
+    """The places that a target of a parameter sets; none where it has no array here.
+
+    Args:
+        target: The target.
+        column: Of its parameter.
+        study: The study.
+        cell: Its cell, unvaried.
+    """
+    places = _places(target.keys, study, cell)
+    return [Entry(column, name, index, sign * target.factor, sign * target.offset) for name, index, sign in places]
 
 
 def _places(keys: Keys, study: Study, cell: Cell) -> list[tuple[str, tuple[int, ...], float]]:
@@ -145,12 +152,10 @@ def base_numbers(study: Study, cell: Cell) -> dict[str, Array]:
 
 
 def _looks(robot: Mapping[str, Any]) -> bool:
-    """Whether a robot's grasp is given by what its tip looks at."""
     return (robot.get("grasp") or {}).get("look_at") is not None
 
 
 def _with_angles(pose: Mapping[str, Any], robot: Robot) -> dict[str, Any]:
-    """A grasp that looks at a point, by the angles that it has."""
     return {"xyz": pose.get("xyz"), "rpy": rpy_from_rotation(robot.T_object_tip.R)}
 
 
