@@ -35,7 +35,7 @@ from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.held_poses import HeldPoses
 
 THICKNESS = 0.02
-"""Radius of an arm that is drawn without meshes, as a share of the cell's size."""
+"""That hands, arrows and the path are drawn by, as a share of the cell's size."""
 
 ARROW = 0.5
 """Longest arrow at the first choice of speed, as a share of the cell's size."""

@@ -300,8 +300,8 @@ class Viewer:
         with self.server.atomic():
             if others:
                 self._scene.show_answer(answer)
+            self._scene.mark(None if answer.state is None else answer.state.deciding)
             if answer.state is not None:
-                self._scene.mark(answer.state.deciding)
                 if others:
                     self._scene.rescale(answer.state)
                 self._outcome = outcome_html(answer.state, coarse=answer.coarse)
