@@ -312,9 +312,9 @@ def _write_pictures(options: argparse.Namespace, found: "ScalingResult | Retimin
             write_report(found, options.report)
     if options.plot is not None:
         with outputs.attempt(options.plot):
-            from mrts.figures import write_result_figures
+            from mrts.plots import write_result_plots
 
-            write_result_figures(found, options.plot, options.plot_format)
+            write_result_plots(found, options.plot, options.plot_format)
 
 
 def _say_unwritten(options: argparse.Namespace) -> None:

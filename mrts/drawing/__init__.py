@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What pictures share, without any plotting library: lanes, axes, words, shapes.
+"""What scenes are drawn from, without any library: colours, shapes of arms and objects, where to look from.
 
-May import base to layout. Start at `lanes.py`.
+May import base to layout. Start at `colours.py`.
 """

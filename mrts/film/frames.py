@@ -14,9 +14,9 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.drawing.colours import COLOURS
-from mrts.drawing.limit_shares import limit_shares
 from mrts.film.lettering import FAINT, GRID, INK, fitting, font, put_text
 from mrts.film.stage import ARMS, Stage, Take, Warn, silent
+from mrts.plots.limit_plots import limit_shares
 
 FINER = 2
 """Pixels that are drawn for one that is shown, in both directions: edges become smooth."""

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from mrts.cell.hands.kinds import NORMAL_FORCE
-from mrts.drawing.range_sentences import range_text
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.limit_table import limit_table, next_limits_line
+from mrts.plots.range_plots import range_text
 from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult

@@ -2,9 +2,8 @@
 """Pieces of HTML. What comes from a user is escaped here: pieces take text and give HTML."""
 
 from collections.abc import Iterable, Sequence
-from html import escape
 
-from mrts.base.printable import html_text, printable
+from mrts.base.printable import html_text
 
 
 class Html(str):
@@ -94,8 +93,3 @@ def plot_place(name: str, title: str, height: int) -> Html:
     """
     place = element("div", "", id=name, style=f"height:{height}px")
     return element("figure", joined([element("figcaption", title), place]))
-
-
-def plot_text(text: str) -> str:
-    """Text for plotly, which reads some HTML in names and labels, and TeX between two $."""
-    return escape(printable(text, lines=True), quote=False).replace("$", "&#36;")

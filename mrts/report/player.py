@@ -13,9 +13,8 @@ from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points
 from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.bodies.object_surface import object_edges
 from mrts.drawing.colours import COLOURS
-from mrts.drawing.labels import shortened
-from mrts.report.markup import plot_text
-from mrts.report.plots import numbers
+from mrts.plots.labels import shortened
+from mrts.plots.plotly_drawer import numbers, plot_text
 from mrts.scaling.result import ScalingResult
 
 MOST_FRAMES = 160

@@ -9,19 +9,23 @@ from mrts.base.arrays import Array
 from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import JOINT_HEAD
-from mrts.drawing.load_envelope import load_envelope
-from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.limits.rows import ActiveRow, RowName
+from mrts.plots.limit_plots import LimitingRows
+from mrts.plots.range_plots import range_facts, range_text, ranked_loads
+from mrts.plots.what_if_plot import MOST_BARS, changed_shares
 from mrts.program.infeasibility import Conflict
-from mrts.report.limiting import LimitingRows
 from mrts.report.markup import Html, bar, element, html, joined, table
 from mrts.scaling.limit_use import limit_uses, rate_uses
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.what_if import WhatIf
 
 MOST_CONFLICTS = 10
 MOST_LOADS = 16
 """Rows of the tables of conflicts and loads; the rest is counted."""
+
+MOST_LISTED = 12
+"""Changes that are listed in words: with which it cannot be played, or can where it could not before."""
 
 DECIMALS = 9
 """Of numbers in SI units: what is less is left over from sums of larger terms."""
@@ -252,18 +256,37 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Html:
 def loads_table(result: ScalingResult) -> Html:
     """Ranges by load, the worst first; nothing if no load was looked at by itself."""
     study = result.load
-    envelope = load_envelope(study) if study is not None else None
-    if study is None or envelope is None:
+    if study is None or not study.ranges:
         return Html("")
     rows = []
-    for index in envelope.order[:MOST_LOADS]:
+    for index in ranked_loads(study)[:MOST_LOADS]:
         found = study.ranges[index]
         ends, by = range_text(found), _lines(range_facts(found))
         if found.upper is not None and found.status.admits_motion:
             by = _rows_list(found.upper.rows)
         rows.append((str(study.points[index]), ends, by))
     whole = table(("load", "c²", "c²⁺ is set by"), rows)
-    return joined([whole, *_rest(len(envelope.order) - MOST_LOADS, "loads")])
+    return joined([whole, *_rest(len(study.ranges) - MOST_LOADS, "loads")])
+
+
+def what_if_notes(found: WhatIf) -> list[Html]:
+    """What the bars of changes do not show, in words."""
+    first, *_ = found.lines(gains=0, losses=0)
+    told = [element("p", f"{first[0].upper()}{first[1:]}.", class_="note")]
+    more, _, lost = found.sorted()
+    for title, listed in (
+        ("With these it can be played:", [one for one in more if one.faster is None]),
+        ("With these it cannot be played:", lost),
+    ):
+        if listed:
+            lines = [element("li", str(one)) for one in listed[:MOST_LISTED]]
+            rest = len(listed) - MOST_LISTED
+            lines += [element("li", f"… and {rest} more")] if rest > 0 else []
+            told += [element("p", title), element("ul", joined(lines))]
+    hidden = len(changed_shares(found)) - MOST_BARS
+    rest_of_bars = f"{hidden} more do less than these" if hidden > 0 else ""
+    sentences = [text for text in (rest_of_bars, found.nothing_else(), found.left_out) if text]
+    return [*told, *(element("p", f"{text[0].upper()}{text[1:]}.", class_="note") for text in sentences)]
 
 
 def _rest(count: int, what: str) -> list[Html]:

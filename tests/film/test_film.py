@@ -13,7 +13,6 @@ from PIL import Image
 
 import mrts
 from mrts.cell.source_files import urdf_files
-from mrts.drawing.limit_shares import limit_shares
 from mrts.film import film
 from mrts.film.camera import framing_camera
 from mrts.film.film import write_film, write_picture
@@ -21,6 +20,7 @@ from mrts.film.frames import KIND_COLOURS, Composition
 from mrts.film.gif import write_gif
 from mrts.film.lettering import fitting, font
 from mrts.film.stage import ARMS, FORCE, Stage, Take
+from mrts.plots.limit_plots import limit_shares
 
 FEW = 2
 """Frames a second: enough to see what moves."""

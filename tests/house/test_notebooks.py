@@ -151,6 +151,6 @@ def test_values_are_told_in_a_few_words():
 
 def test_figures_show_themselves_without_pyplot(lifted):
     """As IPython asks for it: matplotlib's own Figure shows its name only."""
-    from mrts.figures import range_figure  # noqa: PLC0415 (needs an extra)
+    from mrts.plots import range_plot  # noqa: PLC0415 (needs an extra)
 
-    assert range_figure(lifted)._repr_png_().startswith(b"\x89PNG")
+    assert range_plot(lifted)._repr_png_().startswith(b"\x89PNG")

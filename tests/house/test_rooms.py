@@ -26,9 +26,9 @@ ROOMS = (
     "sweeps",
     "layout",
     "drawing",
+    "plots",
     "starting",
     "output",
-    "figures",
     "report",
     "film",
     "viewer",
@@ -40,7 +40,7 @@ ROOMS = (
 SHARED = ("mrts.cell.record", "mrts.cell.robot", "mrts.cell.hands", "mrts.cell.motors")
 """What the build time makes of a cell."""
 
-APART = ("figures", "report", "viewer")
+APART = ("report", "viewer")
 
 ROOT_FILES = {"__init__.py", "__main__.py", "cli.py", "py.typed"}
 

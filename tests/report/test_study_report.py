@@ -12,8 +12,8 @@ from report_pages import data_of, own_text
 
 import mrts
 from mrts.cli import main
-from mrts.drawing.study_lines import NO_DURATION
-from mrts.drawing.study_words import best_rows
+from mrts.plots.study_plots import NO_DURATION
+from mrts.plots.study_words import best_rows
 from mrts.report import report_html, study_html, write_study_report
 
 KINDS = kinds()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import mrts
-from mrts.drawing.limit_shares import LimitShares, limit_shares
+from mrts.plots.limit_plots import LimitShares, limit_shares
 from mrts.viewer.plots.saved_state import SavedState
 from mrts.viewer.plots.time_plots import (
     BOTTOM,

@@ -12,7 +12,7 @@ from mrts.base.arrays import Array
 from mrts.drawing.bodies.cell_shapes import body_poses
 from mrts.drawing.bodies.cell_view import look_at_cell
 from mrts.drawing.bodies.held_body import held_body
-from mrts.drawing.labels import shortened
+from mrts.plots.labels import shortened
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.viewer.player_state import PlayerState

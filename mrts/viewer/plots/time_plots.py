@@ -14,11 +14,11 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.printable import html_text
-from mrts.drawing.axis_reach import c2_reach
 from mrts.drawing.colours import COLOURS, END_COLOURS
-from mrts.drawing.labels import shortened
-from mrts.drawing.limit_shares import LimitShares, limit_shares
 from mrts.drawing.round_numbers import round_down
+from mrts.plots.labels import shortened
+from mrts.plots.limit_plots import LimitShares, limit_shares
+from mrts.plots.range_plots import c2_ends
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
@@ -147,7 +147,7 @@ def _compared(motion: PlottedMotion, other: PlottedMotion) -> str:
 
 def _range_plot(motion: PlottedMotion, other: PlottedMotion | None, longest: float) -> str:
     found = motion.range
-    ends = _Axes((0.0, longest), c2_reach(found))
+    ends = _Axes((0.0, longest), c2_ends(found))
     lines = []
     for values, side in ((found.samples.upper, "upper"), (found.samples.lower, "lower")):
         lines.append(ends.line(motion.time, values, f'class="line" stroke="{END_COLOURS[side]}"', f"c² {side} end"))
