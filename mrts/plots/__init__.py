@@ -5,6 +5,7 @@ matplotlib (the extra 'plot') draws files, plotly the pages of `mrts.report`. Ma
 Start at `plot.py`.
 """
 
+from mrts.plots.card import answer_card
 from mrts.plots.configuration_plot import ranking_plot
 from mrts.plots.figure_files import (
     matplotlib_figure,
@@ -23,6 +24,7 @@ from mrts.plots.study_words import managed_texts, next_steps
 from mrts.plots.trajectory_plots import power_plot, trajectory_plot
 
 __all__ = [
+    "answer_card",
     "durations_plot",
     "limits_plot",
     "load_plot",

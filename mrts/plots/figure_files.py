@@ -9,6 +9,7 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.errors import InputError
 from mrts.base.formats.figure_formats import FIGURE_FORMATS
 from mrts.identification.identified_motors import MotorIdentification
+from mrts.plots.card import answer_card
 from mrts.plots.limit_plots import limits_plot
 from mrts.plots.motor_plots import motor_plot
 from mrts.plots.phase_plane import phase_plane_plot
@@ -16,7 +17,7 @@ from mrts.plots.plot import Plot
 from mrts.plots.range_plots import load_study_plot, range_plot
 from mrts.plots.study_plots import durations_plot, study_map_plot
 from mrts.plots.study_table import StudyTable, read_study_table
-from mrts.plots.trajectory_plots import power_plot, result_title, trajectory_plot
+from mrts.plots.trajectory_plots import power_plot, trajectory_plot
 from mrts.scaling.result import ScalingResult
 from mrts.timing.result import RetimingResult
 
@@ -31,14 +32,14 @@ def result_plots(result: ScalingResult | RetimingResult) -> list[Plot]:
     """
     timing = result if isinstance(result, RetimingResult) else None
     shown = result if isinstance(result, ScalingResult) else result.retimed or result.constant
+    title = f"{shown.cell.name}: {answer_card(result).outcome}"
     plots = [] if shown.origin else [range_plot(shown)]
     if timing is not None and timing.pieces:
         plots.append(phase_plane_plot(timing))
     if shown.load is not None and shown.load.ranges:
         plots.append(load_study_plot(shown))
     if shown.trajectory is not None:
-        title = f"{result_title(shown)}: use of limits"
-        plots += [trajectory_plot(shown), limits_plot(shown, title), power_plot(shown)]
+        plots += [trajectory_plot(shown, title), limits_plot(shown, title), power_plot(shown, title)]
     return plots
 
 

@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 
 from mrts.base.printable import cut, printable
-from mrts.limits.rows import STANDSTILL, ActiveRow
+from mrts.limits.rows import STANDSTILL, ActiveRow, RowName
 from mrts.scaling.range import SPEEDS
 
 MOST_NAMES = 3
@@ -60,6 +60,22 @@ def row_label(row: ActiveRow) -> str:
     """A row in a few letters."""
     name = row.name
     return str(name) if name == STANDSTILL or not name.robot else limit_label(name.short, row.side)
+
+
+def short_name(name: RowName) -> str:
+    """What a row limits, whichever side: `left/elbow torque`, `left/pad slips`."""
+    found = CONTACT_ROW.fullmatch(name.short)
+    return str(name) if found is None else f"{found[1]} {FAILURES[found[2]]}"
+
+
+def row_text(row: ActiveRow) -> str:
+    """A row with its limit: `left/elbow torque ↑, 80 N m`, `left/pad slips: friction 100 % used`."""
+    name = row.name
+    if name == STANDSTILL or name.kind == "speed":
+        return str(row)
+    if found := CONTACT_ROW.fullmatch(name.short):
+        return f"{found[1]} {FAILURES[found[2]]}: {found[2]} 100 % used"
+    return f"{limit_label(str(name), row.side)}, {row.limit:.4g} {name.unit}".rstrip()
 
 
 def row_labels(rows: Sequence[ActiveRow], most: int = MOST_NAMES) -> str:

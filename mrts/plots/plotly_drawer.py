@@ -212,7 +212,7 @@ def _band(band: Band, y: Axis) -> list[dict[str, Any]]:
     low, high = y.ends if y.ends is not None else (-np.inf, np.inf)
     reach = OUTSIDE * (high - low)
     opaque = f"{band.color}{round(255 * band.opacity):02x}" if band.opacity < 1 else band.color
-    sides = [
+    sides: list[dict[str, Any]] = [
         {"x": numbers(band.x), "y": numbers(np.clip(side, low - reach, high + reach)), "mode": "lines",
          "line": {"width": 0}, "hoverinfo": "skip"}
         for side in (band.lower, band.upper)
@@ -251,7 +251,7 @@ def _cells(cells: Cells) -> list[dict[str, Any]]:
     count = len(cells.names)
     steps = [[end / count, color] for code, color in enumerate(cells.colors) for end in (code, code + 1)]
     codes = np.where(cells.code < 0, np.nan, cells.code)
-    look = {"zmin": -0.5, "zmax": count - 0.5, "colorscale": steps, "showscale": False}
+    look: dict[str, Any] = {"zmin": -0.5, "zmax": count - 0.5, "colorscale": steps, "showscale": False}
     found = np.unique(cells.code[cells.code >= 0]).tolist()
     keys = [_key(cells.names[code], cells.colors[code], "square") for code in found]
     return [_grid(cells.x, cells.y, codes, cells.texts, "") | look, *keys]

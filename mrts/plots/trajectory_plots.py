@@ -126,14 +126,14 @@ def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
     )
 
 
-def power_plot(result: ScalingResult) -> Plot:
-    """Power of every joint, robot by robot, above the energy given.
+def power_plot(result: ScalingResult, title: str = "") -> Plot:
+    """Power of every joint, robot by robot, above the energy given; arguments as of `trajectory_plot`.
 
     Raises:
         ValueError: If there is no trajectory.
     """
     *powers, energy = power_plots(result)
-    whole = _by_robot("power_and_energy", result_title(result), result, [powers])
+    whole = _by_robot("power_and_energy", title or result_title(result), result, [powers])
     return Plot(name=whole.name, title=whole.title, rows=[*whole.rows, *energy.rows])
 
 

@@ -71,15 +71,16 @@ def contents(pieces: Iterable[str]) -> Html:
     return element("nav", element("ul", joined(element("li", link) for link in links)), id="contents")
 
 
-def bar(share: float, digits: int = 0, words: str = "") -> Html:
+def bar(share: float, digits: int = 0, words: str = "", state: str = "") -> Html:
     """A share as a bar with its percentage.
 
     Args:
         share: 1 fills it.
         digits: Decimals of the percentage.
         words: What is written instead of it.
+        state: A class of its filling.
     """
-    filled = element("div", "", class_="fill", style=f"width:{100 * min(share, 1):.1f}%")
+    filled = element("div", "", class_=f"fill {state}".rstrip(), style=f"width:{100 * min(share, 1):.1f}%")
     return joined([element("div", filled, class_="bar"), html(words or f"{100 * share:.{digits}f} %")])
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
 from mrts.cell.cell import Cell
+from mrts.plots.card import Card, answer_card
 from mrts.plots.limit_plots import LimitingRows, limit_map, limiting_rows, limits_plot
 from mrts.plots.phase_plane import phase_plane_plot, played_way
 from mrts.plots.plot import Plot, one_panel
@@ -14,7 +15,7 @@ from mrts.plots.range_plots import load_study_plot, range_plot
 from mrts.plots.trajectory_plots import joint_plots, power_plots, torque_plots, wrench_plots
 from mrts.plots.what_if_plot import what_if_plot
 from mrts.report.document import Plots, document, placed
-from mrts.report.markup import Html, element, joined, section
+from mrts.report.markup import Html, bar, element, joined, section, table
 from mrts.report.player import SPEEDS, Player, player
 from mrts.report.tables import (
     conflicts_table,
@@ -119,6 +120,13 @@ def _sections(result: ScalingResult, timing: RetimingResult | None, scene: Playe
     return [*pieces, section("inputs", "What was given", inputs_table(result), *_given_limits(result.cell))]
 
 
+def _card(card: Card, status: str) -> list[Html]:
+    """The answer, and the limits that are nearest."""
+    bars = [(one.label, bar(one.share, 1, state=one.nearness), f"at {one.time:.4g} s") for one in card.bars]
+    nearest = [table(("nearest limits", "used at most", ""), bars)] if bars else []
+    return [element("p", card.outcome, class_=f"outcome {status}"), *nearest]
+
+
 def _given_limits(cell: Cell) -> list[Html]:
     return [
         element("h3", "Joints"),
@@ -139,7 +147,11 @@ def _timing_head(timing: RetimingResult, shown: ScalingResult) -> Html:
     """The answer; where there is no profile, that of the best constant factor below it."""
     status = "feasible" if timing.status.admits_motion else "infeasible"
     text = timing.sentence()
-    lines = [element("h1", timing.cell.name), element("p", f"{text[0].upper()}{text[1:]}", class_=f"outcome {status}")]
+    lines = [
+        element("h1", timing.cell.name),
+        *_card(answer_card(timing), status),
+        element("p", f"{text[0].upper()}{text[1:]}"),
+    ]
     if timing.retimed is None:
         lines.append(element("p", f"The best constant factor, which is shown below: {shown.sentence()}"))
     elif shown.trajectory is not None:
@@ -157,7 +169,8 @@ def _head(result: ScalingResult) -> Html:
     done = result.trajectory
     lines = [
         element("h1", result.cell.name),
-        element("p", result.sentence(), class_=f"outcome {result.status.value}"),
+        *_card(answer_card(result), result.status.value),
+        element("p", result.sentence()),
     ]
     if done is not None:
         given = float(result.motion.object.time[-1])

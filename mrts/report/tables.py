@@ -10,6 +10,7 @@ from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import JOINT_HEAD
 from mrts.limits.rows import ActiveRow, RowName
+from mrts.plots.labels import row_text
 from mrts.plots.limit_plots import LimitingRows
 from mrts.plots.range_plots import range_facts, range_text, ranked_loads
 from mrts.plots.what_if_plot import MOST_BARS, changed_shares
@@ -239,7 +240,7 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Html:
     for alike in list(groups.values())[:MOST_CONFLICTS]:
         worst = alike[0]
         moves = zip(worst.rows, worst.moves, strict=True)
-        named = _lines(f"{row}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
+        named = _lines(f"{row_text(row)}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
         times = [conflict.time for conflict in alike]
         when = html(f"{worst.time:.4g} s")
         if len(alike) > 1:
@@ -294,7 +295,7 @@ def _rest(count: int, what: str) -> list[Html]:
 
 
 def _rows_list(rows: Sequence[ActiveRow]) -> Html:
-    return _lines(str(row) for row in rows)
+    return _lines(dict.fromkeys(map(row_text, rows)))
 
 
 def _lines(lines: Iterable[str]) -> Html:

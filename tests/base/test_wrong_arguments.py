@@ -130,7 +130,7 @@ def good(planar_cell):
         | {"progress": lambda _progress: None},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html"},
-        "write_plot": {"figure": range_plot(result), "path": "figure.png"},
+        "write_plot": {"plot": range_plot(result), "path": "figure.png"},
         "write_result_plots": {"result": result, "folder": "figures", "form": "png"},
         "write_ros_bag": {"result": result, "folder": "bag"},
         "write_trajectory_csv": {"result": result, "path": "trajectory.csv"},

@@ -82,6 +82,6 @@ def test_all_figures_of_smooth_timing_are_legible(smooth, spatial):
     for found in (smooth, spatial):
         plots = result_plots(found)
         assert [plot.name for plot in plots] == ["phase-plane", "torques_and_wrenches", "limits", "power_and_energy"]
-        assert "smooth timing of a path that was given" in plots[1].title
+        assert f"{found.duration:.4g} s (given" in plots[1].title
         for plot in plots:
             check_legible(matplotlib_figure(plot))
