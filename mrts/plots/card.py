@@ -95,10 +95,10 @@ def _nearest(result: ScalingResult, timing: RetimingResult | None) -> tuple[Limi
     """
     assert result.trajectory is not None  # noqa: S101 (checked by its caller)
     names, shares = all_shares(result)
-    setting = limiting_rows(result, timing).setting
+    first = {name: place for place, name in enumerate(limiting_rows(result, timing).setting)}
     most = np.minimum(np.max(shares, axis=0), REACHED)  # beyond that they are alike
     bars: dict[str, LimitBar] = {}
-    for place in sorted(range(len(names)), key=lambda place: (names[place] not in setting, -most[place])):
+    for place in sorted(range(len(names)), key=lambda place: (first.get(names[place], len(first)), -most[place])):
         if names[place].kind != "velocity" or result.cell.enforces_velocity_limits:
             at = int(np.argmax(shares[:, place] >= most[place]))
             bar = LimitBar(short_name(names[place]), float(np.max(shares[:, place])), float(result.trajectory.time[at]))

@@ -166,7 +166,8 @@ def limit_map(result: ScalingResult, limiting: "LimitingRows") -> Plot:
     names, shares = all_shares(result)
     assert result.trajectory is not None  # noqa: S101 (else there are no shares)
     time, most = result.trajectory.time, np.max(shares, axis=0)
-    order = sorted(range(len(names)), key=lambda row: (names[row] not in limiting.setting, -most[row]))[:MOST_ROWS]
+    first = {name: place for place, name in enumerate(limiting.setting)}
+    order = sorted(range(len(names)), key=lambda row: (first.get(names[row], len(first)), -most[row]))[:MOST_ROWS]
     edges, columns = _columns(time, 100 * shares[:, order])
     at_limit = shares >= 1 - AT_LIMIT
     codes = np.where(at_limit, np.where(limiting.forced, 1.0, 0.0), -1.0)
@@ -202,7 +203,7 @@ class LimitingRows:
     """What is to be said of limits that are reached.
 
     Attributes:
-        setting: Rows that set the speed, each with when.
+        setting: Rows that set the speed, each with when; those of a timing by falling share of the time.
         reached: Others that are at their limit, each with why.
         forced: At which samples the speed keeps a row at its limit, of those of `all_shares`, Shape (N, r).
     """
@@ -247,9 +248,9 @@ def _of_timing(timing: RetimingResult, names: Sequence[RowName]) -> tuple[NDArra
     binds = np.array([[_binds(name, of_segment) for name in names] for of_segment, _ in segments], dtype=bool)
     share = np.array([time for _, time in segments]) @ binds
     setting = {
-        name: f"sets the speed for {100 * of_name:.3g} % of the time"
-        for name, of_name in zip(names, share.tolist(), strict=True)
-        if of_name > 0
+        names[place]: f"sets the speed for {100 * share[place]:.3g} % of the time"
+        for place in np.argsort(-share, kind="stable").tolist()
+        if share[place] > 0
     }
     return np.vstack([binds[:1], binds]) | np.vstack([binds, binds[-1:]]), setting
 

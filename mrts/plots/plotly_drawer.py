@@ -25,7 +25,7 @@ MOST_SAMPLES = 500
 DIGITS = 6
 """Of the numbers in a plot."""
 
-PANEL_HEIGHT, ROW_HEIGHT, SPACE = 260, 22, 78
+PANEL_HEIGHT, ROW_HEIGHT, AROUND = 260, 22, 62
 """Of a panel, of a row of names, and of what stands around them [px]; the page adds the height of the legend."""
 
 OUTSIDE = 10.0
@@ -50,7 +50,7 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
         "hovermode": "closest" if closest else "x unified",
         "hoverlabel": {"namelength": -1},
         "legend": {"orientation": "h", "x": 0, "y": 1.01, "yanchor": "bottom", "itemwidth": 42, "traceorder": "normal"},
-        "height": sum(heights) + SPACE,
+        "height": sum(heights) + AROUND,
         "barmode": "overlay",
         "shapes": [],
         "annotations": [],
@@ -123,7 +123,7 @@ def _axis(axis: Axis) -> dict[str, Any]:
 
 
 def _shape(rule: Rule, last: str) -> dict[str, Any]:
-    look = {"type": "line", "layer": "below", "line": {"width": 1.2, "color": rule.color, "dash": DASHES[rule.dash]}}
+    look = {"type": "line", "line": {"width": 1.2, "color": rule.color, "dash": DASHES[rule.dash]}}
     if rule.upright:
         return look | {"x0": rule.at, "x1": rule.at, "yref": f"y{last} domain", "y0": 0, "y1": 1}
     return look | {"y0": rule.at, "y1": rule.at, "yref": f"y{last}", "xref": "x domain", "x0": 0, "x1": 1}

@@ -81,30 +81,29 @@ def best_part(table: StudyTable) -> Index:
 
 
 def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]:
-    """The best variants as a table: a column each, beside what was tried.
+    """The best variants as a table, a row each below what was tried.
 
     Args:
         table: The study.
         most: Variants at most.
 
     Returns:
-        Titles of the columns, and the rows, each with its own title first.
+        Titles of the columns, and the rows.
     """
     best = table.ranked[:most]
-    c2 = table.c2[best].tolist()
-    rows = [
-        ["duration [s]", _span(table.duration[table.ranked]), *(f"{value:.4g}" for value in table.duration[best])],
-        ["c²⁺ [1]", _span(table.c2[table.ranked]), *(f"{value:.4g}" if np.isfinite(value) else "" for value in c2)],
-    ]
-    reached = [dict(ends_reached(table, int(row))) for row in best]
-    for number, knob in enumerate(table.knobs):
+    head = ["variant", "duration [s]", "c²⁺ [1]", *(knob.title for knob in table.knobs), "limited by"]
+    tried = [table.duration[table.ranked], table.c2[table.ranked], *table.values.T]
+    rows = [["from … to", *map(_span, tried), ""]]
+    for row in best.tolist():
+        ends = dict(ends_reached(table, row))
         values = [
-            f"{table.values[row, number]:.4g}{' (end)' if number in ends else ''}"
-            for row, ends in zip(best, reached, strict=True)
+            f"{value:.4g}{' (end)' if number in ends else ''}"
+            for number, value in enumerate(table.values[row].tolist())
         ]
-        rows.append([knob.title, _span(table.values[:, number]), *values])
-    rows.append(["limited by", "", *(limits_text(table, int(row)) for row in best)])
-    return ["variant", "from … to", *(str(number) for number in table.variant[best])], rows
+        c2 = f"{table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else ""
+        limits = limits_text(table, row)
+        rows.append([str(table.variant[row]), f"{table.duration[row]:.4g}", c2, *values, limits])
+    return head, rows
 
 
 def span_texts(low: float, high: float) -> tuple[str, str]:

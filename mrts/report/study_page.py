@@ -26,7 +26,7 @@ from mrts.report.document import Plots, document, place_figure, placed
 from mrts.report.markup import Html, bar, element, html, joined, section, table
 
 MOST_BEST = 10
-"""Columns of the table of the best variants."""
+"""Rows of the table of the best variants."""
 
 MOST_REASONS = 12
 MOST_LIMITS = 15
@@ -72,8 +72,8 @@ def _sections(found: StudyTable, plots: Plots) -> list[Html]:
     steps = element("ul", joined(element("li", step) for step in next_steps(found)))
     pieces: list[Html] = [section("next", "What to do next", steps)]
     if len(found.ranked):
-        head, (*rows, limits) = best_rows(found, MOST_BEST)
-        rows.append([limits[0], *map(_limit_lines, limits[1:])])
+        head, best = best_rows(found, MOST_BEST)
+        rows = [[*values, _limit_lines(limits)] for *values, limits in best]
         note = "(end): at an end of what was tried; further may be better."
         pieces.append(section("best", "The best variants", table(head, rows), element("p", note, class_="note")))
     if found.knobs:

@@ -153,10 +153,10 @@ def test_words_say_how_many_and_how_fast():
 def test_the_best_table_holds_the_numbers_of_the_best():
     table = grid_study()
     head, rows = best_rows(table, 3)
-    assert head == ["variant", "from … to", *(str(row) for row in table.ranked[:3])]
-    by_title = {row[0]: row[1:] for row in rows}
-    assert by_title["duration [s]"][1:] == [f"{value:.4g}" for value in np.sort(table.duration)[:3]]
-    assert by_title["knob 1 [m]"] == ["2 … 3", "2 (end)", "2 (end)", "2 (end)"]
+    by_title = dict(zip(head, zip(*rows, strict=True), strict=True))
+    assert by_title["variant"] == ("from … to", *(str(row) for row in table.ranked[:3]))
+    assert by_title["duration [s]"][1:] == tuple(f"{value:.4g}" for value in np.sort(table.duration)[:3])
+    assert by_title["knob 1 [m]"] == ("2 … 3", "2 (end)", "2 (end)", "2 (end)")
     assert by_title["limited by"][1] == "left/fx ↓"
 
 
