@@ -62,10 +62,15 @@ def row_label(row: ActiveRow) -> str:
     return str(name) if name == STANDSTILL or not name.robot else limit_label(name.short, row.side)
 
 
+def contact_failure(name: RowName) -> str:
+    """`left/pad slips`: what a hand does at a limit of its contact; empty for what limits no such thing."""
+    found = CONTACT_ROW.fullmatch(name.short)
+    return "" if found is None else f"{found[1]} {FAILURES[found[2]]}"
+
+
 def short_name(name: RowName) -> str:
     """What a row limits, whichever side: `left/elbow torque`, `left/pad slips`."""
-    found = CONTACT_ROW.fullmatch(name.short)
-    return str(name) if found is None else f"{found[1]} {FAILURES[found[2]]}"
+    return contact_failure(name) or str(name)
 
 
 def row_text(row: ActiveRow) -> str:

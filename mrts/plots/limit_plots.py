@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """How much of its limits a played motion uses along time, and which of them set its speed."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.drawing.colours import COLOURS
 from mrts.limits.rows import RowName
+from mrts.plots.labels import contact_failure, short_name
 from mrts.plots.plot import Axis, Cells, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel
 from mrts.scaling.limit_use import limited_rate_kinds, limited_rates, used_shares
 from mrts.scaling.range import SPEEDS, RangeEnd
@@ -86,21 +87,21 @@ class LimitShares:
 
 def limit_shares(done: ScaledTrajectory) -> list[LimitShares]:
     """The shares of all limits that there are, velocities also where their limits are reported only."""
-    return _by_kind(*used_shares(done))
+    return _by_kind(*used_shares(done), lambda name: name.contact)
 
 
-def _by_kind(names: Sequence[RowName], share: Array) -> list[LimitShares]:
-    """The rows of one contact, such as the directions of its friction, make one line."""
+def _by_kind(names: Sequence[RowName], share: Array, together: Callable[[RowName], str]) -> list[LimitShares]:
+    """The lines of every kind; rows that are named alike by `together` make one."""
     found = []
     for kind in dict.fromkeys([*TITLES, *(name.kind for name in names)]):
         lines: dict[str, list[int]] = {}
         for row, name in enumerate(names):
             if name.kind == kind:
-                label = name.contact or (f"{name.robot}/{name.element}" if name.robot else str(name))
+                label = together(name) or (f"{name.robot}/{name.element}" if name.robot else str(name))
                 lines.setdefault(label, []).append(row)
         if lines:
-            together = [np.max(share[:, members], axis=1, initial=0.0) for members in lines.values()]
-            found.append(LimitShares(kind, tuple(lines), np.column_stack(together)))
+            largest = [np.max(share[:, members], axis=1, initial=0.0) for members in lines.values()]
+            found.append(LimitShares(kind, tuple(lines), np.column_stack(largest)))
     return found
 
 
@@ -133,7 +134,8 @@ def limits_plot(result: ScalingResult, title: str, without: Sequence[str] = ()) 
     Raises:
         ValueError: If there is no trajectory.
     """
-    panels = [_percent_panel(of, result) for of in _by_kind(*all_shares(result)) if of.kind not in without]
+    kinds = _by_kind(*all_shares(result), contact_failure)
+    panels = [_percent_panel(of, result) for of in kinds if of.kind not in without]
     return Plot(
         name="limits", title=title, rows=[panels[at : at + 2] for at in range(0, len(panels), 2)], clock="played"
     )
@@ -167,22 +169,31 @@ def limit_map(result: ScalingResult, limiting: "LimitingRows") -> Plot:
     assert result.trajectory is not None  # noqa: S101 (else there are no shares)
     time, most = result.trajectory.time, np.max(shares, axis=0)
     first = {name: place for place, name in enumerate(limiting.setting)}
-    order = sorted(range(len(names)), key=lambda row: (first.get(names[row], len(first)), -most[row]))[:MOST_ROWS]
-    edges, columns = _columns(time, 100 * shares[:, order])
+    rows: dict[str, list[int]] = {}
+    for row in sorted(range(len(names)), key=lambda row: (first.get(names[row], len(first)), -most[row])):
+        rows.setdefault(short_name(names[row]), []).append(row)
+    shown = dict(list(rows.items())[:MOST_ROWS])
+
+    def largest(values: Array) -> tuple[Array, Array]:
+        """Edges of the columns, and of each row and column the largest value."""
+        edges, columns = _columns(time, np.stack([np.max(values[:, members], axis=1) for members in shown.values()], 1))
+        return edges, columns.T
+
+    edges, percent = largest(100 * shares)
     at_limit = shares >= 1 - AT_LIMIT
     codes = np.where(at_limit, np.where(limiting.forced, 1.0, 0.0), -1.0)
-    grid: dict[str, Any] = {"x": edges, "y": np.arange(len(order) + 1, dtype=np.float64) - 0.5}
+    grid: dict[str, Any] = {"x": edges, "y": np.arange(len(shown) + 1, dtype=np.float64) - 0.5}
     reached = Cells(
         **grid,
-        code=_columns(time, codes[:, order])[1].T.astype(int),
-        names=("at the limit through the distribution", "at the limit, and sets the speed"),
+        code=largest(codes)[1].astype(int),
+        names=("at the limit through the distribution", "at the limit where the speed is set"),
         colors=(COLOURS[4], COLOURS[1]),
     )
-    used = HeatMap(**grid, z=columns.T, colors=MAP_COLORS, low=0.0, high=100.0, title="of the limit [%]", unit="%")
+    used = HeatMap(**grid, z=percent, colors=MAP_COLORS, low=0.0, high=100.0, title="of the limit [%]", unit="%")
     panel = Panel(
         title="Per cent of limits along the motion",
         x=Axis(label="time [s]", ends=(float(time[0]), float(time[-1]))),
-        y=Axis(names=[names[row].short for row in order], strong=[names[row] in limiting.setting for row in order]),
+        y=Axis(names=list(shown), strong=[names[members[0]] in first for members in shown.values()]),
         items=[used, reached],
     )
     return one_panel("limit-map", panel, "played")

@@ -48,7 +48,7 @@ def phase_plane_plot(found: RetimingResult) -> Plot:
     if fastest:
         items += _most(fastest, top)
     items += [*lines, *(Rule(at=float(s[0]), upright=True) for s in along[1:])]
-    x = Axis(label="path s (root mean square of the joints' way) [rad or m]", hover="s = {}")
+    x = Axis(label="path s (rms over the joints) [rad or m]", hover="s = {}")
     y = Axis(label="speed ṡ [rad/s or m/s]", ends=(0.0, top))
     title = f"{found.cell.name}: speed along the path (phase plane)"
     return one_panel("phase-plane", Panel(title=title, x=x, y=y, items=items), "way")

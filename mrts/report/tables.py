@@ -10,7 +10,7 @@ from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import JOINT_HEAD
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.plots.labels import row_text
+from mrts.plots.labels import contact_failure, row_text, short_name
 from mrts.plots.limit_plots import LimitingRows
 from mrts.plots.range_plots import range_facts, range_text, ranked_loads
 from mrts.plots.what_if_plot import MOST_BARS, changed_shares
@@ -154,18 +154,19 @@ def range_table(found: ScalingRange) -> list[Html]:
 
 
 def margins_table(result: ScalingResult, limiting: LimitingRows) -> Html:
-    """Every limit by falling share that the trajectory uses; those that set the speed first.
+    """Every limit by falling share that the trajectory uses; those that set the speed first, each hand's failure once.
 
     Args:
         result: A result.
         limiting: Which rows set its speed.
     """
-    rows = []
+    rows: dict[str, tuple[str, ...]] = {}
     for use in sorted(limit_uses(result), key=lambda use: use.name not in limiting.setting):
-        limits = interval_text(use.lower, use.upper, use.name.unit)
-        numbers = (f"{use.least:.4g}", f"{use.largest:.4g}", bar(use.share, 1), f"{use.time:.4g} s")
-        rows.append((_marked(use.name, limiting), limits, *numbers))
-    return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows)
+        values = interval_text(use.lower, use.upper, use.name.unit), f"{use.least:.4g}", f"{use.largest:.4g}"
+        told = ("", "", "") if contact_failure(use.name) else values  # of what there is no value that people know
+        share = bar(use.share, 1), f"{use.time:.4g} s"
+        rows.setdefault(short_name(use.name), (_marked(use.name, limiting), *told, *share))
+    return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows.values())
 
 
 def _marked(name: RowName, limiting: LimitingRows) -> Html:
@@ -173,7 +174,7 @@ def _marked(name: RowName, limiting: LimitingRows) -> Html:
     sets = limiting.setting.get(name)
     words = limiting.reached.get(name, "") if sets is None else sets
     mark = element("span", words, class_="mark" if sets is None else "mark limiting")
-    return joined([html(str(name)), *([Html("<br>"), mark] if words else [])])
+    return joined([html(short_name(name)), *([Html("<br>"), mark] if words else [])])
 
 
 def duty_table(result: ScalingResult) -> Html:

@@ -10,6 +10,7 @@ import mrts
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
 from mrts.plots import matplotlib_figure, trajectory_plot, write_result_plots
+from mrts.plots.labels import short_name
 from mrts.plots.limit_plots import limiting_rows
 from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.trajectory_plots import torque_plots
@@ -164,7 +165,7 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
     table = margins_table(result, limiting_rows(result, None))
     for use in limit_uses(result):
-        assert str(use.name) in table
+        assert short_name(use.name) in table
 
 
 def test_a_limit_of_zero_that_is_met_is_not_shown_with_its_rounding():

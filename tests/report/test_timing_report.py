@@ -80,7 +80,7 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
     freer = mrts.scale(planar_cell, lift, 0.5 * end.c2, distribute="reserve")
     assert max(use.share for use in limit_uses(freer) if use.name in at_limit) < 1 - 1e-3
     (cells,) = (item for item in limit_map(lifted, found).rows[0][0].items if isinstance(item, Cells))
-    orange = cells.code == cells.names.index("at the limit, and sets the speed")
+    orange = cells.code == cells.names.index("at the limit where the speed is set")
     names, shares = used_shares(lifted.trajectory)
     assert [bool(row.any()) for row in orange] == [True] * len(end.rows) + [False] * (len(names) - len(end.rows))
     assert orange[:, 1:].any() == (np.count_nonzero(found.forced.any(axis=1)) > 2)
