@@ -300,6 +300,15 @@ class Plot:
     shared: bool = False
     clock: str = ""
 
+    def _repr_mimebundle_(self, **_: object) -> dict[str, Any]:
+        """For notebooks that can draw with plotly; others, and panels beside each other, have the picture."""
+        from mrts.plots.plotly_drawer import plotly_figure  # noqa: PLC0415 (it draws plots)
+
+        if any(len(row) > 1 for row in self.rows):
+            return {}
+        drawn = plotly_figure(self)
+        return {"application/vnd.plotly.v1+json": {"data": drawn["data"], "layout": drawn["layout"]}}
+
     def _repr_png_(self) -> bytes:
         from mrts.plots.matplotlib_drawer import png  # noqa: PLC0415 (the extra 'plot')
 

@@ -153,4 +153,8 @@ def test_figures_show_themselves_without_pyplot(lifted):
     """As IPython asks for it: matplotlib's own Figure shows its name only."""
     from mrts.plots import range_plot  # noqa: PLC0415 (needs an extra)
 
-    assert range_plot(lifted)._repr_png_().startswith(b"\x89PNG")
+    plot = range_plot(lifted)
+    assert plot._repr_png_().startswith(b"\x89PNG")
+    drawn = plot._repr_mimebundle_()["application/vnd.plotly.v1+json"]
+    assert drawn["data"]
+    assert drawn["layout"]["yaxis"]
