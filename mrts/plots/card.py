@@ -4,16 +4,18 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import sqrt
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from mrts.plots.labels import row_text, short_name
-from mrts.plots.limit_plots import all_shares, limiting_rows
+from mrts.plots.limit_plots import AT_END, all_shares, limiting_rows
 from mrts.plots.range_plots import range_facts
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
-from mrts.timing.result import RetimingResult
+
+if TYPE_CHECKING:
+    from mrts.timing.result import RetimingResult
 
 MOST_BARS = 5
 """Limits that are told: those of which most is used."""
@@ -56,22 +58,22 @@ class Card:
             yield f"  {bar.label:<{width}}  {drawn} {100 * bar.share:5.1f} %  at {bar.time:.4g} s"
 
 
-def answer_card(result: ScalingResult | RetimingResult) -> Card:
+def answer_card(result: "ScalingResult | RetimingResult") -> Card:
     """What the user asked: how much faster, how long, limited by what; or why not."""
     shown = result if isinstance(result, ScalingResult) else result.retimed
     if shown is None or shown.trajectory is None:
         return Card(_refusal(result), ())
     given, done = float(result.motion.object.time[-1]), shown.trajectory
     parts = [f"{given / done.duration:.3g} × as fast", f"{done.duration:.4g} s (given {given:.4g} s)"]
-    if isinstance(result, RetimingResult):
+    if not isinstance(result, ScalingResult):
         parts += [f"limited by {name}, {100 * share:.0f} % of the time" for name, share in result.limits[:1]]
     elif not result.origin and result.range.upper is not None and result.range.upper.time is not None:
         end = result.range.upper
-        if any(side == "upper" for side, _ in result.range.ends_at(done.c2, 1e-6)):
+        if any(side == "upper" for side, _ in result.range.ends_at(done.c2, AT_END)):
             parts.append(_limited(end, done.c2))
         else:
             parts.append(f"up to {sqrt(end.c2):.3g} × as fast, {_limited(end, end.c2)}")
-    return Card(" · ".join(parts), _nearest(shown, result if isinstance(result, RetimingResult) else None))
+    return Card(" · ".join(parts), _nearest(shown, None if isinstance(result, ScalingResult) else result))
 
 
 def _limited(end: RangeEnd, c2: float) -> str:
@@ -80,15 +82,15 @@ def _limited(end: RangeEnd, c2: float) -> str:
     return f"limited by {first}{more}, at {(end.time or 0.0) / sqrt(c2):.4g} s"
 
 
-def _refusal(result: ScalingResult | RetimingResult) -> str:
-    if isinstance(result, RetimingResult):
+def _refusal(result: "ScalingResult | RetimingResult") -> str:
+    if not isinstance(result, ScalingResult):
         return f"no timing: {result.explanation}" if result.explanation else str(result.status.value)
     if result.status.admits_motion:
         return result.sentence()
     return " · ".join(["no speed keeps all limits", *range_facts(result.range)])
 
 
-def _nearest(result: ScalingResult, timing: RetimingResult | None) -> tuple[LimitBar, ...]:
+def _nearest(result: ScalingResult, timing: "RetimingResult | None") -> tuple[LimitBar, ...]:
     """What sets the speed, then limits by falling share; the rows of one hand that fail alike are one.
 
     Velocities count only where their limits are kept.

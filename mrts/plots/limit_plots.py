@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +17,9 @@ from mrts.scaling.limit_use import limited_rate_kinds, limited_rates, used_share
 from mrts.scaling.range import SPEEDS, RangeEnd
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.timing.profile_limits import BINDING
-from mrts.timing.result import RetimingResult
-from mrts.timing.smooth_piece import BINDING as AT_LIMIT
+
+if TYPE_CHECKING:
+    from mrts.timing.result import RetimingResult
 
 TITLES = {
     "torque": "Joint torques",
@@ -48,6 +48,12 @@ MOST_TIMES = 200
 
 MAP_COLORS = ("#fff", "#0072B2")
 """From 0 to 100 %; a dark page has dark for the first and light for the second."""
+
+AT_LIMIT = 1e-4
+"""Share of a limit by which what is drawn as reached may miss it: interior points come near limits, not to them."""
+
+AT_END = 1e-6
+"""Share of c² within which it is at an end of what a sample admits: ends that tie are right to 1e-7."""
 
 AT_END_RETIMED = 1e-2
 """Share of c² within which it is at an end of what a sample of a retimed motion admits, where the acceleration is the
@@ -224,7 +230,7 @@ class LimitingRows:
     forced: NDArray[np.bool_]
 
 
-def limiting_rows(result: ScalingResult, timing: RetimingResult | None) -> LimitingRows:
+def limiting_rows(result: ScalingResult, timing: "RetimingResult | None") -> LimitingRows:
     """What sets the speed: of a constant factor the end of the range that it is at, of a timing all along its path.
 
     A row that is at its limit where c² lies inside the range of its sample need not be there: with another
@@ -253,7 +259,7 @@ def limiting_rows(result: ScalingResult, timing: RetimingResult | None) -> Limit
     return LimitingRows(setting, reached, forced)
 
 
-def _of_timing(timing: RetimingResult, names: Sequence[RowName]) -> tuple[NDArray[np.bool_], dict[RowName, str]]:
+def _of_timing(timing: "RetimingResult", names: Sequence[RowName]) -> tuple[NDArray[np.bool_], dict[RowName, str]]:
     """Its limits are told by name, segment by segment, the two sides of a row apart; both do not bind at once."""
     segments = timing.segment_limits
     binds = np.array([[_binds(name, of_segment) for name in names] for of_segment, _ in segments], dtype=bool)
@@ -276,7 +282,7 @@ def _binds(name: RowName, told: set[str]) -> bool:
 def _of_range(result: ScalingResult) -> dict[RowName, str]:
     assert result.trajectory is not None  # noqa: S101 (its caller has a trajectory)
     words = {"lower": "c²⁻", "upper": "c²⁺"}
-    ends = result.range.ends_at(result.trajectory.c2, BINDING)
+    ends = result.range.ends_at(result.trajectory.c2, AT_END)
     return {row.name: _words(end, words[side]) for side, end in ends for row in end.rows}
 
 
@@ -292,7 +298,7 @@ def _forced(result: ScalingResult, names: tuple[RowName, ...]) -> tuple[NDArray[
     """
     found, done = result.range, result.trajectory
     assert done is not None  # noqa: S101 (its caller has a trajectory)
-    near = AT_END_RETIMED if result.origin else BINDING
+    near = AT_END_RETIMED if result.origin else AT_END
     at_lower = (found.samples.lower > 0) & (found.samples.lower >= done.c2 * (1 - near))
     at_upper = found.samples.upper <= done.c2 * (1 + near)
     forced, rows = np.zeros((len(found.samples.time), len(names)), dtype=bool), set()
