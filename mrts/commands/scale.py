@@ -265,13 +265,13 @@ def _retime(
 
 
 def _write_timing(options: argparse.Namespace, found: "RetimingResult", outputs: Outputs) -> None:
-    """Write what was asked for of the fastest timing; files with one result of it get the retimed motion."""
+    """Write what was asked for of the fastest timing; files of one trajectory get the retimed motion."""
     _write_json(options, found, outputs)
     if found.retimed is None:
         _say_unwritten(options)
     else:
         _write_trajectory(options, found.retimed, outputs)
-        _save(options, found.retimed, outputs)
+    _save(options, found, outputs)
     _write_pictures(options, found, outputs)
 
 
@@ -304,7 +304,7 @@ def _write_json(options: argparse.Namespace, found: "ScalingResult | RetimingRes
             found.write_json(options.json)
 
 
-def _save(options: argparse.Namespace, result: "ScalingResult", outputs: Outputs) -> None:
+def _save(options: argparse.Namespace, result: "ScalingResult | RetimingResult", outputs: Outputs) -> None:
     if options.save is not None:
         with outputs.attempt(options.save):
             from mrts.output.saved_result import save_result
@@ -327,8 +327,6 @@ def _write_pictures(options: argparse.Namespace, found: "ScalingResult | Retimin
 
 def _say_unwritten(options: argparse.Namespace) -> None:
     wanted = {f"--{name}": path for name, _, path in _trajectory_files(options)}
-    if options.profile != "constant":
-        wanted["--save"] = options.save
     if left_out := [name for name, path in wanted.items() if path is not None]:
         warn(f"there is no trajectory for {', '.join(left_out)}: not written")
 

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from mrts.viewer.guard import GuardedServer
-    from mrts.viewer.motion_viewer import MotionViewer
     from mrts.viewer.plots.other_result import Others
+    from mrts.viewer.viewer import Viewer
     from mrts.viewer.workbench.choices import Given
 
 EXAMPLES = """\
@@ -123,12 +123,12 @@ def _given_cell(options: argparse.Namespace, cell_path: "Path | None") -> "Given
 
 def _serve_saved(options: argparse.Namespace, others: "Others") -> int:
     """Show a saved result, which takes neither its cell's files nor a compiler."""
-    from mrts.viewer.plots.saved_state import SavedState
-    from mrts.viewer.saved_viewer import SavedViewer
+    from mrts.viewer.player_state import PlayerState
+    from mrts.viewer.viewer import Viewer
 
     result = played(options.cell)
     with _server(options, result.cell.name) as server:
-        viewer = SavedViewer(server, SavedState(result), warn, others)
+        viewer = Viewer(server, PlayerState.saved(result), {}, warn, others)
         _follow(options, server, viewer, f"{result.cell.name}: {result.summary()}")
     return FEASIBLE
 
@@ -145,7 +145,7 @@ def _server(options: argparse.Namespace, name: str) -> "Iterator[GuardedServer]"
         close_server(server)
 
 
-def _follow(options: argparse.Namespace, server: "GuardedServer", viewer: "MotionViewer", outcome: str) -> None:
+def _follow(options: argparse.Namespace, server: "GuardedServer", viewer: "Viewer", outcome: str) -> None:
     """Say where the viewer is, and follow its controls until Ctrl-C."""
     if options.host not in LOCAL:
         warn(f"everyone who reaches {options.host} and knows the address can watch and steer this viewer")

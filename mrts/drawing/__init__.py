@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What scenes are drawn from, without any library: colours, shapes of arms and objects, where to look from.
+"""Colours and round numbers, which plots and scenes share.
 
 May import base to layout. Start at `colours.py`.
 """

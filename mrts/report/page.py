@@ -16,7 +16,7 @@ from mrts.plots.trajectory_plots import joint_plots, power_plots, torque_plots, 
 from mrts.plots.what_if_plot import what_if_plot
 from mrts.report.document import Plots, document, placed
 from mrts.report.markup import Html, bar, element, joined, section, table
-from mrts.report.player import SPEEDS, Player, player
+from mrts.report.player import Player, player
 from mrts.report.tables import (
     conflicts_table,
     duty_table,
@@ -32,6 +32,7 @@ from mrts.report.tables import (
 )
 from mrts.report.timing_part import timing_section
 from mrts.scaling.result import ScalingResult, fallbacks_text
+from mrts.scene.scene import PACES
 from mrts.timing.result import RetimingResult
 
 RANGE_TITLE = "c²⁻(t), c²⁺(t) and the limits that bind (↑ at the upper, ↓ at the lower side; bold: they set the range)"
@@ -226,7 +227,7 @@ def _duty_note() -> Html:
 
 
 def _player_section(scene: Player, *, given: bool) -> Html:
-    speeds = joined(_speed(speed, chosen=speed == scene.speed) for speed in SPEEDS)
+    speeds = joined(_speed(speed, chosen=speed == scene.speed) for speed in PACES)
     last = str(len(scene.time) - 1)
     controls = [
         element("button", "Play", id="play", type="button"),
@@ -254,4 +255,4 @@ def _player_section(scene: Player, *, given: bool) -> Html:
 
 def _speed(speed: float, *, chosen: bool) -> Html:
     more = {"selected": "selected"} if chosen else {}
-    return element("option", f"{speed:g} ×", value=f"{speed:g}", **more)
+    return element("option", PACES[speed], value=f"{speed:g}", **more)

@@ -27,6 +27,7 @@ ROOMS = (
     "layout",
     "drawing",
     "plots",
+    "scene",
     "starting",
     "output",
     "report",

@@ -15,7 +15,7 @@ from mrts.console.progress import working
 from mrts.console.terminal import say, warn
 
 if TYPE_CHECKING:
-    from mrts.film.stage import Take
+    from mrts.film.renderer import Clip
 
 SIDES = ("given", "fastest", "optimal", "smooth")
 """How a motion may be played: as given, by the fastest constant factor, at the fastest timing, at the smooth one."""
@@ -52,20 +52,21 @@ def writes_films(options: argparse.Namespace) -> bool:
         for name in (name for name, is_given in given.items() if is_given):
             raise InputError(name, "goes with --png FILE or --video FILE.")
         return False
-    for option, path in (("--png", options.png), ("--video", options.video)):
-        require("matplotlib", option, "film", wanted=path is not None)
-        require("PIL", option, "film", wanted=path is not None)
+    for package in ("matplotlib", "mujoco", "PIL"):
+        require(package, "--png" if options.video is None else "--video", "film", wanted=True)
     if given["--at"] and options.png is None:
         raise InputError("--at", "is the moment of --png FILE.")
     if options.png is not None and options.png.suffix.lower() != ".png":
         raise InputError("--png", "writes a file that ends in .png.", value=str(options.png))
-    if options.video is not None:
-        from mrts.film.film import check_film
+    from mrts.film.film import check_film
+    from mrts.film.renderer import require_renderer
 
+    if options.video is not None:
         check_film(options.video)
     check_outputs({"--png": options.png, "--video": options.video})
     if "smooth" not in _sides(options) and given["--rates"]:
         raise InputError("--rates", "is of the smooth side: give --side-by-side smooth too.")
+    require_renderer()
     return True
 
 
@@ -73,18 +74,18 @@ def write_films(options: argparse.Namespace) -> int:
     """Write what was asked for; the exit code is that of the outcome."""
     from mrts.film.film import write_film, write_picture
 
-    takes, within = _takes(options)
+    clips, within = _clips(options)
     outputs = Outputs()
     if options.png is not None:
-        longest = max(take.trajectory.duration for take in takes)
+        longest = max(clip.trajectory.duration for clip in clips)
         at = longest / 2 if options.at is None else options.at
         if not 0 <= at <= longest:
             raise InputError("--at", f"must be a time of the motion, from 0 to {longest:.4g} s.", value=at)
         with outputs.attempt(options.png), working(f"drawing {options.png}"):
-            write_picture(takes, options.png, at, warn=warn)
+            write_picture(clips, options.png, at, warn=warn)
     if options.video is not None:
         with outputs.attempt(options.video), working(f"drawing {options.video}") as progress:
-            write_film(takes, options.video, warn=warn, progress=progress)
+            write_film(clips, options.video, warn=warn, progress=progress)
     for line in outputs.lines():
         say(line.lstrip("\n"))
     return outputs.code(FEASIBLE if within else INFEASIBLE)
@@ -106,24 +107,27 @@ def _sides(options: argparse.Namespace) -> list[str]:
     return sides
 
 
-def _takes(options: argparse.Namespace) -> "tuple[list[Take], bool]":
+def _clips(options: argparse.Namespace) -> "tuple[list[Clip], bool]":
     """What is played, and whether all of it keeps its limits."""
-    from mrts.film.stage import Take
+    from mrts.film.renderer import Clip
 
-    others = [Take(other.stem, done) for other in options.others for done in [played(other).trajectory] if done]
+    def saved(path: Path) -> Clip:
+        result = played(path)
+        assert result.trajectory is not None  # noqa: S101 (what is played has one)
+        return Clip(path.stem, result.trajectory, result.range)
+
+    others = [saved(other) for other in options.others]
     if is_saved(options):
-        done = played(options.cell).trajectory
-        assert done is not None  # noqa: S101 (what is played has one)
-        takes, within = [Take(options.cell.stem, done)], True
+        clips, within = [saved(options.cell)], True
     else:
-        takes, within = _played_sides(options)
-    if len(takes) + len(others) > MOST_SIDES:
+        clips, within = _played_sides(options)
+    if len(clips) + len(others) > MOST_SIDES:
         raise InputError("--with", f"there is room for {MOST_SIDES} motions side by side.")
-    return [*takes, *others], within
+    return [*clips, *others], within
 
 
-def _played_sides(options: argparse.Namespace) -> "tuple[list[Take], bool]":
-    from mrts.film.stage import Take
+def _played_sides(options: argparse.Namespace) -> "tuple[list[Clip], bool]":
+    from mrts.film.renderer import Clip
     from mrts.motion.motion_file import load_motion
     from mrts.program.rate_limits import rate_limits
     from mrts.timing.retime import retime
@@ -132,21 +136,20 @@ def _played_sides(options: argparse.Namespace) -> "tuple[list[Take], bool]":
     motion = load_motion(options.motion)
     sharing, closure = sharing_option(options.share), closure_option(options.closure)
     cell, urdfs, sides = limited_cell_option(options), shown_urdfs(options), _sides(options)
-    takes, within = [], True
+    clips, within = [], True
     with working(f"scaling {options.motion}") as progress:
         state = PlayerState(cell, motion, sharing=sharing, closure=closure, progress=progress)
     for side in sides:
         if side == "given":
             state.choose_speed(1.0)
             within &= state.admissible
-            takes.append(
-                Take("as given" if state.admissible else "as given: beyond its limits", state.trajectory, urdfs)
-            )
+            title = "as given" if state.admissible else "as given: beyond its limits"
+            clips.append(Clip(title, state.trajectory, state.result.range, urdfs))
         elif side == "fastest":
             state.choose_speed(state.speeds.start)
             if not state.admissible:
                 raise InputError("--side-by-side", f"no speed is admissible: {state.result.sentence()}", value=side)
-            takes.append(Take(f"constant factor {state.trajectory.c:.3g}", state.trajectory, urdfs))
+            clips.append(Clip(f"constant factor {state.trajectory.c:.3g}", state.trajectory, state.result.range, urdfs))
         else:
             rates = (options.rates or True) if side == "smooth" else False
             if rates:
@@ -154,7 +157,8 @@ def _played_sides(options: argparse.Namespace) -> "tuple[list[Take], bool]":
                     rate_limits(cell, rates)
             with working(f"timing {options.motion}") as progress:
                 found = retime(cell, motion, sharing=sharing, closure=closure, rates=rates, progress=progress)
-            if found.retimed is None or found.retimed.trajectory is None:
+            timed, title = found.retimed, f"{'fastest' if side == 'optimal' else side} timing"
+            if timed is None or timed.trajectory is None:
                 raise InputError("--side-by-side", f"there is no such timing: {found.sentence()}", value=side)
-            takes.append(Take(f"{'fastest' if side == 'optimal' else side} timing", found.retimed.trajectory, urdfs))
-    return takes, within
+            clips.append(Clip(title, timed.trajectory, timed.range, urdfs))
+    return clips, within
