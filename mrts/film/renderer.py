@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import quaternions_from_rotations
-from mrts.drawing.round_numbers import round_down
+from mrts.plots.round_numbers import round_down
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
@@ -134,7 +134,8 @@ def require_renderer() -> Any:
 def _no_renderer(error: Exception) -> InputError:
     way = os.environ.get("MUJOCO_GL", "")
     rule = "pictures and films are drawn by libEGL, which lacks or does not work: on Debian, apt install libegl1 "
-    rule += f"libgl1-mesa-dri; or apt install libosmesa6 and set MUJOCO_GL=osmesa; set it before mujoco is imported ({type(error).__name__}: {error})."
+    rule += "libgl1-mesa-dri; or apt install libosmesa6 and set MUJOCO_GL=osmesa; set it before mujoco is imported "
+    rule += f"({type(error).__name__}: {error})."
     return InputError("MUJOCO_GL", rule, value=way)
 
 

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from mrts.drawing.colours import CONFLICT, END_COLOURS
+from mrts.plots.colours import CONFLICT, END_COLOURS
 from mrts.plots.labels import row_labels
 from mrts.plots.plot import Axis, Bars, Item, Panel, Plot, Points, one_panel
 from mrts.program.range_status import RangeStatus

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.drawing.colours import COLOURS
 from mrts.limits.rows import RowName
+from mrts.plots.colours import COLOURS
 from mrts.plots.labels import contact_failure, short_name
 from mrts.plots.plot import Axis, Cells, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel
 from mrts.scaling.limit_use import limited_rate_kinds, limited_rates, used_shares

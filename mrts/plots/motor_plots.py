@@ -3,8 +3,8 @@
 
 import numpy as np
 
-from mrts.drawing.colours import COLOURS
 from mrts.identification.identified_motors import ArmMotors
+from mrts.plots.colours import COLOURS
 from mrts.plots.plot import Axis, Item, Line, Panel, Plot, Points
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.drawing.colours import ADMISSIBLE, COLOURS
+from mrts.plots.colours import ADMISSIBLE, COLOURS
 from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, Rule, one_panel
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import FastestPiece, TimedPiece

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.drawing.colours import COLOURS
+from mrts.plots.colours import COLOURS
 
 FARTHEST_LIMIT = 4.0
 """Limits beyond this many times the largest value are left outside: the values would be flat lines."""

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.drawing.colours import ADMISSIBLE, COLOURS, CONFLICT, END_COLOURS
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
+from mrts.plots.colours import ADMISSIBLE, COLOURS, CONFLICT, END_COLOURS
 from mrts.plots.labels import row_label, row_labels
 from mrts.plots.plot import MARGIN, Axis, Band, Bars, Item, Line, Panel, Plot, Points, Rule, Spans, look, one_panel
 from mrts.program.range_status import RangeStatus

@@ -8,7 +8,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.drawing.colours import COLOURS
+from mrts.plots.colours import COLOURS
 from mrts.plots.study_table import Index, StudyTable
 
 LIMIT_COLOURS = (*COLOURS[:6], "#999999")

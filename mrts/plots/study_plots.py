@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.drawing.colours import COLOURS
+from mrts.plots.colours import COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.plot import Axis, Bars, Cells, HeatMap, Item, Line, Panel, Plot, Points, Rule, Spans
 from mrts.plots.plotly_drawer import numbers, plot_text

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from mrts.drawing.colours import ADMISSIBLE, COLOURS
+from mrts.plots.colours import ADMISSIBLE, COLOURS
 from mrts.plots.plot import Axis, Bars, Item, Panel, Plot, Rule, one_panel
 from mrts.scaling.what_if import ChangedAnswer, WhatIf
 

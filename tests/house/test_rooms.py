@@ -25,7 +25,6 @@ ROOMS = (
     "studies",
     "sweeps",
     "layout",
-    "drawing",
     "plots",
     "scene",
     "starting",

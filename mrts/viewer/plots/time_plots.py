@@ -15,7 +15,7 @@ import viser
 
 from mrts.base.arrays import Array
 from mrts.base.printable import html_text
-from mrts.drawing.colours import COLOURS, END_COLOURS
+from mrts.plots.colours import COLOURS, END_COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.limit_plots import LimitShares, limit_shares
 from mrts.plots.range_plots import c2_ends

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mrts.drawing.round_numbers import round_down
+from mrts.plots.round_numbers import round_down
 
 
 @pytest.mark.quick
