@@ -75,10 +75,10 @@ def run(options: argparse.Namespace) -> int:
             study.write_json(options.json)
     if options.plot is not None:
         with outputs.attempt(options.plot):
-            from mrts.figures import ranking_figure, write_figure
+            from mrts.plots import ranking_plot, write_plot
 
-            drawn = ranking_figure(study, f"{cell.name}: configurations")
-            write_figure(drawn, options.plot / f"configurations.{options.plot_format}")
+            drawn = ranking_plot(study, f"{cell.name}: configurations")
+            write_plot(drawn, options.plot / f"configurations.{options.plot_format}")
     if str(options.json) == "-":
         put(study.json_text())
     else:

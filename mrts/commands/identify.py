@@ -57,9 +57,9 @@ def run(options: argparse.Namespace) -> int:
             found.write_yaml(options.output)
     if options.plot is not None:
         with outputs.attempt(options.plot):
-            from mrts.figures import write_motor_figures
+            from mrts.plots import write_motor_plots
 
-            write_motor_figures(found, options.plot, options.plot_format)
+            write_motor_plots(found, options.plot, options.plot_format)
     say(f"{cell.name}: {found.sentence()}", "bad" if found.empty else "strong")
     for remark in found.remarks:
         say(str(remark), "note")

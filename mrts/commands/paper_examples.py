@@ -13,8 +13,8 @@ from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import read_model
 from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
-from mrts.drawing.labels import row_labels
 from mrts.motion.motion_file import load_motion
+from mrts.plots.labels import row_labels
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.range import ScalingRange
@@ -171,18 +171,18 @@ def write_demo_files(folder: Path, rows: list[DemoRow]) -> bool:
 def _figure_writers(rows: list[DemoRow]) -> dict[str, Write]:
     """What writes each figure, by file name; none without matplotlib."""
     try:
-        from mrts.figures import load_figure, trajectory_figure
-        from mrts.figures.style import figure_writer
+        from mrts.plots import load_plot, trajectory_plot
+        from mrts.plots.matplotlib_drawer import figure_writer
     except ImportError:
         return {}
     writers = {}
     for row in rows:
         if row.case.figure is not None:
             title = f"Figure {row.case.figure}: {row.case.id}, {row.case.title}, c² = {_four_digits(row.c2)}"
-            writers[f"figure_{row.case.figure}.png"] = figure_writer(trajectory_figure(row.result, title))
+            writers[f"figure_{row.case.figure}.png"] = figure_writer(trajectory_plot(row.result, title))
         if row.result.load is not None:
             cell, motion = row.result.cell, row.result.motion
             answers = {name: scale(cell, motion, load=name, between=None) for name in ("possible", "nominal")}
             answers["guaranteed"] = row.result
-            writers["uncertain_load.png"] = figure_writer(load_figure(answers))
+            writers["uncertain_load.png"] = figure_writer(load_plot(answers))
     return writers

@@ -45,8 +45,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _report_study(folder: Path, output: Path) -> int:
     """Write the report of what a sweep has found so far."""
-    from mrts.drawing.study_table import read_study_table
-    from mrts.drawing.study_words import outcome_text
+    from mrts.plots.study_table import read_study_table
+    from mrts.plots.study_words import outcome_text
     from mrts.report import write_study_report
 
     found = read_study_table(folder)

@@ -26,7 +26,7 @@ from mrts.commands.options.profile import add_profile, check_profile, rates_opti
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs, check_outputs
 from mrts.console.progress import working
-from mrts.console.terminal import put, say, warn
+from mrts.console.terminal import Style, put, say, warn
 from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
 from mrts.program.formulation import DISTRIBUTIONS, FORMULATIONS
 
@@ -95,6 +95,9 @@ def add(scale: argparse.ArgumentParser) -> None:
     add_plot(scale, "figures")
     scale.add_argument("--report", type=Path, metavar="FILE",
                        help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
+    scale.add_argument(
+        "-v", "--verbose", action="store_true", help="print the table of all limits, not the nearest ones"
+    )
     scale.set_defaults(run=run)
 
 
@@ -189,7 +192,7 @@ def _scale(
         raise
     with working("writing"):  # files first: whoever reads the lines may go away
         _write(options, result, outputs)
-    code = _answered(options, result, scaling_lines(result), outputs)
+    code = _answered(options, result, scaling_lines(result, whole=options.verbose), outputs)
     if result.fallbacks and str(options.json) != "-":
         from mrts.scaling.result import fallbacks_text
 
@@ -201,14 +204,19 @@ def _answered(
     options: argparse.Namespace, found: "ScalingResult | RetimingResult", lines: "Iterable[str]", outputs: Outputs
 ) -> int:
     """Print the answer in words, or its JSON text where `-` asks for that; the exit code."""
+    from mrts.plots.card import answer_card
+
     admits = found.status.admits_motion
     if str(options.json) == "-":
         put(found.json_text())
     else:
+        card = answer_card(found)
+        styles: dict[str, Style] = {"free": "plain", "near": "note", "reached": "bad"}
+        bars = {line: styles[bar.nearness] for line, bar in zip(card.lines(), card.bars, strict=True)}
         outcome, *details = lines
         say(outcome, "strong" if admits else "bad")
         for line in details:
-            say(line, "note" if line.startswith(("note:", "warning:")) else "plain")
+            say(line, "note" if line.startswith(("note:", "warning:")) else bars.get(line, "plain"))
         for line in outputs.lines():
             say(line)
     return outputs.code(FEASIBLE if admits else INFEASIBLE)
@@ -250,7 +258,7 @@ def _retime(
         played = found.retimed and replace(found.retimed, changes=changes)
         found = replace(found, changes=changes, retimed=played)
     with working("comparing with a constant factor"):
-        lines = list(retiming_lines(found))
+        lines = list(retiming_lines(found, whole=options.verbose))
     with working("writing"):  # files first: whoever reads the lines may go away
         _write_timing(options, found, outputs)
     return _answered(options, found, lines, outputs)
@@ -312,9 +320,9 @@ def _write_pictures(options: argparse.Namespace, found: "ScalingResult | Retimin
             write_report(found, options.report)
     if options.plot is not None:
         with outputs.attempt(options.plot):
-            from mrts.figures import write_result_figures
+            from mrts.plots import write_result_plots
 
-            write_result_figures(found, options.plot, options.plot_format)
+            write_result_plots(found, options.plot, options.plot_format)
 
 
 def _say_unwritten(options: argparse.Namespace) -> None:

@@ -121,9 +121,9 @@ def _answered(study: "Study", folder: "StudyFolder", tally: "Tally", options: ar
                 say(line)
     if options.plot is not None:
         with outputs.attempt(options.plot):
-            from mrts.figures import write_study_figures
+            from mrts.plots import write_study_plots
 
-            write_study_figures(folder.path, options.plot, options.plot_format)
+            write_study_plots(folder.path, options.plot, options.plot_format)
     for line in outputs.lines():
         say(line)
     return outputs.code(FEASIBLE if admitted else INFEASIBLE)

@@ -4,17 +4,18 @@
 import gzip
 import json
 from base64 import b85encode
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from mrts.base.errors import InputError
+from mrts.plots.plot import Plot
+from mrts.plots.plotly_drawer import plotly_figure
 from mrts.report.markup import Html, contents, element, html, joined, plot_place
-from mrts.report.plots import Plot
 
-Place = Callable[..., Html]
-"""Puts plots into a document, and tells where they stand."""
+Plots = dict[str, dict[str, Any]]
+"""What a document draws, as plotly reads it, by its place."""
 
 
 @cache
@@ -43,27 +44,28 @@ def packed(text: str) -> str:
     return b85encode(gzip.compress(text.encode(), mtime=0)).decode().replace("<", ",")
 
 
-def placing(plots: list[Plot]) -> Place:
-    """What puts plots beside each other and adds them to those of the document.
+def placed(plots: Plots, *drawn: Plot) -> Html:
+    """Plots beside each other, which become those of the document.
 
     Args:
         plots: Of the document.
+        *drawn: What is added to them.
     """
+    return element("div", joined(place_figure(plots, plot.name, plot.title, plotly_figure(plot)) for plot in drawn),
+                   class_="plots")  # fmt: skip
 
-    def place(*drawn: Plot) -> Html:
-        plots.extend(drawn)
-        return element("div", joined(plot_place(plot.place, plot.title, plot.height) for plot in drawn), class_="plots")
 
-    return place
+def place_figure(plots: Plots, name: str, title: str, figure: dict[str, Any]) -> Html:
+    """Where a figure of plotly goes, which becomes one of the document."""
+    plots[f"plot-{name}"] = figure
+    return plot_place(f"plot-{name}", title, figure["layout"]["height"])
 
 
 def document(
     title: str,
     head: str,
     pieces: Sequence[str],
-    plots: Sequence[Plot],
-    *,
-    compiles: bool = False,
+    plots: Plots,
     **data: Mapping[str, Any],
 ) -> str:
     """A document that opens offline; the same parts give the same text.
@@ -73,15 +75,14 @@ def document(
         head: What stands above all, HTML.
         pieces: HTML; the sections among them are listed.
         plots: What is drawn into their places of the body.
-        compiles: Whether a plot needs a browser that compiles: plotly's parallel coordinates do.
         **data: What its script needs beside the plots.
 
     Raises:
         InputError: If plotly is not installed.
     """
     library = plot_library()
-    drawn = {plot.place: {"data": plot.data, "layout": plot.layout, "clock": plot.clock} for plot in plots}
-    text = packed(json.dumps({"plots": drawn, **data}, allow_nan=False, separators=(",", ":")))
+    text = packed(json.dumps({"plots": plots, **data}, allow_nan=False, separators=(",", ":")))
+    compiles = any(trace.get("type") == "parcoords" for plot in plots.values() for trace in plot["data"])
     return f"""<!doctype html>
 <html lang="en">
 <head>
@@ -117,7 +118,7 @@ def policy(*, compiles: bool) -> str:
     """What the browser lets the page do: nothing from outside.
 
     Args:
-        compiles: Whether the page may compile scripts.
+        compiles: Whether the page may compile scripts: plotly's parallel coordinates do.
     """
     scripts = "'unsafe-inline' 'unsafe-eval'" if compiles else "'unsafe-inline'"
     return f"default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; img-src data: blob:"

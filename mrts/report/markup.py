@@ -2,9 +2,8 @@
 """Pieces of HTML. What comes from a user is escaped here: pieces take text and give HTML."""
 
 from collections.abc import Iterable, Sequence
-from html import escape
 
-from mrts.base.printable import html_text, printable
+from mrts.base.printable import html_text
 
 
 class Html(str):
@@ -72,15 +71,16 @@ def contents(pieces: Iterable[str]) -> Html:
     return element("nav", element("ul", joined(element("li", link) for link in links)), id="contents")
 
 
-def bar(share: float, digits: int = 0, words: str = "") -> Html:
+def bar(share: float, digits: int = 0, words: str = "", state: str = "") -> Html:
     """A share as a bar with its percentage.
 
     Args:
         share: 1 fills it.
         digits: Decimals of the percentage.
         words: What is written instead of it.
+        state: A class of its filling.
     """
-    filled = element("div", "", class_="fill", style=f"width:{100 * min(share, 1):.1f}%")
+    filled = element("div", "", class_=f"fill {state}".rstrip(), style=f"width:{100 * min(share, 1):.1f}%")
     return joined([element("div", filled, class_="bar"), html(words or f"{100 * share:.{digits}f} %")])
 
 
@@ -94,8 +94,3 @@ def plot_place(name: str, title: str, height: int) -> Html:
     """
     place = element("div", "", id=name, style=f"height:{height}px")
     return element("figure", joined([element("figcaption", title), place]))
-
-
-def plot_text(text: str) -> str:
-    """Text for plotly, which reads some HTML in names and labels, and TeX between two $."""
-    return escape(printable(text, lines=True), quote=False).replace("$", "&#36;")

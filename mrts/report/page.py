@@ -1,28 +1,22 @@
 # SPDX-License-Identifier: MIT
 """The page of a result."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
 from mrts.cell.cell import Cell
-from mrts.report.document import Place, document, placing
-from mrts.report.limit_map import limit_map
-from mrts.report.limiting import LimitingRows, limiting_rows
-from mrts.report.markup import Html, element, joined, section
+from mrts.plots.card import Card, answer_card
+from mrts.plots.limit_plots import LimitingRows, limit_map, limiting_rows, limits_plot
+from mrts.plots.phase_plane import phase_plane_plot, played_way
+from mrts.plots.plot import Plot, one_panel
+from mrts.plots.range_plots import load_study_plot, range_plot
+from mrts.plots.trajectory_plots import joint_plots, power_plots, torque_plots, wrench_plots
+from mrts.plots.what_if_plot import what_if_plot
+from mrts.report.document import Plots, document, placed
+from mrts.report.markup import Html, bar, element, joined, section, table
 from mrts.report.player import Player, player
-from mrts.report.plots import (
-    Plot,
-    load_plot,
-    position_plots,
-    power_plots,
-    rate_plots,
-    torque_plots,
-    velocity_plots,
-    wrench_plots,
-)
-from mrts.report.range_plot import range_plot
 from mrts.report.tables import (
     conflicts_table,
     duty_table,
@@ -33,13 +27,18 @@ from mrts.report.tables import (
     motors_table,
     range_table,
     rates_table,
+    what_if_notes,
     wrench_limits_table,
 )
-from mrts.report.timing_part import played_way, timing_section
-from mrts.report.what_if_plot import what_if_notes, what_if_plots
+from mrts.report.timing_part import timing_section
 from mrts.scaling.result import ScalingResult, fallbacks_text
 from mrts.scene.scene import PACES
 from mrts.timing.result import RetimingResult
+
+RANGE_TITLE = "c²⁻(t), c²⁺(t) and the limits that bind (↑ at the upper, ↓ at the lower side; bold: they set the range)"
+
+DRAWN_BY_VALUE = ("torque", "wrench", "velocity")
+"""Kinds of limits whose quantities are drawn in their own units."""
 
 
 def write_report(result: ScalingResult | RetimingResult, path: Path | str) -> None:
@@ -65,7 +64,7 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
     Raises:
         InputError: If plotly is not installed.
     """
-    plots: list[Plot] = []
+    plots: Plots = {}
     timing = result if isinstance(result, RetimingResult) else None
     shown = result if isinstance(result, ScalingResult) else result.retimed or result.constant
     scene = player(shown, None if timing is None or timing.retimed is None else played_way(timing))
@@ -74,44 +73,59 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
     return document(f"{shown.cell.name}: {result.status.value}", head, pieces, plots, player=asdict(scene))
 
 
-def _sections(result: ScalingResult, timing: RetimingResult | None, scene: Player, plots: list[Plot]) -> list[Html]:
+def _sections(result: ScalingResult, timing: RetimingResult | None, scene: Player, plots: Plots) -> list[Html]:
     """All sections in order; their plots are added to `plots`."""
-    place = placing(plots)
+
+    def place(*drawn: Plot) -> Html:
+        return placed(plots, *drawn)
+
     found, study, done = result.range, result.load, result.trajectory
-    pieces = [*_warnings(result), *_timing(timing, place), _player_section(scene, given=done is None)]
-    pieces.append(
-        section(
-            "range",
-            _range_title(timing),
-            *range_table(found),
-            place(range_plot(found, "retimed" if result.origin else "given")),
+    pieces = [*_warnings(result), _player_section(scene, given=done is None)]
+    if timing is not None and timing.retimed is not None:
+        pieces.insert(-1, timing_section(timing, place(phase_plane_plot(timing))))
+    if not result.origin:  # of a retimed motion the range is that of playing it still faster
+        title = "Range of c²" if timing is None else "Range of c² of the best constant factor"
+        pieces.append(
+            section("range", title, *range_table(found), place(replace(range_plot(result), title=RANGE_TITLE)))
         )
-    )
     if result.changes is not None:
-        drawn_changes = place(*what_if_plots(result.changes))
-        pieces.append(section("what-if", "What changes would do", *what_if_notes(result.changes), drawn_changes))
+        bars = what_if_plot(result.changes)
+        pieces.append(
+            section("what-if", "What changes would do", *what_if_notes(result.changes), place(*filter(None, [bars])))
+        )
     if found.samples.conflicts:
         pieces.append(section("conflicts", "Limits that conflict", conflicts_table(found.samples.conflicts)))
     if done is not None:
         limiting = limiting_rows(result, timing)
         pieces += [
-            section("margins", "How far the limits are used", _margin_note(), margins_table(result, limiting)),
-            section("limits", "Per cent of limits along the motion", place(limit_map(result, limiting))),
-            section("duty", "What is asked of the motors", _duty_note(), duty_table(result)),
+            section("margins", "Limit utilisation", _margin_note(), margins_table(result, limiting)),
+            section(
+                "limits",
+                "Limit utilisation along the motion",
+                place(limit_map(result, limiting)),
+                place(*_percents(result)),
+            ),
+            section("duty", "Motor duty", _duty_note(), duty_table(result)),
             section("torques", "Joint torques", _limit_note(), place(*torque_plots(result))),
             section("wrenches", "Contact wrenches", _limit_note(), place(*wrench_plots(result))),
-            *_rates(result, limiting, place),
-            section("velocities", "Joint velocities", _limit_note(), place(*velocity_plots(result))),
-            section("positions", "Joint positions", _limit_note(), place(*position_plots(result))),
+            *_rates(result, limiting),
+            section("velocities", "Joint velocities", _limit_note(), place(*joint_plots(result, "velocity"))),
+            section("positions", "Joint positions", _limit_note(), place(*joint_plots(result, "position"))),
             section("power", "Power and energy", place(*power_plots(result))),
         ]
     if study is not None:
-        drawn = load_plot(result)
-        shown = [] if drawn is None else [place(drawn)]
+        shown = [place(load_study_plot(result))] if study.ranges else []
         pieces.append(
             section("loads", "Uncertain load", element("p", f"Asked {study.sentence()}."), *shown, loads_table(result))
         )
     return [*pieces, section("inputs", "What was given", inputs_table(result), *_given_limits(result.cell))]
+
+
+def _card(card: Card, status: str) -> list[Html]:
+    """The answer, and the limits that are nearest."""
+    bars = [(one.label, bar(one.share, 1, state=one.nearness), f"at {one.time:.4g} s") for one in card.bars]
+    nearest = [table(("nearest limits", "used at most", ""), bars)] if bars else []
+    return [element("p", card.outcome, class_=f"outcome {status}"), *nearest]
 
 
 def _given_limits(cell: Cell) -> list[Html]:
@@ -124,21 +138,21 @@ def _given_limits(cell: Cell) -> list[Html]:
     ]
 
 
-def _range_title(timing: RetimingResult | None) -> str:
-    if timing is None:
-        return "Range of c²"
-    return "Range of c² of the best constant factor" if timing.retimed is None else "Range of c² of the retimed motion"
-
-
-def _timing(timing: RetimingResult | None, place: Place) -> list[Html]:
-    return [] if timing is None or timing.retimed is None else [timing_section(timing, place)]
+def _percents(result: ScalingResult) -> list[Plot]:
+    """Hands, motors and rates, whose values have no plot of their own, as per cents of their limits."""
+    panels = [panel for row in limits_plot(result, "", DRAWN_BY_VALUE).rows for panel in row]
+    return [one_panel(f"limits-{number}", panel, "played") for number, panel in enumerate(panels)]
 
 
 def _timing_head(timing: RetimingResult, shown: ScalingResult) -> Html:
     """The answer; where there is no profile, that of the best constant factor below it."""
     status = "feasible" if timing.status.admits_motion else "infeasible"
     text = timing.sentence()
-    lines = [element("h1", timing.cell.name), element("p", f"{text[0].upper()}{text[1:]}", class_=f"outcome {status}")]
+    lines = [
+        element("h1", timing.cell.name),
+        *_card(answer_card(timing), status),
+        element("p", f"{text[0].upper()}{text[1:]}"),
+    ]
     if timing.retimed is None:
         lines.append(element("p", f"The best constant factor, which is shown below: {shown.sentence()}"))
     elif shown.trajectory is not None:
@@ -146,17 +160,18 @@ def _timing_head(timing: RetimingResult, shown: ScalingResult) -> Html:
     return joined(lines)
 
 
-def _rates(result: ScalingResult, limiting: LimitingRows, place: Place) -> list[Html]:
+def _rates(result: ScalingResult, limiting: LimitingRows) -> list[Html]:
     """How fast torques, wrenches and accelerations change; nothing where that is not limited."""
     listed = rates_table(result, limiting)
-    return [section("rates", "How fast torques change", *listed, place(*rate_plots(result)))] if listed else []
+    return [section("rates", "Rates of torques, wrenches and accelerations", *listed)] if listed else []
 
 
 def _head(result: ScalingResult) -> Html:
     done = result.trajectory
     lines = [
         element("h1", result.cell.name),
-        element("p", result.sentence(), class_=f"outcome {result.status.value}"),
+        *_card(answer_card(result), result.status.value),
+        element("p", result.sentence()),
     ]
     if done is not None:
         given = float(result.motion.object.time[-1])

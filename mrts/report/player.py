@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.drawing.labels import shortened
-from mrts.report.markup import plot_text
-from mrts.report.plots import numbers
+from mrts.plots.labels import shortened
+from mrts.plots.plotly_drawer import numbers, plot_text
 from mrts.scaling.result import ScalingResult
 from mrts.scene.cell_shapes import contact_forces, joint_points
 from mrts.scene.cell_view import look_at_cell

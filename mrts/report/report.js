@@ -50,9 +50,20 @@
   }
 
   const plots = Object.entries(report.plots).map(([name, plot]) => ({ ...plot, place: document.getElementById(name) }));
+  // a legend that takes more lines makes its plot higher, so that no curve gets less room
+  function grow({ place, layout, panels }) {
+    const height = panels + (place._fullLayout.legend?._height ?? 0);
+    if (Math.abs(height - layout.height) < 2) return;
+    layout.height = height;
+    place.style.height = `${height}px`;
+    Plotly.relayout(place, { height });
+  }
   for (const plot of plots) {
     plot.layout.uirevision = "kept";
+    plot.panels = plot.layout.height;
     await Plotly.newPlot(plot.place, coloured(plot.data, isDark()), coloured(plot.layout, isDark()), config("zoom2d", "pan2d", "resetScale2d"));
+    grow(plot);
+    plot.place.on("plotly_afterplot", () => grow(plot));
   }
 
   const player = report.player && { ...report.player, place: document.getElementById("player"), frame: 0 };

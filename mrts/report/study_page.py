@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: MIT
 """The page of a study: what was varied, what became of the variants, the best, and what to do next."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from mrts.base.argument_types import as_path
 from mrts.base.atomic_file import write_text_atomically
-from mrts.drawing.study_map import map_remark, weights
-from mrts.drawing.study_table import OUTCOMES, StudyTable, read_study_table
-from mrts.drawing.study_words import (
+from mrts.plots.plot import one_panel
+from mrts.plots.study_map import map_remark, study_map, weights
+from mrts.plots.study_plots import durations_plot, parallel_axes, parallel_figure, study_map_plot
+from mrts.plots.study_table import OUTCOMES, StudyTable, read_study_table
+from mrts.plots.study_words import (
     best_part,
     best_rows,
     best_text,
@@ -19,13 +22,11 @@ from mrts.drawing.study_words import (
     percent,
     span_texts,
 )
-from mrts.report.document import Place, document, placing
+from mrts.report.document import Plots, document, place_figure, placed
 from mrts.report.markup import Html, bar, element, html, joined, section, table
-from mrts.report.plots import Plot
-from mrts.report.study_plots import durations_plot, lines_plot, map_plots
 
 MOST_BEST = 10
-"""Columns of the table of the best variants."""
+"""Rows of the table of the best variants."""
 
 MOST_REASONS = 12
 MOST_LIMITS = 15
@@ -56,10 +57,9 @@ def study_html(found: StudyTable) -> str:
     Raises:
         InputError: If plotly is not installed.
     """
-    plots: list[Plot] = []
-    pieces = _sections(found, placing(plots))
-    compiles = any(trace.get("type") == "parcoords" for plot in plots for trace in plot.data)
-    return document(f"{found.name}: {found.variants} variants", _head(found), pieces, plots, compiles=compiles)
+    plots: Plots = {}
+    pieces = _sections(found, plots)
+    return document(f"{found.name}: {found.variants} variants", _head(found), pieces, plots)
 
 
 def _head(found: StudyTable) -> Html:
@@ -68,24 +68,28 @@ def _head(found: StudyTable) -> Html:
     return joined([element("h1", found.name), element("p", outcome, class_=f"outcome {status}")])
 
 
-def _sections(found: StudyTable, place: Place) -> list[Html]:
+def _sections(found: StudyTable, plots: Plots) -> list[Html]:
     steps = element("ul", joined(element("li", step) for step in next_steps(found)))
     pieces: list[Html] = [section("next", "What to do next", steps)]
     if len(found.ranked):
-        head, (*rows, limits) = best_rows(found, MOST_BEST)
-        rows.append([limits[0], *map(_limit_lines, limits[1:])])
+        head, best = best_rows(found, MOST_BEST)
+        rows = [[*values, _limit_lines(limits)] for *values, limits in best]
         note = "(end): at an end of what was tried; further may be better."
         pieces.append(section("best", "The best variants", table(head, rows), element("p", note, class_="note")))
     if found.knobs:
-        drawn, maps = map_plots(found)
-        note = f"{_sentence(map_remark(found, drawn))} Hover to read a cell.".strip()
-        pieces.append(section("map", "Over the numbers", element("p", note, class_="note"), place(*maps)))
+        remark = map_remark(found, study_map(found))
+        note = f"{_sentence(remark)} Hover to read a cell.".strip()
+        names = ("duration-map", "limit-map") if len(found.knobs) > 1 else ("duration-line",)
+        maps = [one_panel(name, of) for name, of in zip(names, study_map_plot(found).rows[0], strict=False)]
+        pieces.append(section("map", "Over the numbers", element("p", note, class_="note"), placed(plots, *maps)))
     if len(found.knobs) > 2:  # noqa: PLR2004 (up to two, the map shows all)
-        lines, plot = lines_plot(found)
+        lines = parallel_axes(found)
         note = f"{_sentence(lines.remark(found))} Drag along an axis to filter, drag its name to move it.".strip()
-        shown = element("div", place(plot), class_="wide", style=f"--axes:{len(lines.knobs) + 1}")
+        title = "Orange: the best 5 %; blue: the others; grey: cannot be played"
+        whole = element("div", place_figure(plots, "lines", title, parallel_figure(found, lines)), class_="plots")
+        shown = element("div", whole, class_="wide", style=f"--axes:{len(lines.knobs) + 1}")
         pieces.append(section("lines", "All numbers at once", element("p", note, class_="note"), shown))
-    pieces += [*_weights(found), *_limits(found), _outcomes(found), *_durations(found, place), _varied(found)]
+    pieces += [*_weights(found), *_limits(found), _outcomes(found), *_durations(found, plots), _varied(found)]
     return pieces
 
 
@@ -141,12 +145,12 @@ def _outcomes(found: StudyTable) -> Html:
     return section("outcomes", "What became of the variants", *parts)
 
 
-def _durations(found: StudyTable, place: Place) -> list[Html]:
-    plot = durations_plot(found)
-    if plot is None:
+def _durations(found: StudyTable, plots: Plots) -> list[Html]:
+    if not len(found.ranked):
         return []
+    plot = replace(durations_plot(found), title="Which share of the variants finishes within which duration")
     words = _sentence("; ".join(managed_texts(found)))
-    return [section("durations", "How the durations spread", element("p", words), place(plot))]
+    return [section("durations", "How the durations spread", element("p", words), placed(plots, plot))]
 
 
 def _varied(found: StudyTable) -> Html:

@@ -9,19 +9,24 @@ from mrts.base.arrays import Array
 from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import JOINT_HEAD
-from mrts.drawing.load_envelope import load_envelope
-from mrts.drawing.range_sentences import range_facts, range_text
 from mrts.limits.rows import ActiveRow, RowName
+from mrts.plots.labels import contact_failure, row_text, short_name
+from mrts.plots.limit_plots import LimitingRows
+from mrts.plots.range_plots import range_facts, range_text, ranked_loads
+from mrts.plots.what_if_plot import MOST_BARS, changed_shares
 from mrts.program.infeasibility import Conflict
-from mrts.report.limiting import LimitingRows
 from mrts.report.markup import Html, bar, element, html, joined, table
 from mrts.scaling.limit_use import limit_uses, rate_uses
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
+from mrts.scaling.what_if import WhatIf
 
 MOST_CONFLICTS = 10
 MOST_LOADS = 16
 """Rows of the tables of conflicts and loads; the rest is counted."""
+
+MOST_LISTED = 12
+"""Changes that are listed in words: with which it cannot be played, or can where it could not before."""
 
 DECIMALS = 9
 """Of numbers in SI units: what is less is left over from sums of larger terms."""
@@ -149,18 +154,19 @@ def range_table(found: ScalingRange) -> list[Html]:
 
 
 def margins_table(result: ScalingResult, limiting: LimitingRows) -> Html:
-    """Every limit by falling share that the trajectory uses; those that set the speed first.
+    """Every limit by falling share that the trajectory uses; those that set the speed first, each hand's failure once.
 
     Args:
         result: A result.
         limiting: Which rows set its speed.
     """
-    rows = []
+    rows: dict[str, tuple[str, ...]] = {}
     for use in sorted(limit_uses(result), key=lambda use: use.name not in limiting.setting):
-        limits = interval_text(use.lower, use.upper, use.name.unit)
-        numbers = (f"{use.least:.4g}", f"{use.largest:.4g}", bar(use.share, 1), f"{use.time:.4g} s")
-        rows.append((_marked(use.name, limiting), limits, *numbers))
-    return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows)
+        values = interval_text(use.lower, use.upper, use.name.unit), f"{use.least:.4g}", f"{use.largest:.4g}"
+        told = ("", "", "") if contact_failure(use.name) else values  # of what there is no value that people know
+        share = bar(use.share, 1), f"{use.time:.4g} s"
+        rows.setdefault(short_name(use.name), (_marked(use.name, limiting), *told, *share))
+    return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows.values())
 
 
 def _marked(name: RowName, limiting: LimitingRows) -> Html:
@@ -168,7 +174,7 @@ def _marked(name: RowName, limiting: LimitingRows) -> Html:
     sets = limiting.setting.get(name)
     words = limiting.reached.get(name, "") if sets is None else sets
     mark = element("span", words, class_="mark" if sets is None else "mark limiting")
-    return joined([html(str(name)), *([Html("<br>"), mark] if words else [])])
+    return joined([html(short_name(name)), *([Html("<br>"), mark] if words else [])])
 
 
 def duty_table(result: ScalingResult) -> Html:
@@ -235,7 +241,7 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Html:
     for alike in list(groups.values())[:MOST_CONFLICTS]:
         worst = alike[0]
         moves = zip(worst.rows, worst.moves, strict=True)
-        named = _lines(f"{row}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
+        named = _lines(f"{row_text(row)}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
         times = [conflict.time for conflict in alike]
         when = html(f"{worst.time:.4g} s")
         if len(alike) > 1:
@@ -252,18 +258,37 @@ def conflicts_table(conflicts: Sequence[Conflict]) -> Html:
 def loads_table(result: ScalingResult) -> Html:
     """Ranges by load, the worst first; nothing if no load was looked at by itself."""
     study = result.load
-    envelope = load_envelope(study) if study is not None else None
-    if study is None or envelope is None:
+    if study is None or not study.ranges:
         return Html("")
     rows = []
-    for index in envelope.order[:MOST_LOADS]:
+    for index in ranked_loads(study)[:MOST_LOADS]:
         found = study.ranges[index]
         ends, by = range_text(found), _lines(range_facts(found))
         if found.upper is not None and found.status.admits_motion:
             by = _rows_list(found.upper.rows)
         rows.append((str(study.points[index]), ends, by))
     whole = table(("load", "c²", "c²⁺ is set by"), rows)
-    return joined([whole, *_rest(len(envelope.order) - MOST_LOADS, "loads")])
+    return joined([whole, *_rest(len(study.ranges) - MOST_LOADS, "loads")])
+
+
+def what_if_notes(found: WhatIf) -> list[Html]:
+    """What the bars of changes do not show, in words."""
+    first, *_ = found.lines(gains=0, losses=0)
+    told = [element("p", f"{first[0].upper()}{first[1:]}.", class_="note")]
+    more, _, lost = found.sorted()
+    for title, listed in (
+        ("With these it can be played:", [one for one in more if one.faster is None]),
+        ("With these it cannot be played:", lost),
+    ):
+        if listed:
+            lines = [element("li", str(one)) for one in listed[:MOST_LISTED]]
+            rest = len(listed) - MOST_LISTED
+            lines += [element("li", f"… and {rest} more")] if rest > 0 else []
+            told += [element("p", title), element("ul", joined(lines))]
+    hidden = len(changed_shares(found)) - MOST_BARS
+    rest_of_bars = f"{hidden} more do less than these" if hidden > 0 else ""
+    sentences = [text for text in (rest_of_bars, found.nothing_else(), found.left_out) if text]
+    return [*told, *(element("p", f"{text[0].upper()}{text[1:]}.", class_="note") for text in sentences)]
 
 
 def _rest(count: int, what: str) -> list[Html]:
@@ -271,7 +296,7 @@ def _rest(count: int, what: str) -> list[Html]:
 
 
 def _rows_list(rows: Sequence[ActiveRow]) -> Html:
-    return _lines(str(row) for row in rows)
+    return _lines(dict.fromkeys(map(row_text, rows)))
 
 
 def _lines(lines: Iterable[str]) -> Html:

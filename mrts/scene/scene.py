@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.drawing.colours import COLOURS
 from mrts.limits.rows import RowName
+from mrts.plots.colours import COLOURS
 from mrts.scaling.limit_use import used_shares
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory

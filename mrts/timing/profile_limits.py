@@ -17,10 +17,10 @@ BINDING = 1e-6
 """A limit binds where the motion could be no faster by more than this share of c²."""
 
 
-def profile_limits(
+def segment_limits(
     cell: Cell, pieces: Sequence[TimedPiece], sharing: LoadSharing | None, loads: Sequence[Array]
-) -> list[tuple[str, float]]:
-    """The limits that bind, each with its share of the duration, most first.
+) -> list[tuple[set[str], float]]:
+    """The limits that bind on every segment of the path, and its share of the duration.
 
     Args:
         cell: The cell.
@@ -32,13 +32,11 @@ def profile_limits(
         SolverError: If no solver answers.
     """
     duration = float(new_times(pieces)[-1])
-    shares: dict[str, float] = {}
+    found: list[tuple[set[str], float]] = []
     for part in pieces:
         binding = part.binding if isinstance(part, SmoothPiece) else _binding(cell, part, sharing, loads)
-        for names, time in zip(binding, part.segment_times.tolist(), strict=True):
-            for name in names:
-                shares[name] = shares.get(name, 0.0) + time / duration
-    return sorted(shares.items(), key=lambda entry: (-entry[1], entry[0]))
+        found += zip(binding, (part.segment_times / duration).tolist(), strict=True)
+    return found
 
 
 def _binding(cell: Cell, part: TimedPiece, sharing: LoadSharing | None, loads: Sequence[Array]) -> list[set[str]]:

@@ -27,7 +27,7 @@ from mrts.scaling.options import Options
 from mrts.scaling.result import Result, ScalingResult, kept_text
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.constant_factor import ConstantFactor
-from mrts.timing.profile_limits import profile_limits
+from mrts.timing.profile_limits import segment_limits
 from mrts.timing.retimed_motion import TimedPiece, new_times
 from mrts.timing.smooth_piece import SmoothAnswer
 
@@ -177,7 +177,16 @@ class RetimingResult(Result):
     @cached_property
     def limits(self) -> list[tuple[str, float]]:
         """What limits the speed, for which share of the duration, most first."""
-        return profile_limits(self.cell, self.pieces, self.options.sharing, self.loads)
+        shares: dict[str, float] = {}
+        for names, share in self.segment_limits:
+            for name in names:
+                shares[name] = shares.get(name, 0.0) + share
+        return sorted(shares.items(), key=lambda entry: (-entry[1], entry[0]))
+
+    @cached_property
+    def segment_limits(self) -> list[tuple[set[str], float]]:
+        """What limits the speed on every segment between two samples, and the segment's share of the duration."""
+        return segment_limits(self.cell, self.pieces, self.options.sharing, self.loads)
 
     @property
     def warnings(self) -> tuple[Remark, ...]:  # type: ignore[override]  # nobody writes to either

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
-from mrts.drawing.round_numbers import round_down
+from mrts.plots.round_numbers import round_down
 from mrts.scene.arm_meshes import Urdfs, drawn_arms
 from mrts.scene.cell_shapes import name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell

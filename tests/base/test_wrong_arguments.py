@@ -11,7 +11,7 @@ from conftest import DATA
 from motor_recordings import exact_recording, random_motors, write_recording
 
 import mrts
-from mrts.figures import range_figure, write_figure, write_result_figures
+from mrts.plots import range_plot, write_plot, write_result_plots
 from mrts.program.solvers import DEFAULT_SOLVER
 
 ZOO = [
@@ -59,8 +59,8 @@ METHODS = {
 
 FUNCTIONS = [name for name in mrts.__all__ if inspect.isfunction(getattr(mrts, name))]
 WRITERS = {
-    "write_figure": write_figure,
-    "write_result_figures": write_result_figures,
+    "write_plot": write_plot,
+    "write_result_plots": write_result_plots,
 }
 """Public functions that are not of `mrts` itself: their packages are extras."""
 
@@ -130,8 +130,8 @@ def good(planar_cell):
         | {"progress": lambda _progress: None},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html"},
-        "write_figure": {"figure": range_figure(result), "path": "figure.png"},
-        "write_result_figures": {"result": result, "folder": "figures", "form": "png"},
+        "write_plot": {"plot": range_plot(result), "path": "figure.png"},
+        "write_result_plots": {"result": result, "folder": "figures", "form": "png"},
         "write_ros_bag": {"result": result, "folder": "bag"},
         "write_trajectory_csv": {"result": result, "path": "trajectory.csv"},
         "ClosureBound": {"position": 1e-3, "rotation": None},

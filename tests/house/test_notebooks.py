@@ -116,6 +116,10 @@ def test_names_from_a_file_stay_text(planar_cell, lift):
 
 def test_figures_show_themselves_without_pyplot(lifted):
     """As IPython asks for it: matplotlib's own Figure shows its name only."""
-    from mrts.figures import range_figure  # noqa: PLC0415 (needs an extra)
+    from mrts.plots import range_plot  # noqa: PLC0415 (needs an extra)
 
-    assert range_figure(lifted)._repr_png_().startswith(b"\x89PNG")
+    plot = range_plot(lifted)
+    assert plot._repr_png_().startswith(b"\x89PNG")
+    drawn = plot._repr_mimebundle_()["application/vnd.plotly.v1+json"]
+    assert drawn["data"]
+    assert drawn["layout"]["yaxis"]

@@ -79,6 +79,6 @@ def test_users_import_from_mrts_or_a_package_of_it():
     for page in {*DOCS.rglob("*.md"), ROOT / "README.md"} - {DOCS / "extending.md", DOCS / "notation.md"}:
         text = page.read_text(encoding="utf-8")
         for name in re.findall(r"(?<![\w./@-])(mrts(?:\.[A-Za-z_]\w*)+)", text):
-            assert name.count(".") == 1 or name.startswith("mrts.figures.") or name.split(".")[1] in mrts.__all__, name
+            assert name.count(".") == 1 or name.startswith("mrts.plots.") or name.split(".")[1] in mrts.__all__, name
         for package in re.findall(r"^from (mrts\.\w[\w.]*) import", text, re.MULTILINE):
             assert hasattr(importlib.import_module(package), "__all__"), package

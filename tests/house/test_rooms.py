@@ -25,11 +25,10 @@ ROOMS = (
     "studies",
     "sweeps",
     "layout",
-    "drawing",
+    "plots",
     "scene",
     "starting",
     "output",
-    "figures",
     "report",
     "film",
     "viewer",
@@ -41,7 +40,7 @@ ROOMS = (
 SHARED = ("mrts.cell.record", "mrts.cell.robot", "mrts.cell.hands", "mrts.cell.motors")
 """What the build time makes of a cell."""
 
-APART = ("figures", "report", "viewer")
+APART = ("report", "viewer")
 
 ROOT_FILES = {"__init__.py", "__main__.py", "cli.py", "py.typed"}
 

@@ -16,11 +16,11 @@ from saved_files import contents
 
 import mrts
 from mrts.cli import main
-from mrts.figures import range_figure, trajectory_figure, write_figure
 from mrts.limits.cell_limits import torque_limits
 from mrts.limits.row_check import limit_name
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.output.trajectory_table import trajectory_csv
+from mrts.plots import range_plot, trajectory_plot, write_plot
 from mrts.report import report_html
 
 UR5 = DATA.parent / "dual_ur5"
@@ -177,8 +177,8 @@ def test_what_is_made_of_a_result_is_the_same(dual_ur5, tmp_path):
     for name, of in (("one", result), ("two", again)):
         (tmp_path / name).mkdir()
         mrts.write_ros_bag(of, tmp_path / name / "bag")
-        write_figure(range_figure(of), tmp_path / name / "range.png")
-        write_figure(trajectory_figure(of, "title"), tmp_path / name / "trajectory.png")
+        write_plot(range_plot(of), tmp_path / name / "range.png")
+        write_plot(trajectory_plot(of, "title"), tmp_path / name / "trajectory.png")
     for file in ("bag/bag.mcap", "range.png", "trajectory.png"):
         assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes(), file
 

@@ -11,7 +11,7 @@ import mrts
 from mrts.cell.motors.joint_motors import JointMotors
 from mrts.cli import main
 from mrts.output.summary_lines import scaling_lines
-from mrts.report.limiting import limiting_rows
+from mrts.plots.limit_plots import limiting_rows
 from mrts.report.tables import rates_table
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.result import fallbacks_text

@@ -16,8 +16,10 @@ from shown_results import AWKWARD, KINDS, UGLY_JOINTS, result_of, with_awkward_n
 
 import mrts
 from mrts.cli import main
+from mrts.plots.limit_plots import all_shares
+from mrts.plots.plotly_drawer import MOST_SAMPLES, plotly_figure, shown_samples
+from mrts.plots.trajectory_plots import torque_plots
 from mrts.report import report_html
-from mrts.report.plots import MOST_SAMPLES, shown_samples, torque_plots
 from mrts.report.tables import duty_table
 
 FILES = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
@@ -57,7 +59,7 @@ def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell
     assert sum(url.startswith("file") for url in page.requests) == 1
     assert page.evaluate("window.broken") is None
     plots = set(data_of(path.read_text(encoding="utf-8"))["plots"])
-    expected = {"plot-c2-range"}
+    expected = set() if found.origin else {"plot-c2-range"}
     robots = len(found.cell.robots)
     if found.trajectory is not None:
         expected |= {f"plot-{what}-{n}" for what in ("torque", "force", "moment", "power") for n in range(robots)}
@@ -65,11 +67,10 @@ def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell
         units = [len(set(robot.position_units)) for robot in found.cell.robots]
         whats = ("velocity", "position")
         expected |= {f"plot-{what}-{n}-{part}" for what in whats for n in range(robots) for part in range(units[n])}
-        if kind == "smooth":  # fx and fy share a plot, nz has its own
-            whats = ["wrench-rate-{}-0", "wrench-rate-{}-1", "jerk-{}-0", "torque-rate-{}-0"]
-            expected |= {f"plot-{what.format(n)}" for what in whats for n in range(robots)}
+        others = {name.kind for name in all_shares(found)[0]} - {"torque", "wrench", "velocity"}
+        expected |= {f"plot-limits-{number}" for number in range(len(others))}
     if found.load is not None and found.load.points:
-        expected.add("plot-loads")
+        expected.add("plot-load-study")
     if found.changes is not None:
         expected.add("plot-what-if")
     assert plots == expected
@@ -328,7 +329,7 @@ def test_a_missing_plotly_is_named_before_any_work(arguments):
 def test_torques_far_beyond_their_limits_are_so_many_percent(result):
     done = result.trajectory
     beyond = replace(result, trajectory=replace(done, torque=np.full_like(done.torque, 1e30)))
-    assert torque_plots(beyond)[0].data[0]["customdata"][0] == int(1e30)
+    assert plotly_figure(torque_plots(beyond)[0])["data"][0]["customdata"][0] == int(1e30)
 
 
 def test_a_file_that_cannot_be_written_is_refused(result, tmp_path):

@@ -6,9 +6,8 @@ from report_pages import data_of
 from shown_results import with_all_rates
 
 import mrts
+from mrts.plots.limit_plots import AT_LIMIT, all_shares, limiting_rows
 from mrts.report import report_html
-from mrts.report.limiting import limiting_rows
-from mrts.report.plots import rate_plots
 from mrts.report.tables import rates_table
 
 
@@ -17,28 +16,34 @@ def smooth(planar_cell, lift):
     return mrts.retime(with_all_rates(planar_cell), lift, rates=11.0)
 
 
-def test_plots_hold_rates_as_steps_with_their_limits(smooth):
-    plots = {plot.name: plot for plot in rate_plots(smooth.retimed)}
-    kinds = ("torque-rate-{}-0", "wrench-rate-{}-0", "wrench-rate-{}-1", "jerk-{}-0")
-    assert set(plots) == {kind.format(number) for kind in kinds for number in (0, 1)}
-    done = smooth.retimed.trajectory
-    lines = {trace["name"]: trace for trace in plots["torque-rate-1-0"].data if trace["name"]}
-    rates = np.diff(smooth.retimed.torque["right"], axis=0) / np.diff(done.time)[:, None]
+def test_rates_are_steps_in_per_cent_of_their_limits(smooth):
+    plots = data_of(report_html(smooth))["plots"]
+    assert "plot-c2-range" not in plots  # of a retimed motion the range answers another question
+    done, limits = smooth.retimed.trajectory, np.array([1100, 880, 550])
+    rates = np.abs(np.diff(smooth.retimed.torque["right"], axis=0)) / np.diff(done.time)[:, None] / limits
+    lines = {trace["name"].split(":")[0]: trace for trace in plots["plot-limits-0"]["data"] if trace.get("name")}
     for index, joint in enumerate(("shoulder", "elbow", "wrist")):
-        assert lines[joint]["line"]["shape"] == "hv"
-        np.testing.assert_allclose(lines[joint]["x"], done.time, rtol=1e-5)
-        np.testing.assert_allclose(lines[joint]["y"][:-1], rates[:, index], rtol=1e-5)
-    thin = sorted(trace["y"][0] for trace in plots["torque-rate-1-0"].data if not trace["name"])
-    assert thin == [-1100, -880, -550, 550, 880, 1100]
-    assert plots["wrench-rate-0-1"].layout["yaxis"]["title"]["text"] == "wrench rate [N m/s]"
-    assert plots["jerk-0-0"].layout["yaxis"]["title"]["text"] == "jerk [rad/s³]"
+        if line := lines.get(f"right/{joint}"):
+            assert line["line"]["shape"] == "hv"
+            np.testing.assert_allclose(line["x"], done.time, rtol=1e-5)
+            np.testing.assert_allclose(line["y"][:-1], 100 * rates[:, index], rtol=1e-5)
+
+
+def test_what_sets_the_speed_is_so_in_the_table_and_on_the_map(smooth):
+    told = limiting_rows(smooth.retimed, smooth)
+    names, shares = all_shares(smooth.retimed)
+    assert told.forced.shape == shares.shape
+    assert {names[row] for row in np.flatnonzero(told.forced.any(axis=0))} == set(told.setting)
+    assert any(name.kind.endswith("rate") for name in told.setting)
+    reached = told.forced & (shares >= 1 - AT_LIMIT)
+    assert {names[row] for row in np.flatnonzero(reached.any(axis=0))} == set(told.setting)
 
 
 def test_the_text_says_what_is_known_of_the_timing(smooth):
     text = report_html(smooth.retimed)
     assert str(smooth.smooth) in text  # a local optimum, its steps and its bound
     assert "smooth timing of a path that was given 0.5236 s" in text
-    assert "How fast torques change" in text
+    assert 'id="rates"' in text
     for part in rates_table(smooth.retimed, limiting_rows(smooth.retimed, None)):
         assert str(part) in text
     assert "They are kept" in text
@@ -48,5 +53,4 @@ def test_the_text_says_what_is_known_of_the_timing(smooth):
 
 
 def test_rates_that_nothing_limits_have_no_section(lifted):
-    assert rate_plots(lifted) == []
-    assert "How fast torques change" not in report_html(lifted)
+    assert 'id="rates"' not in report_html(lifted)

@@ -10,10 +10,10 @@ from headless_browser import NARROW, browser, page  # noqa: F401 (fixtures)
 from report_pages import data_of
 
 import mrts
-from mrts.drawing.phase_plane import phase_plane
+from mrts.plots.limit_plots import limit_map, limiting_rows
+from mrts.plots.phase_plane import phase_plane_plot
+from mrts.plots.plot import Cells, Line
 from mrts.report import report_html
-from mrts.report.limit_map import SETTING, limit_map
-from mrts.report.limiting import limiting_rows
 from mrts.scaling.limit_use import limit_uses, used_shares
 
 SLOW = 60_000
@@ -46,12 +46,12 @@ def test_the_timing_stands_first_with_saving_limits_and_phase_plane(timing, text
     assert f"{100 * timing.saving:.3g} % less than the best constant factor" in text
     for name, share in timing.limits[:12]:
         assert re.search(rf"<td>{re.escape(name)}</td>\s*<td>.*?{100 * share:.0f} %</td>", text, re.DOTALL), name
-    curves = {curve.kind: curve for curve in phase_plane(timing).curves}
-    traces = data_of(text)["plots"]["plot-phase-plane"]["data"]
-    for kind, start in (("fastest", "fastest"), ("constant", "best constant c")):
-        (drawn,) = (trace for trace in traces if trace["name"].startswith(start))
-        np.testing.assert_allclose(drawn["x"], curves[kind].along[0], rtol=DRAWN)
-        np.testing.assert_allclose(drawn["y"], curves[kind].speeds[0], rtol=DRAWN)
+    curves = [item for item in phase_plane_plot(timing).rows[0][0].items if isinstance(item, Line)]
+    traces = {trace.get("name"): trace for trace in data_of(text)["plots"]["plot-phase-plane"]["data"]}
+    assert [curve.label.split(",")[0] for curve in curves[-2:]] == ["fastest", "best constant c"]
+    for curve in curves:
+        np.testing.assert_allclose(traces[curve.label]["x"], curve.x, rtol=DRAWN)
+        np.testing.assert_allclose(traces[curve.label]["y"], curve.y, rtol=DRAWN)
     links = re.findall(r'<a href="#([^"]+)"', text)
     assert links == sections(text)
 
@@ -79,8 +79,8 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
     # another distribution at the same speed keeps off them, so the rows are truly not forced
     freer = mrts.scale(planar_cell, lift, 0.5 * end.c2, distribute="reserve")
     assert max(use.share for use in limit_uses(freer) if use.name in at_limit) < 1 - 1e-3
-    map_of = limit_map(lifted, found).data[0]
-    orange = np.array(map_of["z"]) == SETTING
+    (cells,) = (item for item in limit_map(lifted, found).rows[0][0].items if isinstance(item, Cells))
+    orange = cells.code == cells.names.index("at the limit where the speed is set")
     names, shares = used_shares(lifted.trajectory)
     assert [bool(row.any()) for row in orange] == [True] * len(end.rows) + [False] * (len(names) - len(end.rows))
     assert orange[:, 1:].any() == (np.count_nonzero(found.forced.any(axis=1)) > 2)
@@ -150,7 +150,7 @@ def test_one_cursor_goes_through_all_and_the_page_is_dark_or_printed(text, tmp_p
     }))""")
     kinds = {name: plot["clock"] for name, plot in data_of(text)["plots"].items() if plot["clock"]}
     assert set(at) == set(kinds)
-    assert {"plot-phase-plane", "plot-c2-range", "plot-limit-map", "plot-torque-1", "plot-position-0-0"} <= set(at)
+    assert {"plot-phase-plane", "plot-limit-map", "plot-torque-1", "plot-position-0-0"} <= set(at)
     for name, x in at.items():
         assert x == pytest.approx(clocks[kinds[name]][frame], rel=1e-3), name
     box = page.locator("#plot-torque-0 .nsewdrag").first

@@ -6,25 +6,27 @@ import pytest
 from conftest import DATA
 
 import mrts
+from mrts.plots.plot import Bars
+from mrts.plots.what_if_plot import MOST_BARS, what_if_plot
 from mrts.report import report_html
-from mrts.report.what_if_plot import MOST_BARS, what_if_notes, what_if_plots
+from mrts.report.tables import what_if_notes
 
 
 @pytest.mark.quick
 def test_bars_are_the_numbers_of_the_changes(planar_cell, lift):
     result = mrts.scale(planar_cell, lift)
     found = result.what_if()
-    (plot,) = what_if_plots(found)
-    up, down = plot.data
-    names = plot.layout["yaxis"]["ticktext"]
-    for trace, sign in ((up, "+"), (down, "-")):
-        by_name = dict(zip(names, trace["x"], strict=True))
+    panel = what_if_plot(found).rows[0][0]
+    up, down = (item for item in panel.items if isinstance(item, Bars))
+    names = panel.y.names
+    for bars, sign in ((up, "+"), (down, "-")):
+        by_name = {names[round(row)]: end for row, end in zip(bars.place, bars.end, strict=True)}
         for one in found.changes:
             if one.change.size.startswith(sign) and one.matters:
                 assert by_name[one.change.what] == pytest.approx(100 * one.c2_change, rel=1e-5), one
-        for text, share in zip(trace["text"], trace["x"], strict=True):
-            assert (text == "") == (share is None)
-    largest = [max(abs(share or 0) for share in pair) for pair in zip(up["x"], down["x"], strict=True)]
+        assert len(bars.texts) == len(bars.end)
+    largest = [max(abs(end) for of in (up, down) for row, end in zip(of.place, of.end, strict=True) if round(row) == at)
+               for at in range(len(names))]  # fmt: skip
     assert largest == sorted(largest, reverse=True)
     assert set(names) == {one.change.what for one in found.changes if one.matters}
     text = report_html(replace(result, changes=found))
@@ -37,7 +39,7 @@ def test_bars_are_the_numbers_of_the_changes(planar_cell, lift):
 def test_what_bars_cannot_show_is_listed(planar_cell, lift):
     heavy = mrts.scale(planar_cell.with_mass(13.0), lift)
     found = heavy.what_if(share=0.3)
-    assert what_if_plots(found) == []  # nothing to be a share of
+    assert what_if_plot(found) is None  # nothing to be a share of
     assert "With these it can be played:" in " ".join(what_if_notes(found))
     assert "<li>mass -30 %: feasible, c² " in " ".join(what_if_notes(found))
     lost = mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.9)
@@ -49,8 +51,9 @@ def test_what_bars_cannot_show_is_listed(planar_cell, lift):
 @pytest.mark.quick
 def test_a_timing_has_bars_of_its_duration(planar_cell, lift):
     found = mrts.retime(planar_cell, lift).what_if()
-    (plot,) = what_if_plots(found)
-    shares = dict(zip(plot.layout["yaxis"]["ticktext"], plot.data[1]["x"], strict=True))
+    panel = what_if_plot(found).rows[0][0]
+    down = [item for item in panel.items if isinstance(item, Bars)][1]
+    shares = {panel.y.names[round(row)]: end for row, end in zip(down.place, down.end, strict=True)}
     (slower,) = [one for one in found.changes if str(one.change) == "left/shoulder -10 %"]
     expected = 100 * (slower.after.duration / slower.before.duration - 1)
     assert shares["left/shoulder"] == pytest.approx(expected, rel=1e-5)
@@ -60,8 +63,7 @@ def test_a_timing_has_bars_of_its_duration(planar_cell, lift):
 def test_more_bars_than_fit_are_counted(dual_ur5):
     motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
     found = mrts.retime(dual_ur5, motion).what_if()
-    (plot,) = what_if_plots(found)
-    assert len(plot.data[0]["x"]) == MOST_BARS
+    assert len(what_if_plot(found).rows[0][0].y.names) == MOST_BARS
     count = len({one.change.what for one in found.changes if one.matters}) - MOST_BARS
     assert count > 0
     assert f"{count} more do less than these." in " ".join(what_if_notes(found))

@@ -11,7 +11,7 @@ import pytest
 from study_files import planar_study
 
 import mrts
-from mrts.drawing.study_table import read_study_table
+from mrts.plots.study_table import read_study_table
 from mrts.studies.study_folder import first_difference, opened_study_folder
 from mrts.studies.variant_rows import solve_variants
 

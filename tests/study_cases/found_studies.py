@@ -3,7 +3,7 @@
 import numpy as np
 import pyarrow as pa
 
-from mrts.drawing.study_table import Knob, study_table
+from mrts.plots.study_table import Knob, study_table
 
 ELBOW, FORCE = "right/elbow torque (upper, 80 N m)", "left/fx contact wrench (lower, -60 N)"
 

@@ -7,7 +7,7 @@ import numpy as np
 import viser
 
 from mrts.base.arrays import Array
-from mrts.drawing.labels import shortened
+from mrts.plots.labels import shortened
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import drawn_arms

@@ -15,10 +15,10 @@ import viser
 
 from mrts.base.arrays import Array
 from mrts.base.printable import html_text
-from mrts.drawing.axis_reach import c2_reach
-from mrts.drawing.colours import COLOURS, END_COLOURS
-from mrts.drawing.labels import shortened
-from mrts.drawing.limit_shares import LimitShares, limit_shares
+from mrts.plots.colours import COLOURS, END_COLOURS
+from mrts.plots.labels import shortened
+from mrts.plots.limit_plots import LimitShares, limit_shares
+from mrts.plots.range_plots import c2_ends
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.viewer.player_state import PlayerState
@@ -281,7 +281,7 @@ def compared_html(motion: PlottedMotion, other: PlottedMotion) -> str:
 
 
 def _range_plot(motion: PlottedMotion, other: PlottedMotion | None, longest: float) -> TimePlot:
-    found, (low, high) = motion.range, c2_reach(motion.range)
+    found, (low, high) = motion.range, c2_ends(motion.range)
     curves = [
         Curve("at most", *_thinned(motion.time, found.samples.upper), END_COLOURS["upper"]),
         Curve("at least", *_thinned(motion.time, found.samples.lower), END_COLOURS["lower"]),

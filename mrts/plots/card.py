@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: MIT
+"""The answer in one line, and the limits that are nearest: for terminal, report and figures alike."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import sqrt
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from mrts.plots.labels import row_text, short_name
+from mrts.plots.limit_plots import AT_END, all_shares, limiting_rows
+from mrts.plots.range_plots import range_facts
+from mrts.scaling.range import RangeEnd
+from mrts.scaling.result import ScalingResult
+
+if TYPE_CHECKING:
+    from mrts.timing.result import RetimingResult
+
+MOST_BARS = 5
+"""Limits that are told: those of which most is used."""
+
+NEAR, REACHED = 0.9, 0.9995
+"""Share of a limit from which it is near, and from which it reads 100 %."""
+
+BAR_LETTERS = 20
+
+Nearness = Literal["free", "near", "reached"]
+
+
+@dataclass(frozen=True)
+class LimitBar:
+    """How much of a limit is used at most: its name, the share of it, and when, as the motion is played [s]."""
+
+    label: str
+    share: float
+    time: float
+
+    @property
+    def nearness(self) -> Nearness:
+        """How near the limit is."""
+        return "reached" if self.share >= REACHED else "near" if self.share >= NEAR else "free"
+
+
+@dataclass(frozen=True)
+class Card:
+    """The outcome in one line, and the limits of which most is used; none without a trajectory."""
+
+    outcome: str
+    bars: tuple[LimitBar, ...]
+
+    def lines(self) -> Iterator[str]:
+        """The bars as text."""
+        width = max((len(bar.label) for bar in self.bars), default=0)
+        for bar in self.bars:
+            full = round(BAR_LETTERS * min(bar.share, 1.0))
+            drawn = "━" * full + " " * (BAR_LETTERS - full)
+            yield f"  {bar.label:<{width}}  {drawn} {100 * bar.share:5.1f} %  at {bar.time:.4g} s"
+
+
+def answer_card(result: "ScalingResult | RetimingResult") -> Card:
+    """What the user asked: how much faster, how long, limited by what; or why not."""
+    shown = result if isinstance(result, ScalingResult) else result.retimed
+    if shown is None or shown.trajectory is None:
+        return Card(_refusal(result), ())
+    given, done = float(result.motion.object.time[-1]), shown.trajectory
+    parts = [f"{given / done.duration:.3g} × as fast", f"{done.duration:.4g} s (given {given:.4g} s)"]
+    if not isinstance(result, ScalingResult):
+        parts += [f"limited by {name}, {100 * share:.0f} % of the time" for name, share in result.limits[:1]]
+    elif not result.origin and result.range.upper is not None and result.range.upper.time is not None:
+        end = result.range.upper
+        if any(side == "upper" for side, _ in result.range.ends_at(done.c2, AT_END)):
+            parts.append(_limited(end, done.c2))
+        else:
+            parts.append(f"up to {sqrt(end.c2):.3g} × as fast, {_limited(end, end.c2)}")
+    return Card(" · ".join(parts), _nearest(shown, None if isinstance(result, ScalingResult) else result))
+
+
+def _limited(end: RangeEnd, c2: float) -> str:
+    first, *others = dict.fromkeys(map(row_text, end.rows))
+    more = f" and {len(others)} more" if others else ""
+    return f"limited by {first}{more}, at {(end.time or 0.0) / sqrt(c2):.4g} s"
+
+
+def _refusal(result: "ScalingResult | RetimingResult") -> str:
+    if not isinstance(result, ScalingResult):
+        return f"no timing: {result.explanation}" if result.explanation else str(result.status.value)
+    if result.status.admits_motion:
+        return result.sentence()
+    return " · ".join(["no speed keeps all limits", *range_facts(result.range)])
+
+
+def _nearest(result: ScalingResult, timing: "RetimingResult | None") -> tuple[LimitBar, ...]:
+    """What sets the speed, then limits by falling share; the rows of one hand that fail alike are one.
+
+    Velocities count only where their limits are kept.
+    """
+    assert result.trajectory is not None  # noqa: S101 (checked by its caller)
+    names, shares = all_shares(result)
+    first = {name: place for place, name in enumerate(limiting_rows(result, timing).setting)}
+    most = np.minimum(np.max(shares, axis=0), REACHED)  # beyond that they are alike
+    bars: dict[str, LimitBar] = {}
+    for place in sorted(range(len(names)), key=lambda place: (first.get(names[place], len(first)), -most[place])):
+        if names[place].kind != "velocity" or result.cell.enforces_velocity_limits:
+            at = int(np.argmax(shares[:, place] >= most[place]))
+            bar = LimitBar(short_name(names[place]), float(np.max(shares[:, place])), float(result.trajectory.time[at]))
+            bars.setdefault(bar.label, bar)
+    return tuple(bars.values())[:MOST_BARS]

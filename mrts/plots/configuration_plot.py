@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+"""Configurations of the arms, ranked by how fast they let the motion be played."""
+
+import numpy as np
+
+from mrts.plots.colours import CONFLICT, END_COLOURS
+from mrts.plots.labels import row_labels
+from mrts.plots.plot import Axis, Bars, Item, Panel, Plot, Points, one_panel
+from mrts.program.range_status import RangeStatus
+from mrts.studies.configurations import Configuration, ConfigurationStudy
+
+MOST_BARS = 64
+"""Configurations that are drawn, the best first."""
+
+
+def ranking_plot(study: ConfigurationStudy, title: str) -> Plot:
+    """c²⁺ of every configuration as a bar, the best above, with what limits it; infeasible ones are crosses.
+
+    Args:
+        study: What `rank_configurations` found.
+        title: Title of the figure.
+    """
+    shown = study.ranked[:MOST_BARS]
+    more = f" (the best {len(shown)} of {len(study.ranked)})" if len(shown) < len(study.ranked) else ""
+    title = f"{title}{more}\nbranch of each arm; at the right: when and by what c²⁺ is limited"
+    if not shown:
+        nothing = Panel(
+            title=title, x=Axis(), y=Axis(), items=[], note="no configuration reaches the end of the motion"
+        )
+        return one_panel("configurations", nothing)
+    c2 = np.array([found.c2_upper for found in shown])
+    longest = float(np.max(c2[np.isfinite(c2)], initial=0.0)) or 1.0
+    rows, color = np.arange(len(shown), dtype=np.float64), END_COLOURS["upper"]
+    items: list[Item] = []
+    if np.any(finite := np.isfinite(c2)):
+        written = [f"{value:.4g}" for value in c2[finite].tolist()]
+        start = np.zeros(np.count_nonzero(finite))
+        items.append(Bars(place=rows[finite], start=start, end=c2[finite], color=color, written=written))
+    if np.any(free := c2 == np.inf):
+        end = np.full(np.count_nonzero(free), 1.1 * longest)
+        items.append(Bars(place=rows[free], start=0 * end, end=end, color=color, hatched=True))
+    if np.any(none := c2 == -np.inf):
+        items.append(Points(x=0 * rows[none], y=rows[none], symbol="cross", color=CONFLICT))
+    names = [", ".join(f"{branch.robot} {branch.number}" for branch in found.branches) for found in shown]
+    y = Axis(names=names, beside=[_reason(found) for found in shown])
+    panel = Panel(title=title, x=Axis(label="c²⁺ [1]", ends=(0.0, 1.15 * longest)), y=y, items=items)
+    return one_panel("configurations", panel)
+
+
+def _reason(configuration: Configuration) -> str:
+    """What limits a configuration, in a few words."""
+    found = configuration.range
+    if found.status is RangeStatus.INFEASIBLE:
+        worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)
+        return f"infeasible: {row_labels(worst.rows)}"
+    if found.upper is None or found.upper.time is None:
+        return str(found.status.value)
+    if found.status is RangeStatus.EMPTY:
+        return f"empty: {row_labels(found.upper.rows)}"
+    return f"{found.upper.time:.3g} s: {row_labels(found.upper.rows)}"

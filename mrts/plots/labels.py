@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""Names as labels of a picture: printable, and short enough to stand beside a plot."""
+
+import re
+from collections.abc import Sequence
+
+from mrts.base.printable import cut, printable
+from mrts.limits.rows import STANDSTILL, ActiveRow, RowName
+from mrts.scaling.range import SPEEDS
+
+MOST_NAMES = 3
+"""Rows that a short list names."""
+
+LONGEST_LABEL = 44
+"""Letters of a label."""
+
+LANE_LETTERS = 32
+"""Letters of a row's name beside its lane."""
+
+MOST_LETTERS = 128
+"""Of names that are alike where they are shorter."""
+
+FAILURES = {"friction": "slips", "tilt": "tips", "torsion": "twists"}
+"""What a hand does at a limit of its contact, by the first word of the row."""
+
+CONTACT_ROW = re.compile(rf"(.+) ({'|'.join(FAILURES)}) \S+")
+
+
+def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
+    """A printable name whose middle is left out where it is too long."""
+    return cut(printable(name), longest)
+
+
+def shortened_apart(names: Sequence[str], longest: int = LANE_LETTERS) -> list[str]:
+    """Names as `shortened`, as long as it takes to tell them apart.
+
+    Args:
+        names: Beside each other.
+        longest: Letters of each, where that suffices.
+    """
+    short = [shortened(name, longest) for name in names]
+    if len({*short}) == len({*names}) or longest >= MOST_LETTERS:
+        return short
+    return shortened_apart(names, 2 * longest)
+
+
+def limit_label(name: str, side: str) -> str:
+    """A limit in a few letters: `left/elbow ↑` at its upper side, ↓ at its lower one, `left/pad slips`.
+
+    Args:
+        name: Of its row, as `RowName.short`.
+        side: "upper" or "lower"; a speed is limited alike in both directions and needs no arrow.
+    """
+    if found := CONTACT_ROW.fullmatch(name):
+        return f"{found[1]} {FAILURES[found[2]]}"
+    return name if name.endswith(tuple(SPEEDS)) else f"{name} {'↑' if side == 'upper' else '↓'}"
+
+
+def row_label(row: ActiveRow) -> str:
+    """A row in a few letters."""
+    name = row.name
+    return str(name) if name == STANDSTILL or not name.robot else limit_label(name.short, row.side)
+
+
+def contact_failure(name: RowName) -> str:
+    """`left/pad slips`: what a hand does at a limit of its contact; empty for what limits no such thing."""
+    found = CONTACT_ROW.fullmatch(name.short)
+    return "" if found is None else f"{found[1]} {FAILURES[found[2]]}"
+
+
+def short_name(name: RowName) -> str:
+    """What a row limits, whichever side: `left/elbow torque`, `left/pad slips`."""
+    return contact_failure(name) or str(name)
+
+
+def row_text(row: ActiveRow) -> str:
+    """A row with its limit: `left/elbow torque ↑, 80 N m`, `left/pad slips: friction 100 % used`."""
+    name = row.name
+    if name == STANDSTILL or name.kind == "speed":
+        return str(row)
+    if found := CONTACT_ROW.fullmatch(name.short):
+        return f"{found[1]} {FAILURES[found[2]]}: {found[2]} 100 % used"
+    return f"{limit_label(str(name), row.side)}, {row.limit:.4g} {name.unit}".rstrip()
+
+
+def row_labels(rows: Sequence[ActiveRow], most: int = MOST_NAMES) -> str:
+    """The first rows in a few letters, and how many more there are."""
+    labels = list(dict.fromkeys(map(row_label, rows)))
+    more = f" and {len(labels) - most} more" if len(labels) > most else ""
+    return ", ".join(labels[:most]) + more

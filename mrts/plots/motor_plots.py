@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""What an identification found of an arm's motors: efforts that rigid bodies leave over, friction, residuals."""
+
+import numpy as np
+
+from mrts.identification.identified_motors import ArmMotors
+from mrts.plots.colours import COLOURS
+from mrts.plots.plot import Axis, Item, Line, Panel, Plot, Points
+
+
+def motor_plot(arm: ArmMotors) -> Plot:
+    """Every joint of an arm: what is left over along time, friction over speed, and the residual.
+
+    Blocks of the recording that do not count are left out.
+    """
+    rows = [_joint(arm, joint) for joint in range(len(arm.robot.joints))]
+    title = f"{arm.robot.name}: efforts that the rigid bodies leave over"
+    return Plot(name=f"motors_{arm.robot.name}", title=title, rows=rows)
+
+
+def _joint(arm: ArmMotors, joint: int) -> list[Panel]:
+    used, name = arm.used[:, joint], arm.robot.joints[joint]
+    time, effort = Axis(label="time [s]"), Axis(label=f"[{arm.robot.torque_units[joint]}]")
+    fitted = np.where(used, arm.fitted[:, joint], np.nan)
+    left_over: list[Item] = [
+        Points(x=arm.time[used], y=arm.left_over[used, joint], symbol="dot", label="effort − rigid bodies"),
+        Line(x=arm.time, y=fitted, color=COLOURS[1], width=0.8, label="motor"),
+    ]
+    speed = arm.velocity[used, joint]
+    torque = arm.left_over[used, joint] - arm.armature.value[joint] * arm.acceleration[used, joint]
+    reach = np.max(np.abs(speed), initial=0.0)
+    coulomb, viscous = arm.coulomb.value[joint], arm.viscous.value[joint]
+    line = np.array([-coulomb - viscous * reach, -coulomb, coulomb, coulomb + viscous * reach])
+    friction: list[Item] = [
+        Points(x=speed, y=torque - arm.offset[joint], symbol="dot", label="without armature"),
+        Line(x=np.array([-reach, 0, 0, reach]), y=line, color=COLOURS[1], width=0.8, label="friction"),
+    ]
+    rest = arm.left_over[used, joint] - arm.fitted[used, joint]
+    residual: list[Item] = [Points(x=arm.time[used], y=rest, symbol="dot", color=COLOURS[2], label="residual")]
+    over_speed = Axis(label=f"speed [{arm.robot.position_units[joint]}/s]")
+    return [
+        Panel(title=name, x=time, y=effort, items=left_over),
+        Panel(title=f"{name}: friction", x=over_speed, y=effort, items=friction),
+        Panel(title=f"{name}: residual", x=time, y=effort, items=residual),
+    ]

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: MIT
+"""The phase plane of a retimed path: speed along its arc length."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.plots.colours import ADMISSIBLE, COLOURS
+from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, Rule, one_panel
+from mrts.timing.result import RetimingResult
+from mrts.timing.retimed_motion import FastestPiece, TimedPiece
+from mrts.timing.smooth_piece import fastest_pieces
+
+HEADROOM = 1.35
+"""The maximum velocity curve goes out of the picture above this multiple of the profile."""
+
+
+def phase_plane_plot(found: RetimingResult) -> Plot:
+    """The maximum velocity curve, the fastest profile, the smooth one, the best constant factor.
+
+    Raises:
+        ValueError: If there is no profile.
+    """
+    if not found.pieces:
+        raise ValueError("there is no profile to draw")
+    smooth, best, along = found.smooth, found.factor, way(found.pieces)
+    lines: list[Item] = []
+    fastest = fastest_pieces(found.pieces) if smooth is None else smooth.fastest
+    if fastest:
+        label = f"fastest, {found.duration:.4g} s"
+        if smooth is not None:
+            label = f"fastest without limits of rates, {smooth.bound:.4g} s"
+        lines.append(_line(label, way(fastest), _speeds(fastest), COLOURS[1]))
+    if smooth is not None:
+        lines.append(
+            _line(f"{smooth.what}, {found.duration:.4g} s", along, _speeds(found.pieces), COLOURS[4], width=2.4)
+        )
+    if best.c2 is not None:
+        speeds = [np.sqrt(best.c2) * part.piece.speed for part in found.pieces]
+        lines.append(_line(f"best constant c, {best.duration:.4g} s", along, speeds, COLOURS[0], dash=1))
+    top = HEADROOM * max(float(np.nanmax(line.y)) for line in lines if isinstance(line, Line))
+    items: list[Item] = []
+    for s, part in zip(way(fastest), fastest, strict=True):
+        sides = part.along_arc(part.profile.lower), part.along_arc(part.profile.upper)
+        label = "" if items else "controllable"
+        items.append(Band(x=s, lower=sides[0], upper=sides[1], label=label, color=ADMISSIBLE, opacity=0.15))
+    if fastest:
+        items += _most(fastest, top)
+    items += [*lines, *(Rule(at=float(s[0]), upright=True) for s in along[1:])]
+    x = Axis(label="path s (rms over the joints) [rad or m]", hover="s = {}")
+    y = Axis(label="speed ṡ [rad/s or m/s]", ends=(0.0, top))
+    title = f"{found.cell.name}: speed along the path (phase plane)"
+    return one_panel("phase-plane", Panel(title=title, x=x, y=y, items=items), "way")
+
+
+def way(pieces: Sequence[TimedPiece]) -> list[Array]:
+    """Way from the start of the motion at the samples of every piece of the path."""
+    starts = np.cumsum([0.0, *(part.piece.arc[-1] for part in pieces)])
+    return [start + part.piece.arc for start, part in zip(starts, pieces, strict=False)]
+
+
+def played_way(found: RetimingResult) -> Array:
+    """Way along the path at the samples of the retimed motion, Shape (N,)."""
+    first, *others = way(found.pieces)
+    return np.concatenate([first, *(part[1:] for part in others)])
+
+
+def _speeds(pieces: Sequence[TimedPiece]) -> list[Array]:
+    return [part.arc_speed for part in pieces]
+
+
+def _most(pieces: Sequence[FastestPiece], top: float) -> list[Item]:
+    """The maximum velocity curve, where it is in the picture."""
+    bounds = [(part, part.profile.regions.upper) for part in pieces]
+    speeds = [part.along_arc(np.where(np.isfinite(most), most, np.nan)) for part, most in bounds]
+    seen = any(bool(np.any(speed <= top)) for speed in speeds)
+    return [_line("maximum velocity curve", way(pieces), speeds, COLOURS[6], dash=3, width=1.0)] if seen else []
+
+
+def _line(
+    label: str, s: Sequence[Array], speeds: Sequence[Array], color: str, dash: int = 0, width: float = 1.5
+) -> Line:
+    """One curve of all pieces, with a gap between them."""
+    x, y = (np.concatenate([np.append(part, np.nan) for part in parts])[:-1] for parts in (s, speeds))
+    return Line(x=x, y=y, label=label, color=color, dash=dash, width=width)

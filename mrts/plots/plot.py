@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: MIT
+"""What a plot shows, as data: matplotlib draws it for files (`matplotlib_drawer`), plotly for pages (`plotly_drawer`).
+
+Texts are as a user gave them: the drawers make them printable. Colours are names of the web, `#rrggbb`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.plots.colours import COLOURS
+
+FARTHEST_LIMIT = 4.0
+"""Limits beyond this many times the largest value are left outside: the values would be flat lines."""
+
+MARGIN = 0.06
+"""Left free above and below, as a share of what is shown."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Line:
+    """A curve, with its limits as thin lines of the same look.
+
+    Attributes:
+        x: Shape (N,).
+        y: NaN makes a gap, Shape (N,).
+        label: In the legend; empty: not there.
+        color: Of the line.
+        dash: Number of its dashes, 0 for none.
+        width: [pt].
+        unit: Of its values; None: it does not answer hovering.
+        lower: Its lower limit, minus infinity where there is none, Shape (N,); None: none anywhere.
+        upper: Its upper limit, likewise.
+        steps: Whether a value holds until the next x.
+        texts: What is told under the mouse beside the values, one a value.
+    """
+
+    x: Array
+    y: Array
+    label: str = ""
+    color: str = COLOURS[0]
+    dash: int = 0
+    width: float = 1.5
+    unit: str | None = ""
+    lower: Array | None = None
+    upper: Array | None = None
+    steps: bool = False
+    texts: Sequence[str] = ()
+
+    @property
+    def limits(self) -> list[Array]:
+        """Those that are finite somewhere."""
+        return [limit for limit in (self.lower, self.upper) if limit is not None and np.any(np.isfinite(limit))]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Points:
+    """Marks, each with a text beside it.
+
+    Attributes:
+        x: Shape (N,).
+        y: Shape (N,).
+        symbol: "circle", "dot" (a small one), "cross", "star" or "up".
+        label: In the legend; empty: not there.
+        color: Of the marks.
+        texts: One a mark; none, or empty where nothing is written.
+        below: Whether texts stand below the marks.
+    """
+
+    x: Array
+    y: Array
+    symbol: str = "circle"
+    label: str = ""
+    color: str = COLOURS[0]
+    texts: Sequence[str] = ()
+    below: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Band:
+    """The area between two curves.
+
+    Attributes:
+        x: Shape (N,).
+        lower: Shape (N,).
+        upper: Shape (N,).
+        label: In the legend; empty: not there.
+        color: Of the area.
+        opacity: 0 to 1.
+    """
+
+    x: Array
+    lower: Array
+    upper: Array
+    label: str = ""
+    color: str = "#ddd"
+    opacity: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spans:
+    """Parts of the x axis, filled from the bottom to the top.
+
+    Attributes:
+        ends: Start and end of each.
+        label: In the legend.
+        color: Of the areas.
+        hatch: As matplotlib has it; empty for a plain area.
+    """
+
+    ends: Sequence[tuple[float, float]]
+    label: str
+    color: str
+    hatch: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rule:
+    """A straight line across the panel: upright at an x, or level at a y."""
+
+    at: float
+    upright: bool = False
+    label: str = ""
+    color: str = "#888"
+    dash: int = 0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Bars:
+    """Bars along an axis of names (level), or upright ones on the x axis.
+
+    Attributes:
+        place: Row of each level bar, its middle; x of each upright one.
+        start: Where each begins.
+        end: Where each ends.
+        thickness: Of each.
+        label: In the legend; empty: not there.
+        color: Of the bars.
+        upright: Whether they stand on the x axis.
+        hatched: Whether they are outlines that are hatched.
+        texts: What is told of each under the mouse.
+        written: What is written at the end of each.
+    """
+
+    place: Array
+    start: Array
+    end: Array
+    thickness: Array | float = 0.72
+    label: str = ""
+    color: str = COLOURS[0]
+    upright: bool = False
+    hatched: bool = False
+    texts: Sequence[str] = ()
+    written: Sequence[str] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HeatMap:
+    """Cells whose colours are values.
+
+    Attributes:
+        x: Edges, Shape (columns + 1,).
+        y: Edges, Shape (rows + 1,).
+        z: NaN where a cell is empty, Shape (rows, columns).
+        colors: From the least to the largest value.
+        low: Value of the first colour.
+        high: Value of the last colour, which larger ones have too.
+        title: Of the bar of colours.
+        unit: Told with a value under the mouse.
+        texts: Told instead of it, one a cell.
+        contours: Whether lines of one value are drawn where there is room.
+    """
+
+    x: Array
+    y: Array
+    z: Array
+    colors: Sequence[str]
+    low: float
+    high: float
+    title: str
+    unit: str = ""
+    texts: Sequence[Sequence[str]] = ()
+    contours: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cells:
+    """Cells whose colours are names.
+
+    Attributes:
+        x: Edges, Shape (columns + 1,).
+        y: Edges, Shape (rows + 1,).
+        code: Number of the name of each cell, -1 where it is empty, Shape (rows, columns).
+        names: In the legend, those that some cell has.
+        colors: One a name.
+        hatches: One a name, as matplotlib has them; none, or empty for a plain area.
+        texts: What is told of each cell under the mouse.
+    """
+
+    x: Array
+    y: Array
+    code: NDArray[np.int_]
+    names: Sequence[str]
+    colors: Sequence[str]
+    hatches: Sequence[str] = ()
+    texts: Sequence[Sequence[str]] = ()
+
+
+Item = Line | Points | Band | Spans | Rule | Bars | HeatMap | Cells
+
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """What an axis counts, or the names along it.
+
+    Attributes:
+        label: Beside it.
+        ends: Of what is shown; None: all there is.
+        log: Whether it is logarithmic.
+        names: Of the rows 0, 1, … from the top; none where it counts.
+        colors: Of the names.
+        strong: Which of them are bold.
+        beside: Written at the other end of the rows.
+        hover: What a value under the mouse is called, such as "t = {} s".
+    """
+
+    label: str = ""
+    ends: tuple[float, float] | None = None
+    log: bool = False
+    names: Sequence[str] = ()
+    colors: Sequence[str] = ()
+    strong: Sequence[bool] = ()
+    beside: Sequence[str] = ()
+    hover: str = "{}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """One pair of axes.
+
+    Attributes:
+        title: Above it.
+        x: The level axis.
+        y: The upright one.
+        items: What is drawn, the last one on top.
+        note: Written in its middle.
+    """
+
+    x: Axis
+    y: Axis
+    items: Sequence[Item]
+    title: str = ""
+    note: str = ""
+
+    @property
+    def named(self) -> list[Item]:
+        """Items with an entry in the legend."""
+        others = [item for item in self.items if not isinstance(item, HeatMap)]
+        return [item for item in others if isinstance(item, Cells) or item.label]
+
+    def cuts(self) -> Points | None:
+        """Where curves go on above what is shown; None where none does."""
+        if self.y.ends is None:
+            return None
+        top, places = self.y.ends[1], [np.empty(0)]
+        for item in self.items:
+            if isinstance(item, Line):
+                over = np.where(np.isnan(item.y), -np.inf, item.y) > top
+                below = np.isfinite(item.y) & ~over
+                at = np.flatnonzero((over[1:] & below[:-1]) | (below[1:] & over[:-1]))
+                y = np.minimum(item.y, 1e9 * max(abs(top), 1.0))  # where it comes from infinity
+                share = (top - y[at]) / (y[at + 1] - y[at])
+                places.append(item.x[at] + share * (item.x[at + 1] - item.x[at]))
+        x = np.concatenate(places)
+        if not x.size:
+            return None
+        return Points(x=x, y=np.full(len(x), top), symbol="up", color="#555", label="goes on above")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plot:
+    """A figure.
+
+    Attributes:
+        name: Of its file or its place in a page, one of a kind.
+        title: Lines above it.
+        rows: Panels beside each other in rows below each other.
+        shared: Whether the panels of a column have one x axis.
+        clock: What that counts in a report, for the cursor: "played" is the time of the trajectory, "given" that of
+            the given motion, "way" that along the path; empty where it is none of these.
+    """
+
+    name: str
+    title: str
+    rows: Sequence[Sequence[Panel]]
+    shared: bool = False
+    clock: str = ""
+
+    def _repr_mimebundle_(self, **_: object) -> dict[str, Any]:
+        """For notebooks that can draw with plotly; others, and panels beside each other, have the picture."""
+        from mrts.plots.plotly_drawer import plotly_figure  # noqa: PLC0415 (it draws plots)
+
+        if any(len(row) > 1 for row in self.rows):
+            return {}
+        drawn = plotly_figure(self)
+        return {"application/vnd.plotly.v1+json": {"data": drawn["data"], "layout": drawn["layout"]}}
+
+    def _repr_png_(self) -> bytes:
+        from mrts.plots.matplotlib_drawer import png  # noqa: PLC0415 (the extra 'plot')
+
+        return png(self)
+
+
+def one_panel(name: str, panel: Panel, clock: str = "") -> Plot:
+    """A plot of one panel, with its title."""
+    return Plot(name=name, title=panel.title, rows=[[panel]], clock=clock)
+
+
+def look(index: int) -> dict[str, Any]:
+    """Colour and dashes of the line with this number."""
+    return {"color": COLOURS[index % len(COLOURS)], "dash": index + index // len(COLOURS)}
+
+
+def value_ends(values: Array, limits: Array) -> tuple[float, float]:
+    """Ends of an axis that shows values and their limits.
+
+    Args:
+        values: Finite, any shape.
+        limits: Any shape, infinity where unbounded.
+    """
+    size = float(np.max(np.abs(values), initial=0.0))
+    near = limits[np.isfinite(limits) & ((np.abs(limits) <= FARTHEST_LIMIT * size) | (size == 0))]
+    shown = np.concatenate([values.ravel(), near.ravel(), [0.0]])
+    low, high = float(np.min(shown)), float(np.max(shown))
+    margin = MARGIN * (high - low) or 1.0
+    return low - margin, high + margin

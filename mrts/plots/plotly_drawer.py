@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: MIT
+"""Draws plots as plotly reads them: traces and a layout, for pages and notebooks. It needs no plotly itself."""
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.printable import printable
+from mrts.plots.labels import shortened, shortened_apart
+from mrts.plots.plot import Axis, Band, Bars, Cells, HeatMap, Item, Line, Panel, Plot, Points, Rule, Spans
+
+DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
+"""A second difference between lines, for print without colour."""
+
+SYMBOLS = {"circle": "circle", "dot": "circle", "cross": "x", "star": "star", "up": "triangle-up"}
+SIZES = {"circle": 10, "dot": 3, "cross": 9, "star": 15, "up": 8}
+
+MOST_SAMPLES = 500
+"""Evenly chosen samples of a line; the extreme ones of every line are kept beside these."""
+
+DIGITS = 6
+"""Of the numbers in a plot."""
+
+PANEL_HEIGHT, ROW_HEIGHT, AROUND = 260, 22, 62
+"""Of a panel, of a row of names, and of what stands around them [px]; the page adds the height of the legend."""
+
+OUTSIDE = 10.0
+"""How far beyond what is shown the edge of an area may lie, of what is shown."""
+
+FRAME = {"showline": True, "mirror": True, "linecolor": "#888", "gridcolor": "#e5e5e5", "zeroline": False}
+
+
+def plotly_figure(plot: Plot) -> dict[str, Any]:
+    """Traces ("data"), "layout", which holds its height, and "clock" of a plot whose panels stand below each other."""
+    panels = [panel for row in plot.rows for panel in row]
+    heights = [_height(panel) for panel in panels]
+    closest = any(
+        isinstance(item, Bars | HeatMap | Cells) and not panel.y.names for panel in panels for item in panel.items
+    )
+    closest = closest or not any(isinstance(item, Line) for item in panels[0].items)
+    shape: dict[str, Any] = {
+        "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#1b1b1b"},
+        "margin": {"l": 64, "r": 12, "t": 12, "b": 48},
+        "paper_bgcolor": "#fff",
+        "plot_bgcolor": "#fff",
+        "hovermode": "closest" if closest else "x unified",
+        "hoverlabel": {"namelength": -1},
+        "legend": {"orientation": "h", "x": 0, "y": 1.01, "yanchor": "bottom", "itemwidth": 42, "traceorder": "normal"},
+        "height": sum(heights) + AROUND,
+        "barmode": "overlay",
+        "shapes": [],
+        "annotations": [],
+    }
+    traces: list[dict[str, Any]] = []
+    top = 1.0
+    for number, (panel, height) in enumerate(zip(panels, heights, strict=True)):
+        last = "" if number == 0 else str(number + 1)
+        bottom = top - height / sum(heights)
+        shape[f"yaxis{last}"] = _axis(panel.y) | {
+            "domain": [max(0.0, bottom + (0.03 if number < len(panels) - 1 else 0)), top]
+        }
+        top = bottom
+        drawn = [trace for item in [*panel.items, *filter(None, [panel.cuts()])] for trace in _traces(item, panel)]
+        traces += [trace | {"yaxis": f"y{last}"} for trace in drawn]
+        shape["shapes"] += [_shape(item, last) for item in panel.items if isinstance(item, Rule)]
+        for item in panel.items:
+            if isinstance(item, Spans):
+                shape["shapes"] += [_area(end, item.color, last) for end in item.ends]
+        if panel.note:
+            word = {"x": 0.5, "xref": "paper", "y": 0.5, "yref": f"y{last} domain", "showarrow": False}
+            shape["annotations"].append(word | {"text": plot_text(panel.note), "bgcolor": "#ffffffc0"})
+    below = panels[-1].x
+    anchor = {"anchor": f"y{len(panels)}", "mirror": "all"} if len(panels) > 1 else {}
+    shape["xaxis"] = _axis(below) | anchor | {"unifiedhovertitle": {"text": below.hover.format("%{x:.4g}")}}
+    return {"data": traces, "layout": shape, "clock": plot.clock}
+
+
+def _height(panel: Panel) -> int:
+    return ROW_HEIGHT * len(panel.y.names) + 12 if panel.y.names else PANEL_HEIGHT
+
+
+def plot_text(text: str) -> str:
+    """Text for plotly, which reads some HTML in names and labels, and TeX between two $."""
+    return escape(printable(text, lines=True), quote=False).replace("$", "&#36;")
+
+
+def numbers(values: Array) -> list[Any]:
+    """An array for JSON, to `DIGITS` digits; None stands for what is not finite."""
+    flat = [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in np.ravel(values).tolist()]
+    return flat if np.ndim(values) == 1 else np.reshape(np.array(flat, dtype=object), np.shape(values)).tolist()
+
+
+def shown_samples(count: int, *values: Array) -> NDArray[np.int_]:
+    """Samples that are enough to draw lines: all, or an even choice and the extremes of every line, Shape (N,) each."""
+    if count <= MOST_SAMPLES:
+        return np.arange(count)
+    even = np.linspace(0, count - 1, MOST_SAMPLES).round().astype(int)
+    finite = [np.nan_to_num(line, posinf=0.0, neginf=0.0) for line in values]
+    extremes = [np.array([np.argmin(line), np.argmax(line)]) for line in finite]
+    return np.unique(np.concatenate([even, *extremes]))
+
+
+def _axis(axis: Axis) -> dict[str, Any]:
+    shape = FRAME | {"title": {"text": plot_text(axis.label)}}
+    if axis.log:
+        shape["type"] = "log"
+    if axis.ends is not None:
+        shape["range"] = numbers(np.log10(axis.ends) if axis.log else np.array(axis.ends))
+    if not axis.names:
+        return shape
+    labels = [plot_text(name) for name in shortened_apart(axis.names)]
+    for place, strong in enumerate(axis.strong):
+        labels[place] = f"<b>{labels[place]}</b>" if strong else labels[place]
+    for place, color in enumerate(axis.colors):
+        labels[place] = f'<span style="color:{color}">{labels[place]}</span>'
+    ticks = {"tickvals": list(range(len(labels))), "ticktext": labels, "tickfont": {"size": 11}}
+    rows = {"range": [len(labels) - 0.4, -0.6], "automargin": True, "fixedrange": True, "showgrid": False}
+    return shape | ticks | rows
+
+
+def _shape(rule: Rule, last: str) -> dict[str, Any]:
+    look = {"type": "line", "line": {"width": 1.2, "color": rule.color, "dash": DASHES[rule.dash]}}
+    if rule.upright:
+        return look | {"x0": rule.at, "x1": rule.at, "yref": f"y{last} domain", "y0": 0, "y1": 1}
+    return look | {"y0": rule.at, "y1": rule.at, "yref": f"y{last}", "xref": "x domain", "x0": 0, "x1": 1}
+
+
+def _area(ends: tuple[float, float], color: str, last: str) -> dict[str, Any]:
+    area = {"type": "rect", "x0": ends[0], "x1": ends[1], "yref": f"y{last} domain", "y0": 0, "y1": 1}
+    return area | {"fillcolor": color, "line": {"width": 0}, "layer": "below"}
+
+
+def _traces(item: Item, panel: Panel) -> list[dict[str, Any]]:  # noqa: PLR0911 (one a kind of item)
+    if isinstance(item, Line):
+        return _line(item, panel)
+    if isinstance(item, Points):
+        return [_points(item, panel.x)]
+    if isinstance(item, Band):
+        return _band(item, panel.y)
+    if isinstance(item, Bars):
+        return [_bars(item)]
+    if isinstance(item, HeatMap):
+        return [_heat_map(item)]
+    if isinstance(item, Cells):
+        return _cells(item)
+    key = "line" if isinstance(item, Rule) else "square"
+    return [_key(item.label, item.color, key)] if item.label else []
+
+
+def _named(label: str) -> dict[str, Any]:
+    return {"name": plot_text(shortened(label)), "showlegend": bool(label)}
+
+
+def _line(line: Line, panel: Panel) -> list[dict[str, Any]]:
+    alike = [other.y for other in panel.items if isinstance(other, Line) and len(other.y) == len(line.y)]
+    shown = shown_samples(len(line.x), *alike)
+    look = {"color": line.color, "dash": DASHES[line.dash % len(DASHES)], "width": line.width + 0.5}
+    if line.steps:
+        look["shape"] = "hv"
+    group = f"{panel.items.index(line)}"
+    own = {
+        "x": numbers(line.x[shown]),
+        "y": numbers(line.y[shown]),
+        "mode": "lines",
+        "line": look,
+        "legendgroup": group,
+    }
+    own |= _named(line.label)
+    own |= {"hoverinfo": "skip"} if line.unit is None else {"hovertemplate": f"%{{y:.4g}} {line.unit}".rstrip()}
+    if line.texts:
+        texts = [plot_text(line.texts[place]).replace("\n", "<br>") for place in shown.tolist()]
+        own |= {"text": texts, "hovertemplate": f"{own['hovertemplate']}<br>%{{text}}"}
+    used = _percent(line, shown)
+    if used is not None:
+        own |= {"customdata": used, "hovertemplate": f"%{{y:.4g}} {line.unit} (%{{customdata}} %)"}
+    thin: dict[str, Any] = {"mode": "lines", "hoverinfo": "skip", "legendgroup": group, "showlegend": False, "name": ""}
+    traces = [own]
+    for limit in line.limits:
+        at = np.array([0, -1]) if np.all(limit == limit[0]) else shown
+        traces.append(thin | {"x": numbers(line.x[at]), "y": numbers(limit[at]), "line": look | {"width": 0.8}})
+    return traces
+
+
+def _percent(line: Line, shown: NDArray[np.int_]) -> list[int] | None:
+    """How much of the limit on their side values use [%]; None where a side has none, or one of 0."""
+    if line.lower is None or line.upper is None:
+        return None
+    limit = np.where(line.y < 0, line.lower, line.upper)[shown]
+    if not np.all(np.isfinite(limit) & (limit != 0) & np.isfinite(line.y[shown])):
+        return None
+    return [round(percent) for percent in (100 * line.y[shown] / limit).tolist()]
+
+
+def _points(points: Points, along: Axis) -> dict[str, Any]:
+    marker: dict[str, Any] = {"symbol": SYMBOLS[points.symbol], "size": SIZES[points.symbol], "color": points.color}
+    if points.symbol == "star":
+        marker["line"] = {"width": 1.5, "color": "#000"}
+    own = {"x": numbers(points.x), "y": numbers(points.y), "marker": marker, "cliponaxis": False, "hoverinfo": "skip"}
+    texts = [f"<b>{plot_text(text)}</b>" if text else "" for text in points.texts]
+    low, high = along.ends if along.ends is not None else (0.0, np.inf)
+    side = "bottom" if points.below else "top"
+    sides = [f"{side} {'left' if x > (low + high) / 2 else 'right'}" for x in points.x.tolist()]
+    written = {"mode": "markers+text", "text": texts, "textposition": sides} if any(texts) else {"mode": "markers"}
+    return own | written | _named(points.label)
+
+
+def _band(band: Band, y: Axis) -> list[dict[str, Any]]:
+    low, high = y.ends if y.ends is not None else (-np.inf, np.inf)
+    reach = OUTSIDE * (high - low)
+    opaque = f"{band.color}{round(255 * band.opacity):02x}" if band.opacity < 1 else band.color
+    sides: list[dict[str, Any]] = [
+        {"x": numbers(band.x), "y": numbers(np.clip(side, low - reach, high + reach)), "mode": "lines",
+         "line": {"width": 0}, "hoverinfo": "skip"}
+        for side in (band.lower, band.upper)
+    ]  # fmt: skip
+    sides[0] |= {"showlegend": False}
+    sides[1] |= {"fill": "tonexty", "fillcolor": opaque} | _named(band.label)
+    return sides
+
+
+def _bars(bars: Bars) -> dict[str, Any]:
+    along, across = ("y", "x") if bars.upright else ("x", "y")
+    own = {
+        "type": "bar",
+        "orientation": "v" if bars.upright else "h",
+        along: numbers(bars.end - bars.start),
+        "base": numbers(bars.start),
+        across: numbers(np.asarray(bars.place, dtype=np.float64)),
+        "width": numbers(np.broadcast_to(np.asarray(bars.thickness, dtype=np.float64), np.shape(bars.place))),
+        "marker": {"color": bars.color, "line": {"width": 0}},
+        "textposition": "none",
+    }
+    hover = {"text": [plot_text(text) for text in bars.texts], "hovertemplate": "%{text}<extra></extra>"}
+    return own | _named(bars.label) | (hover if bars.texts else {"hoverinfo": "skip"})
+
+
+def _heat_map(heat: HeatMap) -> dict[str, Any]:
+    scale = [
+        [place, color] for place, color in zip(np.linspace(0, 1, len(heat.colors)).tolist(), heat.colors, strict=True)
+    ]
+    bar = {"title": {"text": plot_text(heat.title), "side": "right"}, "thickness": 14}
+    ends = {"zmin": heat.low, "zmax": heat.high, "colorscale": scale, "colorbar": bar}
+    return _grid(heat.x, heat.y, heat.z, heat.texts, heat.unit) | ends
+
+
+def _cells(cells: Cells) -> list[dict[str, Any]]:
+    count = len(cells.names)
+    steps = [[end / count, color] for code, color in enumerate(cells.colors) for end in (code, code + 1)]
+    codes = np.where(cells.code < 0, np.nan, cells.code)
+    look: dict[str, Any] = {"zmin": -0.5, "zmax": count - 0.5, "colorscale": steps, "showscale": False}
+    found = np.unique(cells.code[cells.code >= 0]).tolist()
+    keys = [_key(cells.names[code], cells.colors[code], "square") for code in found]
+    return [_grid(cells.x, cells.y, codes, cells.texts, "") | look, *keys]
+
+
+def _grid(x: Array, y: Array, z: Array, texts: Sequence[Sequence[str]], unit: str) -> dict[str, Any]:
+    own: dict[str, Any] = {"type": "heatmap", "x": numbers(x), "y": numbers(y), "z": numbers(z), "hoverongaps": False}
+    if not texts:
+        return own | {"hovertemplate": f"%{{z:.3g}} {unit}<br>%{{x:.4g}}<extra></extra>"}
+    lines = [[plot_text(text).replace("\n", "<br>") for text in row] for row in texts]
+    return own | {"text": lines, "hovertemplate": "%{text}<extra></extra>"}
+
+
+def _key(name: str, color: str, symbol: str) -> dict[str, Any]:
+    """An entry of the legend for what is no trace."""
+    if symbol == "line":
+        return {"x": [None], "y": [None], "mode": "lines", "line": {"color": color}} | _named(name)
+    marker = {"symbol": symbol, "size": 12, "color": color, "line": {"width": 1, "color": "#666"}}
+    return {"x": [None], "y": [None], "mode": "markers", "marker": marker} | _named(name)

@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: MIT
+"""c²⁻(t) and c²⁺(t), the range over the motion, which limits bind where, and what uncertain loads do to it."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.limits.rows import STANDSTILL, ActiveRow, Side
+from mrts.plots.colours import ADMISSIBLE, COLOURS, CONFLICT, END_COLOURS
+from mrts.plots.labels import row_label, row_labels
+from mrts.plots.plot import MARGIN, Axis, Band, Bars, Item, Line, Panel, Plot, Points, Rule, Spans, look, one_panel
+from mrts.program.range_status import RangeStatus
+from mrts.program.sample_ranges import SampleRanges
+from mrts.scaling.loads import LoadStudy
+from mrts.scaling.range import RangeEnd, ScalingRange
+from mrts.scaling.result import ScalingResult
+
+MOST_LANES = 14
+"""Lanes of one end of the range; rows beyond share the last."""
+
+ABOVE_THE_RANGE = 4.0
+"""c²⁺(t) near rest can be thousands of times the range over the motion; it is followed up to this many times."""
+
+ALIKE = 1e-6
+"""Share of c²⁺ by which loads that admit the same speed differ at most."""
+
+LaneKind = Literal["upper", "lower", "conflict"]
+
+LANE_WORDS: dict[LaneKind, str] = {
+    "conflict": "in conflict",
+    "upper": "binds at c²⁺(t)",
+    "lower": "binds at c²⁻(t)",
+}
+
+
+@dataclass(frozen=True)
+class Lane:
+    """Where a row binds.
+
+    Attributes:
+        kind: At the upper end of the samples' ranges, at the lower one, or in a conflict that leaves no range.
+        label: The row, or how many rows share the lane.
+        sets: Whether the row sets the range over the motion.
+        binds: Shape (N,).
+    """
+
+    kind: LaneKind
+    label: str
+    sets: bool
+    binds: NDArray[np.bool_]
+
+
+def range_plot(result: ScalingResult) -> Plot:
+    """c²⁻(t) and c²⁺(t) above the rows that bind; what no c² satisfies is marked."""
+    found = result.range
+    facts = [f"{result.cell.name}: {found.status.value}", *range_facts(found)]
+    rows = [[_range_panel(found)]]
+    lanes = binding_lanes(found)
+    if lanes:
+        rows.append([_lane_panel(found, lanes)])
+    return Plot(name="c2-range", title="\n".join(facts), rows=rows, shared=True, clock="given")
+
+
+def _range_panel(found: ScalingRange) -> Panel:
+    samples, (low, high) = found.samples, c2_ends(found)
+    items: list[Item] = []
+    if spans_without := infeasible_spans(samples):
+        items.append(Spans(ends=spans_without, label="no c² at all", color="#ddd", hatch="///"))
+    if found.status.admits_motion and found.lower and found.upper:
+        ends = (np.full(2, end) for end in (found.lower.c2, min(found.upper.c2, 2 * high)))
+        items.append(Band(x=samples.time[[0, -1]], lower=next(ends), upper=next(ends), color=ADMISSIBLE, opacity=0.15,
+                          label=f"range {range_text(found)}"))  # fmt: skip
+    sides: tuple[tuple[Side, str, Array], ...] = (
+        ("upper", "c²⁺(t)", samples.upper),
+        ("lower", "c²⁻(t)", samples.lower),
+    )
+    for side, label, values in sides:
+        texts = ["\n".join(map(row_label, found.binding(sample, side))) for sample in range(len(values))]
+        dash = int(side == "lower")
+        items.append(Line(x=samples.time, y=values, label=label, color=END_COLOURS[side], dash=dash, texts=texts))
+    for name, side, end in (("c²⁻", "lower", found.lower), ("c²⁺", "upper", found.upper)):
+        if end is None or end.time is None or (side == "lower" and end.c2 <= 0):
+            continue
+        if found.status is RangeStatus.EMPTY:
+            items.append(Rule(at=end.c2, color=END_COLOURS[side], dash=3))
+        at, c2, text = np.array([end.time]), np.array([end.c2]), f"{name} = {end.c2:.4g}"
+        items.append(Points(x=at, y=c2, color=END_COLOURS[side], texts=[text], below=side == "upper"))
+    if samples.conflicts:
+        worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
+        items.append(Rule(at=worst.time, upright=True, label="worst conflict", color=CONFLICT, dash=3))
+    note = "no limit depends on the speed" if found.status is RangeStatus.UNBOUNDED else ""
+    return Panel(x=_given_time(samples.time), y=Axis(label="c² [1]", ends=(low, high)), items=items, note=note)
+
+
+def _lane_panel(found: ScalingRange, lanes: Sequence[Lane]) -> Panel:
+    time = found.samples.time
+    items: list[Item] = []
+    for kind, word in LANE_WORDS.items():
+        bars = [(row, *span) for row, lane in enumerate(lanes) if lane.kind == kind for span in spans(time, lane.binds)]
+        if bars:
+            place, start, end = np.array(bars).T
+            items.append(Bars(place=place, start=start, end=end, color=END_COLOURS[kind], label=word))
+    ends = [end.time for end in (found.lower, found.upper) if end is not None and end.time is not None and end.c2 > 0]
+    items += [Rule(at=at, upright=True, color=CONFLICT, dash=3) for at in ends]
+    names = Axis(
+        names=[lane.label for lane in lanes],
+        colors=[END_COLOURS[lane.kind] for lane in lanes],
+        strong=[lane.sets for lane in lanes],
+    )
+    strong = " (bold: sets the range)" if any(lane.sets for lane in lanes) else ""
+    title = f"Limits that bind: ↑ at the upper, ↓ at the lower side{strong}"
+    return Panel(title=title, x=_given_time(time), y=names, items=items)
+
+
+def _given_time(time: Array) -> Axis:
+    ends = float(time[0]), float(time[-1])
+    return Axis(label="time of the given motion [s]", ends=ends, hover="t = {} s")
+
+
+def c2_ends(found: ScalingRange) -> tuple[float, float]:
+    """Ends of an axis that shows c²⁻(t), c²⁺(t) and the range over the motion."""
+    upper, lower = (side[np.isfinite(side)] for side in (found.samples.upper, found.samples.lower))
+    ends = [end.c2 for end in (found.lower, found.upper) if end is not None and np.isfinite(end.c2)]
+    wanted = max([*ends, float(np.min(upper)) if upper.size else 0.0, 0.0])
+    highest = max([*upper.tolist(), *lower.tolist(), 0.0])
+    top = (min(highest, ABOVE_THE_RANGE * wanted) if wanted > 0 else highest) or 1.0
+    return -MARGIN * top, (1 + MARGIN) * top
+
+
+def range_text(found: ScalingRange) -> str:
+    """Both ends; where no c² is admissible, the outcome, and where the ends of an empty range are."""
+    low, high = found.lower, found.upper
+    if low is None or high is None:
+        return str(found.status.value)
+    if found.status.admits_motion or low.time is None or high.time is None:
+        return found.text()
+    return f"empty (at least {low.c2:.4g} at t = {low.time:.4g} s, but at most {high.c2:.4g} at t = {high.time:.4g} s)"
+
+
+def range_facts(found: ScalingRange) -> list[str]:
+    """What sets the range over the motion, or leaves none, a sentence for each end."""
+    facts = []
+    if found.samples.conflicts:
+        worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)
+        load = f" with {worst.load}" if worst.load is not None else ""
+        facts.append(f"worst conflict at t = {worst.time:.4g} s{load}: {row_labels(worst.rows)}")
+    for name, end in (("c²⁺", found.upper), ("c²⁻", found.lower)):
+        if end is not None and end.time is not None and (name == "c²⁺" or end.c2 > 0):
+            facts.append(f"{name} = {end.c2:.4g} is {_set_by(end)}")
+    return facts
+
+
+def _set_by(end: RangeEnd) -> str:
+    load = f" with {end.load}" if end.load is not None else ""
+    return f"set at t = {end.time:.4g} s{load} by {row_labels(end.rows)}"
+
+
+def binding_lanes(found: ScalingRange) -> list[Lane]:
+    """The rows that bind along a motion: those that set the range over the motion first, then the most frequent.
+
+    c² >= 0 alone at the lower ends of all samples is no news and takes no lane.
+    """
+    samples = found.samples
+    conflicts: list[tuple[ActiveRow, ...]] = [()] * len(samples.time)
+    for conflict in samples.conflicts:
+        conflicts[conflict.sample] = tuple(row for row in conflict.rows if row.name.kind != "balance")
+    lanes = _lanes("conflict", conflicts, ())
+    lanes += _lanes("upper", *_rows(found, "upper"))
+    lower = _lanes("lower", *_rows(found, "lower"))
+    return lanes + ([] if {lane.label for lane in lower} <= {str(STANDSTILL)} else lower)
+
+
+def _rows(found: ScalingRange, side: Side) -> tuple[list[tuple[ActiveRow, ...]], Sequence[ActiveRow]]:
+    """The rows at one end of every sample, and those that set the end over the motion."""
+    end = found.lower if side == "lower" else found.upper
+    rows = [found.binding(sample, side) for sample in range(len(found.samples.time))]
+    return rows, () if end is None else end.rows
+
+
+def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequence[ActiveRow]) -> list[Lane]:
+    labels = [{row_label(row) for row in of_sample} for of_sample in rows]
+    counts = Counter(sorted(label for of_sample in labels for label in of_sample))
+    setting = [label for label in dict.fromkeys(map(row_label, first)) if label in counts]
+    order = setting + [label for label, _ in counts.most_common() if label not in setting]
+    groups = {label: {label} for label in order}
+    if len(order) > MOST_LANES:
+        rest = order[MOST_LANES - 1 :]
+        groups = {label: {label} for label in order[: MOST_LANES - 1]} | {f"{len(rest)} others": set(rest)}
+    return [
+        Lane(kind, label, label in setting, np.array([not group.isdisjoint(of_sample) for of_sample in labels]))
+        for label, group in groups.items()
+    ]
+
+
+def infeasible_spans(samples: SampleRanges) -> list[tuple[float, float]]:
+    """Spans of time where no c² keeps the limits [s]."""
+    return spans(samples.time, np.array([status is RangeStatus.INFEASIBLE for status in samples.status]))
+
+
+def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """Start and end of spans of consecutive samples, each sample reaching half way to its neighbours [s].
+
+    Args:
+        time: Shape (N,) [s].
+        where: Which samples count, Shape (N,).
+    """
+    edges = np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]])
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))
+    return [(float(edges[start]), float(edges[end])) for start, end in steps.reshape(-1, 2)]
+
+
+def load_plot(results: Mapping[str, ScalingResult]) -> Plot:
+    """c²⁺(t) for several questions of one load, and how fast each lets the whole motion be played.
+
+    Args:
+        results: By label, such as "nominal", "guaranteed", "possible".
+    """
+    items = [item for index, (label, found) in enumerate(results.items()) for item in _upper(found.range, label, index)]
+    time = next(iter(results.values())).range.samples.time
+    top = max(c2_ends(found.range)[1] for found in results.values())
+    return one_panel("loads", _load_panel("Largest c² at each sample", time, items, (0.0, top)), "given")
+
+
+def load_study_plot(result: ScalingResult) -> Plot:
+    """c²⁺(t) of the answer, and what the loads that were looked at span, with the worst and the best if they differ.
+
+    Raises:
+        ValueError: If the load is known, or no load was looked at by itself.
+    """
+    study = result.load
+    if study is None or not study.ranges:
+        raise ValueError("there is no study of loads to draw")
+    low, high = c2_ends(result.range)
+    order = ranked_loads(study)
+    worst, best = order[0], order[-1]
+    least, most = (load_end(study.ranges[index]) for index in (worst, best))
+    high = max(high, c2_ends(study.ranges[best])[1])
+    upper = np.array([found.samples.upper for found in study.ranges])
+    items: list[Item] = [
+        Band(x=result.range.samples.time, lower=np.min(upper, axis=0), upper=np.max(upper, axis=0),
+             label=f"between {len(study.points)} loads"),
+    ]  # fmt: skip
+    title = f"{result.cell.name}: largest c² at each sample, by load"
+    if most - least <= ALIKE * abs(most):
+        title += "\nall loads admit the same speed over the whole motion"
+    else:
+        items += _upper(study.ranges[best], f"best: {study.points[best]}", 2)
+        items += _upper(study.ranges[worst], f"worst: {study.points[worst]}", 1)
+    items += _upper(result.range, study.question, 0, width=2.4)
+    return one_panel("load-study", _load_panel(title, result.range.samples.time, items, (low, high)), "given")
+
+
+def _load_panel(title: str, time: Array, items: Sequence[Item], ends: tuple[float, float]) -> Panel:
+    return Panel(title=title, x=_given_time(time), y=Axis(label="largest c² [1]", ends=ends), items=items)
+
+
+def load_end(found: ScalingRange) -> float:
+    """c²⁺ of a load over the motion; minus infinity if no c² is admissible."""
+    return found.upper.c2 if found.upper is not None and found.status.admits_motion else -np.inf
+
+
+def ranked_loads(study: LoadStudy) -> list[int]:
+    """Indices of the loads, the one with the least c²⁺ over the motion first."""
+    return sorted(range(len(study.ranges)), key=lambda index: load_end(study.ranges[index]))
+
+
+def _upper(found: ScalingRange, label: str, index: int, width: float = 1.5) -> list[Item]:
+    samples, end = found.samples, found.upper
+    known = end is not None and np.isfinite(end.c2) and found.status.admits_motion
+    reach = f"c²⁺ = {end.c2:.4g}" if end is not None and known else found.status.value
+    items: list[Item] = [Line(x=samples.time, y=samples.upper, label=f"{label} ({reach})", width=width, **look(index))]
+    if end is not None and end.time is not None:
+        at, color = np.array([end.time]), COLOURS[index % len(COLOURS)]
+        items.append(Points(x=at, y=np.array([end.c2]), color=color))
+    return items

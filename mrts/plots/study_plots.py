@@ -1,0 +1,314 @@
+# SPDX-License-Identifier: MIT
+"""The durations of a study over one or two of its numbers, which limit binds where, and how durations spread."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.plots.colours import COLOURS
+from mrts.plots.labels import shortened
+from mrts.plots.plot import Axis, Bars, Cells, HeatMap, Item, Line, Panel, Plot, Points, Rule, Spans
+from mrts.plots.plotly_drawer import numbers, plot_text
+from mrts.plots.study_map import (
+    LIMIT_COLOURS,
+    StudyMap,
+    duration_ends,
+    map_binding,
+    map_remark,
+    spreads_widely,
+    study_map,
+    weights,
+)
+from mrts.plots.study_table import OUTCOMES, Index, StudyTable
+from mrts.plots.study_words import (
+    SHARES,
+    best_part,
+    best_text,
+    limits_text,
+    managed,
+    managed_texts,
+    outcome_text,
+    span_texts,
+    variant_text,
+)
+
+FASTER = ("#fde725", "#aadc32", "#5ec962", "#28ae80", "#21918c", "#2c728e", "#3b528b", "#472d7b", "#440154")
+"""Viridis from its end, bright is fast: ordered in grey and for every colour vision (van der Walt and Smith, 2015)."""
+
+WITHOUT = {
+    "unbounded": ("#e3f1e9", "||||"),
+    "infeasible": ("#bbb", "////"),
+    "empty": ("#a9a9a9", "\\\\\\\\"),
+    "unreachable": ("#d9d9d9", "xxxx"),
+    "invalid": ("#8d8d8d", "...."),
+    "failed": ("#6f6f6f", "****"),
+}
+"""Grey and hatch of what has no duration: greys, which no duration has."""
+
+FEWEST_BINS, MOST_BINS = 4, 60
+"""Of a histogram: about the square root of the number of values."""
+
+SAME = 0.01
+"""Durations that differ by less than this share of them have one picture."""
+
+MOST_AXES = 10
+"""Numbers that get a parallel axis: those that matter most."""
+
+MOST_LINES = 200
+"""Across parallel axes, of the best, of the others, and of those without a duration, each."""
+
+NO_DURATION = 1.12
+"""Where variants without a duration meet the last axis; the longest shown is at 1."""
+
+AXIS_LETTERS = 26
+"""Of the name of a parallel axis."""
+
+LINE_COLOURS = ("#cfd3d8", "#9db4cc", COLOURS[1])
+"""Without a duration, others, the best."""
+
+LINES_HEIGHT = 480
+"""[px]."""
+
+CELL_LETTERS = 80
+"""Of a line of what is told of a cell."""
+
+
+def study_map_plot(table: StudyTable, over: Sequence[str] = ()) -> Plot:
+    """The shortest duration over two numbers of a study, and which limit binds; over its only number, both as one.
+
+    Args:
+        table: The study, with at least one variant and one number.
+        over: Paths of one or two of its numbers; without any, all, or the two that matter most.
+
+    Raises:
+        InputError: If the study does not vary them.
+    """
+    drawn = study_map(table, over)
+    title = _title(table, map_remark(table, drawn))
+    panels = [_line_panel(table, drawn)] if len(drawn.axes) == 1 else _map_panels(table, drawn)
+    return Plot(name="map" if len(drawn.axes) > 1 else "line", title=title, rows=[panels])
+
+
+def _title(table: StudyTable, *remarks: str) -> str:
+    """What was found, the best, and what a figure shows, a line each."""
+    return "\n".join([f"{table.name}: {outcome_text(table)}", best_text(table), *filter(None, remarks)])
+
+
+def _map_panels(table: StudyTable, drawn: StudyMap) -> list[Panel]:
+    texts = _texts(table, drawn)
+    over_x, over_y = drawn.axes
+    grid: dict[str, Any] = {"x": over_x.edges, "y": over_y.edges, "texts": texts}
+    binding = map_binding(table, drawn)
+    names = table.outcome.names
+    colors, hatches = zip(*(WITHOUT.get(name, ("#fff", "")) for name in names), strict=True)
+    without = Cells(**grid, code=drawn.outcome, names=names, colors=colors, hatches=hatches)
+    duration: list[Item] = []
+    if len(table.ranked):
+        low, high = duration_ends(table)
+        duration = [HeatMap(**grid, z=drawn.of_best(table.duration), colors=FASTER, low=low, high=high, unit="s",
+                            title="shortest duration [s]", contours=drawn.exact)]  # fmt: skip
+    limit = Cells(**grid, code=binding.codes, names=binding.names, colors=LIMIT_COLOURS[: len(binding.names)])
+    x, y = (
+        Axis(label=table.knobs[cells.knob].title, ends=(float(cells.edges[0]), float(cells.edges[-1])))
+        for cells in drawn.axes
+    )
+    best = _best(table, *(table.values[:, cells.knob] for cells in drawn.axes))
+    return [
+        Panel(title="Shortest duration", x=x, y=y, items=[*duration, without, *best]),
+        Panel(title="What limits it", x=x, y=y, items=[*([limit] if binding.names else []), without, *best]),
+    ]
+
+
+def _best(table: StudyTable, x: Array, y: Array) -> list[Item]:
+    if not len(table.ranked):
+        return []
+    row = table.ranked[:1]
+    return [Points(x=x[row], y=y[row], symbol="star", color="#fff", label="the best")]
+
+
+def _texts(table: StudyTable, drawn: StudyMap) -> list[list[str]]:
+    """What is said of each cell: its best variant, or what became of it."""
+    texts = np.full(drawn.best.shape, "", dtype=object)
+    for place, best in np.ndenumerate(drawn.best):
+        row = int(best)
+        if row >= 0:
+            said = [variant_text(table, row)]
+            said += [f"limited by {limits_text(table, row)}"] if table.limits(row) else []
+            for number in (cells.knob for cells in drawn.axes):
+                knob = table.knobs[number]
+                said.append(f"{knob.path} = {table.values[row, number]:.4g} {knob.unit}".rstrip())
+            texts[place] = "\n".join(shortened(each, CELL_LETTERS) for each in said)
+        elif drawn.outcome[place] >= 0:
+            name = table.outcome.names[drawn.outcome[place]]
+            texts[place] = f"{name}: {OUTCOMES[name]}"
+    return list(texts.tolist())
+
+
+def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
+    (cells,) = drawn.axes
+    durations, binding = drawn.of_best(table.duration), map_binding(table, drawn)
+    fills = [
+        (binding.codes == code, name, _pale(color), "")
+        for code, (name, color) in enumerate(zip(binding.names, LIMIT_COLOURS, strict=False))
+    ]
+    fills += [
+        (drawn.outcome == code, name, *WITHOUT[name])
+        for code, name in enumerate(table.outcome.names)
+        if name in WITHOUT
+    ]
+    items: list[Item] = [
+        Spans(ends=_neighbours(cells.edges, where), label=name, color=color, hatch=hatch)
+        for where, name, color, hatch in fills
+        if np.any(where)
+    ]
+    items.append(Line(x=cells.middles, y=durations, label="shortest duration", unit="s", color="#1b1b1b"))
+    if np.any(np.isfinite(durations)):
+        items += _best(table, table.values[:, cells.knob], table.duration)
+    log = bool(len(table.ranked)) and spreads_widely(table)
+    x = Axis(label=table.knobs[cells.knob].title, ends=(float(cells.edges[0]), float(cells.edges[-1])))
+    return Panel(title="Shortest duration and what limits it", x=x, y=Axis(label="duration [s]", log=log), items=items)
+
+
+def _pale(color: str) -> str:
+    """A colour behind a line."""
+    red, green, blue = (255 - (255 - int(color[at : at + 2], 16)) * 3 // 10 for at in (1, 3, 5))
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+def _neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """Ends of neighbouring cells as one."""
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int))).reshape(-1, 2)
+    return [(float(edges[first]), float(edges[last])) for first, last in steps]
+
+
+def durations_plot(table: StudyTable) -> Plot:
+    """Which share of all variants finishes within a duration, above how the durations spread."""
+    title = _title(table, "; ".join(managed_texts(table)) if len(table.ranked) else "")
+    if not len(table.ranked):
+        nothing = Panel(x=Axis(), y=Axis(), items=[], note="no variant has a duration")
+        return Plot(name="durations", title=title, rows=[[nothing]])
+    durations, log = table.duration[table.ranked], spreads_widely(table)
+    percent = 100 * np.arange(1, len(durations) + 1) / table.variants
+    marks = [(share, end) for share in SHARES if (end := managed(table, share)) is not None]
+    share, at = (np.array([mark[part] for mark in marks], dtype=np.float64) for part in (0, 1))
+    above: list[Item] = [
+        Line(x=durations, y=percent, label="finish within this duration", unit="%", steps=True),
+        Rule(at=float(percent[-1]), color=COLOURS[1], dash=1, label="can be played at all"),
+        Points(x=at, y=share),
+    ]
+    count = int(np.clip(np.sqrt(len(durations)), FEWEST_BINS, MOST_BINS))
+    divided = np.geomspace if log else np.linspace
+    bins = divided(durations[0], max(durations[-1], durations[0] * (1 + SAME)), count + 1)
+    height = 100 / table.variants * np.histogram(durations, bins)[0]
+    spread = Bars(place=(bins[1:] + bins[:-1]) / 2, start=np.zeros(count), end=height, thickness=np.diff(bins),
+                  color=COLOURS[5], upright=True)  # fmt: skip
+    x = Axis(label="shortest duration [s]", log=log, ends=(float(bins[0]), float(bins[-1])), hover="{} s")
+    rows = [
+        [Panel(x=x, y=Axis(label="share of all variants [%]", ends=(0.0, 104.0)), items=above)],
+        [Panel(x=x, y=Axis(label="in each bin [%]"), items=[spread])],
+    ]
+    return Plot(name="durations", title=title, rows=rows, shared=True)
+
+
+@dataclass(frozen=True)
+class ParallelAxes:
+    """An axis for each number and one for the duration, and lines.
+
+    Attributes:
+        knobs: Indices of the numbers with an axis, in the study's order.
+        low: Least value on each axis, that of the durations last, Shape (A + 1,).
+        high: Largest value, likewise.
+        best: Rows of the best that are drawn, the best first.
+        others: Rows of others with a duration.
+        without: Rows without.
+        all_drawn: Whether these are all variants.
+    """
+
+    knobs: tuple[int, ...]
+    low: Array
+    high: Array
+    best: Index
+    others: Index
+    without: Index
+    all_drawn: bool
+
+    def remark(self, table: StudyTable) -> str:
+        """What is drawn, where that is not everything; else nothing."""
+        remarks = []
+        if len(self.knobs) < len(table.knobs):
+            remarks.append(f"the {len(self.knobs)} of {len(table.knobs)} numbers that matter most")
+        if not self.all_drawn:
+            drawn = len(self.best) + len(self.others) + len(self.without)
+            remarks.append(f"an even choice of {drawn} of {table.variants} variants")
+        return ", ".join(remarks)
+
+
+def parallel_axes(table: StudyTable) -> ParallelAxes:
+    """Choose axes and lines of a study with at least one variant."""
+    knobs = tuple(sorted(weight.knob for weight in weights(table)[:MOST_AXES]))
+    ends = duration_ends(table) if len(table.ranked) else (0.0, 1.0)
+    shown = table.values[:, knobs]
+    first = len(best_part(table))
+    groups = (
+        table.ranked[:first],
+        table.ranked[first:],
+        np.flatnonzero(~np.isin(np.arange(table.variants), table.ranked)),
+    )
+    best, others, without = (_some(rows) for rows in groups)
+    return ParallelAxes(
+        knobs=knobs,
+        low=np.append(np.min(shown, axis=0), ends[0]),
+        high=np.append(np.max(shown, axis=0), ends[1]),
+        best=best,
+        others=others,
+        without=without,
+        all_drawn=len(best) + len(others) + len(without) == table.variants,
+    )
+
+
+def _some(rows: Index) -> Index:
+    """All, or an even choice with the first."""
+    if len(rows) <= MOST_LINES:
+        return rows
+    return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_LINES).round().astype(int)])
+
+
+def parallel_figure(table: StudyTable, drawn: ParallelAxes) -> dict[str, Any]:
+    """The variants through parallel axes, as plotly reads it: a drag along an axis filters them."""
+    groups = (drawn.without, drawn.others, drawn.best[::-1])
+    rows: Index = np.concatenate(groups)
+    kind = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
+    axes: list[dict[str, Any]] = []
+    for at, knob in enumerate(drawn.knobs):
+        ends = numbers(np.array([drawn.low[at], drawn.high[at]]))
+        title = plot_text(shortened(table.knobs[knob].title, AXIS_LETTERS))
+        axis = {"label": title, "values": numbers(table.values[rows, knob])}
+        axes.append(axis | {"range": ends} if ends[0] != ends[1] else axis)
+    low, high = float(drawn.low[-1]), float(drawn.high[-1])
+    share = (table.duration[rows] - low) / (high - low) if high > low else np.full(len(rows), 0.5)
+    heights = np.where(np.isnan(table.duration[rows]), NO_DURATION, np.minimum(share, 1))
+    ticks = np.linspace(0, 1, 6)
+    names = [span_texts(low, low + tick * (high - low))[1] for tick in ticks]
+    names[-1] = f"≥ {names[-1]}"
+    axes.append({"label": "duration [s]", "values": numbers(heights), "range": [0, NO_DURATION],
+                 "tickvals": [*ticks.tolist(), NO_DURATION], "ticktext": [*names, "none"]})  # fmt: skip
+    scale = [[end / 3, color] for code, color in enumerate(LINE_COLOURS) for end in (code, code + 1)]
+    trace = {
+        "type": "parcoords",
+        "dimensions": axes,
+        "line": {"color": kind.tolist(), "colorscale": scale, "cmin": -0.5, "cmax": 2.5, "showscale": False},
+        "labelangle": -20,
+        "labelfont": {"size": 12},
+        "unselected": {"line": {"color": "#eee", "opacity": 0.15}},
+    }
+    shape = {
+        "font": {"family": "system-ui, sans-serif", "size": 12, "color": "#1b1b1b"},
+        "margin": {"l": 110, "r": 90, "t": 110, "b": 30},
+        "paper_bgcolor": "#fff",
+        "height": LINES_HEIGHT,
+    }
+    return {"data": [trace], "layout": shape, "clock": ""}

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: MIT
+"""What a study found, in words: how many variants may be played, the best, what limits it, what to do next."""
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.plots.labels import MOST_NAMES
+from mrts.plots.study_map import Weight, ends_reached, weights
+from mrts.plots.study_table import Index, StudyTable
+
+BEST_PART = 0.05
+"""Share of the variants with a duration that counts as the best."""
+
+SHARES = (50, 90, 95, 99)
+"""Of the variants, of which the duration is told within which they finish [%]."""
+
+HARDLY = 0.02
+"""A number that explains less than this share of anything hardly matters."""
+
+MANY = 0.1
+"""Share of variants without a speed from which their reason is worth a step."""
+
+
+def outcome_text(table: StudyTable) -> str:
+    """How many variants may be played, and what became of the others."""
+    count, playable = table.variants, int(np.sum(table.admitted))
+    of_all = "" if table.variants == table.planned else f" solved so far, of {table.planned}"
+    text = f"{playable} of {count} variants{of_all} may be played ({percent(playable, count)})"
+    others = [(table.outcome.names[code], number) for code, number in table.outcome.counts(~table.admitted)]
+    return f"{text}; {', '.join(f'{number} {name}' for name, number in others)}" if others else text
+
+
+def best_text(table: StudyTable) -> str:
+    """The best variant and what limits it; where there is none, so."""
+    if not len(table.ranked):
+        return "no variant has a shortest duration"
+    row = int(table.ranked[0])
+    text = f"the best is {variant_text(table, row)}"
+    return f"{text}, limited by {limits_text(table, row)}" if table.limits(row) else text
+
+
+def variant_text(table: StudyTable, row: int) -> str:
+    """Number, duration and c²⁺ of a variant; a speed that varies may be possible where no constant c² is."""
+    text = f"variant {table.variant[row]}: {table.duration[row]:.4g} s"
+    return f"{text}, c² = {table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else text
+
+
+def limits_text(table: StudyTable, row: int) -> str:
+    """The first limits that bind at c²⁺ of a variant, and how many more do."""
+    limits = table.limits(row)
+    more = f" and {len(limits) - MOST_NAMES} more" if len(limits) > MOST_NAMES else ""
+    return ", ".join(limits[:MOST_NAMES]) + more
+
+
+def managed(table: StudyTable, share: int) -> float | None:
+    """The duration within which a share of all variants finishes [s]; None if fewer have one at all.
+
+    Args:
+        table: The study.
+        share: From 1 to 100 [%].
+    """
+    needed = -(-share * table.variants // 100)
+    return float(table.duration[table.ranked[needed - 1]]) if needed <= len(table.ranked) else None
+
+
+def managed_texts(table: StudyTable) -> list[str]:
+    """Such as "95 % of variants finish within 0.52 s", for some shares; the last says how far they go."""
+    texts: list[str] = []
+    for share in SHARES:
+        duration = managed(table, share)
+        if duration is None:
+            having = percent(len(table.ranked), table.variants)
+            return [*texts, f"no duration suits {share} % of the variants: {having} have one"]
+        texts.append(f"{share} % of variants finish within {duration:.4g} s")
+    return texts
+
+
+def best_part(table: StudyTable) -> Index:
+    """Rows of the best variants, at least one where there is any."""
+    return table.ranked[: int(np.ceil(BEST_PART * len(table.ranked)))]
+
+
+def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]:
+    """The best variants as a table, a row each below what was tried.
+
+    Args:
+        table: The study.
+        most: Variants at most.
+
+    Returns:
+        Titles of the columns, and the rows.
+    """
+    best = table.ranked[:most]
+    head = ["variant", "duration [s]", "c²⁺ [1]", *(knob.title for knob in table.knobs), "limited by"]
+    tried = [table.duration[table.ranked], table.c2[table.ranked], *table.values.T]
+    rows = [["from … to", *map(_span, tried), ""]]
+    for row in best.tolist():
+        ends = dict(ends_reached(table, row))
+        values = [
+            f"{value:.4g}{' (end)' if number in ends else ''}"
+            for number, value in enumerate(table.values[row].tolist())
+        ]
+        c2 = f"{table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else ""
+        limits = limits_text(table, row)
+        rows.append([str(table.variant[row]), f"{table.duration[row]:.4g}", c2, *values, limits])
+    return head, rows
+
+
+def span_texts(low: float, high: float) -> tuple[str, str]:
+    """The ends of a span to a thousandth of it: what is next to 0 beside the other end is 0.
+
+    Args:
+        low: Its lower end.
+        high: Its upper end.
+    """
+    digits = 3 - int(np.floor(np.log10(high - low))) if high > low else 12
+    return f"{round(low, digits) + 0.0:.4g}", f"{round(high, digits) + 0.0:.4g}"
+
+
+def _span(values: Array) -> str:
+    values = values[np.isfinite(values)]
+    return " … ".join(span_texts(float(np.min(values)), float(np.max(values)))) if len(values) else ""
+
+
+def next_steps(table: StudyTable) -> list[str]:
+    """What a designer may do with this, the most telling first."""
+    steps = []
+    found = weights(table)
+    if len(table.ranked):
+        steps += _widen(table, {weight.knob for weight in found if weight.larger < HARDLY and len(found) > 1})
+    steps += _numbers_that_matter(table, found if len(found) > 1 else [])
+    without = table.variants - int(np.sum(table.admitted))
+    if without >= MANY * table.variants:
+        outcome, reason, count = table.reasons()[0]
+        why = f", such as: {reason.split('. ')[0].rstrip('.')}" if reason else ""
+        steps.append(f"{count} of the {without} variants that cannot be played are {outcome}{why}.")
+    if len(table.ranked):
+        counts = table.limit_counts(np.isin(np.arange(table.variants), best_part(table)))
+        if counts:
+            share = percent(counts[0][1], len(best_part(table)))
+            steps.append(
+                f"{counts[0][0]} limits {share} of the best variants: mrts sweep --top writes the best as "
+                "files; ask mrts scale --what-if of these what raising it would bring, and what binds then."
+            )
+        steps.append("mrts place searches on from the best variants, between the points that were tried.")
+    return steps
+
+
+def _widen(table: StudyTable, idle: set[int]) -> list[str]:
+    """Numbers of the best at the end of what was tried, but for those that hardly matter."""
+    row = int(table.ranked[0])
+    return [
+        f"Of the best, {table.knobs[knob].path} is at the {end} end of what was tried "
+        f"({table.values[row, knob]:.4g} {table.knobs[knob].unit}".rstrip()
+        + "): try further, if the room allows."
+        for knob, end in ends_reached(table, row)
+        if knob not in idle
+    ]
+
+
+def _numbers_that_matter(table: StudyTable, found: list[Weight]) -> list[str]:
+    steps = []
+    if found and (most := max(found, key=lambda weight: weight.duration)).duration >= HARDLY:
+        steps.append(
+            f"{table.knobs[most.knob].path} matters most: by itself it explains {100 * most.duration:.0f} % of how the "
+            "durations spread."
+        )
+    idle = [table.knobs[weight.knob].path for weight in found if weight.larger < HARDLY]
+    if idle and len(idle) < len(found):
+        alone = "by itself hardly does" if len(idle) == 1 else "by themselves hardly do"
+        steps.append(f"{', '.join(idle)} {alone} anything: choose by other reasons, or vary less.")
+    return steps
+
+
+def percent(count: int, of: int) -> str:
+    """A share in per cent, rounded down so that what falls short of all, or of a share, is seen to do so."""
+    share = 100 * count / of if of else 0.0
+    return f"{share:.2g} %" if 0 < share < 1 else f"{1000 * count // of / 10 if of else 0:g} %"

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: MIT
+"""What a played motion takes along time, with its limits: torques, wrenches, velocities, positions, power, energy."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mrts.base.arrays import Array
+from mrts.plots.labels import shortened
+from mrts.plots.plot import Axis, Line, Panel, Plot, look, one_panel, value_ends
+from mrts.scaling.limit_use import limited_quantities
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.scaled_trajectory import ScaledTrajectory, accumulated_energy
+
+FULL_STOP = ". "
+"""A title is the first sentence of what was done to a motion."""
+
+SIDE_BY_SIDE = 2
+"""More robots than this stand below each other, to fit a page."""
+
+
+def result_title(result: ScalingResult) -> str:
+    """The cell, and how long its motion takes."""
+    if result.trajectory is None or result.origin:
+        return f"{result.cell.name}: {result.origin.split(FULL_STOP)[0] or result.status.value}"
+    given = result.motion.object.time[-1]
+    return f"{result.cell.name}: {given:.4g} s become {result.trajectory.duration:.4g} s"
+
+
+def torque_plots(result: ScalingResult) -> list[Plot]:
+    """Joint torques, a plot for each robot.
+
+    Raises:
+        ValueError: If there is no trajectory.
+    """
+    plots = []
+    for number, robot in enumerate(result.cell.robots):
+        drawn = limited_quantities(result, "torque", robot.name)
+        names, limits = list(zip(drawn.names, drawn.units, strict=True)), np.stack([drawn.lower, drawn.upper])
+        title = f"{robot.name}: joint torques"
+        plots.append(_limited(result, f"torque-{number}", title, "torque", drawn.values, names, limits))
+    return plots
+
+
+def wrench_plots(result: ScalingResult) -> list[Plot]:
+    """Contact forces and moments on the object in base axes, two plots for each robot.
+
+    Raises:
+        ValueError: If there is no trajectory.
+    """
+    plots = []
+    for number, robot in enumerate(result.cell.robots):
+        wrenches = limited_quantities(result, "wrench", robot.name)
+        for first, what in (("f", "force"), ("n", "moment")):
+            part = wrenches.only([name.startswith(first) for name in wrenches.names])
+            names, limits = list(zip(part.names, part.units, strict=True)), np.stack([part.lower, part.upper])
+            title = f"{robot.name}: contact {what} on the object"
+            plots.append(_limited(result, f"{what}-{number}", title, what, part.values, names, limits))
+    return plots
+
+
+def joint_plots(result: ScalingResult, what: str) -> list[Plot]:
+    """Joint positions or velocities with limits, kept or not, of each robot a plot for each unit.
+
+    Args:
+        result: A result with a trajectory.
+        what: "position" or "velocity".
+
+    Raises:
+        ValueError: If there is no trajectory.
+    """
+    done, plots = _trajectory(result), []
+    for number, robot in enumerate(result.cell.robots):
+        if what == "position":
+            values, ends, per, plural = done.q, (robot.position_lower, robot.position_upper), "", "positions"
+        else:
+            values, ends, per, plural = done.dq, (-robot.velocity_limit, robot.velocity_limit), "/s", "velocities"
+        values = values[:, result.cell.joint_slices[robot.name]]
+        limits = np.broadcast_to(np.stack(ends)[:, None, :], (2, *values.shape))
+        for part, unit in enumerate(dict.fromkeys(robot.position_units)):
+            own = [index for index, of in enumerate(robot.position_units) if of == unit]
+            names = [(robot.joints[index], f"{unit}{per}") for index in own]
+            name, title = f"{what}-{number}-{part}", f"{robot.name}: joint {plural}"
+            plots.append(_limited(result, name, title, what, values[:, own], names, limits[:, :, own]))
+    return plots
+
+
+def power_plots(result: ScalingResult) -> list[Plot]:
+    """Power q̇ τ of the joints, negative where a joint brakes, a plot for each robot; then the energy given so far.
+
+    Raises:
+        ValueError: If there is no trajectory.
+    """
+    done, plots, lines = _trajectory(result), [], []
+    for number, robot in enumerate(result.cell.robots):
+        values = done.power[:, result.cell.joint_slices[robot.name]]
+        names = [(joint, "W") for joint in robot.joints]
+        title = f"{robot.name}: power of the joints"
+        plots.append(_limited(result, f"power-{number}", title, "power", values, names, np.empty((0, *values.shape))))
+        energy = accumulated_energy(done.time, values)
+        label = f"{shortened(robot.name)}: {energy[-1]:.4g} J"
+        lines.append(Line(x=done.time, y=energy, label=label, unit="J", **look(number)))
+    if len(lines) > 1:
+        total = accumulated_energy(done.time, done.power)
+        lines.append(Line(x=done.time, y=total, label=f"all: {done.energy:.4g} J", unit="J", color="#000", width=2.2))
+    ends = value_ends(np.stack([line.y for line in lines]), np.empty(0))
+    panel = Panel(
+        title="Energy that the motors have given", x=_time(done), y=Axis(label="energy [J]", ends=ends), items=lines
+    )
+    return [*plots, one_panel("energy", panel, "played")]
+
+
+def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
+    """Joint torques and contact wrenches of every robot with their limits (as the paper's figures 4 to 8).
+
+    Args:
+        result: A result with a trajectory.
+        title: Above it; the cell and the duration without any.
+
+    Raises:
+        ValueError: If there is no trajectory.
+    """
+    torques, wrenches = torque_plots(result), wrench_plots(result)
+    return _by_robot(
+        "torques_and_wrenches", title or result_title(result), result, [torques, wrenches[::2], wrenches[1::2]]
+    )
+
+
+def power_plot(result: ScalingResult, title: str = "") -> Plot:
+    """Power of every joint, robot by robot, above the energy given; arguments as of `trajectory_plot`.
+
+    Raises:
+        ValueError: If there is no trajectory.
+    """
+    *powers, energy = power_plots(result)
+    whole = _by_robot("power_and_energy", title or result_title(result), result, [powers])
+    return Plot(name=whole.name, title=whole.title, rows=[*whole.rows, *energy.rows])
+
+
+def _by_robot(name: str, title: str, result: ScalingResult, plots: Sequence[Sequence[Plot]]) -> Plot:
+    """Quantities of every robot: a column a robot, or a row where there are many."""
+    rows = [[plot.rows[0][0] for plot in of_kind] for of_kind in plots]
+    if len(result.cell.robots) > SIDE_BY_SIDE:
+        rows = [list(row) for row in zip(*rows, strict=True)]
+    return Plot(name=name, title=f"{title} (thin lines: limits)", rows=rows)
+
+
+def _trajectory(result: ScalingResult) -> ScaledTrajectory:
+    if result.trajectory is None:
+        raise ValueError("there is no trajectory to draw")
+    return result.trajectory
+
+
+def _time(done: ScaledTrajectory) -> Axis:
+    return Axis(label="time [s]", ends=(float(done.time[0]), float(done.time[-1])), hover="t = {} s")
+
+
+def _limited(result: ScalingResult, name: str, title: str, label: str, values: Array, names: Sequence[tuple[str, str]],
+             limits: Array) -> Plot:  # fmt: skip
+    """Lines, each a name and a unit, with their limits, Shape (2 or 0, N, lines)."""
+    done, units = _trajectory(result), dict.fromkeys(unit for _, unit in names)
+    lines = []
+    for index, (of_line, unit) in enumerate(names):
+        lower, upper = limits[:, :, index] if len(limits) else (None, None)
+        shown = of_line if len(units) == 1 else f"{of_line} [{unit}]"
+        lines.append(
+            Line(x=done.time, y=values[:, index], label=shown, unit=unit, lower=lower, upper=upper, **look(index))
+        )
+    y = Axis(label=f"{label} [{', '.join(units)}]", ends=value_ends(values, limits))
+    return one_panel(name, Panel(title=title, x=_time(done), y=y, items=lines), "played")

@@ -1,0 +1,61 @@
+"""The answer in one line with the nearest limits: the numbers of the result."""
+
+import numpy as np
+import pytest
+from conftest import DATA
+
+import mrts
+from mrts.cli import main
+from mrts.plots.card import MOST_BARS, answer_card
+from mrts.plots.limit_plots import all_shares
+
+pytestmark = pytest.mark.quick
+
+
+def test_the_card_has_speed_durations_and_the_limit_that_decides(dual_ur5):
+    found = mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    card, end = answer_card(found), found.range.upper
+    ratio, durations, limit = card.outcome.split(" · ")
+    assert float(ratio.split()[0]) == pytest.approx(np.sqrt(end.c2), rel=5e-3)  # three digits
+    assert durations == f"{found.duration:.4g} s (given 0.8 s)"
+    assert limit.startswith("limited by right/wrist_2_turn velocity, 3.142 rad/s, at ")
+    assert float(limit.split()[-2]) == pytest.approx(end.time / np.sqrt(end.c2), rel=1e-3)
+    names, shares = all_shares(found)
+    largest = np.sort(np.max(shares, axis=0))[::-1][:MOST_BARS]
+    assert [bar.share for bar in card.bars] == pytest.approx(largest.tolist())
+    assert [bar.nearness for bar in card.bars] == ["reached", "near", "near", "free", "free"]
+    for bar in card.bars:
+        row = [str(name) for name in names].index(bar.label)
+        share = shares[np.flatnonzero(found.trajectory.time == bar.time)[0], row]
+        assert share == pytest.approx(bar.share, abs=5e-4)
+
+
+def test_a_slower_speed_says_what_would_be_possible_and_an_infeasible_one_why_not(planar_cell, lift):
+    slower = answer_card(mrts.scale(planar_cell, lift, 1.0)).outcome
+    assert slower.startswith(
+        "1 × as fast · 0.5236 s (given 0.5236 s) · up to 1.75 × as fast, limited by left/elbow torque ↑"
+    )
+    heavy = answer_card(mrts.scale(planar_cell.with_mass(24.0), lift))
+    assert heavy.bars == ()
+    assert heavy.outcome.startswith("no speed keeps all limits · worst conflict at t = 0 s: left/elbow ↑")
+    assert answer_card(mrts.retime(planar_cell.with_mass(24.0), lift)).outcome.startswith("no timing: ")
+
+
+def test_what_sets_the_speed_comes_first_and_hands_are_named_by_how_they_fail():
+    folder = DATA.parent / "squeeze"
+    found = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
+    card = answer_card(found)
+    assert {bar.label for bar in card.bars[:3]} == {"left/pad normal force", "left/pad slips", "right/pad slips"}
+    assert "limited by left/pad normal force ↑, 120 N and 2 more, at " in card.outcome
+
+
+def test_the_terminal_has_five_bars_and_the_table_on_demand(capsys):
+    files = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
+    assert main(["scale", *files]) == 0
+    short = capsys.readouterr().out
+    assert sum("━" in line for line in short.splitlines()) == MOST_BARS
+    assert "least" not in short
+    assert main(["scale", *files, "-v"]) == 0
+    whole = capsys.readouterr().out
+    assert "━" not in whole
+    assert "least     largest" in whole

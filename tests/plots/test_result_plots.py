@@ -1,0 +1,278 @@
+"""Plots of a result: they hold its numbers, both drawers draw them, and nothing hides anything."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import DATA
+from legible_figures import boxes_of_texts, check_legible, lines_of
+from shown_results import KINDS, renamed, result_of
+
+import mrts
+from mrts.cli import main
+from mrts.plots import (
+    limits_plot,
+    load_study_plot,
+    matplotlib_figure,
+    power_plot,
+    range_plot,
+    ranking_plot,
+    trajectory_plot,
+    write_result_plots,
+)
+from mrts.plots.figure_files import result_plots
+from mrts.plots.labels import LANE_LETTERS
+from mrts.plots.limit_plots import all_shares
+from mrts.plots.plot import Axis, Band, Bars, Line, Panel, Plot, Points, Rule, Spans
+from mrts.plots.plotly_drawer import plotly_figure
+from mrts.plots.range_plots import binding_lanes
+
+UR5 = DATA.parent / "dual_ur5"
+
+
+@pytest.fixture(scope="module")
+def result(planar_cell, lift):
+    return mrts.scale(planar_cell, lift)
+
+
+@pytest.fixture(scope="module")
+def study(dual_ur5):
+    return mrts.rank_configurations(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+
+
+def of_panel(panel, kind):
+    """Items of a panel of one kind, by label."""
+    return {item.label: item for item in panel.items if isinstance(item, kind)}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_of_result_has_legible_figures(kind, planar_cell, dual_ur5, lift, tmp_path):
+    found = result_of(kind, planar_cell, dual_ur5, lift, tmp_path)
+    write_result_plots(found, tmp_path / "out")
+    names = {path.stem for path in (tmp_path / "out").iterdir()}
+    expected = set() if found.origin else {"c2_range"}
+    if found.trajectory is not None:
+        expected |= {"torques_and_wrenches", "limits", "power_and_energy"}
+    if found.load is not None and found.load.points:
+        expected |= {"load_study"}
+    assert names == expected
+    for plot in result_plots(found):
+        check_legible(matplotlib_figure(plot))
+
+
+@pytest.mark.quick
+def test_curves_are_the_numbers_of_the_result(result):
+    done, (torques, forces, moments) = result.trajectory, trajectory_plot(result).rows
+    powers, (energy,) = power_plot(result).rows
+    torque, force, moment, power = (of_panel(row[1], Line) for row in (torques, forces, moments, powers))
+    for index, joint in enumerate(("shoulder", "elbow", "wrist")):
+        np.testing.assert_array_equal(torque[joint].x, done.time)
+        np.testing.assert_array_equal(torque[joint].y, result.torque["right"][:, index])
+        np.testing.assert_array_equal(power[joint].y, done.power[:, 3 + index])
+    np.testing.assert_array_equal(force["fy"].y, result.wrench["right"][:, 1])
+    np.testing.assert_array_equal(moment["nz"].y, result.wrench["right"][:, 2])
+    assert [np.unique([line.lower, line.upper]).tolist() for line in torque.values()] == [
+        [-100, 100],
+        [-80, 80],
+        [-50, 50],
+    ]
+    assert force["fy"].limits == []
+    assert np.unique(force["fx"].limits).tolist() == [-2, 2]
+    assert of_panel(energy, Line)[f"all: {done.energy:.4g} J"].y[-1] == pytest.approx(done.energy)
+    assert [row[1].y.label for row in (torques, forces, moments, powers)] == [
+        "torque [N m]", "force [N]", "moment [N m]", "power [W]"
+    ]  # fmt: skip
+
+
+@pytest.mark.quick
+def test_both_drawers_draw_the_numbers_of_a_plot():
+    x, y = np.array([0.0, 1.0, 2.0]), np.array([1.0, np.nan, 3.0])
+    line = Line(
+        x=x, y=y, label="a $ <b>", unit="N", lower=np.full(3, -5.0), upper=np.array([4.0, 5.0, 6.0]), steps=True
+    )
+    items = [line, Band(x=x, lower=0 * x, upper=x, label="band"), Rule(at=2.0, label="rule"),
+             Spans(ends=[(0.5, 1.0)], label="span", color="#ddd", hatch="///"),
+             Points(x=x[:1], y=x[:1], texts=["here"], label="mark")]  # fmt: skip
+    bars = Bars(
+        place=np.array([0.0, 1.0]), start=np.zeros(2), end=np.array([3.0, -4.0]), texts=["p", "q"], label="bars"
+    )
+    above, below = Axis(label="force", ends=(-6.0, 2.0)), Axis(names=["one", "two"], strong=[True, False])
+    panels = [Panel(x=Axis(label="time"), y=above, items=items), Panel(x=Axis(label="time"), y=below, items=[bars])]
+    plot = Plot(name="p", title="t", rows=[[panel] for panel in panels], shared=True, clock="played")
+    above, below = matplotlib_figure(plot).axes
+    drawn = lines_of(above)["a $ <b>".replace("$", r"\$")]
+    np.testing.assert_array_equal(drawn.get_ydata(), y)
+    assert drawn.get_drawstyle() == "steps-post"
+    thin = [line for line in above.lines if line.get_linewidth() < 1]
+    assert [sorted({*line.get_ydata()}) for line in thin] == [[-5.0], [4.0, 5.0, 6.0]]
+    assert [bar.get_width() for bar in below.patches] == [3.0, -4.0]
+    assert [label.get_text() for label in below.get_yticklabels()] == ["one", "two"]
+    page = plotly_figure(plot)
+    traces = {trace["name"]: trace for trace in page["data"] if trace.get("name")}
+    assert set(traces) == {"a &#36; &lt;b&gt;", "band", "rule", "span", "mark", "bars"} | {"goes on above"} & set(
+        traces
+    )
+    assert traces["a &#36; &lt;b&gt;"]["y"] == [1.0, None, 3.0]
+    assert traces["bars"]["x"] == [3.0, -4.0]
+    assert traces["bars"]["yaxis"] == "y2"
+    assert page["layout"]["yaxis2"]["ticktext"] == ["<b>one</b>", "two"]
+    assert page["clock"] == "played"
+    json.dumps(page, allow_nan=False)
+
+
+def test_a_curve_that_goes_on_above_is_marked_where_it_is_cut():
+    x = np.linspace(0, 4, 5)
+    y = np.array([np.inf, 6.0, 1.0, 3.0, np.nan])
+    panel = Panel(x=Axis(), y=Axis(ends=(0.0, 2.0)), items=[Line(x=x, y=y)])
+    np.testing.assert_allclose(panel.cuts().x, [1.8, 2.5])
+    assert Panel(x=Axis(), y=Axis(ends=(0.0, 7.0)), items=[Line(x=x[1:], y=y[1:])]).cuts() is None
+
+
+def test_the_range_is_drawn_with_the_point_that_sets_it(planar_cell, lift, result):
+    (above,), (below,) = range_plot(result).rows
+    np.testing.assert_array_equal(of_panel(above, Line)["c²⁺(t)"].y, result.range.samples.upper)
+    end = result.range.upper
+    (mark,) = (item for item in above.items if isinstance(item, Points))
+    assert (mark.x.tolist(), mark.y.tolist(), mark.texts) == ([end.time], [end.c2], ["c²⁺ = 3.062"])
+    assert above.y.ends[0] < 0 < end.c2 < above.y.ends[1]
+    assert below.y.names[:2] == ["left/elbow ↑", "right/elbow ↓"]
+    (bars,) = (item for item in below.items if isinstance(item, Bars))
+    elbow = np.flatnonzero(bars.place == 1)[0]  # right/elbow: from the start on
+    assert bars.start[elbow] == 0
+    assert bars.end[elbow] == pytest.approx(0.144, abs=0.003)
+    torn = range_plot(mrts.scale(planar_cell.with_mass(24.0), lift)).rows[0][0]
+    assert "no c² at all" in of_panel(torn, Spans)
+    assert "worst conflict" in of_panel(torn, Rule)
+
+
+def test_what_a_hand_cannot_hold_and_speeds_are_named_as_such():
+    folder = DATA.parent / "squeeze"
+    squeezed = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
+    names = {lane.label for lane in binding_lanes(squeezed.range)}
+    assert {"left/pad slips", "right/pad slips", "left/pad normal force ↑", "right/wrist_2_turn velocity"} <= names
+    assert "friction" not in " ".join(names)
+
+
+def test_a_load_study_shows_its_worst_and_best_load(planar_cell, lift, dual_ur5):
+    uncertain = mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift)
+    panel = load_study_plot(uncertain).rows[0][0]
+    assert "between 2 loads" in of_panel(panel, Band)
+    lines = of_panel(panel, Line)
+    assert {"worst: mass 3 kg (c²⁺ = 1.516)", "best: mass 0.1 kg (c²⁺ = 3.352)"} <= lines.keys()
+    np.testing.assert_array_equal(lines["guaranteed (c²⁺ = 1.516)"].y, uncertain.range.samples.upper)
+    motion = mrts.load_motion(UR5 / "lift_and_turn.yaml")  # where a velocity sets the speed, whatever the load
+    alike = load_study_plot(mrts.scale(dual_ur5.with_variation(mass=(0.9, 1.1)), motion)).rows[0][0]
+    assert list(of_panel(alike, Line)) == ["guaranteed (c²⁺ = 4.215)"]
+
+
+def test_the_limit_of_which_most_is_used_is_first_and_thick(result):
+    names, shares = all_shares(result)
+    for panel in limits_plot(result, "").rows[0]:
+        named = [item for item in panel.items if isinstance(item, Line) and item.label]
+        largest = [np.max(line.y) for line in named]
+        assert largest == sorted(largest, reverse=True)
+        assert named[0].width > max(line.width for line in named[1:])
+    torques = [place for place, name in enumerate(names) if name.kind == "torque"]
+    first = next(item for item in limits_plot(result, "").rows[0][0].items if isinstance(item, Line) and item.label)
+    np.testing.assert_array_equal(first.y, 100 * shares[:, torques[np.argmax(np.max(shares[:, torques], axis=0))]])
+
+
+@pytest.mark.quick
+def test_what_there_is_not_cannot_be_drawn(planar_cell, lift, result):
+    infeasible = mrts.scale(planar_cell.with_mass(60.0), lift)
+    for draw in (trajectory_plot, power_plot):
+        with pytest.raises(ValueError, match="no trajectory"):
+            draw(infeasible)
+    with pytest.raises(ValueError, match="no trajectory"):
+        limits_plot(infeasible, "")
+    with pytest.raises(ValueError, match="no study of loads"):
+        load_study_plot(result)
+
+
+def test_the_ranking_has_a_bar_for_each_configuration(study):
+    plot = ranking_plot(study, "dual_ur5")
+    check_legible(matplotlib_figure(plot))
+    panel = plot.rows[0][0]
+    np.testing.assert_allclose(panel.items[0].end, [configuration.c2_upper for configuration in study.ranked])
+    first = study.ranked[0].branches
+    assert panel.y.names[0] == f"left {first[0].number}, right {first[1].number}"
+
+
+def test_infeasible_and_unlimited_configurations_are_marked(planar_cell, lift):
+    infeasible = mrts.rank_configurations(planar_cell.with_mass(24.0), lift)
+    plot = ranking_plot(infeasible, "planar")
+    check_legible(matplotlib_figure(plot))
+    (crosses,) = plot.rows[0][0].items
+    assert (crosses.symbol, len(crosses.x)) == ("cross", len(infeasible.ranked))
+    reasons = plot.rows[0][0].y.beside
+    assert sum(text.startswith("infeasible: ") for text in reasons) == len(infeasible.ranked) == 4
+    here = {"xyz": lift.position[0].tolist()}
+    description = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": here, "end": here}
+    still = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
+    (bars,) = ranking_plot(mrts.rank_configurations(planar_cell, still), "still").rows[0][0].items
+    assert bars.hatched
+
+
+def test_an_object_out_of_reach_gets_a_figure_that_says_so(dual_ur5):
+    description = {"duration": 1.0, "profile": "quintic", "start": {"xyz": [0, 0, 3]}, "end": {"xyz": [0, 0, 3.1]}}
+    motion = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
+    figure = matplotlib_figure(ranking_plot(mrts.rank_configurations(dual_ur5, motion), "dual_ur5"))
+    check_legible(figure)
+    assert "no configuration reaches" in "".join(text.get_text() for text in boxes_of_texts(figure))
+
+
+def test_the_command_line_draws_the_ranking(tmp_path, capsys):
+    files = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
+    assert main(["configurations", *files, "--plot", str(tmp_path / "out"), "--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["combinations"] == 4
+    assert (tmp_path / "out" / "configurations.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, tmp_path, capsys):
+    """An infeasible timing has figures as well: those of the best constant factor."""
+    infeasible = mrts.retime(planar_cell.with_mass(60.0), lift)
+    for form, start in (("svg", b"<?xml"), ("pdf", b"%PDF")):
+        for folder in ("once", "again"):
+            write_result_plots(infeasible, tmp_path / folder, form)
+        texts = {(tmp_path / folder / f"c2_range.{form}").read_bytes() for folder in ("once", "again")}
+        assert len(texts) == 1  # no date, no identifiers of chance
+        assert texts.pop().startswith(start)
+    assert {path.name for path in (tmp_path / "once").iterdir()} == {"c2_range.svg", "c2_range.pdf"}
+    with pytest.raises(mrts.InputError, match="one of png, svg, pdf"):
+        write_result_plots(infeasible, tmp_path / "once", "gif")
+    files = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
+    command = ["configurations", *files, "--plot", str(tmp_path / "out"), "--plot-format", "svg"]
+    assert main(command) == 0
+    assert (tmp_path / "out" / "configurations.svg").read_bytes().startswith(b"<?xml")
+    with pytest.raises(SystemExit):
+        main([*command[:-1], "gif"])
+    assert "--plot-format" in capsys.readouterr().err
+    assert main(["scale", *files, "--plot-format", "svg"]) == 2
+    assert "give --plot DIR too" in capsys.readouterr().err
+
+
+def test_a_missing_matplotlib_is_named_before_any_work(tmp_path):
+    script = (
+        "import importlib.util, sys; found = importlib.util.find_spec;"
+        "importlib.util.find_spec = lambda name, *rest: None if name == 'matplotlib' else found(name, *rest);"
+        "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    command = ["configurations", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--plot", str(tmp_path / "out")]
+    done = subprocess.run([sys.executable, "-c", script, *command], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "pip install 'mrts[plot]'" in done.stderr
+    assert done.stdout == ""
+
+
+def test_names_of_rows_are_whole_and_the_figure_as_wide_as_they_want(planar_cell, lift):
+    joints = tuple(f"left_robot_arm_{part}_rotation_joint" for part in ("shoulder_pan", "elbow", "wrist"))
+    long = renamed(planar_cell, "long", ("left_robot_arm", "right_robot_arm"), joints)
+    found = mrts.scale(long, lift)
+    figure = matplotlib_figure(range_plot(found))
+    check_legible(figure)
+    shown = {label.get_text().strip() for label in figure.axes[-1].get_yticklabels()}
+    assert {lane.label for lane in binding_lanes(found.range)} == shown
+    assert max(map(len, shown)) > LANE_LETTERS
+    assert figure.get_figwidth() > matplotlib_figure(range_plot(mrts.scale(planar_cell, lift))).get_figwidth()

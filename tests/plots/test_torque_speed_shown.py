@@ -1,0 +1,176 @@
+"""Torque-speed curves where limits are shown: as what the motor gives at the plan's speed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import DATA
+
+import mrts
+from mrts.limits.rows import TORQUE_SPEED
+from mrts.output.summary_lines import scaling_lines
+from mrts.plots import matplotlib_figure, trajectory_plot, write_result_plots
+from mrts.plots.labels import short_name
+from mrts.plots.limit_plots import limiting_rows
+from mrts.plots.plotly_drawer import plotly_figure
+from mrts.plots.trajectory_plots import torque_plots
+from mrts.report.tables import inputs_table, margins_table, motors_table
+from mrts.scaling.limit_use import limit_uses, limited_quantities
+from mrts.viewer.panel import bars_html
+from mrts.viewer.player_state import PlayerState
+
+pytestmark = pytest.mark.quick
+
+CURVE = np.array([[0, 120.0], [1, 110], [6, 10]])
+"""Of the left shoulder and elbow, whose torque limits are 100 and 80 N m: its lines cross them within the lift."""
+
+
+@pytest.fixture(scope="module")
+def cell(planar_cell):
+    left, right = planar_cell.robots
+    motors = replace(left.motors, torque_speed=(CURVE, CURVE, None))
+    return replace(planar_cell, robots=(replace(left, motors=motors), right))
+
+
+@pytest.fixture(scope="module")
+def result(cell, lift):
+    return mrts.scale(cell, lift)
+
+
+def largest(speed):
+    """What the curve gives at a speed, by interpolation between its corners [N m]."""
+    return np.interp(np.abs(speed), *CURVE.T)
+
+
+def test_limits_of_the_torque_are_what_the_curve_gives_where_the_motor_drives(result):
+    done = result.trajectory
+    torques = limited_quantities(result, "torque", "left")
+    for j, plain in enumerate(result.cell.robots[0].torque_upper[:2]):
+        dq = done.dq[:, j]
+        forward = np.minimum(plain, np.where(dq > 0, largest(dq), plain))
+        backward = -np.minimum(plain, np.where(dq < 0, largest(dq), plain))
+        np.testing.assert_allclose(torques.upper[:, j], forward, rtol=1e-12)
+        np.testing.assert_allclose(torques.lower[:, j], backward, rtol=1e-12)
+    assert np.ptp(torques.upper[:, 0]) + np.ptp(torques.lower[:, 0]) > 1
+    assert np.ptp(torques.upper[:, 2]) == 0  # the wrist has no curve
+    assert np.all(torques.values <= torques.upper + 1e-6)
+    assert np.all(torques.values >= torques.lower - 1e-6)
+
+
+def test_a_use_of_a_curve_tells_torque_and_limit_at_its_moment(result):
+    done = result.trajectory
+    uses = [use for use in limit_uses(result) if use.name.kind == TORQUE_SPEED]
+    assert {use.name.element for use in uses} == {"shoulder", "elbow"}
+    for use in uses:
+        j = ["shoulder", "elbow"].index(use.name.element)
+        sample = int(np.argmin(np.abs(done.time - use.time)))
+        assert use.least == pytest.approx(np.min(done.torque[:, j]))
+        assert use.largest == pytest.approx(np.max(done.torque[:, j]))
+        lines = [(120.0, 10.0), (130.0, 20.0)]
+        dq = done.dq[sample, j]
+        sides = [(-np.inf, a - m * dq) if dq > 0 else (-a - m * dq, np.inf) for a, m in lines]
+        assert any((use.lower, use.upper) == pytest.approx(side) for side in sides)
+
+
+def test_moving_limits_are_drawn_as_lines_over_time(result):
+    axes = matplotlib_figure(trajectory_plot(result)).axes[0]
+    moving = [line for line in axes.lines if line.get_linewidth() < 1 and np.ptp(line.get_ydata()) > 0]
+    assert moving
+    straight = [line for line in axes.lines if line.get_linewidth() < 1 and np.ptp(line.get_ydata()) == 0]
+    assert len(moving) + len(straight) == 6
+    drawn, others = (
+        [trace for trace in plotly_figure(plot)["data"] if trace["line"].get("width") == 0.8]
+        for plot in torque_plots(result)
+    )
+    assert len(drawn) == 6
+    assert sum(len(trace["x"]) > 2 for trace in drawn) == len(moving)
+    assert all(len(trace["x"]) == 2 for trace in others)
+
+
+def test_tables_and_lines_name_the_curve_once(result):
+    assert "left/shoulder torque-speed" in margins_table(result, limiting_rows(result, None))
+    assert "left/elbow motor speed" in margins_table(result, limiting_rows(result, None))
+    lines = list(scaling_lines(result))
+    said = [line for line in lines if line.startswith("torque-speed curves: at most")]
+    worst = max(use.share for use in limit_uses(result) if use.name.kind == TORQUE_SPEED)
+    assert len(said) == 1
+    assert f"{100 * worst:.3g} % of a line's torque at standstill is used" in said[0]
+    assert not [line for line in lines if "torque-speed " in line and "[" in line]
+
+
+def test_the_report_says_which_motors_it_is_for(cell, planar_cell):
+    (known, note) = motors_table(cell)
+    assert "left/shoulder" in known
+    assert "120 N m at 0 rad/s<br>110 N m at 1 rad/s<br>10 N m at 6 rad/s" in known
+    assert "left/wrist" not in known
+    assert "N m s/rad" in note
+    assert motors_table(planar_cell) == []
+
+
+def test_the_report_says_what_is_left_between_the_samples(cell, lift, result):
+    assert "all limits are kept to 0.01 % of them" in inputs_table(result)
+    passing = replace(result, excess=replace(result.excess, share=0.02))
+    assert "limits are overstepped by up to 2 %" in inputs_table(passing)
+    assert "not looked at" in inputs_table(mrts.scale(cell, lift, between=None))
+
+
+def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
+    state = PlayerState(cell, lift)
+    state.sample = 30
+    done = state.trajectory
+    bars = state.further_bars()
+    assert set(bars) == {TORQUE_SPEED, "motor speed"}
+    for bar in bars[TORQUE_SPEED]["left"]:
+        j = ["shoulder", "elbow"].index(bar.name)
+        assert bar.value == pytest.approx(done.torque[30, j])
+        assert not bar.over
+    driving = [bar for bar in bars[TORQUE_SPEED]["left"] if bar.value * done.dq[30, int(bar.name == "elbow")] > 0]
+    for bar in driving:
+        assert abs(bar.limit) >= largest(done.dq[30, int(bar.name == "elbow")]) - 1e-9
+    assert driving
+    assert "left/shoulder" in bars_html(TORQUE_SPEED, bars[TORQUE_SPEED])
+    state.choose_speed(state.speeds.upper)  # beyond: some bar is over its limit, and all is still drawn
+    assert not state.admissible
+    assert bars_html(TORQUE_SPEED, state.further_bars()[TORQUE_SPEED])
+
+
+def test_the_fastest_timing_has_its_pictures_and_numbers_too(cell, lift, tmp_path):
+    left, right = cell.robots
+    motors = replace(left.motors, coulomb=np.array([2.0, 1.0, 0.2]), viscous=np.full(3, 0.5), rated=np.full(3, 20.0))
+    found = mrts.retime(replace(cell, robots=(replace(left, motors=motors), right)), lift)
+    played = found.retimed
+    write_result_plots(found, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} >= {"phase_plane.png", "torques_and_wrenches.png"}
+    data = found.to_json()
+    assert data["joint_duty"]["left"]["rms_torque"] == played.trajectory.duty["left"].rms_torque.tolist()
+    assert data["torque_friction"]["left"] == played.trajectory.friction[:, :3].tolist()
+    assert any("torque-speed (" in name or "torque (" in name for name, _ in found.limits)
+
+
+def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
+    """Rows of every kind that a cell file has, in figures, report, table, saved result and words."""
+    shipped = DATA.parent / "squeeze"
+    cell = mrts.load_cell(shipped / "cell.yaml")
+    columns = {"armature": np.full(6, 0.1), "coulomb": np.full(6, 1.0), "viscous": np.full(6, 0.5)}
+    columns |= {"torque_speed": (np.array([[0, 200.0], [4, 20]]),) * 6, "rated": np.full(6, 30.0)}
+    robots = (replace(robot, motors=replace(robot.motors, **columns)) for robot in cell.robots)
+    result = mrts.scale(replace(cell, robots=tuple(robots)), mrts.load_motion(shipped / "lift_and_turn.yaml"))
+    kinds = {use.name.kind for use in limit_uses(result)}
+    assert kinds >= {"torque", "velocity", "contact", TORQUE_SPEED, "motor speed"}
+    write_result_plots(result, tmp_path / "plots")
+    mrts.write_report(result, tmp_path / "report.html")
+    mrts.save_result(result, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz")
+    assert list(scaling_lines(again)) == list(scaling_lines(result))
+    np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
+    table = margins_table(result, limiting_rows(result, None))
+    for use in limit_uses(result):
+        assert short_name(use.name) in table
+
+
+def test_a_limit_of_zero_that_is_met_is_not_shown_with_its_rounding():
+    shipped = DATA.parent / "squeeze"
+    squeezed = mrts.scale(mrts.load_cell(shipped / "cell.yaml"), mrts.load_motion(shipped / "lift_and_turn.yaml"))
+    met = [use for use in limit_uses(squeezed) if use.upper == 0 and use.share > 1 - 1e-6]
+    assert met
+    assert all(use.largest == 0 for use in met)
