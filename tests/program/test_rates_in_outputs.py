@@ -158,12 +158,12 @@ def test_the_command_line_keeps_rates(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--rates"], "the cell 'planar_dual_arm' limits no rate"),
-        (["--rates", "0"], "--rates = '0': must be a number > 0"),
+        (["--rates", "cell"], "the cell 'planar_dual_arm' limits no rate"),
+        (["--rates", "0"], "--rates = '0': must be 'cell', or a number > 0"),
         (["--rates", "-2"], "--rates = '-2'"),
         (["--rates", "nan"], "--rates = 'nan'"),
-        (["--rates", "3", "--distribute", "reserve"], "--distribute = 'reserve': does not go with limits of rates"),
-        (["--rates", "3", "--formulation", "torque"], "--formulation = 'torque': the constant profile within rates"),
+        (["--rates", "3", "--distribute", "reserve"], "--distribute = 'reserve': with rates it must be"),
+        (["--rates", "3", "--formulation", "torque"], "--formulation = 'torque': with rates it must be"),
         (["--rates", "3", "--profile", "optimal"], "--rates"),
     ],
 )
