@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from click import argument, option
+from click import argument, get_current_context, option
 
 from mrts.base.errors import InputError, MotionError
 from mrts.commands import options
@@ -17,9 +17,11 @@ from mrts.console.progress import working
 from mrts.console.terminal import say, warn
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mrts.base.arrays import Array
+    from mrts.base.rigid_transform import RigidTransform
     from mrts.starting.proposal import Proposal
-    from mrts.starting.reading import Given
     from mrts.starting.request import ArmRequest, Request
 
 EXAMPLES = """\
@@ -30,23 +32,36 @@ examples:
   mrts new --hold cell.yaml motion.yaml           grasps from the postures of a cell that is there"""
 
 
+def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
+    """What reads numbers with commas between them, Shape (n,)."""
+
+    def read(text: str) -> "Array":
+        import numpy as np
+
+        found = options.numbers(where, text, "must be numbers with commas between them, such as 0.5,0,-1.")
+        if counts and len(found) not in counts:
+            raise InputError(where, f"must be {' or '.join(map(str, counts))} numbers.", value=text)
+        return np.array(found)
+
+    return read
+
+
 @options.command(EXAMPLES)
-@argument(
-    "folder", type=Written(folder=True), required=False, metavar="[DIR]", help="folder for cell.yaml and motion.yaml"
-)
-@option("--robot", multiple=True, metavar="URDF",
+@argument("folder", type=Written(folder=True), required=False, metavar="[DIR]",
+          help="folder for cell.yaml and motion.yaml")  # fmt: skip
+@option("--robot", "robots", multiple=True, metavar="URDF",
         help="once for each robot; a single arm stands twice, a machine with two arms once")  # fmt: skip
 @options.xacro_arg
-@option("--tip", multiple=True, metavar="LINK",
+@option("--tip", "tips", multiple=True, metavar="LINK",
         help="link that holds the object, once for each robot, or several of a single one (default: found by "
         "name)")  # fmt: skip
-@option("--base", multiple=True, metavar="X,Y,Z[,R,P,Y]",
+@option("--base", "bases", multiple=True, type=_vector("bases", 3, 6), metavar="X,Y,Z[,R,P,Y]",
         help="root of the URDF in the world, once for each robot; m, rad (default: proposed)")  # fmt: skip
-@option("--posture", multiple=True, metavar="Q,Q,…",
+@option("--posture", "postures", multiple=True, type=_vector("postures"), metavar="Q,Q,…",
         help="where the arm holds the object, once for each arm; rad, m (default: searched)")  # fmt: skip
 @option("--degrees", is_flag=True, help="angles of --base and --posture are degrees")
 @option("--mass", type=float, metavar="KG", help="of the object (default: what the arms hold easily)")
-@option("--gravity", default="0,0,-9.81", show_default=True, metavar="X,Y,Z", help="in the world")
+@option("--gravity", type=_vector("gravity", 3), metavar="X,Y,Z", help="in the world (default: 0,0,-9.81)")
 @option("--name", help="of the cell (default: that of the folder)")
 @option("--copy", is_flag=True, help="copy the URDFs into the folder (not their meshes)")
 @option("--force", is_flag=True, help="overwrite files; with --hold, write the grasps into CELL")
@@ -54,29 +69,47 @@ examples:
         help="the grasps with which the hands hold the object where the motion starts, as the postures of the cell put "
         "them: 'hold it here, now'")  # fmt: skip
 def run(
-    gravity: str,
     folder: Path | None = None,
     hold: tuple[Path, Path] | None = None,
+    name: str | None = None,
+    bases: "tuple[Array, ...]" = (),
+    xacro_arg: tuple[str, ...] = (),
     *,
     copy: bool = False,
     force: bool = False,
     **given: Any,
 ) -> int:
     """Begin a cell from URDFs alone: hands, bases, a motion that can be played; or compute the grasps of a cell."""
-    from mrts.starting.reading import request_of
+    from mrts.starting.reading import Given, request_of
 
     if hold is not None:
-        for name in [*given, *["copy"] * copy]:
-            raise InputError(name, "does not go with --hold, which takes a cell that is there, and its motion.")
-        if folder is not None:
-            raise InputError("DIR", "does not go with --hold, which takes a cell that is there, and its motion.")
+        for other in get_current_context().params.keys() - {"hold", "force"}:
+            raise InputError(other, "does not go with --hold, which takes a cell that is there, and its motion.")
         return _hold(*hold, force=force)
     if folder is None:
-        raise InputError("DIR", "is missing: the folder for cell.yaml and motion.yaml.")
+        raise InputError("folder", "is missing: the folder for cell.yaml and motion.yaml.")
+    if "robots" not in given:
+        raise InputError("robots", "is missing: the URDF of a robot, once for each.")
     for path in (folder / "cell.yaml", folder / "motion.yaml"):
         if path.exists() and not force:
             raise InputError(path, "is there already; --force overwrites it, another DIR leaves it.")
-    return _begin(folder, request_of(_given(folder, gravity, **given), folder), copy=copy, force=force)
+    asked = Given(
+        name=_name(name, folder),
+        bases=[_base(base, degrees=given.get("degrees", False)) for base in bases],
+        xacro_args=options.xacro_arguments(xacro_arg),
+        **given,
+    )
+    return _begin(folder, request_of(asked, folder), copy=copy, force=force)
+
+
+def _base(numbers: "Array", *, degrees: bool) -> "RigidTransform":
+    """A pose from x, y, z and maybe roll, pitch, yaw."""
+    import numpy as np
+
+    from mrts.base.rigid_transform import RigidTransform
+
+    rpy = numbers[3:] if numbers.size > 3 else np.zeros(3)  # noqa: PLR2004 (x, y, z)
+    return RigidTransform.from_xyz_rpy(numbers[:3].tolist(), (np.radians(rpy) if degrees else rpy).tolist())
 
 
 def _begin(folder: Path, request: "Request", *, copy: bool, force: bool) -> int:
@@ -98,63 +131,6 @@ def _begin(folder: Path, request: "Request", *, copy: bool, force: bool) -> int:
     _write(folder, proposal, copies)
     _tell_proposal(folder, proposal)
     return FEASIBLE
-
-
-def _given(
-    folder: Path,
-    gravity: str,
-    robot: tuple[str, ...] = (),
-    tip: tuple[str, ...] = (),
-    base: tuple[str, ...] = (),
-    posture: tuple[str, ...] = (),
-    mass: float | None = None,
-    name: str | None = None,
-    xacro_arg: tuple[str, ...] = (),
-    *,
-    degrees: bool = False,
-) -> "Given":
-    """What the options say.
-
-    Raises:
-        InputError: If one breaks a rule.
-    """
-    import numpy as np
-
-    from mrts.base.argument_types import is_number
-    from mrts.base.input_file import LARGEST_NUMBER
-    from mrts.base.rigid_transform import RigidTransform
-    from mrts.starting.reading import Given
-
-    if not robot:
-        raise InputError("robot", "is missing: the URDF of a robot, once for each.")
-    if mass is not None and not (is_number(mass, 0, LARGEST_NUMBER) and mass > 0):
-        raise InputError("mass", "must be a number > 0, in kg.", value=mass)
-    bases = []
-    for text in base:
-        xyz, angles = np.split(_numbers("base", text, (3, 6)), [3])
-        rpy = np.radians(angles) if degrees else angles
-        bases.append(RigidTransform.from_xyz_rpy(xyz.tolist(), rpy.tolist() or [0.0] * 3))
-    return Given(
-        name=_name(name, folder),
-        robots=robot,
-        tips=tip,
-        bases=bases,
-        postures=[_numbers("posture", text) for text in posture],
-        mass=mass,
-        gravity=_numbers("gravity", gravity, (3,)),
-        degrees=degrees,
-        xacro_args=options.xacro_arguments(xacro_arg),
-    )
-
-
-def _numbers(where: str, text: str, counts: tuple[int, ...] = ()) -> "Array":
-    """Numbers with commas between them, Shape (n,)."""
-    import numpy as np
-
-    found = options.numbers(where, text, "must be numbers with commas between them, such as 0.5,0,-1.")
-    if counts and len(found) not in counts:
-        raise InputError(where, f"must be {' or '.join(map(str, counts))} numbers.", value=text)
-    return np.array(found)
 
 
 def _name(given: str | None, folder: Path) -> str:

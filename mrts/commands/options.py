@@ -119,7 +119,7 @@ class Command(click.Command):
         try:
             yield
         except InputError as error:
-            options = {each.name: _shown(each) for each in self.params if isinstance(each, click.Option)}
+            options = {each.name: _shown(each) for each in self.params}
             if error.where not in options:
                 raise
             value = None if error.value is True else error.value

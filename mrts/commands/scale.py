@@ -134,7 +134,8 @@ def run(
     """How fast may this motion be played, and with which torques?"""
     from mrts.motion.motion_file import load_motion
     from mrts.output.summary_lines import retiming_lines, scaling_lines
-    from mrts.scaling.scale import SelectionError
+    from mrts.scaling.result import ScalingResult, fallbacks_text
+    from mrts.scaling.scale import SelectionError, torques_for_load
 
     _check(profile, {**given, "what_if": what_if or None})
     files = take(given, FILES)
@@ -144,17 +145,15 @@ def run(
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
         warn("--weights has no effect: one arm leaves no torques to choose")
     load = _known_load(limited, carry, given.get("load"))
-    found: ScalingResult | RetimingResult
+    solver = {"solver": given["solver"]} if "solver" in given else {}
     try:
-        if profile == "constant":
-            found = _scaled(limited, motion_given, given, load, what_if=what_if)
-            said = list(scaling_lines(found))
-        else:
-            if profile == "smooth":
-                given.setdefault("rates", True)
-            found = _timed(limited, motion_given, given, load, what_if=what_if)
-            with working("comparing with a constant factor"):
-                said = list(retiming_lines(found))
+        found = _solved(limited, motion_given, profile, given)
+        if load is not None:
+            found = _replaced(found, lambda played: torques_for_load(played, load, **solver))
+        if what_if:
+            with working("changing the cell") as progress:
+                changes = found.what_if(**solver, progress=progress)
+            found = _replaced(replace(found, changes=changes), lambda played: replace(played, changes=changes))
     except SelectionError as error:
         if error.result is not None:
             outputs = _written(error.result, files, form)
@@ -162,14 +161,13 @@ def run(
                 put(error.result.json_text())
             outputs.raise_defect()
         raise
+    with working("comparing with a constant factor"):
+        lines = list(scaling_lines(found) if isinstance(found, ScalingResult) else retiming_lines(found))
     with working("writing"):  # files first: whoever reads the lines may go away
         outputs = _written(found, files, form)
-    json = files.get("json")
-    code = outputs.answer(said, FEASIBLE if found.status.admits_motion else INFEASIBLE, json, found)
-    if fallbacks := getattr(found, "fallbacks", 0) and str(json) != "-":
-        from mrts.scaling.result import fallbacks_text
-
-        warn(fallbacks_text(fallbacks))
+    code = outputs.answer(lines, FEASIBLE if found.status.admits_motion else INFEASIBLE, files.get("json"), found)
+    if isinstance(found, ScalingResult) and found.fallbacks and str(files.get("json")) != "-":
+        warn(fallbacks_text(found.fallbacks))
     return code
 
 
@@ -192,52 +190,36 @@ def _check(profile: str, given: dict[str, Any]) -> None:
         raise InputError("weights", "does not go with --share, which leaves no torques to choose.")
 
 
-def _scaled(
-    cell: "Cell",
-    motion: "ObjectMotion | JointTable",
-    given: dict[str, Any],
-    load: "Array | None",
-    *,
-    what_if: bool,
-) -> "ScalingResult":
-    """One factor for the whole motion."""
-    from mrts.scaling.scale import scale, torques_for_load
+def _solved(
+    cell: "Cell", motion: "ObjectMotion | JointTable", profile: str, given: dict[str, Any]
+) -> "ScalingResult | RetimingResult":
+    """The best speed: one factor for the whole motion, or one that varies along the path."""
+    from mrts.scaling.scale import scale
 
-    selected, solver = take(given, SELECTIONS), {name: given[name] for name in ("solver",) if name in given}
-    for name, value in selected.items():
-        given["select"] = value if name == "c2" else name
-    with working(f"scaling {cell.name}") as progress:
-        found = scale(cell, motion, **given, progress=progress)
-    if what_if:
-        with working("changing the cell") as progress:
-            found = replace(found, changes=found.what_if(**solver, progress=progress))
-    return found if load is None or found.trajectory is None else torques_for_load(found, load, **solver)
-
-
-def _timed(
-    cell: "Cell",
-    motion: "ObjectMotion | JointTable",
-    given: dict[str, Any],
-    load: "Array | None",
-    *,
-    what_if: bool,
-) -> "RetimingResult":
-    """A speed that varies along the path."""
-    from mrts.scaling.scale import torques_for_load
+    if profile == "constant":
+        for name, value in take(given, SELECTIONS).items():
+            given["select"] = value if name == "c2" else name
+        with working(f"scaling {cell.name}") as progress:
+            return scale(cell, motion, **given, progress=progress)
     from mrts.timing.retime import retime
 
-    for name in ("start_torque", "end_torque"):
-        if name in given:
-            given[name] = _torques(name, given[name], cell)
+    if profile == "smooth":
+        given.setdefault("rates", True)
+    for name, torques in take(given, ("start_torque", "end_torque")).items():
+        given[name] = _torques(name, torques, cell)
     with working(f"timing {cell.name}") as progress:
-        found = retime(cell, motion, **given, progress=progress)
-    if load is not None and found.retimed is not None:
-        found = replace(found, retimed=torques_for_load(found.retimed, load))
-    if what_if:
-        with working("changing the cell") as progress:
-            changes = found.what_if(progress=progress)
-        found = replace(found, changes=changes, retimed=found.retimed and replace(found.retimed, changes=changes))
-    return found
+        return retime(cell, motion, **given, progress=progress)
+
+
+def _replaced(
+    found: "ScalingResult | RetimingResult", change: "Callable[[ScalingResult], ScalingResult]"
+) -> "ScalingResult | RetimingResult":
+    """The same with a change of what is played, if something is: a result with torques, or that of a timing."""
+    from mrts.scaling.result import ScalingResult
+
+    if not isinstance(found, ScalingResult):
+        return found if found.retimed is None else replace(found, retimed=change(found.retimed))
+    return found if found.trajectory is None else change(found)
 
 
 def _known_load(cell: "Cell", text: str | None, question: str | None) -> "Array | None":
