@@ -97,7 +97,7 @@ def tables(text):
 
 
 def notation():
-    """Rows of the page's tables, without their heads: symbols, equations, words, tolerances."""
+    """Rows of the page's tables, without their heads: symbols, equations, words."""
     parts = re.split(r"^## .*", (ROOT / "docs" / "notation.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
     return [tables(part)[2:] for part in parts]
 
@@ -154,33 +154,16 @@ def small_numbers(node):
     return [value for value in literals if isinstance(value, float) and 0 < value < SMALL]
 
 
-def small_constants():
-    """Small numbers by file and name: each is a constant of its module, with a docstring that gives the reason."""
-    found = {}
+def test_every_small_number_is_a_named_constant_with_its_reason():
+    """In the docstring beside it."""
     for path in SOURCES:
         place, body = str(path.relative_to(ROOT)), ast.parse(path.read_text(encoding="utf-8")).body
         for node, after in zip(body, [*body[1:], None], strict=True):
             numbers = small_numbers(node)
             if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant | ast.BinOp) and numbers:
                 assert isinstance(after, ast.Expr), (place, node.targets[0].id, "has no docstring with its reason")
-                found[place, node.targets[0].id] = numbers[0]
             else:
                 assert numbers == [], (place, node.lineno, "a small number takes a name and a reason")
-    return found
-
-
-def test_every_tolerance_stands_in_one_place_with_its_reason():
-    rows = notation()[3]
-    assert all(len(row) == len(rows[0]) and all(row) for row in rows)
-    assert len({row[0] for row in rows}) == len(rows)  # one a purpose
-    listed = {(place, row[1].strip("`")): float(row[2]) for row in rows for place in row[3].split(", ")}
-    for (place, name), value in listed.items():
-        start = rf"{name} = (?:1 - )?" if place.endswith(".py") else rf"#define MRTS_{name} "
-        defined = rf"^{start}([0-9.e-]+)(?:\s|$)"
-        values = re.findall(defined, (ROOT / place).read_text(encoding="utf-8"), re.MULTILINE)
-        assert [float(each) for each in values] == [value], (place, name)
-    small = small_constants()
-    assert small.items() <= listed.items(), small.keys() - listed.keys()
 
 
 def test_links_of_the_readme_lead_somewhere():
