@@ -2,7 +2,7 @@
 """`mrts export`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any
 
 from click import Choice, argument, option
 
@@ -37,11 +37,10 @@ examples:
 def run(
     cell: Path,
     output: Path,
-    precision: "Literal['double', 'float']",
     functions: str = "",
-    name: str | None = None,
     motion: Path | None = None,
     closure: "ClosureBound | None" = None,
+    **given: Any,
 ) -> int:
     """Write a self-contained C library of a cell for a controller."""
     from mrts.cell.generation import comes_with_tests, export_to
@@ -60,16 +59,7 @@ def run(
         played = own_motion(compiled) if motion is None else coordinate(compiled, load_motion(motion), closure)
         vectors, samples = make_vectors(compiled, played), played.samples
     with working(f"writing {output}"):
-        written = export_to(
-            cell,
-            output,
-            limits=limits,
-            vectors=vectors,
-            path_samples=samples,
-            precision=precision,
-            parts=parts,
-            name=name,
-        )
-    say(f"{compiled.name}: {precision} precision, {len(vectors)} test vectors, in {output}:")
+        written = export_to(cell, output, limits=limits, vectors=vectors, path_samples=samples, parts=parts, **given)
+    say(f"{compiled.name}: {given['precision']} precision, {len(vectors)} test vectors, in {output}:")
     say("\n".join(f"  {name}" for name in written))
     return FEASIBLE

@@ -238,19 +238,13 @@ def _torques(where: str, given: tuple[str, ...], cell: "Cell") -> "Array":
     """The torques of all joints, Shape (m,) [N m], from ROBOT=T,T,… of each robot."""
     import numpy as np
 
-    torques: dict[str, list[float]] = {}
-    for text in given:
-        name, _, listed = text.partition("=")
-        if name in torques:
-            raise InputError(where, f"gives the robot '{name}' twice.", value=text)
-        torques[name] = options.numbers(where, listed, "must be ROBOT=NUMBER,NUMBER,…, one a joint [N m].")
+    rule = "must be ROBOT=NUMBER,NUMBER,…, one a joint [N m]."
+    pairs = [text.split("=", 1) if "=" in text else (text, "") for text in given]
+    torques = {name: options.numbers(where, listed, rule) for name, listed in pairs}
     names = [robot.name for robot in cell.robots]
-    for name in torques:
-        if name not in names:
-            raise InputError(where, f"there is no such robot; there are {', '.join(names)}.", value=name)
+    if sorted(name for name, _ in pairs) != sorted(names):
+        raise InputError(where, f"must be given once for every robot: {', '.join(names)}.", value=list(given))
     for robot in cell.robots:
-        if robot.name not in torques:
-            raise InputError(where, f"is needed once for every robot; '{robot.name}' is missing.")
         if len(torques[robot.name]) != len(robot.joints):
             rule = f"must be {len(robot.joints)} numbers for the robot '{robot.name}', one a joint."
             raise InputError(where, rule, value=torques[robot.name])

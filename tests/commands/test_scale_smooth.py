@@ -131,11 +131,23 @@ def test_torques_at_an_end_are_given_by_robot(planar_cell, lift, capsys):
         ([*SMOOTH[3:], "--weigh", "time=1,energy=-1"], "--weigh: energy = -1.0: must be >= 0"),
         ([*SMOOTH[3:], "--weigh", "time=1", "--least-energy-in", "1"], "--weigh: does not go with --least-energy-in"),
         ([*SMOOTH[3:], "--least-energy-in", "-1"], "--least-energy-in = -1.0: must be a duration > 0 [s]."),
-        ([*SMOOTH[3:], "--end-torque", "left=1,2,3"], "--end-torque: is needed once for every robot; 'right' is miss"),
-        ([*SMOOTH[3:], "--end-torque", "lef=1,2,3"], "--end-torque = 'lef': there is no such robot; there are left"),
-        ([*SMOOTH[3:], "--end-torque", "left=1,2"], "--end-torque = [1.0, 2.0]: must be 3 numbers for the robot"),
+        (
+            [*SMOOTH[3:], "--end-torque", "left=1,2,3"],
+            "--end-torque = ['left=1,2,3']: must be given once for every robot: ",
+        ),
+        (
+            [*SMOOTH[3:], "--end-torque", "lef=1,2,3"],
+            "--end-torque = ['lef=1,2,3']: must be given once for every robot: ",
+        ),
+        (
+            [*SMOOTH[3:], "--end-torque", "left=1,2", "--end-torque", "right=1,2,3"],
+            "--end-torque = [1.0, 2.0]: must be 3 numbers for the robot",
+        ),
         ([*SMOOTH[3:], "--end-torque", "left=a"], "--end-torque = 'a': must be ROBOT=NUMBER,NUMBER,…"),
-        ([*SMOOTH[3:], *["--end-torque", "left=1,2,3"] * 2], "--end-torque = 'left=1,2,3': gives the robot 'left' twi"),
+        (
+            [*SMOOTH[3:], *["--end-torque", "left=1,2,3"] * 2],
+            "--end-torque = ['left=1,2,3', 'left=1,2,3']: must be given",
+        ),
     ],
 )
 def test_options_that_make_no_sense_are_told_by_name(options, message, capsys):

@@ -64,7 +64,7 @@ def test_rates_are_reported_and_bind_nothing(reported, lifted):
     assert worst.share > 1
     assert f"{worst.name} reaches {worst.size:.4g} {worst.name.unit}" in warning.text
     assert f"{100 * worst.share:.0f} % of its limit" in warning.text
-    assert "--rates keeps them, at a speed that varies --profile smooth" in warning.text
+    assert "--rates cell keeps them, at a speed that varies --profile smooth" in warning.text
     assert any(
         line.startswith(f"{worst.name}: {100 * worst.share:.3g} % of its limit") for line in scaling_lines(reported)
     )
