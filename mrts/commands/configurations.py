@@ -33,9 +33,9 @@ def run(
     cell: Path,
     motion: Path,
     show: int,
+    plot_format: str,
     json: Path | None = None,
     plot: Path | None = None,
-    plot_format: str | None = None,
     **given: Any,
 ) -> int:
     """Compare all inverse-kinematics branches of the arms."""
@@ -43,7 +43,6 @@ def run(
     from mrts.motion.object_motion import ObjectMotion
     from mrts.studies.configurations import rank_configurations
 
-    form = options.plot_form(plot, plot_format)
     given_motion = load_motion(motion)
     if not isinstance(given_motion, ObjectMotion):
         raise InputError(motion, "a table of joint motion fixes the configuration; give the object's motion.")
@@ -56,7 +55,7 @@ def run(
         from mrts.figures import ranking_figure, write_figure
 
         drawn = ranking_figure(study, f"{limited.name}: configurations")
-        outputs.write(plot, lambda folder: write_figure(drawn, folder / f"configurations.{form}"))
+        outputs.write(plot, lambda folder: write_figure(drawn, folder / f"configurations.{plot_format}"))
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
     lines = study.table(show).split("\n", 1)
     return outputs.answer(lines, FEASIBLE if feasible else INFEASIBLE, json, study)

@@ -34,15 +34,14 @@ def run(
     cell: Path,
     recording: Path,
     output: Path,
+    plot_format: str,
     plot: Path | None = None,
-    plot_format: str | None = None,
     **given: Any,
 ) -> int:
     """Find armature and friction of the motors in a recording of the arms' free motion."""
     from mrts.identification.identify import identify
     from mrts.motion.joint_recording import load_recording
 
-    form = options.plot_form(plot, plot_format)
     compiled = options.compiled_cell(cell)
     with working(f"reading {recording}"):
         recorded = load_recording(recording)
@@ -56,6 +55,6 @@ def run(
     if plot is not None:
         from mrts.figures import write_motor_figures
 
-        outputs.write(plot, lambda folder: write_motor_figures(found, folder, form))
+        outputs.write(plot, lambda folder: write_motor_figures(found, folder, plot_format))
     lines = [f"{compiled.name}: {found.sentence()}", *map(str, found.remarks), f"\n{found.table()}"]
     return outputs.answer(lines, INFEASIBLE if found.empty else FEASIBLE)

@@ -96,7 +96,7 @@ class Command(click.Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the words of the line."""
-        with self._errors_of_options():
+        with self._errors_of_options(ctx):
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -105,7 +105,7 @@ class Command(click.Command):
         ctx.params = {name: v for name, v in ctx.params.items() if ctx.get_parameter_source(name) is given or v}
         self._check_outputs(ctx.params)
         try:
-            with self._errors_of_options():
+            with self._errors_of_options(ctx):
                 return super().invoke(ctx)
         except MotionError as error:
             if {"cell", "motion"} <= ctx.params.keys():
@@ -114,13 +114,13 @@ class Command(click.Command):
             raise
 
     @contextmanager
-    def _errors_of_options(self) -> Iterator[None]:
+    def _errors_of_options(self, ctx: click.Context) -> Iterator[None]:
         """What is wrong with an argument of Python is told of the option that gives it."""
         try:
             yield
         except InputError as error:
             options = {each.name: _shown(each) for each in self.params}
-            if error.where not in options:
+            if error.where not in options or error.where in map(str, ctx.params.values()):  # a file of that name
                 raise
             value = None if error.value is True else error.value
             raise InputError(options[error.where], error.rule, key=error.key, value=value) from None
@@ -367,23 +367,22 @@ def plot(what: str) -> Decorator:
     """
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        folder = Written(folder=True, needs=("matplotlib",), extra="plot")
-        form = click.Choice(FIGURE_FORMATS)
-        function = option("--plot-format", type=form, help=f"of --plot (default: {FIGURE_FORMATS[0]})")(function)
-        return option("--plot", type=folder, metavar="DIR", help=f"write {what} (needs the extra 'plot')")(function)
+        folder, form = Written(folder=True, needs=("matplotlib",), extra="plot"), click.Choice(FIGURE_FORMATS)
+        for decorator in (
+            option("--plot-format", type=form, default=FIGURE_FORMATS[0], show_default=True, callback=_of_plot,
+                   help="of --plot"),
+            option("--plot", type=folder, is_eager=True, metavar="DIR", help=f"write {what} (needs the extra 'plot')"),
+        ):  # fmt: skip
+            function = decorator(function)
+        return function
 
     return decorate
 
 
-def plot_form(plot: Path | None, given: str | None) -> str:
-    """The format of `--plot`.
-
-    Raises:
-        InputError: If there is no `--plot` to have one.
-    """
-    if given is not None and plot is None:
-        raise InputError("plot_format", "says how --plot writes figures: give --plot DIR too.", value=given)
-    return given or FIGURE_FORMATS[0]
+def _of_plot(ctx: click.Context, _param: click.Parameter, form: str) -> str:
+    if ctx.get_parameter_source("plot_format") is ParameterSource.COMMANDLINE and ctx.params.get("plot") is None:
+        raise InputError("plot_format", "says how --plot writes figures: give --plot DIR too.", value=form)
+    return form
 
 
 def compiled_cell(path: Path) -> "Cell":

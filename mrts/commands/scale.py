@@ -125,8 +125,8 @@ def run(
     cell: Path,
     motion: Path,
     profile: str,
+    plot_format: str,
     carry: str | None = None,
-    plot_format: str | None = None,
     *,
     what_if: bool = False,
     **given: Any,
@@ -139,7 +139,6 @@ def run(
 
     _check(profile, {**given, "what_if": what_if or None})
     files = take(given, FILES)
-    form = options.plot_form(files.get("plot"), plot_format)
     motion_given = load_motion(motion)
     limited = options.limited_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
@@ -156,7 +155,7 @@ def run(
             found = _replaced(replace(found, changes=changes), lambda played: replace(played, changes=changes))
     except SelectionError as error:
         if error.result is not None:
-            outputs = _written(error.result, files, form)
+            outputs = _written(error.result, files, plot_format)
             if str(files.get("json")) == "-":
                 put(error.result.json_text())
             outputs.raise_defect()
@@ -164,7 +163,7 @@ def run(
     with working("comparing with a constant factor"):
         lines = list(scaling_lines(found) if isinstance(found, ScalingResult) else retiming_lines(found))
     with working("writing"):  # files first: whoever reads the lines may go away
-        outputs = _written(found, files, form)
+        outputs = _written(found, files, plot_format)
     code = outputs.answer(lines, FEASIBLE if found.status.admits_motion else INFEASIBLE, files.get("json"), found)
     if isinstance(found, ScalingResult) and found.fallbacks and str(files.get("json")) != "-":
         warn(fallbacks_text(found.fallbacks))
@@ -251,7 +250,7 @@ def _torques(where: str, given: tuple[str, ...], cell: "Cell") -> "Array":
     return np.concatenate([torques[name] for name in names])
 
 
-def _written(found: "ScalingResult | RetimingResult", files: dict[str, Path], form: str) -> Outputs:
+def _written(found: "ScalingResult | RetimingResult", files: dict[str, Path], plot_format: str) -> Outputs:
     """Write what was asked for; of a timing, files with one result get the retimed motion."""
     from mrts.scaling.result import ScalingResult
 
@@ -268,7 +267,7 @@ def _written(found: "ScalingResult | RetimingResult", files: dict[str, Path], fo
         elif name == "plot":
             from mrts.figures import write_result_figures
 
-            outputs.write(path, lambda folder: write_result_figures(found, folder, form))
+            outputs.write(path, lambda folder: write_result_figures(found, folder, plot_format))
         elif played is None or (name != "save" and played.trajectory is None):
             left_out.append(f"--{option_name}")
         elif name == "save":

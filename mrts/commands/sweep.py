@@ -43,12 +43,12 @@ examples:
 @option("--dry-run", is_flag=True, help="say what the study varies and asks, and how long it will take")
 def run(
     study: Path,
+    plot_format: str,
     output: Path | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
     top: int = 0,
     plot: Path | None = None,
-    plot_format: str | None = None,
     *,
     dry_run: bool = False,
 ) -> int:
@@ -57,7 +57,6 @@ def run(
     from mrts.studies.study_folder import require_pyarrow
     from mrts.sweeps.worker_pools import check_workers
 
-    form = options.plot_form(plot, plot_format)
     check_workers(workers, scheduler)
     require_pyarrow()
     with working(f"reading {study}"):
@@ -78,7 +77,7 @@ def run(
     if plot is not None:
         from mrts.figures import write_study_figures
 
-        outputs.write(plot, lambda to: write_study_figures(folder.path, to, form))
+        outputs.write(plot, lambda to: write_study_figures(folder.path, to, plot_format))
     return outputs.answer(lines, FEASIBLE if admitted else INFEASIBLE)
 
 

@@ -187,3 +187,12 @@ def test_outputs_that_make_no_sense_are_refused_before_any_work(options, message
     assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *options]) == 2
     assert message in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_error_of_a_file_is_not_told_of_an_option_of_its_name(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "output").write_text("{", encoding="utf-8")
+    assert main(["generate", "output", "-o", "new"]) == 2
+    assert capsys.readouterr().err.startswith("mrts: error: output: ")
+    assert main(["generate", str(DATA / "cell.yaml"), "-o", "output"]) == 2
+    assert capsys.readouterr().err.startswith("mrts: error: --output = 'output': ")
