@@ -2,19 +2,18 @@
 """The cell file: n arms, their bases and grasps, the object, the limits."""
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
 import numpy as np
 from mrts_codegen.hand_file import MOST_CONTACTS, Bounds, ContactDescription
 from mrts_codegen.motors_block import MotorsDescription
 from mrts_codegen.object_shape import ShapeDescription
 from mrts_codegen.urdf_reference import FileReference, mesh_reference
-from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positive, Vector3
-from mrts.base.formats.strict_model import StrictModel, broken_rule
+from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
 
@@ -31,18 +30,18 @@ ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
 MOST_ARGUMENTS = 100
 """Of a xacro."""
 
-Range = Annotated[list[Finite], Field(min_length=2, max_length=2)]
+Range = Annotated[list[Finite], Rule(min_length=2, max_length=2)]
 """Least and largest value."""
 
 
-class TorqueBounds(StrictModel):
+class TorqueBounds(Record):
     """Torque limits that differ by side [N m, N for prismatic joints]."""
 
-    lower: Annotated[list[Finite], Field(min_length=1)]
-    upper: Annotated[list[Finite], Field(min_length=1)]
+    lower: Annotated[list[Finite], Rule(min_length=1)]
+    upper: Annotated[list[Finite], Rule(min_length=1)]
 
 
-class VariationDescription(StrictModel):
+class VariationDescription(Record):
     """Ranges of what is uncertain of the load; see docs/uncertain_load.md.
 
     Attributes:
@@ -68,15 +67,12 @@ class VariationDescription(StrictModel):
         """The ranges that are given, by parameter."""
         return {name: (given[0], given[1]) for name in PARAMETERS if (given := getattr(self, name)) is not None}
 
-    @model_validator(mode="after")
-    def _sound(self) -> Self:
-        problem = range_problem(self.ranges(), outer_hull=self.hull is not None)
-        if problem:
-            raise broken_rule(problem)
-        return self
+    def problem(self) -> str:
+        """The rule that its ranges break; empty if none."""
+        return range_problem(self.ranges(), outer_hull=self.hull is not None)
 
 
-class ObjectVelocity(StrictModel):
+class ObjectVelocity(Record):
     """Velocity limits of the object's frame; what is absent is unbounded.
 
     Attributes:
@@ -88,7 +84,7 @@ class ObjectVelocity(StrictModel):
     angular: Positive | None = None
 
 
-class ObjectDescription(StrictModel):
+class ObjectDescription(Record):
     """The carried object.
 
     Attributes:
@@ -101,7 +97,7 @@ class ObjectDescription(StrictModel):
     """
 
     mass: Positive
-    inertia: Annotated[list[Finite | Vector3], Field(min_length=3, max_length=3)] | None = None
+    inertia: Annotated[list[Finite | Vector3], Rule(min_length=3, max_length=3)] | None = None
     shape: ShapeDescription | None = None
     variation: VariationDescription | None = None
     velocity: ObjectVelocity = ObjectVelocity()
@@ -113,35 +109,34 @@ class ObjectDescription(StrictModel):
         inertia = np.array(self.inertia, dtype=float)
         return inertia if inertia.ndim == 2 else np.diag(inertia)  # noqa: PLR2004 (a matrix)
 
-    @model_validator(mode="after")
-    def _physical(self) -> Self:
+    def problem(self) -> str:
+        """The rule that its inertia breaks; empty if none."""
         if len({isinstance(entry, list) for entry in self.inertia or ()}) > 1:
-            raise broken_rule("its inertia must be three moments or three rows of three values")
+            return "its inertia must be three moments or three rows of three values"
         inertia = self.inertia_matrix()
-        if inertia is None and self.shape is None:
-            raise broken_rule("its 'inertia' is required, or its 'shape', from which that of a uniform body follows")
-        problem = "" if inertia is None else inertia_problem(inertia)
-        if problem:
-            raise broken_rule(f"its inertia {problem}")
-        return self
+        if inertia is None:
+            needed = "its 'inertia' is required, or its 'shape', from which that of a uniform body follows"
+            return needed if self.shape is None else ""
+        problem = inertia_problem(inertia)
+        return problem and f"its inertia {problem}"
 
 
-class RobotDescription(StrictModel):
+class RobotDescription(Record):
     """One arm of the cell; see docs/cell_file.md for every key."""
 
     name: Name
-    urdf: Annotated[str, Field(min_length=1)]
-    xacro_args: dict[str, str | bool | int | Finite] = Field(default_factory=dict, max_length=MOST_ARGUMENTS)
+    urdf: Annotated[str, Rule(min_length=1)]
+    xacro_args: Annotated[dict[str, str | bool | int | Finite], Rule(max_length=MOST_ARGUMENTS)] = {}  # noqa: RUF012
     base_link: str | None = None
     tip_link: str
     base: Pose = Pose()
     grasp: GraspPose = GraspPose()
-    posture: Annotated[list[Angle], Field(min_length=1)]
-    torque: Annotated[list[Finite], Field(min_length=1)] | TorqueBounds | None = None
+    posture: Annotated[list[Angle], Rule(min_length=1)]
+    torque: Annotated[list[Finite], Rule(min_length=1)] | TorqueBounds | None = None
     wrench: Bounds = Bounds()
-    contact_rate: Annotated[list[Positive | None], Field(min_length=2, max_length=2)] | None = None
-    contact: list[ContactDescription] = Field(default_factory=list, max_length=MOST_CONTACTS)
-    fixed: dict[str, Angle] = Field(default_factory=dict)
+    contact_rate: Annotated[list[Positive | None], Rule(min_length=2, max_length=2)] | None = None
+    contact: Annotated[list[ContactDescription], Rule(max_length=MOST_CONTACTS)] = []  # noqa: RUF012
+    fixed: dict[str, Angle] = {}  # noqa: RUF012 (each record has its own copies)
     motors: MotorsDescription = MotorsDescription()
 
     def reference(self, key: str) -> FileReference:
@@ -149,14 +144,14 @@ class RobotDescription(StrictModel):
         arguments = {name: xacro_text(value) for name, value in self.xacro_args.items()}
         return FileReference(self.urdf, arguments, key=key)
 
-    @model_validator(mode="after")
-    def _arguments_of_a_xacro(self) -> Self:
+    def problem(self) -> str:
+        """The rule that its keys break with each other; empty if none."""
         if self.xacro_args and not is_xacro(Path(self.urdf)):
-            raise broken_rule("'xacro_args' are of a xacro: name its .xacro file in 'urdf'")
-        return self
+            return "'xacro_args' are of a xacro: name its .xacro file in 'urdf'"
+        return ""
 
 
-class CellDescription(StrictModel):
+class CellDescription(Record):
     """A validated cell file."""
 
     name: Name
@@ -164,7 +159,7 @@ class CellDescription(StrictModel):
     plane: Literal["xy", "xz", "yz"] | None = None
     inertia: Literal["strict", "lenient"] = "strict"
     object: ObjectDescription
-    robots: Annotated[list[RobotDescription], Field(min_length=1)]
+    robots: Annotated[list[RobotDescription], Rule(min_length=1)]
 
     @property
     def references(self) -> list[FileReference]:
@@ -178,15 +173,15 @@ class CellDescription(StrictModel):
         """What it says of the URDF of each robot."""
         return [robot.reference(f"robots[{index}] ({robot.name}).urdf") for index, robot in enumerate(self.robots)]
 
-    @model_validator(mode="after")
-    def _robots_differ(self) -> Self:
+    def problem(self) -> str:
+        """The rule that its robots' names break; empty if none."""
         names = [robot.name for robot in self.robots]
         for name in names:
             if names.count(name) > 1:
-                raise broken_rule(f"two robots are called '{name}'; each needs a name of its own")
+                return f"two robots are called '{name}'; each needs a name of its own"
             if name in ROBOT_NAMES_TAKEN:
-                raise broken_rule(f"a robot cannot be called '{name}': results use that key")
-        return self
+                return f"a robot cannot be called '{name}': results use that key"
+        return ""
 
 
 def read_cell_description(path: Path) -> CellDescription:

@@ -147,7 +147,6 @@ def _components(plane: str | None) -> tuple[str, ...]:
 def _build_object(
     path: Path, folder: Path, carried: ObjectDescription
 ) -> tuple[Array, ShapeRecord | None, tuple[Remark, ...]]:
-    """Inertia, shape and what to know of the object."""
     given = carried.inertia_matrix()
     if carried.shape is None:
         assert given is not None  # noqa: S101 (an object has one or the other)
@@ -261,6 +260,5 @@ def _check_effort(path: Path, urdf_path: Path, robot: RobotDescription, joint: J
 
 
 def _contact_rate(given: list[float | None] | None, components: tuple[str, ...]) -> Array:
-    """One a wrench component, of what is given for forces and for moments."""
     force, moment = (np.inf if rate is None else rate for rate in given or (None, None))
     return np.array([force if WRENCH_UNITS[component] == "N" else moment for component in components])

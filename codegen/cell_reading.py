@@ -63,7 +63,6 @@ def _read_chain(path: Path, index: int, entry: dict[str, Any], *, lenient: bool)
 
 
 def _xacro_arguments(given: Any) -> dict[str, str] | None:
-    """Arguments of a xacro; None if they are none."""
     if not isinstance(given, dict) or not all(isinstance(value, str | float | int) for value in given.values()):
         return None
     return {str(name): xacro_text(value) for name, value in given.items()}

@@ -3,14 +3,12 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal, Self
-
-from pydantic import Field, model_validator
+from typing import Annotated, Literal
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite, Vector3
-from mrts.base.formats.strict_model import StrictModel, broken_rule
+from mrts.base.formats.record import Record, Rule
 from mrts.cell.hands.contact import NOT_IN_PLANE, Contact, numbered, tip_components
 from mrts.cell.hands.kinds import KINDS
 
@@ -18,7 +16,7 @@ MOST_CONTACTS = 20
 """Of one robot."""
 
 
-class Bounds(StrictModel):
+class Bounds(Record):
     """Limits of each component; null or an absent side is unbounded."""
 
     lower: list[Finite | None] | None = None
@@ -31,7 +29,7 @@ class BoxDescription(Bounds):
     frame: Literal["tip", "base", "object"] = "tip"
 
 
-class PadDescription(StrictModel):
+class PadDescription(Record):
     """A rectangular pad that is pressed on the object."""
 
     friction: Finite
@@ -41,7 +39,7 @@ class PadDescription(StrictModel):
     pull: bool = False
 
 
-class SuctionDescription(StrictModel):
+class SuctionDescription(Record):
     """A suction cup."""
 
     holding_force: Finite
@@ -51,7 +49,7 @@ class SuctionDescription(StrictModel):
     pull: bool = False
 
 
-class GripperDescription(StrictModel):
+class GripperDescription(Record):
     """Two pads that squeeze the object."""
 
     force: Finite
@@ -60,14 +58,14 @@ class GripperDescription(StrictModel):
     axis: Vector3
 
 
-class RowsDescription(StrictModel):
+class RowsDescription(Record):
     """Rows A F <= upper."""
 
-    A: Annotated[list[list[Finite]], Field(min_length=1)]
-    upper: Annotated[list[Finite], Field(min_length=1)]
+    A: Annotated[list[list[Finite]], Rule(min_length=1)]
+    upper: Annotated[list[Finite], Rule(min_length=1)]
 
 
-class ContactDescription(StrictModel):
+class ContactDescription(Record):
     """One contact, of one kind; see docs/cell_file.md."""
 
     box: BoxDescription | None = None
@@ -76,19 +74,19 @@ class ContactDescription(StrictModel):
     gripper: GripperDescription | None = None
     rows: RowsDescription | None = None
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        if len(self.model_fields_set) != 1 or getattr(self, self.kind) is None:
-            raise broken_rule(
-                f"each entry of 'contact' is one of {', '.join(type(self).model_fields)}, such as "
-                "'- pad: {friction: 0.5, normal: [0, 0, 1], half_width: [0.03, 0.02], force: [0, 100]}'"
-            )
-        return self
+    def problem(self) -> str:
+        """The rule that it breaks unless it is of one kind; empty if none."""
+        if sum(value is not None for _, value in self) == 1:
+            return ""
+        return (
+            f"each entry of 'contact' is one of {', '.join(self.model_fields)}, such as "
+            "'- pad: {friction: 0.5, normal: [0, 0, 1], half_width: [0.03, 0.02], force: [0, 100]}'"
+        )
 
     @property
     def kind(self) -> str:
         """Which it is."""
-        return next(iter(self.model_fields_set))
+        return next(kind for kind, value in self if value is not None)
 
 
 def build_contacts(
@@ -120,6 +118,5 @@ def build_contacts(
         try:
             contacts.append(KINDS[given.kind](**values, components=there, name=name))
         except InputError as error:
-            inside = f"{here}.{error.key}" if error.key else here
-            raise InputError(path, error.rule, key=inside, value=error.value) from None
+            raise error.inside(path, here) from None
     return tuple(contacts)

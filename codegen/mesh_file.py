@@ -29,7 +29,7 @@ class Mesh:
         path: The file, for messages.
         sha256: Of its bytes.
         vertices: Of the surface that is drawn, as text (`mrts.base.formats.surface_text`) [m].
-        triangles: Likewise.
+        triangles: Three vertices each, as text.
         size: Longest side of the box around it [m].
         surface: As trimesh has it [m].
     """

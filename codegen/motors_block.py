@@ -2,16 +2,14 @@
 """The `motors` of a robot in the cell file."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field
-from pydantic_core import PydanticCustomError
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite
-from mrts.base.formats.strict_model import StrictModel
+from mrts.base.formats.record import Record, Rule
 from mrts.base.remark import Remark
 from mrts.cell.motors.joint_motors import NONE_GIVEN, JointMotors
 
@@ -19,12 +17,12 @@ if TYPE_CHECKING:
     from mrts_codegen.cell_file import RobotDescription
     from mrts_codegen.urdf.robot_model import RobotModel
 
-PerJoint = Finite | Annotated[list[Finite], Field(min_length=1)]
+PerJoint = Finite | Annotated[list[Finite], Rule(min_length=1)]
 """One number for all joints, or one each."""
 
-Corner = Annotated[list[Finite], Field(min_length=2, max_length=2)]
-Curve = Annotated[list[Corner], Field(min_length=2)]
-Curves = Annotated[list[Curve | None], Field(min_length=1)]
+Corner = Annotated[list[Finite], Rule(min_length=2, max_length=2)]
+Curve = Annotated[list[Corner], Rule(min_length=2)]
+Curves = Annotated[list[Curve | None], Rule(min_length=1)]
 
 OF_FRICTION = ("coulomb", "viscous")
 """The keys of `friction`."""
@@ -37,7 +35,7 @@ FRICTION_RULE = (
 )
 
 
-class FrictionDescription(StrictModel):
+class FrictionDescription(Record):
     """Friction on the joint side; what is absent is none.
 
     Attributes:
@@ -48,15 +46,15 @@ class FrictionDescription(StrictModel):
     coulomb: PerJoint = 0.0
     viscous: PerJoint = 0.0
 
+    @classmethod
+    def model_validate(cls, data: object) -> Self:
+        """What a mapping that is not empty says; one rule is told of all that is none."""
+        if not isinstance(data, dict) or not data:
+            raise InputError("", f"{FRICTION_RULE}.", value=data)
+        return super().model_validate(data)
 
-def _of_friction_form(value: object) -> object:
-    """Refuses what says nothing of friction, with one rule for all forms."""
-    if value is None or value == "none" or (isinstance(value, dict) and value):
-        return value
-    raise PydanticCustomError("friction_form", "{rule}", {"rule": FRICTION_RULE})
 
-
-class MotorsDescription(StrictModel):
+class MotorsDescription(Record):
     """Motors of one arm, on the joint side of their gears; see docs/cell_file.md.
 
     Attributes:
@@ -65,11 +63,11 @@ class MotorsDescription(StrictModel):
         torque_speed: Corners |q̇|, |τ|: one curve for all joints, or one a joint, null where there is none.
         torque_rate: [N m/s, N/s].
         jerk: [rad/s³, m/s³].
-        rated: Torque that the motor bears for ever [N m, N].
+        rated: Continuous (rated) torque [N m, N].
     """
 
     armature: PerJoint = 0.0
-    friction: Annotated[FrictionDescription | Literal["none"] | None, BeforeValidator(_of_friction_form)] = None
+    friction: FrictionDescription | Literal["none"] | None = None
     torque_speed: Curve | Curves | None = None
     torque_rate: PerJoint | None = None
     jerk: PerJoint | None = None
@@ -112,7 +110,7 @@ def build_motors(
         motors = JointMotors(torque_speed=curves, **columns)
     except InputError as error:
         block = "friction." if error.key.startswith(OF_FRICTION) else ""
-        raise InputError(path, error.rule, key=f"{key}.{block}{error.key}", value=error.value) from None
+        raise error.inside(path, f"{key}.{block}".rstrip(".")) from None
     contradiction = motors.problem_with(*limits, joints)
     if contradiction is not None:
         of_urdf = contradiction[0].startswith("friction") and bool(remarks)
@@ -142,7 +140,6 @@ def _same_round_number(values: list[float]) -> bool:
 def _curves(
     path: Path, key: str, given: list[list[float]] | list[list[list[float]] | None] | None, joints: list[str]
 ) -> tuple[Array | None, ...]:
-    """One curve a joint."""
     if given is None:
         return (None,) * len(joints)
     one = given[0] is not None and not isinstance(given[0][0], list)

@@ -2,17 +2,16 @@
 """`object.shape` of the cell file: what the object looks like, and the inertia of a uniform body of that shape."""
 
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated
 
 import numpy as np
 from mrts_codegen.mesh_file import Mesh, read_mesh
 from mrts_codegen.urdf_reference import mesh_reference
-from pydantic import Field, model_validator
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose, Positive
-from mrts.base.formats.strict_model import StrictModel, broken_rule
+from mrts.base.formats.record import Record, Rule
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
 from mrts.cell.record import CylinderRecord, MeshRecord, ShapeRecord
@@ -27,7 +26,7 @@ LARGE = 5.0
 """Longest size of an object that arms carry, beyond which its unit is doubted [m]."""
 
 
-class ShapeDescription(StrictModel):
+class ShapeDescription(Record):
     """What the object looks like, of one kind; see docs/cell_file.md.
 
     Attributes:
@@ -38,21 +37,21 @@ class ShapeDescription(StrictModel):
         pose: The shape's frame in the object frame.
     """
 
-    box: Annotated[list[Positive], Field(min_length=3, max_length=3)] | None = None
+    box: Annotated[list[Positive], Rule(min_length=3, max_length=3)] | None = None
     cylinder: CylinderRecord | None = None
-    mesh: Annotated[str, Field(min_length=1)] | None = None
+    mesh: Annotated[str, Rule(min_length=1)] | None = None
     scale: Positive | None = None
     pose: Pose = Pose()
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
+    def problem(self) -> str:
+        """The rule that its keys break with each other; empty if none."""
         given = [kind for kind in KINDS if getattr(self, kind) is not None]
         if len(given) != 1:
             here = f"here are {' and '.join(given)}" if given else "here is none of them"
-            raise broken_rule(f"a shape is one of {', '.join(KINDS)}; {here}")
+            return f"a shape is one of {', '.join(KINDS)}; {here}"
         if self.scale is not None and self.mesh is None:
-            raise broken_rule(f"'scale' is of a mesh's unit, and does not go with '{given[0]}', whose lengths are in m")
-        return self
+            return f"'scale' is of a mesh's unit, and does not go with '{given[0]}', whose lengths are in m"
+        return ""
 
 
 def build_shape(
@@ -122,7 +121,6 @@ def _check_centre(path: Path, T: RigidTransform, centre: Array, size: float) -> 
 
 
 def _size(shape: ShapeDescription, mesh: Mesh | None) -> float:
-    """Longest side of a box around the shape [m]."""
     if mesh is not None:
         return mesh.size
     return max(shape.box) if shape.box else max(2 * shape.cylinder.radius, shape.cylinder.length)  # type: ignore[union-attr]  # one kind is given

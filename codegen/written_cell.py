@@ -65,7 +65,6 @@ def _described_shape(where: Path, shape: ShapeRecord, folder: Path, beside: Path
 
 
 def _described(where: Path, manifest: CellManifest, folder: Path, beside: Path | None) -> dict[str, Any]:
-    """What a cell file says of the cell."""
     box, shape = manifest.load_box, manifest.object_shape
     xx, yy, zz, xy, xz, yz = manifest.load[4:].tolist()
     variation: dict[str, Any] = {} if box is None else {name: list(ends) for name, ends in box.ranges.items()}
@@ -129,7 +128,6 @@ def _pose(T: RigidTransform) -> dict[str, list[float]]:
 
 
 def _motors(robot: Robot) -> dict[str, Any]:
-    """What is known of them; friction is left out where it is that of the URDF."""
     motors = robot.motors
     described: dict[str, Any] = {"armature": motors.armature.tolist()} if np.any(motors.armature) else {}
     if not robot.has_urdf_friction:

@@ -27,6 +27,7 @@ def pytest_configure(config):
     CACHE.parent.mkdir(exist_ok=True)
     if shutil.which("cc"):
         os.environ.setdefault("CC", shlex.quote(str(ROOT / "tests" / "helpers" / "c" / "quick_cc")))
+    os.environ.setdefault("MUJOCO_GL", "egl")  # simulations import it first
     os.environ["MRTS_CACHE_DIR"] = str(CACHE)
     if cache_folder() != CACHE:  # others can write this checkout
         os.environ["MRTS_CACHE_DIR"] = folder = tempfile.mkdtemp(prefix="mrts-tests-")

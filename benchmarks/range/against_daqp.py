@@ -18,7 +18,7 @@ from mrts.base.arrays import Array
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.programs import compiled_programs
 from mrts.program.convex_program import ConvexPrograms
-from mrts.program.linear_programs import UNBOUNDED
+from mrts.program.range_ends import UNBOUNDED
 from mrts.program.sample_problem import build_sample_problem
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

@@ -16,7 +16,7 @@ from cases import DATA, MOTIONS
 
 REPEATS = 5
 LOAD = """
-import os, sys, casadi, scipy.spatial.transform, pydantic, yaml, mrts, mrts.scaling, mrts.motion.motion_file
+import os, sys, casadi, scipy.spatial.transform, yaml, mrts, mrts.scaling, mrts.motion.motion_file
 import yourdfpy, mrts_codegen.generate
 start = os.times()
 mrts.load_cell(sys.argv[1])

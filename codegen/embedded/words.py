@@ -15,13 +15,7 @@ from mrts.cell.record import CellManifest
 
 
 def cell_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
-    """What stands for each @WORD@ that is about the cell.
-
-    Args:
-        manifest: Of the cell, with the name of the library.
-        limits: Its limits.
-        precision: "double" or "float".
-    """
+    """What stands for each @WORD@ that is about the cell."""
     size, robots = len(manifest.wrench_components), len(manifest.robots)
     joints = sum(len(robot.joints) for robot in manifest.robots)
     corners, load = _loads(manifest)

@@ -78,7 +78,6 @@ def _take(entries: Iterator[Any], count: int) -> Any:
 
 
 def _matrix(entries: Iterator[Any]) -> Any:
-    """By rows, Shape (3, 3)."""
     return ca.reshape(_take(entries, 9), 3, 3).T
 
 

@@ -226,7 +226,6 @@ def _follower_remarks(path: Path, joints: Sequence[UrdfJoint], moving: list[Urdf
 
 
 def _check_kind(path: Path, joint: UrdfJoint, *, moves: bool) -> None:
-    """Refuse a joint on the chain that cannot be modelled."""
     if joint.type not in {*MOVING_TYPES, "fixed"}:
         raise InputError(
             path,
@@ -246,7 +245,6 @@ def _check_kind(path: Path, joint: UrdfJoint, *, moves: bool) -> None:
 def _chain(
     path: Path, links: dict[str, Any], joint_above: dict[str, UrdfJoint], base_link: str, tip_link: str
 ) -> list[UrdfJoint]:
-    """The URDF's joints from base link to tip link."""
     for key, name in (("base_link", base_link), ("tip_link", tip_link)):
         if name not in links:
             raise InputError(path, f"there is no such link. Its links are: {', '.join(links)}.", key=key, value=name)

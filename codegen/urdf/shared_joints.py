@@ -58,7 +58,6 @@ def joints_to(joint_above: Mapping[str, UrdfJoint], link: str) -> list[UrdfJoint
 
 
 def _moving(arm: "BuiltRobot") -> dict[str, float]:
-    """Joints that an arm moves, with its posture."""
     return dict(zip(arm.robot.joints, arm.robot.posture.tolist(), strict=True))
 
 

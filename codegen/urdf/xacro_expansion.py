@@ -71,7 +71,6 @@ def _as_included(path: Path) -> str:
 
 
 def _known_arguments(files: set[Path]) -> list[str]:
-    """Names of the arguments that files ask for."""
     texts = (file.read_text(encoding="utf-8", errors="replace") for file in sorted(files))
     return list(dict.fromkeys(name for text in texts for names in ARGUMENT.findall(text) for name in names if name))
 

@@ -79,7 +79,6 @@ def _state(files: Sequence[str]) -> list[tuple[int, int]]:
 
 
 def _answer(path: Path, request: dict[str, Any]) -> dict[str, Any]:
-    """What the process that expands a xacro answers."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}  # the same packages as here
     try:
         done = subprocess.run(  # noqa: S603

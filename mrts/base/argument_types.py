@@ -81,11 +81,6 @@ def is_number(value: object, low: float = -inf, high: float = inf) -> bool:
 def check_list(name: str, value: object, kind: type) -> None:
     """Check that an argument is a list or tuple of values of one type.
 
-    Args:
-        name: Of the argument.
-        value: What was given.
-        kind: Type of every value in it.
-
     Raises:
         InputError: If it is something else.
     """
@@ -105,10 +100,6 @@ def check_callable(name: str, value: object) -> None:
 
 def as_path(name: str, value: Any) -> Path:
     """An argument as a path.
-
-    Args:
-        name: Of the argument.
-        value: Text or a path.
 
     Raises:
         InputError: If it is neither, or empty.

@@ -18,6 +18,17 @@ def freeze(owner: object) -> None:
             value.setflags(write=False)
 
 
+class EqualByNumbers:
+    """A dataclass whose values are equal if their fields are, arrays by their numbers."""
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and all(
+            np.array_equal(value, getattr(other, name)) for name, value in vars(self).items()
+        )
+
+    __hash__ = None  # type: ignore[assignment]  # it holds arrays
+
+
 def apply(matrix: NDArray[np.floating[Any]], vector: Array) -> Array:
     """Matrix times vector sample by sample: Shape (N, r, k) and (N, k) to (N, r)."""
     return np.asarray(np.einsum("nrk,nk->nr", matrix, vector), dtype=np.float64)
@@ -85,8 +96,3 @@ def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *
 def without_infinity(values: Array) -> list[float | None]:
     """Values as JSON has them: None stands for an infinite one."""
     return [value if np.isfinite(value) else None for value in values.tolist()]
-
-
-def with_infinity(values: list[float | None], unbounded: float) -> Array:
-    """Values of JSON, with `unbounded` in place of None."""
-    return np.array([unbounded if value is None else value for value in values])

@@ -126,7 +126,6 @@ def _resolved(path: Path) -> Path:
 
 
 def _is_special(path: Path) -> bool:
-    """Whether a path is a device or a pipe, which is written into."""
     return path.exists() and not path.is_file() and not path.is_dir()
 
 

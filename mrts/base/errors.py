@@ -68,6 +68,11 @@ class InputError(MrtsError):
         """The same error, which carries others."""
         return InputError(self.where, self.rule, key=self.key, value=self.value, others=others)
 
+    def inside(self, where: Path | str, key: str = "") -> "InputError":
+        """The same error, and those that it carries, told of a file, and of what is below a key of it."""
+        first, *others = (InputError(where, one.rule, key=joined(key, one.key), value=one.value) for one in self.each())
+        return first.with_others(others)
+
     def each(self) -> "tuple[InputError, ...]":
         """This error by itself, then those that it carries."""
         return (self.with_others(()), *self.others)
@@ -76,6 +81,11 @@ class InputError(MrtsError):
         # an exception pickles as its message alone, which this constructor does not take: a pool of workers would die
         again = partial(type(self), key=self.key, value=self.value, others=self.others)
         return again, (self.where, self.rule)
+
+
+def joined(key: str, inner: str) -> str:
+    """A key and what is below it, such as "robots[0].name" of "robots" and "[0].name"."""
+    return f"{key}.{inner}" if key and inner and not inner.startswith("[") else f"{key}{inner}"
 
 
 class Mistakes:
@@ -87,6 +97,7 @@ class Mistakes:
 
     def __init__(self) -> None:
         self.found: list[InputError] = []
+        self._said: set[str] = set()
 
     @contextmanager
     def noted(self) -> Iterator[None]:
@@ -98,8 +109,10 @@ class Mistakes:
 
     def add(self, error: InputError) -> None:
         """Note an error with what it carries."""
-        said = {str(known) for known in self.found}
-        self.found += [each for each in error.each() if str(each) not in said]
+        for each in error.each():
+            if str(each) not in self._said:
+                self._said.add(str(each))
+                self.found.append(each)
 
     def raise_noted(self) -> None:
         """Go on if there is none.
@@ -113,7 +126,6 @@ class Mistakes:
 
 
 def _shown(value: object) -> str:
-    """A value in one line, short."""
     if getattr(value, "shape", None) == ():  # a number of numpy
         value = cast("Any", value).item()
     try:
@@ -125,10 +137,6 @@ def _shown(value: object) -> str:
 
 def as_array(name: str, value: object) -> "NDArray[np.float64]":
     """An argument of the Python API as an array of numbers, its own unless nobody can write to the one given.
-
-    Args:
-        name: Of the argument, for the message.
-        value: Anything that numpy can read.
 
     Raises:
         InputError: If it is not numbers of one shape.

@@ -24,9 +24,6 @@ class JsonOutput(ABC):
     def write_json(self, path: Path | str) -> None:
         """Write `json_text` to a file, whole or not at all.
 
-        Args:
-            path: The file.
-
         Raises:
             InputError: If it cannot be written.
         """

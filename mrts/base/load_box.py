@@ -2,10 +2,10 @@
 """Loads that are known only within ranges: the box, its corners, and loads drawn from it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import permutations, product
 from types import NoneType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import LOAD_ENTRIES
-from mrts.base.notebook.in_notebooks import InNotebooks
 
 FACTORS = ("mass", "ixx", "iyy", "izz")
 """k_m, k_x, k_y, k_z: factors of the nominal mass and of the nominal principal moments."""
@@ -45,7 +44,7 @@ OUTER_HULL_ADVICE = (
 
 
 @dataclass(frozen=True)
-class LoadPoint(InNotebooks):
+class LoadPoint:
     """One load of a box, or one corner of its outer hull.
 
     Attributes:
@@ -74,7 +73,7 @@ class LoadPoint(InNotebooks):
 
 
 @dataclass(frozen=True)
-class LoadBox(InNotebooks):
+class LoadBox:
     """Every load whose parameters lie in their ranges.
 
     Factors of moments are about the principal axes; those of an inertia matrix are the ones nearest to the object's.
@@ -112,18 +111,6 @@ class LoadBox(InNotebooks):
         axes = principal_axes(self.inertia)
         object.__setattr__(self, "principal_axes", axes)
         object.__setattr__(self, "principal_moments", np.diag(axes.T @ self.inertia @ axes).copy())
-
-    def with_axes(self, axes: Array, moments: Array) -> Self:
-        """The same box with principal axes that were found before: another machine may turn equal ones otherwise.
-
-        Args:
-            axes: As `principal_axes`.
-            moments: As `principal_moments`.
-        """
-        box = replace(self)
-        object.__setattr__(box, "principal_axes", axes)
-        object.__setattr__(box, "principal_moments", moments)
-        return box
 
     @property
     def varying(self) -> tuple[str, ...]:
@@ -226,7 +213,6 @@ class LoadBox(InNotebooks):
         return ", ".join(words)
 
     def _inside(self) -> dict[str, float]:
-        """The nominal values, moved into the ranges."""
         limits = {name: self.ranges.get(name, (value, value)) for name, value in NOMINAL.items()}
         return {name: min(max(value, limits[name][0]), limits[name][1]) for name, value in NOMINAL.items()}
 
@@ -329,7 +315,6 @@ def principal_axes(inertia: Array) -> Array:
 
 
 def _equal_groups(moments: Array) -> list[list[int]]:
-    """Indices of moments that are equal, in groups."""
     groups: list[list[int]] = []
     for index, moment in enumerate(moments):
         for group in groups:

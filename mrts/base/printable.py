@@ -15,10 +15,6 @@ def printable(text: str, *, lines: bool = False) -> str:
     r"""Text without control characters, marks of direction, and signs that cannot be seen: written as \u001b.
 
     The escapes are those of JSON, so that JSON stays JSON.
-
-    Args:
-        text: From anywhere.
-        lines: Keep line breaks.
     """
     if text.isprintable():
         return text
@@ -26,23 +22,13 @@ def printable(text: str, *, lines: bool = False) -> str:
 
 
 def message_text(text: str, *, lines: bool = False) -> str:
-    """A message for people: printable, and without the middle of what is very long.
-
-    Args:
-        text: May quote a user's input.
-        lines: Keep line breaks.
-    """
+    """A message for people: printable, and without the middle of what is very long."""
     words = re.sub(rf"\S{{{LONGEST_WORD + 1},}}", lambda word: cut(word.group(), LONGEST_WORD), text)
     return printable(cut(words, LONGEST_MESSAGE), lines=lines)
 
 
 def cut(text: str, longest: int) -> str:
-    """Text whose middle is left out where it is too long.
-
-    Args:
-        text: Any.
-        longest: Letters that remain at most, at least 3.
-    """
+    """Text whose middle is left out where it is too long."""
     return text if len(text) <= longest else f"{text[: longest // 2]}…{text[-(longest // 2 - 1) :]}"
 
 

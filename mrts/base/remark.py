@@ -4,7 +4,6 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.printable import printable
 
 Severity = Literal["hint", "warning", "assumption"]
@@ -16,7 +15,7 @@ EFFORT_PLACEHOLDERS = "effort-placeholders"
 
 
 @dataclass(frozen=True)
-class Remark(InNotebooks):
+class Remark:
     """One entry of "warnings" in the JSON result.
 
     Attributes:

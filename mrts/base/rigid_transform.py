@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.notebook.in_notebooks import InNotebooks
 
 SNAP = 1e-15
 """Entries this close to 0 or ±1 are rounding of cos(π/2) and the like; exact ones vanish from the C."""
@@ -34,7 +33,7 @@ SAME_PLACE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class RigidTransform(InNotebooks):
+class RigidTransform:
     """Pose of frame b in frame a: `x_a = R x_b + p`.
 
     Attributes:

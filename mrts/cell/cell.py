@@ -13,7 +13,6 @@ import numpy as np
 from mrts.base.argument_types import check_callable, check_list, check_type, is_number
 from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
-from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Finite, Pose, Vector3
 from mrts.base.formats.record import checked
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER, plain
@@ -167,7 +166,7 @@ class Cell(InNotebooks):
     @cached_property
     def all_remarks(self) -> tuple[Remark, ...]:
         """All that is to know of it, what its numbers look like included."""
-        from mrts.cell.remarks.cell_remarks import cell_remarks  # noqa: PLC0415 (it looks at cells)
+        from mrts.cell.remarks import cell_remarks  # noqa: PLC0415 (it looks at cells)
 
         return tuple(cell_remarks(self))
 
@@ -402,7 +401,6 @@ class Cell(InNotebooks):
         return replace(self, gravity=np.array(_given("cell", "gravity", gravity, Vector3)))
 
     def _robot(self, argument: str, name: str) -> Robot:
-        """The robot of a name that a user gave."""
         known = {robot.name: robot for robot in self.robots}
         if not isinstance(name, str) or name not in known:
             raise InputError(argument, f"there is no such robot; there are {', '.join(known)}.", value=name)
@@ -419,13 +417,10 @@ class Cell(InNotebooks):
 
 
 def _given(where: str, key: str, value: object, kind: Any) -> Any:
-    """A value as a cell file would have it."""
     try:
         return checked(kind, plain(where, value))
-    except BrokenRecordError as error:
-        for each in error.each():
-            each.keys = (key, *each.keys)
-        raise broken_record(where, error) from None
+    except InputError as error:
+        raise error.inside(where, key) from None
 
 
 def _without(side: object, unbounded: float) -> object:

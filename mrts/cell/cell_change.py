@@ -11,7 +11,6 @@ import numpy as np
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
 from mrts.cell.hands.contact import Contact
@@ -36,6 +35,13 @@ Changed = tuple[ChangeKind, str, str]
 """Kind, robot and element of what is changed."""
 
 
+SIDES: dict[ChangeKind, tuple[str, ...]] = {
+    "torque": ("torque_lower", "torque_upper"),
+    "wrench": ("wrench_lower", "wrench_upper"),
+    "velocity": ("velocity_limit",),
+}
+"""Attributes of a robot that are sides of its limits."""
+
 SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
     "torque": ("a torque limit", "torque limits"),
     "wrench": ("a contact wrench limit", "contact wrench limits"),
@@ -51,7 +57,7 @@ SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChangeSteps(InNotebooks):
+class ChangeSteps:
     """How far numbers are changed, each up and down.
 
     Attributes:
@@ -76,7 +82,7 @@ class ChangeSteps(InNotebooks):
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellChange(InNotebooks):
+class CellChange:
     """One number of a cell changed.
 
     Attributes:
@@ -127,9 +133,6 @@ class CellChange(InNotebooks):
     def applied(self, cell: Cell) -> Cell:
         """The cell with this change; both sides of a limit move outward by a positive step, a side of 0 stays.
 
-        Args:
-            cell: The cell.
-
         Raises:
             InputError: If the changed number breaks a rule of the cell.
         """
@@ -147,37 +150,28 @@ class CellChange(InNotebooks):
         return cell.with_robots({self.robot: self._of_robot(cell, robots[self.robot])})
 
     def _of_robot(self, cell: Cell, robot: Robot) -> dict[str, Any]:
-        """What changes of a robot."""
         if self.kind == "grasp":
             return {"T_object_tip": self._moved(robot.T_object_tip, robot.T_object_tip.p)}
-        if self.kind == "velocity":
-            return {"velocity_limit": robot.velocity_limit * (1 + self._steps(robot.joints))}
-        if self.kind == "wrench":
-            lower, upper = _outward(robot.wrench_lower, robot.wrench_upper, self._steps(cell.wrench_components))
-            return {"wrench_lower": lower, "wrench_upper": upper}
         if self.kind == "contact":
             return {"contacts": tuple(self._of_contact(contact) for contact in robot.contacts)}
-        # another motor: its curve changes with its torque limit
-        factor = np.array([1 + self.step, 1.0] if self.kind == "motor speed" else [1.0, 1 + self.step])
-        curves = tuple(
-            curve * factor if curve is not None and joint == self.element else curve
-            for joint, curve in zip(robot.joints, robot.motors.torque_speed, strict=True)
-        )
-        motors = replace(robot.motors, torque_speed=curves)
-        if self.kind == "motor speed":
-            return {"motors": motors}
-        lower, upper = _outward(robot.torque_lower, robot.torque_upper, self._steps(robot.joints))
-        return {"torque_lower": lower, "torque_upper": upper, "motors": motors}
+        steps = self._steps(cell.wrench_components if self.kind == "wrench" else robot.joints)
+        changed: dict[str, Any] = {name: _outward(robot, name, steps) for name in SIDES.get(self.kind, ())}
+        if self.kind in {"torque", "motor speed"}:  # another motor: its curve changes with its torque limit
+            factor = np.array([1 + self.step, 1.0] if self.kind == "motor speed" else [1.0, 1 + self.step])
+            curves = tuple(
+                curve * factor if curve is not None and joint == self.element else curve
+                for joint, curve in zip(robot.joints, robot.motors.torque_speed, strict=True)
+            )
+            changed["motors"] = replace(robot.motors, torque_speed=curves)
+        return changed
 
     def _of_contact(self, contact: Contact) -> Contact:
         if contact.name != self.element:
             return contact
         step = np.where(contact.lower < contact.upper, self.step, 0.0)
-        lower, upper = _outward(contact.lower, contact.upper, step)
-        return replace(contact, lower=lower, upper=upper)
+        return replace(contact, lower=_outward(contact, "lower", step), upper=_outward(contact, "upper", step))
 
     def _steps(self, names: Sequence[str]) -> Array:
-        """The step at the place of its element, 0 elsewhere."""
         return np.array([self.step if name == self.element else 0.0 for name in names])
 
     def _moved(self, pose: RigidTransform, about: Array) -> RigidTransform:
@@ -195,10 +189,6 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
     Sides of a limit move together. A joint with a torque-speed curve has its torques changed with the limit, as by
     another motor, and the curve's speeds by themselves. A component that is held at one number is no limit. Arms of one
     machine move with the base of the first of them.
-
-    Args:
-        cell: The cell.
-        steps: How far.
     """
     named: list[Changed] = [*limit_names(cell), ("mass", "", "")]
     if cell.reserve:
@@ -219,21 +209,16 @@ def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
 
 
 def limit_names(cell: Cell) -> Iterator[Changed]:
-    """Kind, robot and element of every limit that bounds something.
-
-    Args:
-        cell: The cell.
-    """
+    """Kind, robot and element of every limit that bounds something."""
     for robot in cell.robots:
         yield from _bounded("torque", robot.name, robot.joints, robot.torque_lower, robot.torque_upper)
     for robot in cell.robots:
         yield from _bounded("wrench", robot.name, cell.wrench_components, robot.wrench_lower, robot.wrench_upper)
     yield from (("contact", robot.name, contact.name) for robot in cell.robots for contact in robot.contacts)
     if cell.enforces_velocity_limits:
-        for robot in cell.robots:
-            yield from _bounded("velocity", robot.name, robot.joints, -robot.velocity_limit, robot.velocity_limit)
-        speed = cell.object_velocity_limit
-        yield from _bounded("velocity", "object", _OF_OBJECT, -speed, speed)
+        limits = [(robot.name, robot.joints, robot.velocity_limit) for robot in cell.robots]
+        for name, elements, limit in (*limits, ("object", _OF_OBJECT, cell.object_velocity_limit)):
+            yield from _bounded("velocity", name, elements, -limit, limit)
     for robot in cell.robots:
         curves = zip(robot.joints, robot.motors.torque_speed, strict=True)
         yield from (("motor speed", robot.name, joint) for joint, curve in curves if curve is not None)
@@ -254,10 +239,11 @@ def _axes(cell: Cell) -> tuple[list[str], list[str]]:
     return forces, moments
 
 
-def _outward(lower: Array, upper: Array, step: Array) -> tuple[Array, Array]:
-    """Both sides moved outward by a share of their own size, each Shape (r,); one that bounds nothing stays."""
-    down, up = (step * np.where(np.isfinite(side), np.abs(side), 0.0) for side in (lower, upper))
-    return lower - down, upper + up
+def _outward(owner: Robot | Contact, name: str, step: Array) -> Array:
+    """A side of a limit moved outward by a share of its own size, Shape (r,); one that bounds nothing stays."""
+    side: Array = getattr(owner, name)
+    moved = step * np.where(np.isfinite(side), np.abs(side), 0.0)
+    return side - moved if name.endswith("lower") else side + moved
 
 
 def machine_of(cell: Cell, name: str) -> list[str]:

@@ -102,7 +102,6 @@ def _changed(cell: "Cell") -> Iterator[tuple[Robot, Robot]]:
 
 
 def _of_robots(cell: "Cell", attributes: tuple[str, ...]) -> Iterator[tuple[str, object, object]]:
-    """Attributes of the changed robots: key, value, value as generated."""
     for robot, generated in _changed(cell):
         for name in attributes:
             yield f"robot '{robot.name}' {name}", getattr(robot, name), getattr(generated, name)
@@ -115,7 +114,6 @@ def _refuse_change(pairs: list[tuple[str, object, object]], rule: str) -> None:
 
 
 def _same(ours: object, theirs: object) -> bool:
-    """Whether a value is the one that was generated."""
     if ours is theirs:
         return True
     if isinstance(ours, RigidTransform) and isinstance(theirs, RigidTransform):

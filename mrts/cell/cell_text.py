@@ -9,7 +9,6 @@ import numpy as np
 from mrts.base.argument_types import as_path
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
-from mrts.base.formats.broken_record import BrokenRecordError
 from mrts.base.load_box import load_vector
 from mrts.cell.cell import Cell
 from mrts.cell.record import CellManifest, CellRecord
@@ -64,7 +63,7 @@ def manifest_of(cell: Cell) -> CellManifest:
     ours = {name: getattr(cell, name) for name in CellRecord.model_fields}
     try:
         CellRecord(**ours)
-    except BrokenRecordError:
+    except InputError:
         raise InputError(
             "cell",
             "its name and its robots' names must be letters, digits and single underscores to be saved.",

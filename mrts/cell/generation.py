@@ -71,7 +71,6 @@ def described_model(description: object, folder: Path) -> Any:
 
 
 def _manifest(cell: Any) -> CellManifest:
-    """The manifest of a cell with its URDFs, its C file in the cache."""
     from mrts_codegen.cell_model import cell_manifest  # noqa: PLC0415 (build time, on demand)
 
     folder, chains = _chains_in_cache(cell)
@@ -242,7 +241,6 @@ def _if_sound(path: Path, read: Callable[[str], Record]) -> Record | None:
 
 
 def _is_source(path: Path, chains: ChainsRecord) -> bool:
-    """Whether a C file of the cache is there and whole."""
     if not only_ours(path):
         return False
     try:

@@ -9,7 +9,6 @@ from typing import Annotated, Literal, Self
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Name, Positive
 from mrts.base.formats.record import Record, Rule, read_json
 from mrts.base.formats.surface_text import unpacked_surface
@@ -47,7 +46,7 @@ class MeshRecord(Record):
         scale: Metres of one unit of the file.
         sha256: Of the file's bytes.
         vertices: Of the surface that is drawn, in the shape's frame [m] (`mrts.base.formats.surface_text`).
-        triangles: Likewise.
+        triangles: Three vertices each, as text.
     """
 
     file: str
@@ -160,12 +159,11 @@ def verified_manifest(where: Path | str, text: str) -> CellManifest:
     """A manifest from its text."""
     try:
         data = read_json(text)
-        _check_format(where, data)
+        _check_format(data)
         manifest = CellManifest.model_validate(data)
-    except BrokenRecordError as error:
-        broken = broken_record(where, error)
-        rule = f"{broken.rule} The file is generated: make it again with `mrts generate`."
-        raise InputError(where, rule, key=broken.key, value=broken.value) from None
+    except InputError as error:
+        rule = f"{error.rule} The file is generated: make it again with `mrts generate`."
+        raise InputError(where, rule, key=error.key, value=error.value) from None
     if manifest.content_sha256 != manifest.content_hash():
         raise InputError(
             where, "was edited after it was generated. Change the cell file and run `mrts generate` again."
@@ -177,9 +175,7 @@ def verified_manifest(where: Path | str, text: str) -> CellManifest:
     return manifest
 
 
-def _check_format(where: Path | str, data: object) -> None:
-    """What of a manifest of any format is looked at first."""
+def _check_format(data: object) -> None:
     given = data.get("format") if isinstance(data, dict) else None
     if isinstance(given, int) and given != FORMAT:
-        rule = f"this mrts reads format {FORMAT}. Make it again with `mrts generate`."
-        raise InputError(where, rule, key="format", value=given)
+        raise InputError("", f"this mrts reads format {FORMAT}.", key="format", value=given)

@@ -113,7 +113,7 @@ def _base(numbers: "Array", *, degrees: bool) -> "RigidTransform":
 
 
 def _begin(folder: Path, request: "Request", *, copy: bool, force: bool) -> int:
-    from mrts.cell.remarks.unit_remarks import urdf_remarks
+    from mrts.cell.remarks import urdf_remarks
     from mrts.starting.proposal import propose, renamed
 
     copies = _copies(request, folder, force=force) if copy else {}
@@ -213,7 +213,7 @@ def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
 
 def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     """What was written, what it can do, and what to do next."""
-    from mrts.cell.remarks.assumptions import NO_COLLISIONS
+    from mrts.cell.remarks import NO_COLLISIONS
 
     lift = max(abs(proposal.layout.lift))
     asked = proposal.request.mass

@@ -7,12 +7,10 @@ from math import nan
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field
-
 from mrts.base.argument_types import Progress
 from mrts.base.atomic_file import Write, text_writer, write_together
 from mrts.base.formats.pose import Finite, Positive
-from mrts.base.formats.strict_model import StrictModel
+from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import read_model
 from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
@@ -37,7 +35,7 @@ that fit these seven values best (three numbers fitted to six independent ones; 
 benchmarks/paper/paper_identification.py)."""
 
 
-class PaperCase(StrictModel):
+class PaperCase(Record):
     """One example of section VI."""
 
     id: str
@@ -45,18 +43,18 @@ class PaperCase(StrictModel):
     motion: str
     wrench_limits: bool = True
     even: bool = False
-    postures: dict[str, list[Finite]] = Field(default_factory=dict)
-    mass: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
+    postures: dict[str, list[Finite]] = {}  # noqa: RUF012 (each record has its own copy)
+    mass: Annotated[list[Positive], Rule(min_length=2, max_length=2)] | None = None
     paper: Positive
     figure: int | None = None
 
 
-class PaperCases(StrictModel):
+class PaperCases(Record):
     """The examples of section VI, for the shipped cell and the one with identified contacts."""
 
     cell: str
     identified_cell: str
-    cases: Annotated[list[PaperCase], Field(min_length=1)]
+    cases: Annotated[list[PaperCase], Rule(min_length=1)]
 
 
 @dataclass(frozen=True)

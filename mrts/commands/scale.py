@@ -251,7 +251,7 @@ def _torques(where: str, given: tuple[str, ...], cell: "Cell") -> "Array":
 
 
 def _written(found: "ScalingResult | RetimingResult", files: dict[str, Path], plot_format: str) -> Outputs:
-    """Write what was asked for; of a timing, files with one result get the retimed motion."""
+    """Write what was asked for; of a timing, files of one trajectory get the retimed motion."""
     from mrts.scaling.result import ScalingResult
 
     outputs, left_out = Outputs(), []
@@ -268,12 +268,12 @@ def _written(found: "ScalingResult | RetimingResult", files: dict[str, Path], pl
             from mrts.figures import write_result_figures
 
             outputs.write(path, lambda folder: write_result_figures(found, folder, plot_format))
-        elif played is None or (name != "save" and played.trajectory is None):
-            left_out.append(f"--{option_name}")
         elif name == "save":
             from mrts.output.saved_result import save_result
 
-            outputs.write(path, lambda file: save_result(played, file))
+            outputs.write(path, lambda file: save_result(found, file))
+        elif played is None or played.trajectory is None:
+            left_out.append(f"--{option_name}")
         else:
             outputs.write(path, partial(TRAJECTORY_FORMATS[option_name].write, played))
     if left_out:

@@ -14,7 +14,7 @@ from click import argument, option
 
 from mrts.commands import options
 from mrts.commands.options import Named, require, take
-from mrts.commands.showing.films import OF_FILMS, check_films, film_options, played_sides, saved_take, write_films
+from mrts.commands.showing.films import OF_FILMS, check_films, film_options, played_sides, saved_clip, write_films
 from mrts.commands.showing.shown import is_saved, played, shown_files, shown_urdfs
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.progress import working
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from mrts.viewer.guard import GuardedServer
-    from mrts.viewer.motion_viewer import MotionViewer
     from mrts.viewer.plots.other_result import Others
+    from mrts.viewer.viewer import Viewer
     from mrts.viewer.workbench.choices import Given
 
 EXAMPLES = """\
@@ -56,7 +56,7 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 @options.limits
 @film_options
 @option("--host", default=LOCAL[0], show_default=True, help="address to listen at; the default is this machine only")
-@option("--port", type=int, default=8080, show_default=True, help="port; 0 takes any free one")
+@option("--port", type=int, default=8080, show_default=True, help="port; 0 clips any free one")
 @option("--no-open", is_flag=True, help="do not open a browser")
 def run(
     cell: Path,
@@ -85,11 +85,11 @@ def run(
             cell_path = None if variant is not None else cell_file
             return _serve(cell_file, motion_file, cell_path, given, beside, host, port, follow)
         if motion_file is None:
-            takes, within = [saved_take(cell)], True
+            clips, within = [saved_clip(cell)], True
         else:
             sides, rates = of_films.get("side_by_side", ["fastest"]), of_films.get("rates", True)
-            takes, within = played_sides(cell_file, motion_file, sides, rates, given)
-        return write_films([*takes, *map(saved_take, others)], png, video, of_films.get("at"), within=within)
+            clips, within = played_sides(cell_file, motion_file, sides, rates, given)
+        return write_films([*clips, *map(saved_clip, others)], png, video, of_films.get("at"), within=within)
 
 
 def _serve(
@@ -145,13 +145,13 @@ def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[
 
 
 def _serve_saved(path: Path, others: "Others", host: str, port: int, follow: "Callable[..., None]") -> int:
-    """Show a saved result, which takes neither its cell's files nor a compiler."""
-    from mrts.viewer.plots.saved_state import SavedState
-    from mrts.viewer.saved_viewer import SavedViewer
+    """Show a saved result, which clips neither its cell's files nor a compiler."""
+    from mrts.viewer.player_state import PlayerState
+    from mrts.viewer.viewer import Viewer
 
     result = played(path)
     with _server(host, port, result.cell.name) as server:
-        viewer = SavedViewer(server, SavedState(result), warn, others)
+        viewer = Viewer(server, PlayerState.saved(result), {}, warn, others)
         follow(server, viewer, f"{result.cell.name}: {result.summary()}")
     return FEASIBLE
 
@@ -168,7 +168,7 @@ def _server(host: str, port: int, name: str) -> "Iterator[GuardedServer]":
         close_server(server)
 
 
-def _follow(server: "GuardedServer", viewer: "MotionViewer", outcome: str, *, host: str, opens: bool) -> None:
+def _follow(server: "GuardedServer", viewer: "Viewer", outcome: str, *, host: str, opens: bool) -> None:
     """Say where the viewer is, and follow its controls until Ctrl-C."""
     if host not in LOCAL:
         warn(f"everyone who reaches {host} and knows the address can watch and steer this viewer")

@@ -12,7 +12,7 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
 from mrts.cell.loading import uncompiled_cell
-from mrts.cell.remarks.joint_sources import joint_sources
+from mrts.cell.remarks import joint_sources
 from mrts.cell.source_files import is_generated, read_without_generating
 from mrts.diagnosis.arm_reach import ArmReach, of_machine, reach_of
 from mrts.diagnosis.cell_check import CellCheck

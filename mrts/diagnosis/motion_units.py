@@ -7,7 +7,7 @@ import numpy as np
 
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.cell.remarks.unit_remarks import FAR, LONGEST_ARM, NEAR, arm_length, base_remarks
+from mrts.cell.remarks import FAR, LONGEST_ARM, NEAR, arm_length, base_remarks
 from mrts.motion.object_motion import ObjectMotion
 
 

@@ -8,6 +8,3 @@ ADMISSIBLE = COLOURS[2]
 CONFLICT = COLOURS[6]
 END_COLOURS = {"upper": COLOURS[1], "lower": COLOURS[0], "conflict": CONFLICT}
 """Of c²⁺(t), c²⁻(t), and limits that conflict."""
-
-SHARED_BASE = (156, 163, 172)
-"""Red, green and blue, 0 to 255, of what two arms of one machine stand on."""

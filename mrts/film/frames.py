@@ -1,214 +1,231 @@
 # SPDX-License-Identifier: MIT
-"""Frames of a film: takes side by side, each with its limits' use along time, and one clock for all."""
+"""Frames of a film: clips side by side, each with its limits' use along time, and one clock for all."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import cycle
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from PIL import Image, ImageDraw
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.printable import printable
+from mrts.base.printable import cut, printable
 from mrts.drawing.colours import COLOURS
 from mrts.drawing.limit_shares import limit_shares
-from mrts.film.lettering import FAINT, GRID, INK, fitting, font, put_text
-from mrts.film.stage import ARMS, Stage, Take, Warn, silent
+from mrts.film.renderer import Clip, Frame, SceneRenderer, silent
+from mrts.scene.arm_meshes import Warn
+from mrts.scene.cell_view import look_at_cell
+from mrts.scene.scene import OVER_LIMIT, arm_colour
 
-FINER = 2
-"""Pixels that are drawn for one that is shown, in both directions: edges become smooth."""
-
-COLUMNS = {1: 720, 2: 480, 3: 360, 4: 300}
-"""Width of a take by the number of takes [shown pixels]."""
+WIDTHS = {1: 720, 2: 480, 3: 360, 4: 300}
+"""Of a clip by the number of clips [pixels]."""
 
 SHAPE = 0.74
 """Height of a scene by its width."""
 
-HEADING, PLOT, FOOT = 100, 224, 60
-"""Heights of the parts of a frame [drawn pixels]."""
+HEADING, PLOT, FOOT = 72, 112, 30
+"""Heights of the parts of a frame [pixels]."""
 
-FIRST_LINE, SECOND_LINE = 42, 82
-"""Of the heading: where its letters stand [drawn pixels]."""
+LEFT, RIGHT, TOP, BOTTOM = 40, 14, 8, 20
+"""Free around a plot [pixels]."""
 
-TEXT, SMALL, TINY = 30, 24, 20
-"""Of letters [drawn pixels]."""
+DPI = 72
+"""A point is a pixel."""
 
-LEFT, RIGHT, TOP, BOTTOM = 80, 28, 20, 44
-"""Free around a plot [drawn pixels]."""
+TITLE, TEXT, SMALL, SMALLEST = 15, 12, 10, 6
+"""Of letters [pixels]; what does not fit at the smallest is cut in its middle."""
 
-CLOCK = 220
-"""Of the time at the frame's lower right corner [drawn pixels]."""
+INK, FAINT, GRID = "#242a32", "#68707a", "#d8dce2"
+
+ARROW = 0.3
+"""Longest force, as a share of the cell's size."""
 
 HIGHEST = 1.5
 """Shares of limits beyond are at the plot's upper edge."""
 
-ROOM = 1.08
+HEADROOM = 1.08
 """Upper edge of a plot whose shares keep their limits."""
 
-LIMIT_COLOUR = (200, 30, 30)
+AT_LIMIT = 0.999
+"""Share of a limit from which it decides."""
 
 KIND_COLOURS = tuple(COLOURS[place] for place in (2, 3, 6, 4, 5, 0, 1))
-"""Of lines, by kind of limit: last come the colours that the first two arms are near to."""
-
-Frame = NDArray[np.uint8]
-"""Shape (height, width, 3)."""
-
-
-@dataclass(frozen=True)
-class _Place:
-    """A rectangle of the frame [pixels]."""
-
-    left: int
-    top: int
-    right: int
-    bottom: int
+"""Of lines, by kind of limit: last come those of the first two arms."""
 
 
 class Composition:
-    """Frames of takes, drawn when they are asked for.
+    """Frames of clips, drawn when they are asked for; closed by the thread that made it.
 
     Args:
-        takes: One to four.
+        clips: One to four; all are seen from one place, and their forces drawn to one scale.
         pace: How fast the film plays, in words; empty where nothing plays.
-        backward: As in `Stage`.
-        warn: Likewise.
+        backward: From the cell to the camera, world axes, Shape (3,); None looks from the front.
+        warn: Told which arm is drawn without its meshes, and why.
 
     Attributes:
-        takes: As given.
         duration: Of the longest [s].
+        size: Width and height of a frame [pixels].
 
     Raises:
-        InputError: If there are too many takes, or none.
+        InputError: If there are too many clips, or none, or nothing to draw them by.
     """
 
     def __init__(
-        self,
-        takes: Sequence[Take],
-        pace: str = "",
-        backward: Array | None = None,
-        warn: Warn = silent,
+        self, clips: Sequence[Clip], pace: str = "", backward: Array | None = None, warn: Warn = silent
     ) -> None:
-        if len(takes) not in COLUMNS:
-            raise InputError("takes", f"must be one to {max(COLUMNS)}: more have no room.", value=len(takes))
-        self.takes, self._pace = tuple(takes), pace
-        self.duration = max(take.trajectory.duration for take in takes)
-        self._column = FINER * COLUMNS[len(takes)]
-        self._scene = self._column, int(self._column * SHAPE)
-        self._size = self._column * len(takes), HEADING + self._scene[1] + PLOT + FOOT
-        self._stage = Stage(takes, self._scene, backward, warn)
-        self._shares = [limit_shares(take.trajectory) for take in takes]
-        self._kinds = list(dict.fromkeys(shares.kind for of_take in self._shares for shares in of_take))
-        used = max((float(np.max(of.share, initial=0.0)) for each in self._shares for of in each), default=1.0)
-        self._highest = min(max(used, 1.0), HIGHEST) * ROOM
-        self._still = self._without_time()
+        if len(clips) not in WIDTHS:
+            raise InputError("takes", f"must be one to {max(WIDTHS)}: more have no room.", value=len(clips))
+        self._clips = tuple(clips)
+        self.duration = max(clip.trajectory.duration for clip in clips)
+        width = WIDTHS[len(clips)]
+        self._width, self._height = width, int(width * SHAPE)
+        self.size = width * len(clips), HEADING + self._height + PLOT + FOOT
+        scenes = [clip.scene for clip in clips]
+        views = [look_at_cell(scene.cell, scene.q, scene.position) for scene in scenes]
+        view = replace(views[0], points=np.concatenate([each.points for each in views]))
+        camera = view.camera(self._width / self._height, backward)
+        strongest = max(clip.strongest for clip in clips)
+        scale = ARROW * view.size / strongest if strongest > 0 else 0.0
+        self._renderers: list[SceneRenderer] = []
+        try:
+            for clip in clips:
+                drawn = SceneRenderer(clip, view, camera, (self._width, self._height), scale, warn)
+                self._renderers.append(drawn)
+        except BaseException:
+            self.close()
+            raise
+        self._draw_surroundings(pace)
 
-    @property
-    def size(self) -> tuple[int, int]:
-        """Width and height of a frame [pixels]."""
-        return self._size[0] // FINER, self._size[1] // FINER
+    def close(self) -> None:
+        """Free what the renderers hold."""
+        for renderer in self._renderers:
+            renderer.close()
 
     def frame(self, time: float) -> Frame:
-        """The takes at a time of their own motion.
+        """The clips at a time of their own motion.
 
         Args:
-            time: Since the start; a take that has ended stands at its end [s].
+            time: Since the start; a clip that has ended stands at its end [s].
         """
-        image = self._still.copy()
-        picture = ImageDraw.Draw(image)
-        for number, take in enumerate(self.takes):
-            scene = self._stage.picture(take, time)
-            image.paste(Image.fromarray(scene.astype(np.uint8)), (number * self._column, HEADING))
-            self._put_cursor(picture, number, time)
-        text = f"t = {min(time, self.duration):.2f} s"
-        put_text(picture, (self._size[0] - RIGHT, self._size[1] - 22), text, SMALL, CLOCK, anchor="rs")
-        return np.asarray(image.resize(self.size, Image.Resampling.LANCZOS))
+        canvas = self._canvas
+        canvas.restore_region(self._still)
+        for clip, (axes, cursor, dots, largest) in zip(self._clips, self._plots, strict=True):
+            now = min(time, clip.trajectory.duration)
+            cursor.set_xdata([now, now])
+            heights = [np.interp(now, clip.trajectory.time, values) for values in largest]
+            dots.set_offsets(np.column_stack([np.full(len(heights), now), np.minimum(heights, axes.get_ylim()[1])]))
+            axes.draw_artist(cursor)
+            axes.draw_artist(dots)
+        self._clock.set_text(f"t = {min(time, self.duration):.2f} s")
+        self._figure.draw_artist(self._clock)
+        frame: Frame = np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+        for number, renderer in enumerate(self._renderers):
+            left = number * self._width
+            frame[HEADING : HEADING + self._height, left : left + self._width] = renderer.picture(time)
+        return frame
 
-    def _without_time(self) -> Image.Image:
-        """What is the same in all frames."""
-        image = Image.new("RGB", self._size, (255, 255, 255))
-        picture = ImageDraw.Draw(image)
-        for number, take in enumerate(self.takes):
-            left, done, room = number * self._column + RIGHT, take.trajectory, self._column - 2 * RIGHT
-            put_text(picture, (left, FIRST_LINE), printable(take.title), TEXT, room, bold=True)
-            text = f"{done.duration:.3g} s"
-            if number > 0:
-                text += f", {self.takes[0].trajectory.duration / done.duration:.3g} × as fast"
-            put_text(picture, (left, SECOND_LINE), text, SMALL, room / 2, colour=FAINT)
-            self._put_arms(picture, left + room, take, room / 2)
-            self._put_plot(picture, number)
-        self._put_legend(picture)
-        return image
+    def _draw_surroundings(self, pace: str) -> None:
+        """Draw what is the same in all frames."""
+        width, height = self.size
+        self._figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
+        canvas: Any = FigureCanvasAgg(self._figure)  # has no types
+        self._canvas = canvas
+        shares = [limit_shares(clip.trajectory) for clip in self._clips]
+        titles = {of.kind: of.title.lower() for each in shares for of in each}
+        colours = {kind: KIND_COLOURS[place % len(KIND_COLOURS)] for place, kind in enumerate(titles)}
+        used = max((float(np.max(of.share, initial=0.0)) for each in shares for of in each), default=1.0)
+        self._plots = []
+        for number, (clip, each) in enumerate(zip(self._clips, shares, strict=True)):
+            self._put_heading(number, clip)
+            left = number * self._width + LEFT
+            across = self._width - LEFT - RIGHT
+            axes = self._figure.add_axes(
+                (left / width, (FOOT + BOTTOM) / height, across / width, (PLOT - TOP - BOTTOM) / height)
+            )
+            top = min(max(used, 1.0), HIGHEST) * HEADROOM
+            axes.set(xlim=(0, self.duration), ylim=(0, top), yticks=(0, 0.5, 1), yticklabels=("0 %", "50 %", "100 %"))
+            axes.set_xticks([0, self.duration / 2, self.duration], [
+                f"{share * self.duration:.3g} s" for share in (0, 0.5, 1)
+            ])  # fmt: skip
+            axes.get_xticklabels()[0].set_horizontalalignment("left")
+            axes.get_xticklabels()[2].set_horizontalalignment("right")
+            axes.tick_params(length=0, labelsize=SMALL, labelcolor=FAINT)
+            axes.spines[:].set_visible(False)
+            axes.grid(axis="y", color=GRID, linewidth=1)
+            axes.axhline(1.0, color=_share(OVER_LIMIT), linewidth=1)
+            for of in each:
+                axes.plot(clip.trajectory.time, np.minimum(of.largest, top), color=colours[of.kind], linewidth=1.6)
+            (cursor,) = axes.plot([0, 0], [0, top], color=INK, linewidth=1, animated=True)
+            dots = axes.scatter(
+                [0] * len(each), [0] * len(each), s=36, c=[colours[of.kind] for of in each], animated=True, zorder=3,
+                clip_on=False,
+            )  # fmt: skip
+            self._plots.append((axes, cursor, dots, [of.largest for of in each]))
+        self._put_foot(titles, colours, f"played at {pace}" if pace else "")
+        self._clock = self._put(width - RIGHT, height - 10, "", TEXT, color=INK, ha="right", animated=True)
+        self._canvas.draw()
+        self._still = self._canvas.copy_from_bbox(self._figure.bbox)
 
-    def _put_legend(self, picture: ImageDraw.ImageDraw) -> None:
-        """What the lines of all plots are, in letters that leave room for the clock."""
-        titles = {of.kind: of.title.lower() for each in self._shares for of in each}
-        head, pace = "nearest to a limit: ", f"played at {self._pace}" if self._pace else ""
-        room, marks = self._size[0] - LEFT - CLOCK - RIGHT, 68 * len(self._kinds)
-        words = "".join([head, *titles.values(), pace])
-        size = next(
-            (size for size in range(SMALL, TINY // 2, -1) if font(size).getlength(words) + marks <= room), TINY // 2
+    def _put_heading(self, number: int, clip: Clip) -> None:
+        """Cell, title, names of the arms, duration, and the limit that is used most."""
+        left, room, done = number * self._width + RIGHT, self._width - 2 * RIGHT, clip.trajectory
+        alone = len(self._clips) == 1
+        title = f"{done.cell.name}: {clip.title}"
+        self._put(left, 22, title, TITLE, 0.6 * room if alone else room, color=INK, weight="bold")
+        text = f"{done.duration:.3g} s"
+        if number > 0:
+            text += f", {self._clips[0].trajectory.duration / done.duration:.3g} × as fast"
+        self._put(left, 42, text, TEXT, room, color=FAINT)
+        if clip.deciding is not None:
+            share, time = clip.deciding.share, done.time[clip.deciding.sample]
+            used = f"limit: {clip.deciding.name.short}, {100 * share:.0f} % at {time:.2g} s"
+            self._put(left, 60, used, TEXT, room, color=FAINT if share < AT_LIMIT else _share(OVER_LIMIT))
+        here: float = left + room
+        robots = done.cell.robots if alone else ()
+        for place, robot in reversed([*enumerate(robots)]):
+            put = self._put(here, 22, f"■ {robot.name}", TEXT, 0.36 * room / len(robots),
+                            color=_share(arm_colour(place)), ha="right")  # fmt: skip
+            here -= self._width_of(put) + SMALL
+
+    def _put_foot(self, titles: dict[str, str], colours: dict[str, str], pace: str) -> None:
+        """What the lines of all plots are."""
+        words = [("nearest to a limit:", FAINT), *((f"— {text}", colours[kind]) for kind, text in titles.items())]
+        words += [(pace, FAINT)] if pace else []
+        room = self.size[0] - LEFT - RIGHT - 6 * TEXT - SMALL * (len(words) - 1)
+        put = [self._put(0, self.size[1] - 10, text, TEXT, color=colour) for text, colour in words]
+        size = max(SMALLEST, int(TEXT * min(1.0, room / sum(map(self._width_of, put)))))
+        here = float(LEFT)
+        for text in put:
+            text.set_fontsize(size)
+            text.set_x(here / self.size[0])
+            here += self._width_of(text) + SMALL
+
+    def _put(self, across: float, down: float, text: str, size: int, room: float = np.inf, **style: Any) -> Text:
+        """One line of text, smaller where it would be wider than its room."""
+        width, height = self.size
+        put = self._figure.text(
+            across / width, 1 - down / height, printable(text), fontsize=size, parse_math=False, va="baseline", **style
         )
-        here, line = float(LEFT), self._size[1] - 22
-        put_text(picture, (here, line), head, size, room, colour=FAINT)
-        here += font(size).getlength(head)
-        for kind, title in titles.items():
-            picture.line([(here, line - size / 3), (here + 28, line - size / 3)], self._colour(kind), 6)
-            put_text(picture, (here + 36, line), title, size, room)
-            here += 68 + font(size).getlength(title)
-        put_text(picture, (here, line), pace, size, room, colour=FAINT)
+        self._fit(put, room)
+        return put
 
-    def _put_arms(self, picture: ImageDraw.ImageDraw, right: float, take: Take, room: float) -> None:
-        """The arms' names beside squares of their colours, in the heading on the right."""
-        names = [printable(robot.name) for robot in take.cell.robots]
-        mark, free = 0.8 * SMALL, 0.9 * SMALL
-        each = room / len(names) - mark - 1.4 * free
-        shown = [fitting(name, SMALL, each) for name in names]
-        here = right - sum(letters.getlength(name) for name, letters in shown) - len(shown) * (mark + 1.4 * free) + free
-        for (name, letters), colour in zip(shown, cycle(ARMS)):
-            picture.rectangle([here, SECOND_LINE - mark, here + mark, SECOND_LINE], colour)
-            picture.text((here + mark + 0.4 * free, SECOND_LINE), name, fill=INK, font=letters, anchor="ls")
-            here += mark + 1.4 * free + letters.getlength(name)
+    def _fit(self, put: Text, room: float) -> None:
+        whole, size = put.get_text(), float(put.get_fontsize())
+        while self._width_of(put) > room and size > SMALLEST:
+            size -= 1
+            put.set_fontsize(size)
+        kept = len(whole)
+        while self._width_of(put) > room and kept > 3:  # noqa: PLR2004 (letters that `cut` leaves)
+            kept -= 1
+            put.set_text(cut(whole, kept))
 
-    def _put_plot(self, picture: ImageDraw.ImageDraw, number: int) -> None:
-        place = self._plot(number)
-        for share in (0.0, 0.5, 1.0):
-            height, colour = self._height(place, share), LIMIT_COLOUR if share == 1 else GRID
-            picture.line([(place.left, height), (place.right, height)], colour, 2)
-            text = f"{100 * share:.0f} %"
-            put_text(picture, (place.left - 10, height), text, TINY, LEFT, anchor="rm", colour=FAINT)
-        for share, anchor in ((0.0, "lt"), (0.5, "mt"), (1.0, "rt")):
-            across = self._across(place, share * self.duration)
-            text = f"{share * self.duration:.3g} s"
-            put_text(picture, (across, place.bottom + 10), text, TINY, CLOCK, anchor=anchor, colour=FAINT)
-        time = self.takes[number].trajectory.time
-        for of in self._shares[number]:
-            across, height = self._across(place, time), self._height(place, of.largest)
-            line = list(zip(across.tolist(), height.tolist(), strict=True))
-            picture.line(line, self._colour(of.kind), 4, joint="curve")
+    def _width_of(self, put: Text) -> float:
+        return float(put.get_window_extent(self._canvas.get_renderer()).width)
 
-    def _put_cursor(self, picture: ImageDraw.ImageDraw, number: int, time: float) -> None:
-        place, done = self._plot(number), self.takes[number].trajectory
-        now = min(time, done.duration)
-        across = float(self._across(place, now))
-        picture.line([(across, place.top), (across, place.bottom)], INK, 2)
-        for of in self._shares[number]:
-            height = float(self._height(place, np.interp(now, done.time, of.largest)))
-            picture.ellipse([across - 7, height - 7, across + 7, height + 7], self._colour(of.kind))
 
-    def _plot(self, number: int) -> _Place:
-        left, top = number * self._column, HEADING + self._scene[1]
-        return _Place(left + LEFT, top + TOP, left + self._column - RIGHT, top + PLOT - BOTTOM)
-
-    def _across(self, place: _Place, time: Array | float) -> Any:
-        """Where times are, from the left [drawn pixels]."""
-        return place.left + (place.right - place.left) * np.asarray(time) / self.duration
-
-    def _height(self, place: _Place, share: Array | float) -> Any:
-        """Where shares of limits are, from the top [drawn pixels]."""
-        return place.bottom - (place.bottom - place.top) * np.minimum(np.asarray(share) / self._highest, 1.0)
-
-    def _colour(self, kind: str) -> str:
-        return KIND_COLOURS[self._kinds.index(kind) % len(KIND_COLOURS)]
+def _share(colour: tuple[int, int, int]) -> tuple[float, float, float]:
+    red, green, blue = (part / 255 for part in colour)
+    return red, green, blue

@@ -62,15 +62,12 @@ def close_chain(
     Raises:
         MotionError: If a gap is larger than the bound, velocities or accelerations do not fit, or an arm is singular.
     """
-    if _holds(cell, given, bound):
+    if holds(cell, given, (min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle)), GIVEN_SLIP):
         return given
     tips = tip_motions(cell, given.q, given.dq, given.ddq)
     gaps = grasp_gaps(cell, given.object, tips)
     check_gaps(cell, given.object, gaps, bound, where)
-    exact = gaps.largest <= GIVEN_CLOSURE
-    if exact and slip(cell, given.object, tips, (GIVEN_SLIP, GIVEN_SLIP), REST_SLIP) is None:
-        return given
-    remarks = given.remarks
+    exact, remarks = gaps.largest <= GIVEN_CLOSURE, given.remarks
     usual = ClosureBound()
     wider = max(1.0, bound.position / usual.position, bound.angle / usual.angle)
     shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
@@ -91,18 +88,28 @@ def close_chain(
     return CoordinatedMotion(target, q, dq, ddq, remarks + _correction(cell, gaps, bound, moved))
 
 
-def _holds(cell: Cell, given: CoordinatedMotion, bound: ClosureBound) -> bool:
-    """Whether given joints hold every grasp, where the cell is compiled already; it does not say what they lack."""
-    library = cell.functions.compiled
+def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share: float) -> bool:
+    """Whether joints hold every grasp along a motion.
+
+    Args:
+        cell: The cell.
+        given: Motion of object and joints.
+        gaps: Largest distance [m] and angle [rad] of a tip off its grasp.
+        share: Largest slip of a tip on its grasp, relative to the largest velocity, or acceleration, of a tip.
+    """
+    library, target = cell.functions.compiled, given.object
     if library is None:
-        return False
+        tips = tip_motions(cell, given.q, given.dq, given.ddq)
+        off = grasp_gaps(cell, target, tips)
+        near = np.max(off.distance) <= gaps[0] and np.max(off.angle) <= gaps[1]
+        return bool(near) and slip(cell, target, tips, (share, share), REST_SLIP) is None
     inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
-    off = closure_sizes(library, inputs, given.object.position, cell.geometry, cell.wrench_rows)
+    found = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
     return bool(
-        np.all(off.distance <= min(GIVEN_CLOSURE, bound.position))
-        and np.all(off.angle <= min(GIVEN_CLOSURE, bound.angle))
-        and np.all(off.slip <= np.maximum(GIVEN_SLIP * off.velocity, REST_SLIP))
-        and np.all(off.acceleration_slip <= np.maximum(GIVEN_SLIP * off.acceleration, REST_SLIP))
+        np.all(found.distance <= gaps[0])
+        and np.all(found.angle <= gaps[1])
+        and np.all(found.slip <= np.maximum(share * found.velocity, REST_SLIP))
+        and np.all(found.acceleration_slip <= np.maximum(share * found.acceleration, REST_SLIP))
     )
 
 

@@ -18,15 +18,9 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.following.closed_chain import joints_on_grasps, mean_object, nearest_rates
+from mrts.following.closed_chain import holds, joints_on_grasps, mean_object, nearest_rates
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_object
-from mrts.following.grasp_closure import (
-    REST_SLIP,
-    TipMotion,
-    grasp_gaps,
-    slip,
-    tip_motions,
-)
+from mrts.following.grasp_closure import tip_motions
 from mrts.motion.object_courses import Geodesic, WaypointPath, path_shares
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS
@@ -70,10 +64,10 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> Coord
     elif motion.course is None and isinstance(given.course, Geodesic | WaypointPath):
         _across_corners(given.course, given.time, ours, time, inside)
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
-    tips = tip_motions(cell, q, dq, ddq)
+    tips = [] if known else tip_motions(cell, q, dq, ddq)
     target = known or carried_object(cell, 0, at, tips[0], smooth=False)
     rough = CoordinatedMotion(target, q, dq, ddq, travel=_travel(motion, dq, [0, -1]))
-    if _held(cell, target, tips) or not _closed(cell, motion):
+    if holds(cell, rough, (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP) or not _closed(cell, motion):
         return rough
     try:
         return _on_grasps(cell, known or mean_object(cell, at, tips), rough)
@@ -231,20 +225,12 @@ def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:
     return ObjectMotion(time, position, rotation, twist, acceleration, smooth=False)
 
 
-def _held(cell: Cell, target: ObjectMotion, tips: list[TipMotion]) -> bool:
-    """Whether the hands hold their grasps as well as nobody notices."""
-    if grasp_gaps(cell, target, tips).largest > TIGHT_GAP:
-        return False
-    return slip(cell, target, tips, (TIGHT_SLIP, TIGHT_SLIP), REST_SLIP) is None
-
-
 def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:
     """Whether the samples hold their grasps exactly; those that were given with small gaps have them between too."""
     if motion.course is not None:
         return motion.course.closed
     places = dict.fromkeys(np.linspace(0, motion.samples - 1, CHECKED).astype(np.intp).tolist())
-    some = motion.at(np.array(list(places)))
-    return _held(cell, some.object, tip_motions(cell, some.q, some.dq, some.ddq))
+    return holds(cell, motion.at(np.array(list(places))), (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP)
 
 
 def _on_grasps(cell: Cell, target: ObjectMotion, rough: CoordinatedMotion) -> CoordinatedMotion:

@@ -129,14 +129,19 @@ class MotorIdentification(InNotebooks):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Every joint with its parameters and half their intervals of 95 % confidence."""
-        rows = [
-            (_joint(arm, place), *(_cell(found, place) for found in arm.estimates.values()),
-             f"{arm.residual_rms[place]:.3g} {unit}")
-            for arm in self.arms
-            for place, unit in enumerate(arm.robot.torque_units)
-        ]  # fmt: skip
-        heads = (f"{name} [{', '.join(dict.fromkeys(_units(name, self.arms)))}]" for name in UNITS)
-        yield NotebookTable(("joint", *heads, "residual rms"), rows)
+        heads, *rows = self._rows()
+        yield NotebookTable(heads, rows)
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        """Heads, then every joint with its parameters and its residual."""
+        units = {name: ", ".join(dict.fromkeys(_units(name, self.arms))) for name in UNITS}
+        rows = [("joint", *(f"{name} [{unit}]" for name, unit in units.items()), "residual rms")]
+        for arm in self.arms:
+            for place, unit in enumerate(arm.robot.torque_units):
+                residual = f"{arm.residual_rms[place]:.3g} {unit}" if arm.used[:, place].any() else "-"
+                cells = (_cell(found, place) for found in arm.estimates.values())
+                rows.append((printable(f"{arm.robot.name}/{arm.robot.joints[place]}"), *cells, residual))
+        return rows
 
     def arm(self, robot: str) -> ArmMotors:
         """What was found of one arm.
@@ -164,16 +169,12 @@ class MotorIdentification(InNotebooks):
 
     def table(self) -> str:
         """Every joint with its parameters and half their intervals of 95 % confidence."""
-        width = max(NAME_WIDTH, *(len(_joint(arm, n)) + 2 for arm in self.arms for n in range(len(arm.robot.joints))))
-        heads = (f"{name} [{', '.join(dict.fromkeys(_units(name, self.arms)))}]" for name in UNITS)
-        lines = [f"{'joint':<{width}}" + "".join(f"{head:>24}" for head in heads) + f"{'residual rms':>18}"]
-        for arm in self.arms:
-            for place, unit in enumerate(arm.robot.torque_units):
-                cells = [_cell(found, place) for found in arm.estimates.values()]
-                residual = f"{arm.residual_rms[place]:.3g} {unit}" if arm.used[:, place].any() else "-"
-                row = f"{_joint(arm, place):<{width}}" + "".join(f"{cell:>24}" for cell in cells) + f"{residual:>18}"
-                lines.append(row)
-        return "\n".join(lines)
+        rows = self._rows()
+        width = max(NAME_WIDTH, *(len(row[0]) + 2 for row in rows))
+        return "\n".join(
+            f"{joint:<{width}}{''.join(f'{cell:>24}' for cell in cells)}{residual:>18}"
+            for joint, *cells, residual in rows
+        )
 
     def to_yaml(self) -> str:
         """The `motors` block of each recorded robot, as it stands in a cell file, with what is known of its numbers.
@@ -198,10 +199,6 @@ class MotorIdentification(InNotebooks):
         write_text_atomically(as_path("path", path), self.to_yaml())
 
 
-def _joint(arm: ArmMotors, place: int) -> str:
-    return printable(f"{arm.robot.name}/{arm.robot.joints[place]}")
-
-
 def _cell(found: MotorParameter, place: int) -> str:
     if not found.identified[place]:
         return "not shown"
@@ -215,51 +212,41 @@ def _block(arm: ArmMotors) -> list[str]:
     rms = ", ".join(f"{value:.3g} {unit}" for value, unit in zip(arm.residual_rms, units, strict=True))
     lines = [f"    # {time}; residual rms {rms}"]
     kept = {name: found for name, found in arm.estimates.items() if np.all(found.identified)}
-    frictions = kept.keys() - {"armature"}
-    if kept:
-        lines.append("    motors:")
-    if "armature" in kept:
-        lines += _entry(arm, "armature", "      ")
-    if frictions:
-        lines.append("      friction:")
-    for name in sorted(frictions):
+    frictions = sorted(kept.keys() - {"armature"})
+    lines += ["    motors:"] if kept else []
+    lines += _entry(arm, "armature", "      ") if "armature" in kept else []
+    lines += ["      friction:"] if frictions else []
+    for name in frictions:
         lines += _entry(arm, name, "        ")
     for name, found in arm.estimates.items():
         if name not in kept:
             without = [place for place, known in enumerate(found.identified) if not known]
             lines.append(f"      # {name} is not known of every joint, so it is left out:")
             lines += [f"      #   {printable(arm.robot.joints[place])}: {found.reasons[place]}" for place in without]
-            lines += [f"      #   known: {_known(arm, found)}"] if len(without) < len(found.reasons) else []
+            known = [
+                f"{printable(joint)} {_cell(found, place)}"
+                for place, joint in enumerate(arm.robot.joints)
+                if found.identified[place]
+            ]
+            lines += [f"      #   known: {', '.join(known)}"] if known else []
     return lines
 
 
 def _entry(arm: ArmMotors, name: str, indent: str) -> list[str]:
-    """A list of numbers, and what is known of them."""
+    """A list of numbers, which are floats to any parser of YAML, and what is known of them."""
     found = arm.estimates[name]
+    values = ", ".join(_number(value) for value in found.value.tolist())
     units = dict.fromkeys(_units(name, [arm]))
     widths = ", ".join(f"{width:.2g}" for width in found.half_width)
     bounded = [printable(arm.robot.joints[place]) for place in np.flatnonzero(found.bounded)]
     zero = f"; held at 0: {', '.join(bounded)}" if bounded else ""
-    return [f"{indent}{name}: {_numbers(found.value)}  # {' or '.join(units)}; ± {widths}{zero}"]
+    return [f"{indent}{name}: [{values}]  # {' or '.join(units)}; ± {widths}{zero}"]
 
 
 def _units(name: str, arms: Sequence[ArmMotors]) -> list[str]:
     """Units of a parameter of every joint."""
     turning, sliding = UNITS[name]
     return [turning if unit == "rad" else sliding for arm in arms for unit in arm.robot.position_units]
-
-
-def _known(arm: ArmMotors, found: MotorParameter) -> str:
-    return ", ".join(
-        f"{printable(joint)} {_cell(found, place)}"
-        for place, joint in enumerate(arm.robot.joints)
-        if found.identified[place]
-    )
-
-
-def _numbers(values: Sequence[float] | Array) -> str:
-    """A list in YAML; its numbers are floats to any parser."""
-    return f"[{', '.join(_number(float(value)) for value in values)}]"
 
 
 def _number(value: float) -> str:

@@ -65,7 +65,7 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
         _check_efforts(recording, robot, joints, motion)
         remarks += _limit_remarks(robot, motion)
         arms.append(_identify_arm(cell, robot, motion))
-        remarks += _remarks(arms[-1]) + _noise_remarks(arms[-1], motion.speed_noise)
+        remarks += _remarks(arms[-1], motion.speed_noise)
     if not any(np.any(arm.used) for arm in arms):
         raise InputError(
             recording.path,
@@ -200,14 +200,12 @@ def _rigid_torque(cell: Cell, robot: Robot, motion: RecordedMotion) -> Array:
 
 
 def _estimate(fits: list[JointFit], place: int) -> MotorParameter:
+    names = ("value", "standard_error", "half_width", "bounded", "free")
+    reasons = tuple(fit.reason[place] for fit in fits)
     return MotorParameter(
-        value=np.array([fit.value[place] for fit in fits]),
-        standard_error=np.array([fit.standard_error[place] for fit in fits]),
-        half_width=np.array([fit.half_width[place] for fit in fits]),
-        identified=np.array([not fit.reason[place] for fit in fits]),
-        reasons=tuple(fit.reason[place] for fit in fits),
-        bounded=np.array([fit.bounded[place] for fit in fits]),
-        free=np.array([fit.free[place] for fit in fits]),
+        **{name: np.array([getattr(fit, name)[place] for fit in fits]) for name in names},
+        identified=np.array([not reason for reason in reasons]),
+        reasons=reasons,
     )
 
 
@@ -221,55 +219,40 @@ def _explained(effort: Array, residual: Array, used: np.typing.NDArray[np.bool_]
     return shares
 
 
-def _remarks(arm: ArmMotors) -> list[Remark]:
-    """What to know of one arm."""
-    remarks = []
-    for place, joint in enumerate(arm.robot.joints):
-        name = f"{arm.robot.name}/{joint}"
-        unknown = [kind for kind, found in arm.estimates.items() if found.reasons[place]]
-        for kind in unknown:
-            text = f"{kind} of '{name}' is not identified: {arm.estimates[kind].reasons[place]}."
-            remarks.append(Remark("not-excited", text))
-        for kind, found in arm.estimates.items():
-            if found.bounded[place]:
-                remarks.append(_bound_remark(name, kind, found, place))
-        if arm.explained[place] < EXPLAINED:
-            remarks.append(
-                Remark(
-                    "unexplained-effort",
-                    f"only {100 * max(arm.explained[place], 0.0):.2g} % of the effort of '{name}' is explained: is it "
-                    "in N m (N) and not in A, on the joint side of the gear, was nothing in the hand, is the URDF that "
-                    "of this arm?",
-                )
-            )
-    return remarks
+def _remarks(arm: ArmMotors, speed_noise: Array) -> list[Remark]:
+    """What to know of one arm.
 
-
-def _noise_remarks(arm: ArmMotors, speed_noise: Array) -> list[Remark]:
-    """Joints whose accelerations are so noisy that least squares, which take them for exact, find too little inertia.
-
-    The mean acceleration of a block is the difference of two velocities by the block's length.
+    Least squares take accelerations for exact, so noisy ones leave too little inertia. The mean acceleration of a
+    block is the difference of two velocities by the block's length.
     """
     remarks = []
     for place, joint in enumerate(arm.robot.joints):
+        name = f"{arm.robot.name}/{joint}"
+        for kind, found in arm.estimates.items():
+            if found.reasons[place]:
+                text = f"{kind} of '{name}' is not identified: {found.reasons[place]}."
+                remarks.append(Remark("not-excited", text))
+            if found.bounded[place]:
+                text = (
+                    f"{kind} of '{name}' is 0 because it cannot be negative; free, it were {found.free[place]:.3g} ± "
+                    f"{found.half_width[place]:.2g}: where that is far from 0, masses of the URDF or efforts are wrong."
+                )
+                remarks.append(Remark("bound-active", text))
+        if arm.explained[place] < EXPLAINED:
+            text = (
+                f"only {100 * max(arm.explained[place], 0.0):.2g} % of the effort of '{name}' is explained: is it in "
+                "N m (N) and not in A, on the joint side of the gear, was nothing in the hand, is the URDF that of "
+                "this arm?"
+            )
+            remarks.append(Remark("unexplained-effort", text))
         moving = arm.acceleration[arm.used[:, place], place]
         noise = 2 * (speed_noise[place] * arm.cutoff) ** 2
         share = noise / np.mean(moving**2) if len(moving) and np.any(moving) else 0.0
         if share > NOISY:
-            remarks.append(
-                Remark(
-                    "noisy-positions",
-                    f"noise of the positions of '{arm.robot.name}/{joint}' is {100 * share:.2g} % of its squared "
-                    "accelerations: its armature is too small by that share of the whole inertia that the joint turns. "
-                    "Lower the cutoff, or accelerate more.",
-                )
+            text = (
+                f"noise of the positions of '{name}' is {100 * share:.2g} % of its squared accelerations: its armature "
+                "is too small by that share of the whole inertia that the joint turns. Lower the cutoff, or accelerate "
+                "more."
             )
+            remarks.append(Remark("noisy-positions", text))
     return remarks
-
-
-def _bound_remark(name: str, kind: str, found: MotorParameter, place: int) -> Remark:
-    return Remark(
-        "bound-active",
-        f"{kind} of '{name}' is 0 because it cannot be negative; free, it were {found.free[place]:.3g} ± "
-        f"{found.half_width[place]:.2g}: where that is far from 0, masses of the URDF or efforts are wrong.",
-    )

@@ -102,17 +102,11 @@ def fit_joint(
 
 
 def _unknown(blocks: int, reason: str) -> JointFit:
+    nothing, unsure = np.zeros(3), np.full(3, np.inf)
     return JointFit(
-        value=np.zeros(3),
-        standard_error=np.full(3, np.inf),
-        half_width=np.full(3, np.inf),
-        free=np.zeros(3),
-        reason=(reason,) * 3,
-        bounded=np.zeros(3, bool),
-        offset=0.0,
-        fitted=np.zeros(blocks),
-        residual_rms=0.0,
-    )
+        value=nothing, standard_error=unsure, half_width=unsure, free=nothing, reason=(reason,) * 3,
+        bounded=np.zeros(3, bool), offset=0.0, fitted=np.zeros(blocks), residual_rms=0.0,
+    )  # fmt: skip
 
 
 def _left_by_others(X: Array, column: int) -> float:

@@ -30,10 +30,6 @@ ADDRESS: Any = type("Address", (), {"from_param": staticmethod(_address)})
 def bind(library: ctypes.CDLL, files: tuple[str, ...]) -> ctypes.CDLL:
     """Give the functions that files of mrts/kernel/c export to Python the types of their arguments and results.
 
-    Args:
-        library: Compiled from these files.
-        files: Such as "batch.c".
-
     Raises:
         AttributeError: If it lacks a function.
     """
@@ -45,7 +41,6 @@ def bind(library: ctypes.CDLL, files: tuple[str, ...]) -> ctypes.CDLL:
 
 @cache
 def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
-    """Name, type of the result and types of the parameters of each function."""
     found = []
     for result, name, parameters in FUNCTION.findall(one_text(files)):
         given = [] if parameters == "void" else parameters.split(",")
@@ -56,12 +51,7 @@ def _declared(files: tuple[str, ...]) -> list[tuple[str, Any, list[Any]]]:
 
 @cache
 def structure(file: str, name: str) -> Any:
-    """The class of a structure that a file of mrts/kernel/c defines or includes; pointers are addresses.
-
-    Args:
-        file: Such as "rows.h".
-        name: Such as "mrts_limits".
-    """
+    """The class of a structure that a file of mrts/kernel/c defines or includes; pointers are addresses."""
     found = re.search(
         rf"typedef struct {{([^}}]*)}} {name};", re.sub(r"/\*.*?\*/", "", one_text((file,)), flags=re.DOTALL)
     )

@@ -22,7 +22,7 @@ CELL_FILES = (
     *(*PROGRAM_FILES, "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
     *("least_torques.c", "trajectory.c", "one_unknown/one_unknown.c"),
     *(*TRACKING_FILES, "tracking/closure.c"),
-    *(f"dense/{name}.c" for name in ("path_places", "path_rows", "widening")),
+    *(f"dense/{name}.c" for name in ("path_places", "widening")),
     *(f"variants/{name}.c" for name in ("end_rows", "ranges")),
 )
 """All of the kernel; the last files need a cell's sizes and generated functions."""

@@ -23,16 +23,26 @@ def cache_folder(*inside: str) -> Path:
     or where there is no home to write to, it is a temporary folder that goes when the process ends, and a warning says
     so.
 
-    Args:
-        *inside: Path of the folder inside the cache.
-
     Raises:
         InputError: If it cannot be made.
     """
-    folder = _permanent_cache(inside)
-    if folder is None:
-        folder = _temporary_cache().joinpath(*inside)
-        _make_private(folder)
+    named = os.environ.get("MRTS_CACHE_DIR")
+    base, problem = Path(named) if named else _default_cache(), "there is no home folder"
+    if base is not None:
+        try:
+            _make_private(base)
+            base = base.resolve()
+            problem = _problem(base, inside)
+            if not problem:
+                _make_private(base.joinpath(*inside))
+                return base.joinpath(*inside)
+        except OSError as error:
+            if named:
+                raise InputError(base, f"the cache folder cannot be made: {error.strerror}. {ADVICE}") from None
+            problem = f"{base} cannot be made: {error.strerror}"
+    _warn(problem)
+    folder = _temporary_cache().joinpath(*inside)
+    _make_private(folder)
     return folder
 
 
@@ -49,30 +59,7 @@ def only_ours(path: Path) -> bool:
     return stat.S_ISREG(found.st_mode) and _writers_problem(found) == ""
 
 
-def _permanent_cache(inside: tuple[str, ...]) -> Path | None:
-    """A folder in the cache that variables and home name; None, and a warning, where it is not private."""
-    named = os.environ.get("MRTS_CACHE_DIR")
-    base = Path(named) if named else _default_cache()
-    if base is None:
-        _warn("there is no home folder")
-        return None
-    try:
-        _make_private(base)
-        base = base.resolve()
-        problem = _problem(base, inside)
-        if not problem:
-            _make_private(base.joinpath(*inside))
-            return base.joinpath(*inside)
-    except OSError as error:
-        if named:
-            raise InputError(base, f"the cache folder cannot be made: {error.strerror}. {ADVICE}") from None
-        problem = f"{base} cannot be made: {error.strerror}"
-    _warn(problem)
-    return None
-
-
 def _default_cache() -> Path | None:
-    """The cache where no variable names one; None without a home."""
     base = Path(os.environ.get("XDG_CACHE_HOME", ""))
     if not base.is_absolute():  # as the XDG specification wants it
         try:
@@ -84,12 +71,10 @@ def _default_cache() -> Path | None:
 
 @lru_cache
 def _warn(problem: str) -> None:
-    """Say once why the cache is not used."""
     logger.warning("the cache is not used, because %s: every run generates and compiles anew. %s", problem, ADVICE)
 
 
 def _make_private(folder: Path) -> None:
-    """Make a folder and those above it, readable by this user only."""
     for missing in reversed([above for above in (folder, *folder.parents) if not above.exists()]):
         missing.mkdir(mode=0o700, exist_ok=True)
     if not folder.is_dir():
@@ -100,10 +85,6 @@ def _problem(base: Path, inside: tuple[str, ...]) -> str:
     """Why others could put files into a folder of the cache; empty if they cannot.
 
     From the root down: what is found in a folder stays, if nobody else can write the folders above it.
-
-    Args:
-        base: The cache, without links in its path.
-        inside: Path of the folder inside the cache.
     """
     for above in reversed(base.parents):
         if problem := _writers_problem(above.stat(), above=True):

@@ -37,7 +37,6 @@ class SparseLimits:
 
     Attributes:
         rows: r.
-        sides: Limits of all rows, lower and upper ones.
         entries: Row and column of each entry that is kept, each Shape (e,).
         values: Of the entries, Shape (e,).
 
@@ -59,7 +58,6 @@ class SparseLimits:
         if not np.all(lower <= upper):
             raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
-        self.sides = int(np.count_nonzero(lower > -INFINITY) + np.count_nonzero(upper < INFINITY))
         self.entries = row, column = np.nonzero(matrix if pattern is None else pattern)
         self.values = np.ascontiguousarray(matrix[row, column])
         start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=self.rows))])
@@ -174,7 +172,14 @@ class CellLibrary(MotionLibrary):
         return {name: _by_rows(value) for name, value in outputs.items()}
 
     def ranges(
-        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, most: Array
+        self,
+        samples: int,
+        inputs: dict[str, Array],
+        limits: SparseLimits,
+        terms: SampleTerms,
+        most: Array,
+        *,
+        speeds: bool = False,
     ) -> KernelRanges:
         """Least and largest c² at every sample.
 
@@ -183,46 +188,23 @@ class CellLibrary(MotionLibrary):
             inputs: Of the wrench form, by name.
             limits: Rows over torques and wrenches.
             terms: What is added at every sample.
-            most: Largest c² that the velocities allow, Shape (N,), infinity where they do not bound it.
+            most: Largest c² that the velocities allow or that is asked for, Shape (N,), infinity where none is.
+            speeds: Whether rows have terms in c: then the ends are those of the highest interval.
         """
-        k, N = self.unknowns, samples
+        rows, N = self.unknowns + speeds, samples
         found = KernelRanges(
             lower=np.zeros(N),
             upper=np.zeros(N),
-            status=np.full((2, N), STOPPED, dtype=np.uint8),
+            status=np.full((1 if speeds else 2, N), STOPPED, dtype=np.uint8),
             effect=np.zeros(N),
-            basis=np.zeros((2, N, k), dtype=np.int16),
-            dual=np.zeros((2, N, k), dtype=np.float32),
+            basis=np.zeros((2, N, rows), dtype=np.int16),
+            dual=np.zeros((2, N, rows), dtype=np.float32),
+            gap=np.zeros(N) if speeds else None,
         )
-        outputs = [found.lower, found.upper, *found.status, found.effect, *found.basis, *found.dual]
-        self.over_samples("mrts_ranges", samples, inputs, limits, [terms], [np.minimum(most, INFINITY)], outputs)
-        return found
-
-    def speed_ranges(
-        self, samples: int, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, most: Array
-    ) -> KernelRanges:
-        """The highest interval of c² at every sample where rows have terms in c.
-
-        Args:
-            samples: N.
-            inputs: Of the wrench form, by name.
-            limits: Rows over torques and wrenches.
-            terms: What is added at every sample.
-            most: Largest c² that is asked for, Shape (N,), infinity where none is.
-        """
-        k, N = self.unknowns, samples
-        gap = np.zeros(N)
-        found = KernelRanges(
-            lower=np.zeros(N),
-            upper=np.zeros(N),
-            status=np.full((1, N), STOPPED, dtype=np.uint8),
-            effect=np.zeros(N),
-            basis=np.zeros((2, N, k + 1), dtype=np.int16),
-            dual=np.zeros((2, N, k + 1), dtype=np.float32),
-            gap=gap,
-        )
-        outputs = [found.lower, found.upper, gap, *found.status, found.effect, *found.basis, *found.dual]
-        self.over_samples("mrts_speed_ranges", samples, inputs, limits, [terms], [np.minimum(most, INFINITY)], outputs)
+        between = [] if found.gap is None else [found.gap]
+        outputs = [found.lower, found.upper, *between, *found.status, found.effect, *found.basis, *found.dual]
+        name = "mrts_speed_ranges" if speeds else "mrts_ranges"
+        self.over_samples(name, samples, inputs, limits, terms, [np.minimum(most, INFINITY)], outputs)
         return found
 
     def torques(
@@ -250,7 +232,7 @@ class CellLibrary(MotionLibrary):
         status = np.full(samples, STOPPED, dtype=np.uint8)
         W = np.ascontiguousarray(weights)
         outputs: list[NDArray[Any]] = [torque, wrench, status]
-        self.over_samples("mrts_torques", samples, inputs, limits, [terms], [c2], outputs, (1, W, widening))
+        self.over_samples("mrts_torques", samples, inputs, limits, terms, [c2], outputs, (1, W, widening))
         return torque, wrench, status
 
     def over_samples(
@@ -259,15 +241,15 @@ class CellLibrary(MotionLibrary):
         samples: int,
         inputs: dict[str, Array],
         limits: SparseLimits,
-        terms: Sequence[SampleTerms],
+        terms: SampleTerms,
         asked: Sequence[Array],
         outputs: Sequence[NDArray[Any]],
         for_all: tuple[Any, ...] = (),
         *,
         function: str = "wrench_form",
         one_piece: int = 0,
-    ) -> bool:
-        """Call a C function of whole trajectories for all samples, in pieces; False if it met what is no number.
+    ) -> None:
+        """Call a C function of whole trajectories for all samples, in pieces.
 
         Args:
             name: Of the function.
@@ -288,7 +270,7 @@ class CellLibrary(MotionLibrary):
         def run(first: int, count: int) -> None:
             failed = getattr(self.opened, name)(
                 *(count, pointers(given, first, strides), strides, limits.structure),
-                *(added.structure(first) for added in terms),
+                terms.structure(first),
                 *(values[first:] for values in each),
                 *for_all,
                 *(output[first:] for output in outputs),
@@ -300,8 +282,7 @@ class CellLibrary(MotionLibrary):
             run(0, samples)
         else:
             over_chunks(self.opened, samples, run)
-        assert 1 not in failures  # noqa: S101 (`SparseLimits` has looked at the limits)
-        return not any(failures)
+        assert not any(failures)  # noqa: S101 (`SparseLimits` has looked at the limits)
 
     def address(self, function: str) -> ctypes.c_void_p:
         """Of a generated function, by its short name."""

@@ -56,7 +56,6 @@ def _work(library: ctypes.CDLL, function: str, sizes: tuple[int, ...]) -> tuple[
 
 
 def _processors() -> int:
-    """How many this process may run on."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -99,9 +98,6 @@ def interruptible(call: Callable[[], int]) -> int:
 
     Python runs handlers of signals between its own instructions, so a long call runs in a thread of its own, which an
     interrupt leaves behind: it may finish, in memory that it keeps.
-
-    Args:
-        call: Takes long, and lets other threads run.
     """
     returned: list[int] = []
     worker = threading.Thread(target=lambda: returned.append(call()), daemon=True)

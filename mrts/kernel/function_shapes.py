@@ -15,11 +15,6 @@ ADVICE = "Make C file and manifest again: `mrts generate`."
 def check_shapes(where: Path | str, manifest: Manifest, library: ctypes.CDLL) -> None:
     """Ask the library what every function takes and gives, and compare.
 
-    Args:
-        where: The manifest's file, or what else it is from, for messages.
-        manifest: Manifest of the cell.
-        library: The cell's library.
-
     Raises:
         InputError: If manifest, library and what the kernel takes for granted differ.
     """

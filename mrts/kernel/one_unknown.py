@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Samples whose wrenches balance fixes, whole trajectories in one foreign call (mrts/kernel/c/one_unknown)."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,89 +32,30 @@ class KnownRanges:
     tied: NDArray[np.int8]
 
 
-@dataclass(frozen=True)
-class KnownPlanes:
-    """Half-planes n_u u + n_x x <= h at N samples, e of each, in units of limits.
+def known_ranges(
+    library: CellLibrary,
+    function: str,
+    samples: int,
+    inputs: dict[str, Array],
+    limits: SparseLimits,
+    terms: SampleTerms,
+    most: Array,
+) -> KnownRanges:
+    """Least and largest c² at every sample where c² is the only unknown.
 
-    Attributes:
-        planes: n_u, n_x, h, Shape (N, e, 3).
-        effect: Largest effect of u = 1 and of x = 1 on a row, Shape (N, 2).
-    """
-
-    planes: Array
-    effect: Array
-
-
-@dataclass(frozen=True)
-class KnownWrenches:
-    """A cell's samples whose wrenches are known but for c², or for u = r̈ and x = ṙ².
-
-    Attributes:
-        compiled: The cell's library.
+    Args:
+        library: Of the cell.
         function: Short name of the generated function that gives torques and wrenches.
         samples: N.
         inputs: Of the function, by name.
         limits: Rows over torques and wrenches.
+        terms: What is added at every sample.
+        most: Largest c² that the velocities allow, Shape (N,), infinity where they do not bound it.
     """
-
-    compiled: CellLibrary
-    function: str
-    samples: int
-    inputs: dict[str, Array]
-    limits: SparseLimits
-
-    def ranges(self, terms: SampleTerms, most: Array) -> KnownRanges:
-        """Least and largest c² at every sample.
-
-        Args:
-            terms: What is added at every sample.
-            most: Largest c² that the velocities allow, Shape (N,), infinity where they do not bound it.
-        """
-        N, rows = self.samples, self.limits.rows
-        tied = np.zeros((2, N, rows), dtype=np.int8)
-        found = KnownRanges(np.zeros(N), np.zeros(N), np.zeros(N), tied)
-        self._run(
-            "mrts_known_ranges",
-            (terms,),
-            (np.minimum(most, INFINITY),),
-            (found.lower, found.upper, found.effect, *tied),
-        )
-        return found
-
-    def planes(self, terms: SampleTerms, rate_terms: SampleTerms) -> KnownPlanes | None:
-        """The rows over u and x, those of their sides that have a limit; None where a coefficient is no number.
-
-        Args:
-            terms: What is added at every sample, with x for c².
-            rate_terms: What u adds, likewise.
-        """
-        found = KnownPlanes(np.empty((self.samples, self.limits.sides, 3)), np.empty((self.samples, 2)))
-        numbers = self._run("mrts_known_planes", (terms, rate_terms), (), (found.effect, found.planes))
-        return found if numbers else None
-
-    def _run(
-        self, name: str, terms: Sequence[SampleTerms], each: Sequence[Array], outputs: Sequence[NDArray[Any]]
-    ) -> bool:
-        of = self.compiled
-        run = of.address(self.function), len(of.records[self.function].inputs)
-        return of.over_samples(
-            *(name, self.samples, self.inputs, self.limits, terms, each, outputs, run),
-            function=self.function,
-            one_piece=ONE_PIECE,
-        )
-
-
-def known_values(
-    compiled: CellLibrary, function: str, samples: int, inputs: dict[str, Array], c2: float
-) -> tuple[Array, Array]:
-    """Torques, Shape (N, m), without what motors give, and wrenches, Shape (N, n w), at a c².
-
-    Args:
-        compiled: The cell's library.
-        function: As in `KnownWrenches`.
-        samples: N.
-        inputs: Of the function, by name.
-        c2: One for all samples.
-    """
-    torque_map, torque, wrench_map, wrench = compiled.map(function, samples, inputs).values()
-    return torque_map * c2 + torque, wrench_map * c2 + wrench
+    run = library.address(function), len(library.records[function].inputs)
+    tied = np.zeros((2, samples, limits.rows), dtype=np.int8)
+    found = KnownRanges(np.zeros(samples), np.zeros(samples), np.zeros(samples), tied)
+    each, outputs = [np.minimum(most, INFINITY)], [found.lower, found.upper, found.effect, *tied]
+    given = samples, inputs, limits, terms, each, outputs, run
+    library.over_samples("mrts_known_ranges", *given, function=function, one_piece=ONE_PIECE)
+    return found

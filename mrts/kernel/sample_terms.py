@@ -49,10 +49,6 @@ class SampleTerms:
         return type(self)(**{name: None if terms is None else terms[samples] for name, terms in some.items()})
 
     def structure(self, sample: int = 0) -> Any:
-        """What C takes; valid while these terms live.
-
-        Args:
-            sample: The first.
-        """
+        """What C takes; valid while these terms live."""
         given = (getattr(self, name) for name in FIELDS)
         return TERMS(*(None if terms is None else terms[sample:].ctypes.data for terms in given))

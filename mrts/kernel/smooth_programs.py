@@ -18,36 +18,26 @@ from mrts.kernel.foreign_arrays import INFINITY, interruptible
 FOUND = 0
 """The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
 
-_SIZES = ("nodes", "rows", "free", "width", "changes", "jerks")
 PROGRAM = structure("smooth/smooth_program.h", "mrts_smooth_program")
 
-
-@dataclass(frozen=True)
-class PathRows:
-    """Arrays of a path as the kernel takes them, contiguous and of its types.
-
-    Attributes:
-        sizes: By the names of `mrts_smooth_program`.
-        arrays: Likewise; what is absent is null.
-    """
-
-    sizes: dict[str, int]
-    arrays: dict[str, NDArray[Any]]
+PathRows = dict[str, int | NDArray[Any]]
+"""Sizes and arrays of a path by the names of `mrts_smooth_program`, contiguous and of its types; one that is absent is
+null."""
 
 
-def path_rows(free: Array, columns: NDArray[np.int_], **arrays: Array) -> PathRows:
+def path_rows(free: Array, **arrays: Array) -> PathRows:
     """A path for the kernel.
 
     Args:
         free: Coefficients of F, Shape (n, r, f).
-        columns: First and one past the last column that a row has, Shape (r, 2).
         **arrays: Those of `mrts_smooth_program` that a step does not change, by name, Shape (n, r) if not said there;
             `change` Shape (r,), infinite where there is none.
     """
     n, r, f = free.shape
-    columns = _used(free, columns)
-    first, count = columns[:, 0], columns[:, 1] - columns[:, 0]
-    taken = _places(columns, f)
+    used = np.any(free, axis=0)  # of a row, what lies from the first column that is not 0 at every node to the last
+    end = np.max(used * np.arange(1, f + 1), axis=1, initial=0)
+    first = np.minimum(np.min(np.where(used, np.arange(f), f), axis=1, initial=f), end)
+    taken = np.flatnonzero((np.arange(f) >= first[:, None]) & (np.arange(f) < end[:, None]))
     limited = np.flatnonzero(np.isfinite(arrays["change"]))
     given = {
         **{name: array for name, array in arrays.items() if name not in ("root", "weight") or np.any(array)},
@@ -56,33 +46,14 @@ def path_rows(free: Array, columns: NDArray[np.int_], **arrays: Array) -> PathRo
         "lower": np.maximum(arrays["lower"], -INFINITY),
         "upper": np.minimum(arrays["upper"], INFINITY),
     }
-    numbers = {name: np.ascontiguousarray(array, dtype=np.float64) for name, array in given.items()}
+    count = end - first
     indices = {"first": first, "count": count, "place": np.cumsum(count) - count, "limited": limited}
-    sizes = (n, r, f, len(taken), len(limited), arrays["jerk"].shape[0])
-    return PathRows(
-        dict(zip(_SIZES, sizes, strict=True)),
-        {**numbers, **{name: np.ascontiguousarray(array, dtype=np.int32) for name, array in indices.items()}},
-    )
-
-
-def _places(columns: NDArray[np.int_], f: int) -> NDArray[np.int_]:
-    """Of the columns that rows have among all coefficients of a node, (r, f)."""
-    first, count = columns[:, 0], columns[:, 1] - columns[:, 0]
-    within = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
-    places: NDArray[np.int_] = np.repeat(np.arange(len(columns)) * f + first, count) + within
-    return places
-
-
-def _used(free: Array, columns: NDArray[np.int_]) -> NDArray[np.int_]:
-    """The columns of each row from the first to the last that is not 0 at every node, Shape (r, 2)."""
-    n, r, f = free.shape
-    places = _places(columns, f)
-    rows, found = np.divmod(places[np.any(free.reshape(n, r * f)[:, places], axis=0)], max(f, 1))
-    used = np.tile([f, 0], (r, 1))
-    np.minimum.at(used[:, 0], rows, found)
-    np.maximum.at(used[:, 1], rows, found + 1)
-    used[used[:, 0] > used[:, 1]] = 0
-    return used
+    sizes = {"nodes": n, "rows": r, "free": f, "width": len(taken), "changes": len(limited)}
+    return {
+        **(sizes | {"jerks": len(arrays["jerk"])}),
+        **{name: np.ascontiguousarray(array, dtype=np.float64) for name, array in given.items()},
+        **{name: np.ascontiguousarray(array, dtype=np.int32) for name, array in indices.items()},
+    }
 
 
 @dataclass(frozen=True)
@@ -147,8 +118,7 @@ def solve_smooth(
     """
     library = _library()
     program = PROGRAM(
-        **rows.sizes,
-        **{name: array.ctypes.data for name, array in rows.arrays.items()},
+        **{name: value if isinstance(value, int) else value.ctypes.data for name, value in rows.items()},
         time=time,
         effort=effort,
         longest=min(longest, INFINITY),

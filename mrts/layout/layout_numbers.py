@@ -10,12 +10,12 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
-from mrts.studies.number_paths import Keys, value_at
-from mrts.studies.spreads import Levels, Range
-from mrts.studies.study import Parameter, Study
+from mrts.studies.parameters import Parameter
+from mrts.studies.study import Study
+from mrts.studies.variant_numbers import POSES, base_numbers, target_entries
 
-POSE = 6
-"""Numbers of a pose in a cell file: x, y, z, roll, pitch, yaw."""
+PARTS = (*POSES, "posture")
+"""Arrays of `mrts.studies.variant_numbers` that are a layout."""
 
 DIGITS = 5
 """Decimals of the numbers of an answer: 10 µm and 10 µrad, less than anyone can set up."""
@@ -37,8 +37,7 @@ class LayoutNumbers:
         parameters: Of the study.
         lower: Least values, Shape (P,).
         upper: Largest values, Shape (P,).
-        given: What the files of the study have, and what of it each number sets: base, grasp (x, y, z, roll, pitch, yaw
-            each) of every arm in turn, then all postures, Shape (12 n + m,).
+        given: What the files of the study have: the arrays of `PARTS` one after the other, Shape (12 n + m,).
         offset: The same with all parameters at zero.
         slope: By the parameters, Shape (12 n + m, P).
     """
@@ -61,25 +60,20 @@ class LayoutNumbers:
         Raises:
             InputError: If it varies what is no layout, or not between two values.
         """
-        bounds, joints = [], sum(len(robot.joints) for robot in cell.robots)
-        given = np.zeros(2 * POSE * len(cell.robots) + joints)
-        files = {"cell": study.cell}
-        for index, part in enumerate(cell.joint_slices.values()):
-            for place, name in enumerate(("base", "grasp")):
-                pose = value_at(files, ("cell", "robots", index)).get(name) or {}
-                start = 2 * POSE * index + POSE * place
-                given[start : start + 3] = pose.get("xyz") or np.zeros(3)
-                given[start + 3 : start + 6] = pose.get("rpy") or np.zeros(3)
-            given[2 * POSE * len(cell.robots) :][part] = value_at(files, ("cell", "robots", index, "posture"))
+        numbers = base_numbers(study, cell)
+        arrays = [numbers[name][0] for name in PARTS]
+        starts = dict(zip(PARTS, np.cumsum([0, *(array.size for array in arrays)]).tolist(), strict=False))
+        given = np.concatenate([array.ravel() for array in arrays])
         offset, slope = given.copy(), np.zeros((len(given), len(study.parameters)))
         for column, parameter in enumerate(study.parameters):
             for target in parameter.targets:
-                row = None if _looks(study, target.keys) else _row(cell, target.keys)
-                if row is None:
+                places = target_entries(target, column, study, cell)
+                if not places or places[0].name not in starts:
                     raise InputError(study.path, NOT_A_LAYOUT, key=f"vary: {target.path}")
-                offset[row], slope[row, column] = target.offset, target.factor
-            bounds.append(_bounds(study, parameter))
-        lower, upper = np.array(bounds).T
+                (entry,) = places
+                row = starts[entry.name] + int(np.ravel_multi_index(entry.index, numbers[entry.name].shape[1:]))
+                offset[row], slope[row, column] = entry.offset, entry.factor
+        lower, upper = np.array([_bounds(study, parameter) for parameter in study.parameters]).T
         return cls(parameters=study.parameters, lower=lower, upper=upper, given=given, offset=offset, slope=slope)
 
     def nearest_given(self) -> tuple[Array, bool]:
@@ -105,22 +99,23 @@ class LayoutNumbers:
         """
         import casadi as ca  # noqa: PLC0415 (here it is symbols; reading a study does without)
 
+        n = len(cell.robots)
         numbers = ca.DM(self.offset) + ca.sparsify(ca.DM(self.slope)) @ values
         entries = ca.SX(cell.geometry)
-        for pose in range(2 * len(cell.robots)):
-            part = slice(POSE * pose, POSE * pose + POSE)
-            if np.any(self.slope[part]):
-                x, rpy = numbers[part][:3], numbers[part][3:]
-                start = GRAVITY_SIZE + pose * ROBOT_SIZE // 2
-                entries[start : start + 9] = ca.vec(_rotation(rpy).T)
-                entries[start + 9 : start + 12] = x
+        for robot in range(n):
+            for frame in range(2):
+                xyz, rpy = (slice(first := 3 * (n * part + robot), first + 3) for part in (2 * frame, 2 * frame + 1))
+                if np.any(self.slope[xyz]) or np.any(self.slope[rpy]):
+                    start = GRAVITY_SIZE + (2 * robot + frame) * ROBOT_SIZE // 2
+                    entries[start : start + 9] = ca.vec(_rotation(numbers[rpy]).T)
+                    entries[start + 9 : start + 12] = numbers[xyz]
         return entries
 
     def postures(self, cell: Cell, values: Any) -> Any:
         """All postures at symbols of the values, Shape (m,) [rad or m]."""
         import casadi as ca  # noqa: PLC0415 (likewise)
 
-        rows = slice(2 * POSE * len(cell.robots), None)
+        rows = slice(12 * len(cell.robots), None)
         return ca.DM(self.offset[rows]) + ca.sparsify(ca.DM(self.slope[rows])) @ values
 
 
@@ -137,32 +132,13 @@ def _rotation(rpy: Any) -> Any:
     )
 
 
-def _looks(study: Study, keys: Keys) -> bool:
-    """Whether a number is of a grasp that looks at a point, and so turns the tip as it moves."""
-    match keys:
-        case ("cell", "robots", int(robot), "grasp", *_):
-            return (study.cell["robots"][robot].get("grasp") or {}).get("look_at") is not None
-    return False
-
-
 def _bounds(study: Study, parameter: Parameter) -> tuple[float, float]:
-    spread = parameter.spread
-    if isinstance(spread, Range) or (isinstance(spread, Levels) and spread.between):
-        return spread.bounds
+    distribution = parameter.distribution
+    if distribution.kind in {"uniform", "steps"} and distribution.bounds is not None:
+        return distribution.bounds
     raise InputError(
         study.path,
         "must be given by 'from' and 'to', between which the best layout is searched.",
         key=f"vary: {parameter.path}",
-        value=spread.text(parameter.unit),
+        value=distribution.text(parameter.unit),
     )
-
-
-def _row(cell: Cell, keys: Keys) -> int | None:
-    """Where a number stands in `LayoutNumbers.given`; None if it is no number of a layout."""
-    match keys:
-        case ("cell", "robots", int(robot), ("base" | "grasp") as pose, ("xyz" | "rpy") as part, int(axis)):
-            return 2 * POSE * robot + (POSE if pose == "grasp" else 0) + (3 if part == "rpy" else 0) + axis
-        case ("cell", "robots", int(robot), "posture", int(joint)):
-            before = sum(len(arm.joints) for arm in cell.robots[:robot])
-            return 2 * POSE * len(cell.robots) + before + joint
-    return None

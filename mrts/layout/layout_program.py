@@ -1,29 +1,42 @@
 # SPDX-License-Identifier: MIT
-"""One sparse nonlinear program: the layout, the joints and wrenches of all samples, and c²."""
+"""One sparse nonlinear program: the layout, the joints and wrenches of all samples, and c².
 
-from collections.abc import Callable
-from dataclasses import dataclass
+Largest c² over layout θ, q_k, q'_k, q''_k and F_k of N samples, by IPOPT (Wächter and Biegler, 2006). Grasp closure and
+its two derivatives hold at each sample, and so do the rows of all limits, for every load. Balance of the object is kept
+by eliminating the last arm's wrench. Redundant arms have the joint positions that `mrts.following.null_space` chooses.
+Derivatives are CasADi's, of the expressions that the generated C is made of.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, apply
+from mrts.base.errors import InputError
+from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
+from mrts.cell.hands.contact import triple_axes
+from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.null_space import is_redundant
-from mrts.layout.grasp_equations import ObjectSymbols, grasp_equations, object_columns
+from mrts.following.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
 from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.layout.limit_equations import LimitEquations
-from mrts.layout.redundant_equations import multipliers, preference, redundant_joints
-from mrts.layout.sample_equations import SharedSymbols, sample_equations
+from mrts.limits import limit_rows
+from mrts.limits.rows import LimitRows
+from mrts.program.motor_terms import MotorTerms, motor_terms
+from mrts.scaling.result import ScalingResult
 
 IPOPT_TOLERANCE = 1e-8
 """Of the scaled program: c² is then right to more digits than are printed."""
 
 ITERATIONS = 300
 """Most iterations of IPOPT; some ten to thirty are usual."""
+
+SAME_ROW = 1e-9
+"""Share of the largest entry by which a row may differ from what is linear in the joint velocities: rounding."""
 
 IPOPT_OPTIONS: dict[str, Any] = {
     "print_time": False,
@@ -58,148 +71,390 @@ class LayoutAnswer:
     solved: bool
 
 
-@dataclass(frozen=True, kw_only=True)
-class LayoutStart:
-    """A layout that a cell can play, along the samples of a program.
-
-    Attributes:
-        cell: The cell in that layout.
-        layout: Values of the numbers, Shape (P,).
-        motion: Its motion.
-        wrench: Wrenches that carry the load within all limits, Shape (N, n w) [N, N m].
-        c2: At this c².
-        loads: Load vectors, all of which must be carried, Shape (10,) each.
-    """
-
-    cell: Cell
-    layout: Array
-    motion: CoordinatedMotion
-    wrench: Array
-    c2: float
-    loads: tuple[Array, ...]
-
-
-class LayoutProgram:
-    """Largest c² over layout θ, q_k, q'_k, q''_k and F_k of N samples, by IPOPT (Wächter and Biegler, 2006).
-
-    Grasp closure and its two derivatives hold at each sample, and so do the rows of all limits, for every load. Balance
-    of the object is kept by eliminating the last arm's wrench. Derivatives are CasADi's, of the expressions that the
-    generated C is made of.
+def solve_layout(
+    functions: dict[str, Any],
+    numbers: LayoutNumbers,
+    layout: Array,
+    played: ScalingResult,
+    samples: NDArray[np.intp],
+    *,
+    bounds: tuple[Array, Array] | None = None,
+    stop: Callable[[], bool] = lambda: False,
+) -> LayoutAnswer:
+    """The local optimum that a search from a layout ends at.
 
     Args:
         functions: CasADi's functions of the cell.
         numbers: The numbers of the layout.
-        start: What to start from; says which chains, limits and loads.
+        layout: Their values at the start, Shape (P,).
+        played: What `mrts.scale` finds there, with torques; says which chains, limits and loads.
         samples: Indices of its motion's samples, N of them.
+        bounds: Of the numbers, Shape (P,) each; None takes their own. Where both are equal, the number stays.
+        stop: Asked at every iteration whether the search is to end.
+    """
+    assert played.trajectory is not None and played.range.upper is not None  # noqa: S101, PT018 (it is playable)
+    cell, motion = played.cell, played.motion
+    loads = [cell.load] if played.load is None else [point.load for point in played.load.points]
+    P, N, m = len(layout), len(samples), motion.q.shape[1]
+    redundant = _redundant_joints(cell)
+    force = _multipliers(cell, motion.q[samples], motion.q[0])
+    theta, log_c2 = ca.SX.sym("layout", P), ca.SX.sym("log_c2")
+    reference, first_force = ca.SX.sym("reference", len(redundant)), ca.SX.sym("multiplier", force.shape[1])
+    shared = ca.vertcat(theta, log_c2, reference, first_force)
+    geometry = numbers.geometry(cell, theta)
+    limits = _Limits.of(cell, motion.at(samples))
+    sample = _sample_function(cell, functions, geometry, (shared, log_c2, reference), force.shape[1], limits, loads)
+    posture = numbers.postures(cell, theta)
+    begin = _start_equations(cell, functions, motion, geometry, (shared, reference, first_force), posture)
+
+    unknowns, ours = ca.MX.sym("unknowns", sample.size1_in(0), N), ca.MX.sym("shared", shared.numel())
+    given = np.concatenate([_object_columns(motion.at(samples)), limits.columns])
+    rows = sample.map("samples", "serial", N, [1], [])(unknowns, ours, ca.DM(given))
+    program = {
+        "x": ca.vertcat(ours, ca.vec(unknowns)),
+        "f": -ours[P],
+        "g": ca.vertcat(begin(ours), ca.vec(rows)),
+    }
+    row_bounds = []
+    for bound in limits.bounds:
+        of_loads = [bound, *[bound[:, limits.rows.of_forces]] * (len(loads) - 1)]
+        held = np.zeros((N, sample.size1_out(0) - sum(each.shape[1] for each in of_loads)))
+        row_bounds.append(np.append(np.zeros(begin.numel_out()), np.concatenate([held, *of_loads], axis=1)))
+    lower, upper = bounds or (numbers.lower, numbers.upper)
+    unknown_bounds = []
+    for side, sign, values in (("lower", -1, lower), ("upper", 1, upper)):
+        each = np.full(sample.size1_in(0), sign * np.inf)
+        each[:m] = np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots])
+        unlimited = np.full(shared.numel() - P, sign * np.inf)
+        unknown_bounds.append(np.concatenate([values, unlimited, np.tile(each, N)]))
+
+    starts = [getattr(motion, name)[samples] for name in ("q", "dq", "ddq")]
+    starts += [played.trajectory.wrench[samples, : -len(cell.wrench_components)]] * len(loads)
+    starts += [force, np.zeros((N, 2 * force.shape[1]))]
+    postures = np.concatenate([robot.posture for robot in cell.robots])
+    begin_at = [motion.q[0, redundant], _multipliers(cell, motion.q[:1], postures)[0]]
+    x0 = [layout, [np.log(played.range.upper.c2)], *begin_at, np.concatenate(starts, axis=1).ravel()]
+    watch = _Watch(program["x"].numel(), program["g"].numel(), stop)
+    solver = ca.nlpsol("layout", "ipopt", program, IPOPT_OPTIONS | {"iteration_callback": watch})
+    found = solver(
+        x0=np.concatenate(x0), lbx=unknown_bounds[0], ubx=unknown_bounds[1], lbg=row_bounds[0], ubg=row_bounds[1]
+    )
+    x = found["x"].full()[:, 0]
+    jacobian = solver.get_function("nlp_jac_g")(x=x)["jac_g_x"][:, :P]
+    return LayoutAnswer(
+        layout=np.clip(x[:P], lower, upper),
+        c2=float(np.exp(x[P])),
+        slope=-(jacobian.T @ found["lam_g"]).full()[:, 0],
+        start=x[shared.numel() : shared.numel() + m],
+        solved=bool(solver.stats()["success"]),
+    )
+
+
+def _sample_function(
+    cell: Cell,
+    functions: dict[str, Any],
+    geometry: Any,
+    shared: tuple[Any, Any, Any],
+    forces: int,
+    limits: "_Limits",
+    loads: Sequence[Array],
+) -> Any:
+    """All equations of one sample, then the rows of all limits in their units.
+
+    Args:
+        cell: The cell that the search starts from.
+        functions: CasADi's functions of the cell.
+        geometry: Of the cell, in terms of the layout, Shape (g,).
+        shared: What all samples share; of it, ln c² and the joint positions that redundant arms stay near.
+        forces: Size of the multipliers of redundant arms.
+        limits: The rows.
+        loads: Load vectors, all of which must be carried, Shape (10,) each.
+
+    Returns:
+        Function of the sample's unknowns [q, q', q'', free wrenches for each load, multipliers of redundant arms and
+        their two derivatives], of the shared ones and of what is given of it [object, s, e, dry friction].
+    """
+    whole, log_c2, reference = shared
+    r, m = limits.by_velocity.shape
+    free = len(cell.wrench_components) * (len(cell.robots) - 1)
+    q, dq, ddq = position = tuple(ca.SX.sym(name, m) for name in ("q", "dq", "ddq"))
+    wrenches = [ca.SX.sym(f"F{index}", free) for index in range(len(loads))]
+    force = tuple(ca.SX.sym(name, forces) for name in ("f", "df", "ddf"))
+    carried = ca.SX.sym("p", 3), ca.SX.sym("R", 3, 3), ca.SX.sym("twist", 6), ca.SX.sym("acceleration", 6)
+    s, e, dry = ca.SX.sym("s", r), ca.SX.sym("e", r), ca.SX.sym("dry", m)
+
+    equations = [*_grasp_equations(cell, functions, position, carried, geometry)]
+    if reference.numel():
+        nearest = _preference(cell, functions, q, force[0], reference, geometry)
+        equations.append(_along_path(nearest, position, force))
+
+    c2, c = ca.exp(log_c2), ca.exp(log_c2 / 2)
+    of_speed = (ca.DM(limits.by_velocity) @ dq + s) * c + e * c2
+    armature, viscous = (
+        np.concatenate([getattr(robot.motors, name) for robot in cell.robots]) for name in ("armature", "viscous")
+    )
+    of_motors = ca.DM(armature) * ddq * c**2 + ca.DM(viscous) * dq * c + dry
+    values: list[Any] = []
+    for load, wrench in zip(loads, wrenches, strict=True):
+        form = functions["wrench_form"](
+            q=q,
+            dq=dq,
+            ddq=ddq,
+            object_rotation=carried[1],
+            object_twist=carried[2],
+            object_acceleration=carried[3],
+            load=load,
+            geometry=geometry,
+        )
+        x = ca.vertcat(wrench, c2)
+        F = form["wrench_map"] @ x + form["wrench_offset"]
+        torque = form["torque_map"] @ x + form["torque_offset"] + of_motors
+        value = limits.values(torque, F, _turned_wrenches(cell, F, carried[1], geometry), of_speed)
+        values.append(value[np.flatnonzero(limits.rows.of_forces).tolist()] if values else value)
+    position_, R, *rates = carried
+    return ca.Function(
+        "sample",
+        [ca.vertcat(*position, *wrenches, *force), whole, ca.vertcat(position_, ca.vec(R), *rates, s, e, dry)],
+        ca.cse([ca.densify(ca.vertcat(*equations, *values))]),
+    )
+
+
+def _object_columns(motion: CoordinatedMotion) -> Array:
+    """Position, rotation by columns, twist and acceleration of the object at N samples, Shape (24, N)."""
+    carried = motion.object
+    by_columns = carried.rotation.transpose(0, 2, 1).reshape(-1, 9)
+    return np.concatenate([carried.position, by_columns, carried.twist, carried.acceleration], axis=1).T
+
+
+def _arm_poses(geometry: Any, robots: int) -> list[tuple[Any, Any, Any, Any]]:
+    """R and p of each base in the world and of each tip in the object, from `mrts.cell.cell.Cell.geometry`."""
+    poses = []
+    for index in range(robots):
+        entries = geometry[GRAVITY_SIZE + index * ROBOT_SIZE :][:ROBOT_SIZE]
+        R_base, R_tip = (ca.reshape(entries[start : start + 9], 3, 3).T for start in (0, 12))
+        poses.append((R_base, entries[9:12], R_tip, entries[21:24]))
+    return poses
+
+
+def _grasp_equations(
+    cell: Cell, functions: dict[str, Any], joints: tuple[Any, ...], carried: tuple[Any, ...], geometry: Any
+) -> tuple[Any, Any, Any]:
+    """What is zero where every tip is at its grasp, moves with it and accelerates with it, Shape (n w,) each.
+
+    The error of a rotation is the sine of its angle times its axis, in world axes: smooth where the angle is small,
+    and its derivative at zero is the identity.
+
+    Args:
+        cell: The cell.
+        functions: CasADi's functions of the cell.
+        joints: q, q' and q'' of all arms, Shape (m,) each.
+        carried: Position, rotation, twist and acceleration of the object, world axes.
+        geometry: Shape (g,).
+    """
+    q, dq, ddq = joints
+    p, R, twist, change = carried
+    rows = cell.wrench_rows
+    at = functions["kinematics"](q=q, geometry=geometry)
+    bias = functions["bias_acceleration"](q=q, dq=dq, geometry=geometry)["bias_acceleration"]
+    v, w, a, dw = twist[:3], twist[3:], change[:3], change[3:]
+    closure, velocity, acceleration = [], [], []
+    arms = _arm_poses(geometry, len(cell.robots))
+    for index, ((R_base, _, R_tip, p_tip), part) in enumerate(zip(arms, cell.joint_slices.values(), strict=True)):
+        r = R @ p_tip
+        turn = at["rotation"][:, 3 * index : 3 * index + 3] @ (R @ R_tip).T
+        off = ca.vertcat(turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]) / 2
+        closure.append(ca.vertcat(at["position"][:, index] - p - r, off)[rows])
+        J = at["jacobian"][:, part.start : part.stop]
+        linear = v + ca.cross(w, r), a + ca.cross(dw, r) + ca.cross(w, ca.cross(w, r))
+        in_base = [
+            ca.vertcat(R_base.T @ of_point, R_base.T @ turning)[rows]
+            for of_point, turning in zip(linear, (w, dw), strict=True)
+        ]
+        velocity.append(J @ dq[part] - in_base[0])
+        acceleration.append(J @ ddq[part] + bias[:, index] - in_base[1])
+    return ca.vertcat(*closure), ca.vertcat(*velocity), ca.vertcat(*acceleration)
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Rows lower <= M_τ τ + M_F F + M_H H + (S q' + s) c + e c² <= upper at N samples, each divided by its unit.
+
+    Attributes:
+        rows: The rows as the cell keeps them, along the motion that the program starts from.
+        by_velocity: S, Shape (r, m).
+        speed: s, Shape (N, r).
+        square: e, Shape (N, r).
+        motors: What motors add to the torques along that motion; None where they are ideal.
+        of_tip: Rows of contacts that turn with the tip, Shape (r,).
     """
 
-    def __init__(
-        self, functions: dict[str, Any], numbers: LayoutNumbers, start: LayoutStart, samples: NDArray[np.intp]
-    ) -> None:
-        self.numbers, self.start, self.samples = numbers, start, samples
-        cell, motion = start.cell, start.motion.at(samples)
-        limits = LimitEquations.of(cell, motion)
-        self.redundant = redundant_joints(cell)
-        self.multipliers = multipliers(cell, start.motion.q, start.motion.q[0])
-        shared = SharedSymbols.fresh(len(numbers.lower), len(self.redundant), self.multipliers.shape[1])
-        geometry = numbers.geometry(cell, shared.layout)
-        sample = sample_equations(cell, functions, geometry, shared, limits, start.loads)
-        carried = motion.object
-        given = object_columns(carried.position, carried.rotation, carried.twist, carried.acceleration)
-        given = np.concatenate([given, limits.columns])
-        count = len(samples)
-        unknowns, ours = ca.MX.sym("unknowns", sample.unknowns, count), ca.MX.sym("shared", shared.stacked.numel())
-        rows = sample.function.map("samples", "serial", count, [1], [])(unknowns, ours, ca.DM(given))
-        begin = self._start_equations(functions, shared, geometry)
-        self.program = {
-            "x": ca.vertcat(ours, ca.vec(unknowns)),
-            "f": -ours[shared.layout.numel()],
-            "g": ca.vertcat(begin(ours), ca.vec(rows)),
-        }
-        held = np.zeros((count, sample.equations))
-        repeated = [limits.rows.of_forces] * (len(start.loads) - 1)
-        self.row_bounds = [
-            np.concatenate([held, bound, *(bound[:, of_forces] for of_forces in repeated)], axis=1).ravel()
-            for bound in limits.bounds
-        ]
-        self.row_bounds = [np.append(np.zeros(begin.numel_out()), bound) for bound in self.row_bounds]
-        self.position_bounds = [
-            np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots]) for side in ("lower", "upper")
-        ]
-        self.sample_unknowns = sample.unknowns
+    rows: LimitRows
+    by_velocity: Array
+    speed: Array
+    square: Array
+    motors: MotorTerms | None
+    of_tip: NDArray[np.bool_]
 
-    def _start_equations(self, functions: dict[str, Any], shared: SharedSymbols, geometry: Any) -> Any:
-        """What holds redundant arms at the start of the motion, nearest to their postures; nothing for others."""
-        cell, first = self.start.cell, self.start.motion.object
-        if not self.redundant:
-            return ca.Function("start", [shared.stacked], [ca.SX(0, 1)])
-        q = ca.SX(self.start.motion.q[0])
-        q[self.redundant] = shared.reference
-        at = ObjectSymbols(*(getattr(first, name)[0] for name in ("position", "rotation", "twist", "acceleration")))
-        lower, upper = (
-            np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots]) for side in ("lower", "upper")
-        )
-        closure = grasp_equations(cell, functions, (q, q, q), at, geometry)[0]
-        w = len(cell.wrench_components)
-        arms = [index for index, robot in enumerate(cell.robots) if is_redundant(cell, robot)]
-        closure = ca.vertcat(*(closure[w * index : w * index + w] for index in arms))
-        inside = ca.fmin(ca.fmax(self.numbers.postures(cell, shared.layout), lower), upper)
-        nearest = preference(cell, functions, q, shared.multiplier, inside[self.redundant], geometry)
-        return ca.Function("start", [shared.stacked], [ca.vertcat(closure, nearest)])
+    @classmethod
+    def of(cls, cell: Cell, motion: CoordinatedMotion) -> "_Limits":
+        """The rows of a cell; how they depend on the joints' velocities is read off at unit velocities.
 
-    def solve(
-        self, bounds: tuple[Array, Array] | None = None, stop: Callable[[], bool] = lambda: False
-    ) -> LayoutAnswer:
-        """Search from the start.
+        Raises:
+            InputError: If a limit is not linear in them, or depends on something else that a layout changes.
+        """
+        rows = limit_rows(cell, motion)
+        still, units = np.zeros_like(motion.dq), np.eye(motion.dq.shape[1])
+
+        def columns(dq: Array, ddq: Array) -> tuple[Array, Array]:
+            at = limit_rows(cell, replace(motion, dq=dq, ddq=ddq))
+            nothing = np.zeros((len(dq), len(at.names)))
+            return nothing if at.speed is None else at.speed, nothing if at.square is None else at.square
+
+        speed, square = columns(still, still)
+        by_velocity = np.stack([(columns(still + unit, still)[0] - speed)[0] for unit in units], axis=1)
+        given = columns(motion.dq, motion.ddq)
+        for name, is_, linear in (("ṙ", given[0], motion.dq @ by_velocity.T + speed), ("ṙ²", given[1], square)):
+            wrong = np.max(np.abs(is_ - linear), axis=0) > SAME_ROW * np.max(np.abs(is_), initial=1.0)
+            if np.any(wrong):
+                raise InputError(
+                    "limits",
+                    f"its column of {name} is not linear in the joints' velocities, so the best layout cannot be "
+                    "searched with it: mrts sweep can, which solves each layout by itself.",
+                    key=str(rows.names[int(np.argmax(wrong))]),
+                )
+        tips = {f"{robot.name}/{of.name}" for robot in cell.robots for of in robot.contacts if of.frame == "tip"}
+        of_tip = np.array([name.contact in tips for name in rows.names], dtype=bool)
+        return cls(rows, by_velocity, speed, square, motor_terms(cell, motion), of_tip)
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper limits in units, less what dry friction may take at turning points, Shape (N, r) each."""
+        rows = self.rows
+        taken = None if self.motors is None else self.motors.margin(rows)
+        margin = np.zeros((1, len(rows.names))) if taken is None else taken
+        lower, upper = ((limit + side * margin) / rows.units() for side, limit in ((1, rows.lower), (-1, rows.upper)))
+        return np.broadcast_to(lower, self.speed.shape), np.broadcast_to(upper, self.speed.shape)
+
+    @property
+    def columns(self) -> Array:
+        """What the equations are given of each sample: s, e and dry friction, Shape (2 r + m, N)."""
+        dry = np.zeros((len(self.speed), self.by_velocity.shape[1])) if self.motors is None else self.motors.dry
+        return np.concatenate([self.speed, self.square, dry], axis=1).T
+
+    def values(self, torque: Any, wrench: Any, turned: tuple[Any, Any], speed: Any) -> Any:
+        """What the rows are, in units, Shape (r,).
 
         Args:
-            bounds: Of the numbers, Shape (P,) each; None takes their own. Where both are equal, the number stays.
-            stop: Asked at every iteration whether the search is to end.
+            torque: τ, Shape (m,).
+            wrench: F in base axes, Shape (n w,).
+            turned: F in object axes and in axes of the tips.
+            speed: (S q' + s) c + e c², Shape (r,).
         """
-        lower, upper = bounds or (self.numbers.lower, self.numbers.upper)
-        watch = _Watch(self.program["x"].numel(), self.program["g"].numel(), stop)
-        solver = ca.nlpsol("layout", "ipopt", self.program, IPOPT_OPTIONS | {"iteration_callback": watch})
-        free = [np.full(self.sample_unknowns, side * np.inf) for side in (-1, 1)]
-        for values, limits in zip(free, self.position_bounds, strict=True):
-            values[: len(limits)] = limits
-        others = self.program["x"].numel() - len(lower) - self.sample_unknowns * len(self.samples)
-        unlimited = np.full(others, np.inf)
-        found = solver(
-            x0=self._start(),
-            lbx=np.concatenate([lower, -unlimited, np.tile(free[0], len(self.samples))]),
-            ubx=np.concatenate([upper, unlimited, np.tile(free[1], len(self.samples))]),
-            lbg=self.row_bounds[0],
-            ubg=self.row_bounds[1],
-        )
-        P, joints = len(lower), len(self.position_bounds[0])
-        x = found["x"].full()[:, 0]
-        at = P + others
-        jacobian = solver.get_function("nlp_jac_g")(x=x)["jac_g_x"][:, :P]
-        slope = -(jacobian.T @ found["lam_g"]).full()[:, 0]
-        return LayoutAnswer(
-            layout=np.clip(x[:P], lower, upper),
-            c2=float(np.exp(x[P])),
-            slope=slope,
-            start=x[at : at + joints],
-            solved=bool(solver.stats()["success"]),
-        )
+        rows = self.rows
+        value = ca.DM(rows.torque_matrix) @ torque + ca.DM(rows.wrench_matrix) @ wrench + speed
+        if rows.object_matrix is not None:
+            for wrenches, there in zip(turned, (~self.of_tip, self.of_tip), strict=True):
+                value += ca.sparsify(ca.DM(rows.object_matrix * there[:, None])) @ wrenches
+        return value / rows.units()
 
-    def _start(self) -> Array:
-        start, at = self.start, self.samples
-        motion, posture = start.motion, np.concatenate([robot.posture for robot in start.cell.robots])
-        free = start.wrench[at, : -len(start.cell.wrench_components)]
-        rates = np.zeros((len(at), 2 * self.multipliers.shape[1]))
-        unknowns = [
-            motion.q[at],
-            motion.dq[at],
-            motion.ddq[at],
-            *[free] * len(start.loads),
-            self.multipliers[at],
-            rates,
-        ]
-        begin = [motion.q[0, self.redundant], multipliers(start.cell, motion.q[:1], posture)[0]]
-        shared = [start.layout, [np.log(start.c2)], *begin]
-        return np.concatenate([*shared, np.concatenate(unknowns, axis=1).ravel()])
+
+def _turned_wrenches(cell: Cell, wrench: Any, R_object: Any, geometry: Any) -> tuple[Any, Any]:
+    """All wrenches in object axes, and in axes that turn with the tips and are the object's at the cell's grasps."""
+    axes, arms = triple_axes(cell.wrench_components), _arm_poses(geometry, len(cell.robots))
+    in_object, in_tip = [], []
+    for robot, (R_base, _, R_tip, _), part in zip(cell.robots, arms, cell.wrench_slices.values(), strict=True):
+        turn = (R_object.T @ R_base)[axes, axes]
+        back = (ca.DM(robot.T_object_tip.R) @ R_tip.T)[axes, axes]
+        triples = [turn @ triple for triple in ca.vertsplit(wrench[part], 3)]
+        in_object += triples
+        in_tip += [back @ triple for triple in triples]
+    return ca.vertcat(*in_object), ca.vertcat(*in_tip)
+
+
+def _redundant_arms(cell: Cell) -> list[tuple[int, Robot, slice]]:
+    arms = zip(cell.robots, cell.joint_slices.values(), strict=True)
+    return [(index, robot, part) for index, (robot, part) in enumerate(arms) if is_redundant(cell, robot)]
+
+
+def _redundant_joints(cell: Cell) -> list[int]:
+    return [joint for _, _, part in _redundant_arms(cell) for joint in range(part.start, part.stop)]
+
+
+def _start_equations(
+    cell: Cell,
+    functions: dict[str, Any],
+    motion: CoordinatedMotion,
+    geometry: Any,
+    shared: tuple[Any, Any, Any],
+    posture: Any,
+) -> Any:
+    """What holds redundant arms at the start of the motion, nearest to their postures; nothing for others."""
+    (whole, reference, force), redundant = shared, _redundant_joints(cell)
+    if not redundant:
+        return ca.Function("start", [whole], [ca.SX(0, 1)])
+    q = ca.SX(motion.q[0])
+    q[redundant] = reference
+    carried = tuple(getattr(motion.object, name)[0] for name in ("position", "rotation", "twist", "acceleration"))
+    closure = _grasp_equations(cell, functions, (q, q, q), carried, geometry)[0]
+    w = len(cell.wrench_components)
+    closure = ca.vertcat(*(closure[w * index : w * index + w] for index, _, _ in _redundant_arms(cell)))
+    lower, upper = (
+        np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots]) for side in ("lower", "upper")
+    )
+    inside = ca.fmin(ca.fmax(posture, lower), upper)
+    nearest = _preference(cell, functions, q, force, inside[redundant], geometry)
+    return ca.Function("start", [whole], [ca.vertcat(closure, nearest)])
+
+
+def _preference(cell: Cell, functions: dict[str, Any], q: Any, force: Any, reference: Any, geometry: Any) -> Any:
+    """h(q) - h(reference) - JᵀF of all redundant arms: zero at the positions nearest to the reference, Shape (R,).
+
+    Args:
+        cell: The cell.
+        functions: CasADi's functions of the cell.
+        q: Joint positions of all arms, Shape (m,).
+        force: Multipliers of the grasps of redundant arms, Shape (w,) each, stacked.
+        reference: Joint positions of redundant arms to stay near, Shape (R,).
+        geometry: Shape (g,).
+    """
+    J = functions["kinematics"](q=q, geometry=geometry)["jacobian"]
+    rows: list[Any] = []
+    w, start = len(cell.wrench_components), 0
+    for _, robot, part in _redundant_arms(cell):
+        there = reference[start : start + len(robot.joints)]
+        multiplier = force[w * len(rows) : w * (len(rows) + 1)]
+        rows.append(_stretched(robot, q[part]) - _stretched(robot, there) - J[:, part].T @ multiplier)
+        start += len(robot.joints)
+    return ca.vertcat(*rows)
+
+
+def _along_path(value: Any, position: tuple[Any, ...], force: tuple[Any, ...]) -> Any:
+    """The preference and its two derivatives along the path, Shape (3 R,)."""
+    at, rate, change = (ca.vertcat(*pair) for pair in zip(position, force, strict=True))
+    first = ca.jtimes(value, at, rate)
+    second = ca.jtimes(first, ca.vertcat(at, rate), ca.vertcat(rate, change))
+    return ca.vertcat(value, first, second)
+
+
+def _multipliers(cell: Cell, q: Array, reference: Array) -> Array:
+    """F of least squares at given positions of all arms, Shape (N, w a) for a redundant arms."""
+    J = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    found = [np.zeros((len(q), 0))]
+    for _, robot, part in _redundant_arms(cell):
+        gradient = stretched(robot, q[:, part]) - stretched(robot, reference[None, part])
+        found.append(apply(np.linalg.pinv(J[:, :, part]).transpose(0, 2, 1), gradient))
+    return np.concatenate(found, axis=1)
+
+
+def _stretched(robot: Robot, q: Any) -> Any:
+    """h(q) of `mrts.following.null_space.stretched` in symbols, Shape (n_i,)."""
+    zone = limit_zone(robot)
+    values = []
+    for joint, (low, high) in enumerate(zip(robot.position_lower, robot.position_upper, strict=True)):
+        over = ca.fmax((q[joint] - high) / zone[joint] + 1, 0) if np.isfinite(high) else 0
+        under = ca.fmax((low - q[joint]) / zone[joint] + 1, 0) if np.isfinite(low) else 0
+        values.append(q[joint] + LIMIT_PUSH * (over**5 - under**5))
+    return ca.vertcat(*values)
 
 
 class _Watch(ca.Callback):

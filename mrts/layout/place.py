@@ -1,23 +1,36 @@
 # SPDX-License-Identifier: MIT
-"""The best layout of a study: a small sweep for starts, IPOPT from the best of them, `scale` for the last word."""
+"""The best layout of a study: a small sweep for starts, IPOPT from the best of them, `scale` for the last word.
 
+What a program promises counts only as far as the cell then does it.
+"""
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
+from types import FrameType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress, check_callable, check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
 from mrts.cell.cell import Cell
+from mrts.cell.generation import symbolic_functions
 from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.layout.layout_search import LayoutSearch, Playable
-from mrts.layout.placement import Placement, PlayedLayout
-from mrts.layout.stop_request import stop_request
+from mrts.layout.layout_program import LayoutAnswer, solve_layout
+from mrts.layout.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN, checked_tolerance
 from mrts.scaling.scale import scale
+from mrts.studies.distributions import Distribution
 from mrts.studies.sampling import sample_points
-from mrts.studies.spreads import Range
 from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
 from mrts.timing.retime import retime
@@ -28,10 +41,25 @@ STARTS = 3
 LOOKED_AT = 64
 """Layouts that are looked at for starts."""
 
-MOST = 100_000
+MAX_LAYOUTS = 100_000
 """That may be: an hour of looking."""
 
 SEED = 17
+
+COARSE_SAMPLES = 25
+"""Samples of the first program; samples that turn out to bind are added."""
+
+MAX_ROUNDS = 6
+"""Most programs from one start."""
+
+MISSING_SAMPLE = 1e-4
+"""Share by which c²⁺ of all samples may be less than that of the program's: then no sample between is missing."""
+
+OTHER_POSITIONS = 1e-2
+"""Share above which it is not samples: the arms took other joint positions than the program's."""
+
+POSTURE_DIGITS = 4
+"""Decimals of a posture that is written to keep the program's joint positions; it only says near which to start."""
 
 
 def place(
@@ -46,7 +74,7 @@ def place(
     """Base poses, grasps and postures, within the bounds of a study, that give the largest c²⁺.
 
     The layouts looked at first are points of a Sobol sequence between the bounds, and the layout that the cell file
-    gives. From the best of them IPOPT searches the nearest local optimum (`mrts.layout.layout_program.LayoutProgram`);
+    gives. From the best of them IPOPT searches the nearest local optimum (`mrts.layout.layout_program`);
     what it finds counts only as `mrts.scale` confirms it, so the answer is never worse than the best start. Ctrl-C and
     the time limit keep the best so far.
 
@@ -70,8 +98,8 @@ def place(
         study = read_study(study)
     for name, value in (("starts", starts), ("looked_at", looked_at)):
         check_type(name, value, int)
-        if not 1 <= value <= MOST:
-            raise InputError(name, f"must be at least 1, and at most {MOST}.", value=value)
+        if not 1 <= value <= MAX_LAYOUTS:
+            raise InputError(name, f"must be at least 1, and at most {MAX_LAYOUTS}.", value=value)
     if seconds is not None and not is_number(seconds, 0):
         raise InputError("seconds", "must be a number of seconds, 0 or more, or None for no limit.", value=seconds)
     check_callable("progress", progress)
@@ -79,86 +107,156 @@ def place(
     if study.question.load == "possible":
         rule = "the best layout is one for loads that are known, or for every load of a box: nominal or guaranteed."
         raise InputError(study.path, rule, key="load", value="possible")
-    return _Placing(study, tolerance, seconds, progress).best(starts, looked_at)
+    until = None if seconds is None else monotonic() + seconds
+    search = LayoutSearch(study, tolerance)
+    with _stop_request() as asked:
+        search.over = lambda: bool(asked) or (until is not None and monotonic() >= until)
+        found, failures, counts = search.run(starts, looked_at, progress)
+        stopped = "Ctrl-C" if asked else "the time limit" if search.over() else ""
+    progress(looked_at + starts, looked_at + starts)
+    before = None if isinstance(search.given, str) else search.played(search.given)
+    return Placement(
+        study=search.study,
+        numbers=search.numbers,
+        before=None if isinstance(before, str) else before,
+        after=search.best_played(found, failures),
+        reason=failures[-1] if failures else "",
+        stopped=stopped,
+        **counts,
+    )
 
 
-class _Placing:
-    """One search.
+class LayoutSearch:
+    """Tries layouts of a study and improves them.
 
     Args:
         study: The study.
         between: As in `place`.
-        seconds: Likewise.
-        progress: Likewise.
+
+    Attributes:
+        given: What the cell can do as its file has it, or why it can do nothing.
+        over: Says whether to come to the end.
     """
 
-    def __init__(self, study: Study, between: float | None, seconds: float | None, progress: Progress) -> None:
+    def __init__(self, study: Study, between: float | None = None) -> None:
         study = study.at_hand()
-        self.study, self.between, self.progress = study, between, progress
         cell = Cell.from_description(study.cell, folder=study.folder).with_limits(*study.limits)
-        self.numbers = LayoutNumbers.of(study, cell)
-        self.motion = _object_motion(study)
-        self.until = None if seconds is None else monotonic() + seconds
-        self.asked: list[int] = []
-        self.search = LayoutSearch(study, self.numbers, self.motion, cell, self._over)
+        self.study, self.between = study, between
+        self.numbers, self.motion = LayoutNumbers.of(study, cell), _object_motion(study)
+        self.functions = symbolic_functions(study.cell, study.folder.absolute())
+        self.machines = cell.functions.manifest.machines
+        self.over: Callable[[], bool] = lambda: False
+        nearest, self.is_layout = self.numbers.nearest_given()
+        self.given = self._of_keys(study.cell, nearest if self.is_layout else None)
 
-    def best(self, starts: int, looked_at: int) -> Placement:
-        """The best of some searches from the best of some layouts.
+    def run(
+        self, starts: int, looked_at: int, progress: Progress
+    ) -> tuple[list[PlayedLayout], list[str], dict[str, int]]:
+        """Look at layouts, and search from the best; all that can be played at the samples, why others cannot, counts.
 
         Args:
             starts: From how many layouts to search.
             looked_at: Of how many.
+            progress: As in `place`.
         """
-        nearest, same = self.numbers.nearest_given()
-        given = self.search.of_keys(self.study.cell, nearest if same else None)
-        found = [given] if not isinstance(given, str) and same else []
-        failures = [given] if isinstance(given, str) else []
-        unplayable = 0
-        total, searches, looked = looked_at + starts, 0, 0
-        with stop_request() as self.asked:
-            for values in self._layouts(looked_at):
-                if self._over():
-                    break
-                self.progress(looked, total)
-                looked += 1
-                tried = self.search.tried(values)
-                if isinstance(tried, str):
-                    failures.append(tried)
-                    unplayable += 1
-                else:
-                    found.append(tried)
-            for start in sorted(found, key=lambda one: -one.c2)[:starts]:
-                if self._over():
-                    break
-                self.progress(looked_at + searches, total)
-                searches += 1
-                self.search.improve(start, found)
-            stopped = "Ctrl-C" if self.asked else "the time limit" if self._over() else ""
-        self.progress(total, total)
-        before = given if isinstance(given, str) else self._played(given)
-        return Placement(
-            study=self.study,
-            numbers=self.numbers,
-            before=None if isinstance(before, str) else before,
-            after=self._best_played(found, failures),
-            reason=failures[-1] if failures else "",
-            looked_at=looked,
-            playable=looked - unplayable,
-            searches=searches,
-            stopped=stopped,
-        )
-
-    def _over(self) -> bool:
-        """Whether Ctrl-C was pressed, or time is up."""
-        return bool(self.asked) or (self.until is not None and monotonic() >= self.until)
-
-    def _layouts(self, count: int) -> Array:
-        """Layouts to look at, evenly between the bounds, Shape (count, P)."""
+        found = [self.given] if not isinstance(self.given, str) and self.is_layout else []
+        failures = [self.given] if isinstance(self.given, str) else []
+        counts = {"looked_at": 0, "playable": 0, "searches": 0}
         bounds = zip(self.numbers.lower, self.numbers.upper, strict=True)
-        points = sample_points([Range(*pair) for pair in bounds], "sobol", count, SEED, (0, count))
-        return self.numbers.rounded(points)
+        points = sample_points(
+            [Distribution("uniform", pair) for pair in bounds], "sobol", looked_at, SEED, (0, looked_at)
+        )
+        for values in self.numbers.rounded(points):
+            if self.over():
+                break
+            progress(counts["looked_at"], looked_at + starts)
+            counts["looked_at"] += 1
+            tried = self.tried(values)
+            if isinstance(tried, str):
+                failures.append(tried)
+            else:
+                counts["playable"] += 1
+                found.append(tried)
+        for start in sorted(found, key=lambda one: -one.c2)[:starts]:
+            if self.over():
+                break
+            progress(looked_at + counts["searches"], looked_at + starts)
+            counts["searches"] += 1
+            self.improve(start, found)
+        return found, failures, counts
 
-    def _best_played(self, found: list[Playable], failures: list[str]) -> PlayedLayout | None:
+    def tried(self, values: Array, postures: dict[str, list[float]] | None = None) -> PlayedLayout | str:
+        """What the cell can do in a layout at the given samples, or why it can do nothing.
+
+        Args:
+            values: Of the numbers, Shape (P,).
+            postures: By robot, instead of the study's [rad or m].
+        """
+        keys = self.study.descriptions(values)[0]
+        for robot in keys["robots"]:
+            robot["posture"] = (postures or {}).get(robot["name"], robot["posture"])
+        found = self._of_keys(keys, values)
+        return found if isinstance(found, str) else replace(found, postures=postures)
+
+    def _of_keys(self, keys: dict[str, Any], values: Array | None) -> PlayedLayout | str:
+        asked = self.study.question
+        try:
+            cell = Cell.from_description(keys, folder=self.study.folder).with_limits(*self.study.limits)
+            parted = set(self.machines) - set(cell.functions.manifest.machines)
+            if parted:
+                first, second = min(parted)
+                return (
+                    f"robots '{first}' and '{second}' are arms of one machine: their bases move together. Let one "
+                    "parameter move both."
+                )
+            result = scale(cell, self.motion, load=asked.load, reserve=asked.reserve, between=None)
+        except MrtsError as error:
+            return str(error)
+        if result.trajectory is None:
+            return f"{result.status.value}: {result.explanation()}"
+        return PlayedLayout(keys, values, None, result, None)
+
+    def improve(self, start: PlayedLayout, found: list[PlayedLayout]) -> None:
+        """Search from a layout; whatever the cell can play on the way joins those that were found.
+
+        Args:
+            start: The layout.
+            found: All that were found.
+        """
+        samples = _coarse_samples(start)
+        best = start
+        for _ in range(MAX_ROUNDS):
+            if self.over() or not np.isfinite(best.c2):
+                return
+            assert best.values is not None  # noqa: S101 (a layout of the study)
+            answer = solve_layout(self.functions, self.numbers, best.values, best.result, samples, stop=self.over)
+            reached = self._reached(best, answer)
+            if reached is None:
+                return
+            found.append(reached)
+            best = max(best, reached, key=lambda playable: playable.c2)
+            short = reached.result.range.samples.upper < answer.c2 * (1 - MISSING_SAMPLE)
+            more = np.setdiff1d(np.flatnonzero(short), samples)
+            if not more.size:
+                return
+            samples = np.union1d(samples, more)
+
+    def _reached(self, start: PlayedLayout, answer: LayoutAnswer) -> PlayedLayout | None:
+        """What the cell does in the layout of an answer; None where it can do nothing.
+
+        Where the study's postures lead the arms elsewhere than in the program, these are its first joint positions.
+        """
+        values = self.numbers.rounded(answer.layout)
+        reached = self.tried(values)
+        if isinstance(reached, str) or reached.c2 < answer.c2 * (1 - OTHER_POSITIONS):
+            parts = start.result.cell.joint_slices.items()
+            postures = {name: np.round(answer.start[part], POSTURE_DIGITS).tolist() for name, part in parts}
+            again = self.tried(values, postures)
+            if not isinstance(again, str) and (isinstance(reached, str) or again.c2 > reached.c2):
+                reached = again
+        return None if isinstance(reached, str) else replace(reached, slope=answer.slope)
+
+    def best_played(self, found: list[PlayedLayout], failures: list[str]) -> PlayedLayout | None:
         """The best, and the best start, which might be better between the samples, less what moved for nothing.
 
         Args:
@@ -169,15 +267,31 @@ class _Placing:
         best_first = sorted(found, key=lambda one: -one.c2)
         for group in (best_first, [one for one in best_first if one.slope is None]):
             for one in group:
-                played = self._played(self.search.settled(one))
+                played = self.played(self._settled(one))
                 if not isinstance(played, str):
                     checked.append(played)
                     break
                 failures.append(played)
         return max(checked, key=lambda layout: layout.c2, default=None)
 
-    def _played(self, layout: Playable) -> PlayedLayout | str:
-        """A layout between the samples too, or why it cannot be played there."""
+    def _settled(self, best: PlayedLayout) -> PlayedLayout:
+        """The same with every number that gains nothing where the cell file has it."""
+        values, _ = self.numbers.nearest_given()
+        for place, value in enumerate(values):
+            assert best.values is not None  # noqa: S101 (a layout of the study)
+            moved = np.where(np.arange(len(values)) == place, value, best.values)
+            if moved[place] != best.values[place]:
+                tried = self.tried(moved, best.postures)
+                if not isinstance(tried, str) and tried.c2 >= best.c2 * (1 - NO_GAIN):
+                    best = replace(tried, slope=best.slope)
+        return best
+
+    def played(self, layout: PlayedLayout) -> PlayedLayout | str:
+        """A layout between the samples too, or why it cannot be played there.
+
+        Args:
+            layout: As from `tried`.
+        """
         cell, load = layout.result.cell, self.study.question.load
         try:
             result = scale(cell, self.motion, load=load, between=self.between)
@@ -189,7 +303,14 @@ class _Placing:
             fastest = retime(cell, self.motion, load=load, between=self.between).duration
         except MrtsError:
             fastest = None
-        return PlayedLayout(layout.keys, layout.values, layout.slope, result, fastest)
+        return replace(layout, result=result, fastest=fastest)
+
+
+def _coarse_samples(start: PlayedLayout) -> NDArray[np.intp]:
+    """Evenly spaced samples with both ends, and the one that binds."""
+    count, end = start.result.motion.samples, start.result.range.upper
+    spread = np.linspace(0, count - 1, min(COARSE_SAMPLES, count)).round().astype(np.intp)
+    return np.union1d(spread, [] if end is None or end.sample is None else [end.sample]).astype(np.intp)
 
 
 def _object_motion(study: Study) -> ObjectMotion:
@@ -199,3 +320,29 @@ def _object_motion(study: Study) -> ObjectMotion:
         return study.table
     rule = "a table of joint motion fixes where the arms stand; give the object's motion."
     raise InputError(study.path, rule, key="motion")
+
+
+@contextmanager
+def _stop_request() -> Iterator[list[int]]:
+    """Note the first interrupt instead of raising it; the next does what it did before.
+
+    Yields:
+        The number of the signal, once it has arrived; empty before. Signals arrive in the main thread only.
+    """
+    asked: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield asked
+        return
+    before = signal.getsignal(signal.SIGINT)
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        if not asked:
+            asked.append(number)
+        elif callable(before):
+            before(number, frame)
+
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield asked
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -14,12 +14,14 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
-from mrts.cell.remarks.assumptions import NO_COLLISIONS
+from mrts.cell.remarks import NO_COLLISIONS
 from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.layout.layout_search import NO_GAIN
 from mrts.scaling.result import ScalingResult, kept_text
 from mrts.studies.number_paths import value_at
 from mrts.studies.study import Study
+
+NO_GAIN = 1e-9
+"""Share of c²⁺ that is no reason to move an arm: rounding."""
 
 AT_BOUND = 1e-6
 """Share of its range by which a number may miss its bound and is at it all the same."""
@@ -41,6 +43,7 @@ class PlayedLayout(InNotebooks):
         slope: ∂ ln c²⁺/∂values, Shape (P,), where a search ended there; else None.
         result: What `mrts.scale` finds, between the samples too.
         fastest: Duration at a speed that varies [s]; None if nothing limits it, or no timing was found.
+        postures: By robot, where they are not the study's [rad or m]; None where they are.
     """
 
     keys: dict[str, Any]
@@ -48,6 +51,7 @@ class PlayedLayout(InNotebooks):
     slope: Array | None
     result: ScalingResult
     fastest: float | None
+    postures: dict[str, list[float]] | None = None
 
     @property
     def c2(self) -> float:
@@ -174,7 +178,6 @@ class Placement(InNotebooks):
         yield ""
 
     def _bounds(self) -> Iterator[str]:
-        """Numbers at their bounds, and what a step beyond would gain."""
         after, numbers = self.after, self.numbers
         if after is None or after.values is None or after.slope is None:
             return

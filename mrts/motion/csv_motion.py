@@ -6,6 +6,7 @@ import re
 from array import array
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -33,40 +34,34 @@ QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""
 
 
-def read_table(path: Path, samples: int | None) -> ObjectMotion | JointTable:
-    """Read a table of either kind, told apart by its columns.
+def read_table(
+    path: Path, samples: int | None, kind: Literal["object", "joints"] | None = None
+) -> ObjectMotion | JointTable:
+    """Read a table of motion.
+
+    Of the object it has t, px, py, pz, qx, qy, qz, qw and maybe velocities, maybe accelerations too, in world axes. Of
+    joints it has t and, for every joint, `q.ROBOT/JOINT`, and maybe `dq.…`, and with these maybe `ddq.…`; the torques
+    `tau.…`, `tau_friction.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
 
     Args:
         path: The file.
         samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
+        kind: Of what it is; None tells by its columns.
 
     Raises:
-        InputError: As `read_object_table` and `read_joint_table`, or if it looks like neither.
+        InputError: If a column is missing, unknown or malformed, a value is not a finite number, the times do not
+            increase, a quaternion is not of length 1, or the velocities contradict the positions.
     """
     columns = _read_columns(path)
-    if any(name.startswith("q.") for name in columns):
+    if kind == "joints" or (kind is None and any(name.startswith("q.") for name in columns)):
         return _joint_table(path, columns, samples)
-    if any(name in columns for name in POSE_COLUMNS):
+    if kind == "object" or any(name in columns for name in POSE_COLUMNS):
         return _object_table(path, columns, samples)
     raise InputError(
         path,
         f"is no table of motion: it has neither columns of the object ({', '.join(POSE_COLUMNS)}) nor of joints "
         "(q.ROBOT/JOINT).",
     )
-
-
-def read_object_table(path: Path, samples: int | None) -> ObjectMotion:
-    """Read a table with t, px, py, pz, qx, qy, qz, qw and maybe velocities, maybe accelerations too, in world axes.
-
-    Args:
-        path: The file.
-        samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
-
-    Raises:
-        InputError: If a column is missing or unknown, a value is not a finite number, the times do not increase, a
-            quaternion is not of length 1, or the velocities contradict the positions.
-    """
-    return _object_table(path, _read_columns(path), samples)
 
 
 def _object_table(path: Path, columns: dict[str, Array], samples: int | None) -> ObjectMotion:
@@ -87,44 +82,23 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
         )
     pose = np.column_stack([columns[name] for name in POSE_COLUMNS])
     lengths = np.linalg.norm(pose[:, 3:], axis=1)
-    if np.max(np.abs(lengths - 1)) > QUATERNION_TOLERANCE:
-        row = int(np.argmax(np.abs(lengths - 1)))
+    row = int(np.argmax(np.abs(lengths - 1)))
+    if abs(lengths[row] - 1) > QUATERNION_TOLERANCE:
         raise InputError(
             path, f"must have length 1, it has {lengths[row]:.6g}. The order is x, y, z, w.",
             key=f"row {row + 1}, quaternion", value=pose[row, 3:].tolist(),
         )  # fmt: skip
-    if not rates:
-        at = time if samples is None else np.linspace(0.0, time[-1], samples)
-        try:
-            return spline_motion(time, pose[:, :3], pose[:, 3:], at)
-        except InputError as error:
-            raise InputError(path, error.rule, key=error.where) from None
-    if samples is not None:
+    if rates and samples is not None:
         raise InputError(path, "a table with velocities keeps its own times: leave 'samples' out.", key="samples")
-    rotation = rotations_from_quaternions(pose[:, 3:])
-    given = np.column_stack([columns[name] for name in rates])
-    twist, acceleration = given[:, :6], given[:, 6:]
-    if rates == VELOCITY_COLUMNS:
-        acceleration = derivative(time, twist)
     try:
-        return ObjectMotion(time, pose[:, :3], rotation, twist, acceleration)
+        if not rates:
+            at = time if samples is None else np.linspace(0.0, time[-1], samples)
+            return spline_motion(time, pose[:, :3], pose[:, 3:], at)
+        given = np.column_stack([columns[name] for name in rates])
+        twist, acceleration = given[:, :6], given[:, 6:] if rates == RATE_COLUMNS else derivative(time, given)
+        return ObjectMotion(time, pose[:, :3], rotations_from_quaternions(pose[:, 3:]), twist, acceleration)
     except InputError as error:
         raise InputError(path, error.rule, key=error.where) from None
-
-
-def read_joint_table(path: Path, samples: int | None) -> JointTable:
-    """Read a table with t and, for every joint, `q.ROBOT/JOINT`, and maybe `dq.…`, and with these maybe `ddq.…`.
-
-    The torques `tau.…`, `tau_friction.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
-
-    Args:
-        path: The file.
-        samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
-
-    Raises:
-        InputError: If a column is malformed, a value is not a finite number, or the times do not increase.
-    """
-    return _joint_table(path, _read_columns(path), samples)
 
 
 def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> JointTable:
@@ -236,10 +210,11 @@ def _time(path: Path, columns: dict[str, Array]) -> Array:
         raise InputError(path, f"a column 't' in s is needed; there are {', '.join(columns)}.")
     time = columns["t"]
     steps = np.diff(time)
-    if np.min(steps) <= 0:
-        row = int(np.argmax(steps <= 0)) + 2
-        raise InputError(path, "must be later than the row before.", key=f"row {row}, column t", value=time[row - 1])
     if np.min(steps) < SHORTEST_STEP:
-        row = int(np.argmin(steps)) + 2
-        raise InputError(path, f"is less than {SHORTEST_STEP:g} s after the row before.", key=f"row {row}, column t")
+        late = np.min(steps) > 0
+        row = int(np.argmin(steps) if late else np.argmax(steps <= 0)) + 2
+        rule = (
+            f"is less than {SHORTEST_STEP:g} s after the row before." if late else "must be later than the row before."
+        )
+        raise InputError(path, rule, key=f"row {row}, column t", value=time[row - 1])
     return np.asarray(time - time[0], dtype=np.float64)

@@ -9,11 +9,10 @@ import numpy as np
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.errors import InputError
-from mrts.base.formats.broken_record import BrokenRecordError, broken_record
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import read_model
-from mrts.motion.csv_motion import MAX_SAMPLES, read_joint_table, read_object_table, read_table
+from mrts.motion.csv_motion import MAX_SAMPLES, read_table
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_courses import geodesic_motion, waypoint_motion
 from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
@@ -83,8 +82,8 @@ class MotionDescription(Record):
     def __init__(self, **keys: Any) -> None:
         try:
             super().__init__(**keys)
-        except BrokenRecordError as error:
-            raise broken_record("motion", error) from None
+        except InputError as error:
+            raise error.inside("motion") from None
 
     def problem(self) -> str:
         """The rule that keys break with each other; empty if none."""
@@ -122,7 +121,7 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
         return read_table(path, None)
     description = read_model(path, MotionDescription, "motion file")
     if description.file is not None:
-        return read_object_table(path.parent / description.file, description.samples)
+        return read_table(path.parent / description.file, description.samples, "object")
     if description.joints is not None:
         joints = path.parent / description.joints
         if is_bag(joints):
@@ -130,7 +129,7 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
         for key in sorted(OF_A_BAG):
             if getattr(description, key) is not None:
                 raise InputError(path, f"is of a ROS 2 bag, but {description.joints} is none.", key=key)
-        return read_joint_table(joints, description.samples)
+        return read_table(joints, description.samples, "joints")
     try:
         return sample_motion(description)
     except InputError as error:

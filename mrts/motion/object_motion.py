@@ -12,7 +12,6 @@ from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, as_array
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
-from mrts.base.notebook.value_text import value_text
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import vectors_from_rotations
 
@@ -79,8 +78,8 @@ class ObjectMotion(InNotebooks):
         speed, turning = (np.max(np.linalg.norm(part, axis=1)) for part in np.split(self.twist, 2, axis=1))
         yield NotebookTable(("", ""), [
             ("duration", f"{self.time[-1]:.4g} s in {len(self.time)} samples"),
-            ("from", f"{value_text(self.position[0])} m"),
-            ("to", f"{value_text(self.position[-1])} m"),
+            ("from", f"{', '.join(f'{x:.6g}' for x in self.position[0])} m"),
+            ("to", f"{', '.join(f'{x:.6g}' for x in self.position[-1])} m"),
             ("fastest", f"{speed:.4g} m/s, {turning:.4g} rad/s"),
             *((remark.code, remark.text) for remark in self.remarks),
         ])  # fmt: skip

@@ -325,14 +325,6 @@ def torques_within_rates(
 ) -> tuple[Array, Array]:
     """Torques of least ∫ τᵀWτ dt over the motion that keep limits and rates at a constant factor.
 
-    Args:
-        cell: The cell.
-        motion: Its motion.
-        sharing: A fixed distribution of the load.
-        rates: The limits of rates.
-        c2: c², which they admit.
-        weights: W, Shape (m, m).
-
     Returns:
         Torques, Shape (N, m) [N m], and wrenches, Shape (N, n w) [N, N m].
 

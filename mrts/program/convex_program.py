@@ -2,6 +2,7 @@
 """Batches of small convex programs and the verification that makes their answers trustworthy."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -43,15 +44,8 @@ class ConvexPrograms:
 
     def at(self, samples: Mask) -> "ConvexPrograms":
         """Some of the programs."""
-        return ConvexPrograms(
-            H=None if self.H is None else self.H[samples],
-            g=self.g[samples],
-            A=self.A[samples],
-            lower=self.lower[samples],
-            upper=self.upper[samples],
-            x_lower=self.x_lower[samples],
-            x_upper=self.x_upper[samples],
-        )
+        given: dict[str, Any] = {name: None if of is None else of[samples] for name, of in vars(self).items()}
+        return ConvexPrograms(**given)
 
     def scaled(self) -> "tuple[ConvexPrograms, Array, Array]":
         """The same programs with unknowns of the size of the limits: the largest coefficient of each unknown is 1.

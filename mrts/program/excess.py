@@ -65,9 +65,6 @@ class Excess(InNotebooks):
 def checked_tolerance(between: object) -> float | None:
     """A tolerance between samples, None for none.
 
-    Args:
-        between: What was asked for.
-
     Raises:
         InputError: If it is neither None nor a number that can be kept.
     """

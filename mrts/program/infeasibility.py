@@ -12,8 +12,8 @@ from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow
+from mrts.program.range_ends import highest_intervals, speed_unit
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.speed_intervals import highest_intervals, speed_unit
 from mrts.program.widening import least_widening, widening_at
 
 CERTIFICATE_TOLERANCE = 1e-9
@@ -26,8 +26,8 @@ COMBINATION_TOLERANCE = 1e-8
 """Largest error of yᵀA = 0, relative to its terms: what rounding and the dropped multipliers leave."""
 
 
-SEARCH_POINTS, SEARCH_ROUNDS = 33, 40
-"""Speeds on the grid from which the closest is looked for, and most steps from there."""
+SEARCH_POINTS, SEARCH_ROUNDS, HALVINGS = 33, 10, 26
+"""Speeds on the grid from which the closest is looked for, most searches from there, and halvings of each."""
 
 CLOSEST = 1e-7
 """No other speed takes less than this share less widening than the closest."""
@@ -100,12 +100,6 @@ def find_conflicts(
     The elastic program min s, lower - s <= A x <= upper + s (in rows of limits) always has a solution; s > 0 exactly
     where the sample is infeasible, and its multipliers are the Farkas certificate.
 
-    Args:
-        problem: Rows of all samples.
-        time: Shape (N,) [s].
-        samples: Indices of the samples in question.
-        solver: Name in the registry.
-
     Returns:
         For each of `samples` the conflict, or None where the limits hold together.
 
@@ -143,8 +137,8 @@ def _conflicts_along_speed(
 ) -> list[Conflict | None]:
     """`find_conflicts` where rows have a term in ṙ: at the c² at which the limits must move outward the least.
 
-    The widening is no convex function of c: from the best of a grid on, limits are moved outward by a little less than
-    it takes there, and as long as some c is admitted then, the middle of what is takes its place.
+    The widening is no convex function of c: it is looked for around the best of a grid, and as long as some c is
+    admitted with limits moved outward by a little less, among these.
     """
     best = closest_speed(part, solver) ** 2
     found = conflicts_at(part, best, time, solver)
@@ -156,12 +150,6 @@ def _conflicts_along_speed(
 
 def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) -> list[Conflict | None]:
     """`find_conflicts` at a chosen c² of each sample, where everything is linear.
-
-    Args:
-        problem: Rows.
-        c2: Shape (N,).
-        time: Shape (N,) [s].
-        solver: Name in the registry.
 
     Raises:
         SolverError: If no solver answers.
@@ -175,35 +163,54 @@ def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) ->
 def closest_speed(problem: SampleProblem, solver: str) -> Array:
     """The c at which the limits of a sample must move outward the least, Shape (N,).
 
-    Args:
-        problem: Rows with a column of ṙ.
-        solver: Name in the registry.
-
     Raises:
         SolverError: If no solver answers.
     """
-    what = "at which speed the limits come closest"
     unit, cap = np.sqrt(speed_unit(problem)), np.sqrt(problem.cap())
     steps = np.concatenate([[0.0], np.geomspace(1 / SEARCHED, SEARCHED, SEARCH_POINTS - 1)])
     grid = np.minimum(unit[:, None] * steps, cap[:, None])
-    repeated = problem.at(np.repeat(np.arange(problem.samples), SEARCH_POINTS))
-    needed = widening_at(repeated, grid.reshape(-1, 1) ** 2, solver, what).reshape(grid.shape)
-    place = np.argmin(needed, axis=1)[:, None]
-    best, least = (np.take_along_axis(values, place, axis=1)[:, 0] for values in (grid, needed))
-    open_ones = np.arange(problem.samples)
+    needed = _widening_at_speeds(problem, grid, solver)
+    place = np.argmin(needed, axis=1)
+    samples = np.arange(problem.samples)
+    low, high = grid[samples, np.maximum(place - 1, 0)], grid[samples, np.minimum(place + 1, SEARCH_POINTS - 1)]
+    best: Array = grid[samples, place]
+    least: Array = needed[samples, place]
     for _ in range(SEARCH_ROUNDS):
-        part = problem.at(open_ones)
-        level = least[open_ones, None] * (1 - CLOSEST) * part.is_limit
+        part = problem.at(samples)
+        best[samples], least[samples] = _closest_between(part, low, best[samples], high, least[samples], solver)
+        level = least[samples, None] * (1 - CLOSEST) * part.is_limit
         wider = replace(part, lower=part.lower - level, upper=part.upper + level)
         found = highest_intervals(wider, np.full(part.samples, np.inf))
         admitted = found.status[0] == OPTIMAL
-        open_ones = open_ones[admitted]
-        if not open_ones.size:
+        samples = samples[admitted]
+        if not samples.size:
             break
         low, high = np.sqrt(found.lower[admitted]), np.sqrt(found.upper[admitted])
-        best[open_ones] = np.where(np.isfinite(high), (low + high) / 2, low)
-        least[open_ones] = widening_at(problem.at(open_ones), best[open_ones, None] ** 2, solver, what)
+        high = np.where(np.isfinite(high), high, low)
+        best[samples] = (low + high) / 2
+        least[samples] = _widening_at_speeds(problem.at(samples), best[samples, None], solver)[:, 0]
     return best
+
+
+def _widening_at_speeds(problem: SampleProblem, speeds: Array, solver: str) -> Array:
+    """The widening at p speeds c of each sample, Shape (N, p) as `speeds`."""
+    repeated = problem.at(np.repeat(np.arange(problem.samples), speeds.shape[1]))
+    what = "at which speed the limits come closest"
+    return widening_at(repeated, speeds.reshape(-1, 1) ** 2, solver, what).reshape(speeds.shape)
+
+
+def _closest_between(
+    problem: SampleProblem, low: Array, best: Array, high: Array, least: Array, solver: str
+) -> tuple[Array, Array]:
+    """The speeds of least widening between two others, by halving on both sides of the best one, and the widening."""
+    samples = np.arange(problem.samples)
+    for _ in range(HALVINGS):
+        places = np.stack([low, (low + best) / 2, best, (best + high) / 2, high], axis=1)
+        halves = _widening_at_speeds(problem, places[:, [1, 3]], solver)
+        choice = np.array([2, 1, 3])[np.argmin(np.column_stack([least, halves]), axis=1)]
+        least = np.minimum(least, np.min(halves, axis=1))
+        low, best, high = (places[samples, choice + step] for step in (-1, 0, 1))
+    return best, least
 
 
 def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, float]:

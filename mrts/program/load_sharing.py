@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
 """A fixed distribution of the load over the arms (the paper's section IV)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from mrts.base.argument_types import check_type
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
@@ -20,8 +20,8 @@ BALANCE_TOLERANCE = 1e-9
 """Largest net effect of an internal wrench on the object, relative to the wrench itself."""
 
 
-@dataclass(frozen=True)
-class LoadSharing(InNotebooks):
+@dataclass(frozen=True, eq=False)
+class LoadSharing(EqualByNumbers, InNotebooks):
     """Arm i carries the share α_i of the load, plus a prescribed internal wrench.
 
     Attributes:
@@ -31,7 +31,7 @@ class LoadSharing(InNotebooks):
     """
 
     shares: Array | None = None
-    internal_wrench: Array | None = field(default=None)
+    internal_wrench: Array | None = None
 
     def __post_init__(self) -> None:
         """Torques may be asked for later: what can be written to is copied.

@@ -63,6 +63,18 @@ class MotionRows:
         """Whether a row has a term in ṙ beside others."""
         return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
+    def at_rest(self, cell: Cell, still: CoordinatedMotion, samples: NDArray[np.intp]) -> "MotionRows":
+        """The same rows at some samples at which the joints stand: all that is a velocity or an acceleration is 0.
+
+        Args:
+            cell: The cell.
+            still: The motion of these samples.
+            samples: Which of the N, Shape (k,).
+        """
+        rows, kept = (replace(of.at(samples), rate=None, speed=None, square=None) for of in (self.rows, self.kept))
+        share = np.zeros((len(samples), self.cap_share.shape[1]))
+        return replace(self, rows=rows, kept=kept, cap_share=share, motors=motor_terms(cell, still))
+
     def terms(self, speed: float | Array | None = None) -> SampleTerms:
         """What is added at every sample to the kept rows, with terms in ṙ put in, or left as they are.
 
@@ -122,11 +134,6 @@ def squared(given: LimitRows, samples: int, motors: MotorTerms | None = None) ->
 
     A row b ṙ becomes b |b| ṙ² between l |l| and u |u|: as ṙ >= 0, squares with their sign keep the order. Where the
     speed is limited alike in both directions that is b² ṙ² <= u². A row with other terms beside ṙ keeps it.
-
-    Args:
-        given: Rows along a motion.
-        samples: N.
-        motors: What motors add.
     """
     size = given.units()
     rows, unit, is_cap, square = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))

@@ -43,11 +43,7 @@ class MotorTerms:
         )
 
     def torque(self, speed: float) -> Array:
-        """All that the motors give besides at a constant factor of speed, Shape (N, m) [N m or N].
-
-        Args:
-            speed: ṙ.
-        """
+        """All that the motors give besides at a constant factor of speed, Shape (N, m) [N m or N]."""
         return self.square * speed**2 + self.friction(speed)
 
     def margin(self, rows: LimitRows) -> Array | None:
@@ -87,10 +83,6 @@ def travel_directions(dq: Array, ddq: Array) -> tuple[Array, Array]:
 
     Where q' = 0 the acceleration says: a joint arrives against it and leaves with it. At the first sample nothing is
     before, at the last nothing after.
-
-    Args:
-        dq: q', Shape (N, m).
-        ddq: q'', Shape (N, m).
     """
     speed, change = np.abs(dq), np.abs(ddq)
     moving = np.where(speed > REST * np.max(speed), np.sign(dq), 0.0)

@@ -158,7 +158,6 @@ def path_program(
     counts = [rows.map.shape[1] for rows in parts]
     first = np.cumsum([0, *frees])
     free = np.zeros((path.samples, sum(counts), first[-1]))
-    columns = np.repeat(np.column_stack([first[:-1], first[1:]]), counts, axis=0)
     for rows, start, place in zip(parts, first.tolist(), np.cumsum([0, *counts]).tolist(), strict=False):
         own = rows.map[:, :, :-2]
         free[:, place : place + own.shape[1], start : start + own.shape[2]] = own
@@ -178,7 +177,6 @@ def path_program(
         root=joined("root"),
         offset=joined("offset"),
         free=free,
-        columns=columns,
         lower=lower,
         upper=upper,
         change=joined("change"),

@@ -62,13 +62,7 @@ class KernelSolver:
         return None
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
-        """F of the least effort at a given timing, Shape (n, f); None where none is found.
-
-        Args:
-            program: The program.
-            x: Shape (n,).
-            u: Shape (n,).
-        """
+        """F of the least effort at a given timing, Shape (n, f); None where none is found."""
         program = program.without_jerks()
         if program.free.shape[2] == 0:
             return np.zeros((program.nodes, 0))
@@ -110,7 +104,7 @@ class KernelSolver:
         if self._rows is None or self._rows[0] is not program:
             names = ("step", "square", "rate", "root", "offset", "lower", "upper", "change", "weight")
             arrays = {name: getattr(program, name) for name in (*names, "q1", "q2", "q3", "jerk")}
-            self._rows = program, path_rows(program.free, program.columns, **arrays)
+            self._rows = program, path_rows(program.free, **arrays)
         held = _given(program.end_free)
         solved = solve_smooth(self._rows[1], found.x, found.u, found.free, held=held, **options)
         self.iterations = solved.iterations

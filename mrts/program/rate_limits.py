@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from mrts.base.argument_types import is_number
-from mrts.base.arrays import Array, freeze, without_infinity
+from mrts.base.arrays import Array, EqualByNumbers, freeze, without_infinity
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.notebook.in_notebooks import InNotebooks
@@ -26,7 +26,7 @@ WHAT_TO_GIVE = (
 
 
 @dataclass(frozen=True, eq=False)
-class RateLimits(InNotebooks):
+class RateLimits(EqualByNumbers, InNotebooks):
     """Largest rates of change of a cell with m joints and n w wrench components; infinity where there is none.
 
     Attributes:

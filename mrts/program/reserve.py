@@ -23,8 +23,7 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.torque_distribution import distribute_torques
-from mrts.program.trajectory_programs import BLOCK
+from mrts.program.torque_distribution import BLOCK, torques_by_blocks
 from mrts.program.widening import least_widening
 
 LEAST_SHARE = 0.01
@@ -44,11 +43,6 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
     """The least largest share of any limit at each sample, less 1: as a widening, below 0 within the limits.
 
     Rows that no distribution moves do not count. Where both sides are one number, a row is kept and does not count.
-
-    Args:
-        problem: Rows of a cell without a reserve, with a free distribution.
-        c2: c².
-        solver: Name in the registry.
 
     Raises:
         SolverError: If no solver answers.
@@ -70,11 +64,6 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
 
 def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProblem, int]:
     """The same problem with limits moved to the least largest share of them that is possible at c², or `LEAST_SHARE`.
-
-    Args:
-        problem: Rows of a cell without a reserve.
-        c2: c².
-        solver: Name in the registry.
 
     Returns:
         The problem, and the programs that a fallback had to solve.
@@ -103,31 +92,13 @@ def reserve_torques(
 ) -> tuple[Array, Array, int]:
     """The least torques of those that keep most of every limit free; as `motion_torques`.
 
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        formulation: As in `motion_ranges`.
-        sharing: Likewise.
-        solver: Likewise.
-        c2: Chosen c².
-        weights: W, Shape (m, m).
-
     Raises:
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    cell, fallbacks = cell.with_reserve(0.0), 0
-    rows = motion_rows(cell, motion)
-    torques, wrenches = [], []
-    for start in range(0, motion.samples, BLOCK):
-        block = np.arange(start, min(start + BLOCK, motion.samples))
-        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, samples=block, rows=rows)
-        kept, before = reserved(problem, c2, solver)
-        x, by_another = distribute_torques(kept, c2, weights, solver)
-        torques.append(problem.torque(x))
-        wrenches.append(problem.wrench(x))
-        fallbacks += before + by_another
-    return np.concatenate(torques), np.concatenate(wrenches), fallbacks
+    cell = cell.with_reserve(0.0)
+    given = cell, motion, formulation, sharing, solver, c2, weights, motion_rows(cell, motion)
+    return torques_by_blocks(*given, within=lambda problem: reserved(problem, c2, solver))
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,8 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
-from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.motion_rows import path_rows
-from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits.rows import ActiveRow, LimitRows, RowName
 from mrts.program.formulation import FORMULATIONS, FormulationName
 from mrts.program.load_sharing import LoadSharing
@@ -23,6 +20,12 @@ from mrts.program.motor_terms import MotorTerms
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
+
+
+MAPS = ("torque_map", "torque_offset", "torque_speed", "wrench_map", "wrench_offset")
+OF_ROWS = ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
+OF_SAMPLES = ("A", "lower", "upper", "speed")
+"""Attributes with samples, with rows, and with rows of each sample."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,15 +122,6 @@ class SampleProblem:
         torque = apply(self.torque_map, x) + self.torque_offset
         return torque if self.torque_speed is None else torque + self.torque_speed * np.sqrt(x[:, -1:])
 
-    def torque_without_free(self, c2: float | Array) -> Array:
-        """Torques at a value of the last unknown with all others at zero, Shape (N, m) [N m].
-
-        Args:
-            c2: One for all samples, or one a sample, Shape (N, 1).
-        """
-        torque: Array = self.torque_map[:, :, -1] * c2 + self.torque_offset
-        return torque if self.torque_speed is None else torque + self.torque_speed * np.sqrt(c2)
-
     def wrench(self, x: Array) -> Array:
         """Wrenches of unknowns x, Shape (N, k), as Shape (N, n w) [N, N m], base axes."""
         return apply(self.wrench_map, x) + self.wrench_offset
@@ -139,18 +133,9 @@ class SampleProblem:
 
     def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
         """The same problem at some samples only (indices or a mask)."""
-        return replace(
-            self,
-            torque_map=self.torque_map[samples],
-            torque_speed=None if self.torque_speed is None else self.torque_speed[samples],
-            torque_offset=self.torque_offset[samples],
-            wrench_map=self.wrench_map[samples],
-            wrench_offset=self.wrench_offset[samples],
-            A=self.A[samples],
-            speed=None if self.speed is None else self.speed[samples],
-            lower=self.lower[samples],
-            upper=self.upper[samples],
-        )
+        given = {name: getattr(self, name) for name in (*MAPS, *OF_SAMPLES)}
+        some: dict[str, Any] = {name: None if of is None else of[samples] for name, of in given.items()}
+        return replace(self, **some)
 
     def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
         """The same problem with more rows, which have no term in ṙ.
@@ -168,18 +153,13 @@ class SampleProblem:
             more["speed"] = np.concatenate([self.speed, np.zeros((self.samples, len(names)))], axis=1)
         return replace(self, names=(*self.names, *names), **more)
 
-    def without_caps(self) -> "SampleProblem":
-        """The same problem without the rows that bound the last unknown alone."""
-        kept = ~self.is_cap
-        return replace(
-            self,
-            names=tuple(name for name, keep in zip(self.names, kept, strict=True) if keep),
-            **{
-                name: getattr(self, name)[kept] for name in ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
-            },
-            **{name: getattr(self, name)[:, kept] for name in ("A", "lower", "upper")},
-            speed=None if self.speed is None else self.speed[:, kept],
-        )
+    def only(self, rows: NDArray[np.int_]) -> "SampleProblem":
+        """The same problem with some of the rows, in this order."""
+        some: dict[str, Any] = {name: getattr(self, name)[rows] for name in OF_ROWS}
+        for name in OF_SAMPLES:
+            of = getattr(self, name)
+            some[name] = None if of is None else of[:, rows]
+        return replace(self, names=tuple(self.names[row] for row in rows.tolist()), **some)
 
 
 def build_sample_problem(
@@ -217,18 +197,14 @@ def build_sample_problem(
     if sharing is not None:
         inputs |= sharing.inputs(cell, motion)
     elif formulation == "torque":
-        _check_invertible(cell, motion)
+        _check_invertible(cell, motion, np.arange(motion.samples) if samples is None else samples)
     form = motion_rows(cell, motion) if rows is None else rows
-    of_kernel = varying and samples is None and sharing is None and formulation == "wrench" and form.sparse is not None
     count, limits, motors = motion.samples, form.rows, form.motors
     if samples is not None:
         inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
         count, limits, motors = len(samples), limits.at(samples), None if motors is None else motors.at(samples)
-    if of_kernel:
-        found = _kernel_rows(cell, count, inputs, form)
-    else:
-        found = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
-        found |= _rows_of_maps(limits, form.size, found, motors, varying=varying)
+    found = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
+    found |= _rows_of_maps(limits, form.size, found, motors, varying=varying)
     torque_speed, speed = None if motors is None else motors.speed, limits.speed
     if torque_speed is not None:
         speed = torque_speed @ limits.torque_matrix.T + (0.0 if speed is None else speed)
@@ -313,20 +289,7 @@ def _rows_of_maps(
     return {"A": A / size[:, None], "lower": lower, "upper": upper}
 
 
-def _kernel_rows(cell: Cell, count: int, inputs: dict[str, Array], form: MotionRows) -> dict[str, Array]:
-    """Maps and rows of the wrench form where the speed varies, by the kernel in one call."""
-    library, rows, motors = cell.library, form.rows, form.motors
-    terms, rate = SampleTerms(square=rows.square), np.zeros((count, library.joints))
-    if motors is not None:
-        rate, margin = motors.rate, motors.margin(rows)
-        terms = replace(terms, torque_square=motors.square, torque_offset=motors.dry, margin=margin)
-    found = path_rows(library, count, inputs | {GEOMETRY: cell.geometry}, rows.sparse(), form.size, terms, rate)
-    if rows.rate is not None:
-        found.A[:, :, -2] += rows.rate / form.size
-    return dict(vars(found))
-
-
-def _check_invertible(cell: Cell, motion: CoordinatedMotion) -> None:
+def _check_invertible(cell: Cell, motion: CoordinatedMotion, samples: NDArray[np.int_]) -> None:
     size = len(cell.wrench_components)
     for robot in cell.robots:
         if len(robot.joints) != size:
@@ -334,13 +297,13 @@ def _check_invertible(cell: Cell, motion: CoordinatedMotion) -> None:
                 f"the torque form needs a square Jacobian: robot '{robot.name}' has {len(robot.joints)} joints and "
                 f"{size} wrench components. Use the wrench form."
             )
-    J = cell.functions("kinematics", motion.samples, {"q": motion.q})["jacobian"]
+    J = cell.functions("kinematics", len(samples), {"q": motion.q[samples]})["jacobian"]
     for robot in cell.robots:
         condition = np.linalg.cond(J[:, :, cell.joint_slices[robot.name]])
-        worst = int(np.argmax(condition))
-        if not condition[worst] <= TORQUE_FORM_CONDITION_LIMIT:
+        worst = samples[int(np.argmax(condition))]
+        if not np.max(condition) <= TORQUE_FORM_CONDITION_LIMIT:
             raise MotionError(
                 f"the torque form inverts Jacobians: at sample {worst} (t = {motion.object.time[worst]:.6g} s) that of "
-                f"robot '{robot.name}' has the condition number {condition[worst]:.3g}, the limit is "
+                f"robot '{robot.name}' has the condition number {np.max(condition):.3g}, the limit is "
                 f"{TORQUE_FORM_CONDITION_LIMIT:.0e}. Use the wrench form."
             )

@@ -12,19 +12,25 @@ from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
-from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow, Side
-from mrts.program.closed_form import ends_in_closed_form
-from mrts.program.end_rows import rows_at_end, tight_codes
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
-from mrts.program.linear_programs import ends_by_linear_programs
 from mrts.program.motion_rows import binds
-from mrts.program.range_ends import BindingRows, RangeEnds, codes_of_duals, no_codes, rows_of_problem
+from mrts.program.range_ends import (
+    BindingRows,
+    RangeEnds,
+    codes_of_duals,
+    ends_by_linear_programs,
+    ends_in_closed_form,
+    highest_intervals,
+    intervals_below,
+    no_codes,
+    rows_at_end,
+    rows_of_problem,
+    tight_codes,
+)
 from mrts.program.range_status import RangeStatus
-from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.speed_intervals import highest_intervals, intervals_below
+from mrts.program.sample_problem import SampleProblem
 
 REST_TOLERANCE = 1e-12
 """A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""
@@ -52,7 +58,7 @@ class SampleRanges(InNotebooks):
         lower_loads: If the load is uncertain, the load that sets the lower end of each sample.
         upper_loads: Likewise of the upper end.
         several: Whether some sample admits other intervals of c² as well.
-        problem: The rows of one sample at an end; None where `rows` has all that bind.
+        problem: The rows of one sample, with a load if the load is uncertain; None where `rows` has all that bind.
     """
 
     time: Array
@@ -65,7 +71,7 @@ class SampleRanges(InNotebooks):
     lower_loads: Sequence[LoadPoint] | None = None
     upper_loads: Sequence[LoadPoint] | None = None
     several: bool = False
-    problem: Callable[[int, Side], SampleProblem] | None = field(default=None, repr=False, compare=False)
+    problem: Callable[[int, Array | None], SampleProblem] | None = field(default=None, repr=False, compare=False)
 
     def binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """Rows that bind at one end of a sample; where more meet than determine it, some of them."""
@@ -80,7 +86,9 @@ class SampleRanges(InNotebooks):
         c2 = float((self.lower if side == "lower" else self.upper)[sample])
         if self.problem is None or not np.isfinite(c2) or (side == "lower" and c2 == 0):
             return self.binding(sample, side)
-        return rows_at_end(self.problem(sample, side), c2, side) or self.binding(sample, side)
+        loads = self.lower_loads if side == "lower" else self.upper_loads
+        problem = self.problem(sample, None if loads is None else loads[sample].load)
+        return rows_at_end(problem, c2, side) or self.binding(sample, side)
 
     def to_json(self) -> dict[str, Any]:
         """Entry of "samples" in the JSON result; null stands for an end that does not exist."""
@@ -92,15 +100,7 @@ class SampleRanges(InNotebooks):
         }
 
 
-def sample_ranges(
-    problem: SampleProblem,
-    time: Array,
-    solver: str,
-    high: float = np.inf,
-    *,
-    doubtful: bool = False,
-    effect: float = 0.0,
-) -> SampleRanges:
+def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float = np.inf) -> SampleRanges:
     """Step 1 of MMTSF: min and max of c² at every sample, with binding rows.
 
     One unknown (a fixed distribution, a single arm) is an intersection of intervals; more are linear programs.
@@ -110,18 +110,26 @@ def sample_ranges(
         time: Shape (N,) [s].
         solver: Name in the registry.
         high: Of several intervals the highest is found that does not begin above this c².
-        doubtful: Whether all of them may be infeasible, which is then looked at first.
-        effect: Largest effect of c² at other samples of the motion.
 
     Raises:
         InputError: If there is no such solver.
         SolverError: If no solver answers.
     """
-    problem = without_speed_at_rest(problem, effect)
+    return ranges_of_ends(time, *decided_ends(problem, time, solver, high))
+
+
+def decided_ends(
+    problem: SampleProblem, time: Array, solver: str, high: float, effect: float | None = None
+) -> tuple[RangeEnds, list[Conflict]]:
+    """`sample_ranges` as ends, and the conflicts of the samples that have none.
+
+    Where the largest effect of c² at other samples is given, these are doubtful: whether they are infeasible is looked
+    at first.
+    """
+    doubtful = effect is not None
+    problem = without_speed_at_rest(problem, effect or 0.0)
     none, samples = np.full(problem.samples, np.inf), np.arange(problem.samples)
-    ends = RangeEnds(
-        none, -none, rows_of_problem(problem, no_codes(len(samples))), np.ones(len(samples), dtype=bool), 0
-    )
+    ends = RangeEnds(none, -none, rows_of_problem(problem, no_codes(len(samples))), np.ones(len(samples), dtype=bool))
     if not doubtful:
         ends.replace(samples, _ends(problem, solver, high))
     conflicts: list[Conflict] = []
@@ -142,6 +150,11 @@ def sample_ranges(
             f"no solver found the range of c² at t = {time[np.argmax(ends.undecided)]:.6g} s, although its limits hold "
             "together. This is a defect of mrts or of extremely scaled data: please report the cell and the motion."
         )
+    return ends, conflicts
+
+
+def ranges_of_ends(time: Array, ends: RangeEnds, conflicts: Sequence[Conflict], **loads: Any) -> SampleRanges:
+    """The ranges with these ends; `loads` are `lower_loads` and `upper_loads`."""
     return SampleRanges(
         time=time,
         status=statuses(ends.lower, ends.upper, conflicts),
@@ -151,6 +164,7 @@ def sample_ranges(
         conflicts=tuple(conflicts),
         fallbacks=ends.fallbacks,
         several=ends.several,
+        **loads,
     )
 
 
@@ -170,13 +184,7 @@ def _ends(problem: SampleProblem, solver: str, high: float) -> RangeEnds:
 
 
 def statuses(lower: Array, upper: Array, conflicts: Iterable[Conflict]) -> tuple[RangeStatus, ...]:
-    """The outcome at every sample.
-
-    Args:
-        lower: c²⁻(t), Shape (N,).
-        upper: c²⁺(t), Shape (N,).
-        conflicts: Of the infeasible samples.
-    """
+    """The outcome at every sample."""
     names = np.array([RangeStatus.FEASIBLE, RangeStatus.EMPTY, RangeStatus.UNBOUNDED, RangeStatus.INFEASIBLE])
     code = np.where(np.isinf(upper), 2, np.where(lower > upper * (1 + POINT_TOLERANCE), 1, 0))
     code[[conflict.sample for conflict in conflicts]] = 3
@@ -191,38 +199,6 @@ def first_least(values: Array) -> Any:
     """
     least = np.min(values, axis=0)
     return np.argmax(values <= least + TIE * np.abs(np.where(np.isfinite(least), least, 0.0)), axis=0)
-
-
-def end_problem(
-    cell: Cell, motion: CoordinatedMotion, load_at: Callable[[int, Side], Array | None], sample: int, side: Side
-) -> SampleProblem:
-    """The rows of one sample with the load that sets an end of its range.
-
-    Args:
-        cell: The cell; the distribution of its load is free.
-        motion: Its motion.
-        load_at: Load vector of one end of a sample, Shape (10,); None for the cell's.
-        sample: Index.
-        side: Which end.
-    """
-    load = load_at(sample, side)
-    loads = None if load is None else np.broadcast_to(load, (motion.samples, len(load)))
-    return build_sample_problem(cell, motion, load=loads, samples=np.array([sample]))
-
-
-def with_end_problem(
-    cell: Cell, motion: CoordinatedMotion, samples: SampleRanges, load_at: Callable[[int, Side], Array | None]
-) -> SampleRanges:
-    """The same ranges, which can name all rows that set an end.
-
-    Args:
-        cell: As in `end_problem`.
-        motion: Likewise.
-        samples: Ranges of all samples.
-        load_at: As in `end_problem`.
-    """
-    # of one arm nothing is free: the closed form names all
-    return samples if len(cell.robots) == 1 else replace(samples, problem=partial(end_problem, cell, motion, load_at))
 
 
 def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> SampleProblem:

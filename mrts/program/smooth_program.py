@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 
@@ -30,7 +29,6 @@ class SmoothProgram:
         root: Shape (n, r).
         offset: Shape (n, r).
         free: Shape (n, r, f); f may be 0.
-        columns: First and one past the last column of `free` that a row has, Shape (r, 2).
         lower: -infinity where there is none, Shape (n, r).
         upper: infinity where there is none, Shape (n, r).
         change: Infinity where there is none, Shape (r,) [1/s].
@@ -52,7 +50,6 @@ class SmoothProgram:
     root: Array
     offset: Array
     free: Array
-    columns: NDArray[np.int_]
     lower: Array
     upper: Array
     change: Array
@@ -98,13 +95,7 @@ class SmoothProgram:
         return replace(self, q1=nothing, q2=nothing, q3=np.zeros((n - 1, 2, 0)), jerk=np.zeros(0), joints=())
 
     def values(self, x: Array, u: Array, free: Array) -> Array:
-        """Values v of every row, Shape (n, r).
-
-        Args:
-            x: Shape (n,).
-            u: Shape (n,).
-            free: Shape (n, f).
-        """
+        """Values v of every row, Shape (n, r)."""
         moved = self.square * x[:, None] + self.rate * u[:, None] + self.root * np.sqrt(x)[:, None] + self.offset
         values: Array = moved + np.einsum("nrf,nf->nr", self.free, free)
         return values

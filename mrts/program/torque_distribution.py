@@ -1,20 +1,25 @@
 # SPDX-License-Identifier: MIT
 """The torques at a chosen c²: where they are redundant a strictly convex quadratic program at every sample."""
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
-from mrts.base.manifest import GEOMETRY
 from mrts.base.torque_weights import WEIGHT_SPREAD, weights_by_limits
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.one_unknown import known_values
 from mrts.program.convex_program import ConvexPrograms
+from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.motor_terms import motor_terms
-from mrts.program.sample_problem import SampleProblem
+from mrts.program.motion_rows import MotionRows
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.solvers import require_verified, solve_programs
+
+BLOCK = 4096
+"""Samples whose rows are put together at a time."""
 
 TORQUE_WIDENING = 1e-9
 """Of each limit, as a share of it: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
@@ -72,9 +77,10 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     speed = np.broadcast_to(np.reshape(c2, (-1, 1)), (count, 1))
     if unknowns == 1:
         return speed, 0
-    free, at_rest = problem.torque_map[:, :, :-1], problem.torque_without_free(speed)
+    free = problem.torque_map[:, :, :-1]
+    others = problem.torque(np.concatenate([np.zeros((count, unknowns - 1)), speed], axis=1))
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
-    g = np.einsum("nij,ik,nk->nj", free, weights, at_rest)
+    g = np.einsum("nij,ik,nk->nj", free, weights, others)
     lower, upper = problem.limits_at(speed)
     widening = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), TORQUE_WIDENING, 0.0)
     programs = ConvexPrograms(
@@ -91,21 +97,33 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     return np.concatenate([answers.x, speed], axis=1), answers.fallbacks
 
 
-def known_torques(cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, c2: float) -> tuple[Array, Array]:
-    """Torques, Shape (N, m), and wrenches, Shape (N, n w), where the object's balance or a sharing leaves nothing free.
+def torques_by_blocks(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    formulation: FormulationName,
+    sharing: LoadSharing | None,
+    solver: str,
+    c2: float,
+    weights: Array,
+    rows: MotionRows,
+    samples: NDArray[np.intp] | None = None,
+    within: Callable[[SampleProblem], tuple[SampleProblem, int]] = lambda problem: (problem, 0),
+) -> tuple[Array, Array, int]:
+    """`distribute_torques` for k samples of a motion, all or some, as from `motion_torques`.
 
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        sharing: A fixed distribution of the load; None with one arm.
-        c2: Chosen c².
-
-    Raises:
-        InputError: If the sharing does not fit the cell.
+    Arguments are those of `build_sample_problem`; `within` moves the limits of some samples, and says how many programs
+    a fallback solved for that.
     """
-    inputs, name = motion.inputs(cell.load), "wrench_form"
-    if sharing is not None:
-        inputs, name = inputs | sharing.inputs(cell, motion), "fixed_distribution"
-    motors = motor_terms(cell, motion)
-    torque, wrench = known_values(cell.library, name, motion.samples, inputs | {GEOMETRY: cell.geometry}, c2)
-    return torque if motors is None else torque + motors.torque(float(np.sqrt(c2))), wrench
+    places = np.arange(motion.samples) if samples is None else samples
+    torque, wrench = (np.zeros((len(places), size)) for size in (cell.library.joints, cell.library.wrenches))
+    fallbacks = 0
+    for start in range(0, len(places), BLOCK):
+        block = slice(start, start + BLOCK)
+        problem = build_sample_problem(
+            cell, motion, formulation=formulation, sharing=sharing, samples=places[block], rows=rows
+        )
+        limited, before = within(problem)
+        x, by_another = distribute_torques(limited, c2, weights, solver)
+        torque[block], wrench[block] = problem.torque(x), problem.wrench(x)
+        fallbacks += before + by_another
+    return torque, wrench, fallbacks

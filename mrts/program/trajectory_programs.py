@@ -12,24 +12,17 @@ from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import KernelRanges
-from mrts.kernel.one_unknown import KnownPlanes, KnownRanges, KnownWrenches
+from mrts.kernel.one_unknown import KnownRanges, known_ranges
 from mrts.kernel.programs import OPTIMAL
-from mrts.kernel.sample_terms import SampleTerms
-from mrts.limits.rows import Side
-from mrts.program.closed_form import tied_codes, tied_sides
 from mrts.program.formulation import FormulationName
 from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, binds, motion_rows
-from mrts.program.range_ends import BindingRows, kernel_rows
-from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, sample_ranges, statuses, with_end_problem
-from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.program.speed_intervals import intervals_below
-from mrts.program.torque_distribution import TORQUE_WIDENING, distribute_torques, known_torques
-
-BLOCK = 4096
-"""Samples whose rows are put together at a time where the kernel has not answered."""
+from mrts.program.range_ends import BindingRows, RangeEnds, intervals_below, kernel_rows, tied_codes, tied_sides
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_ranges import REST_TOLERANCE, SampleRanges, decided_ends, ranges_of_ends, sample_ranges
+from mrts.program.solvers import check_solver
+from mrts.program.torque_distribution import BLOCK, TORQUE_WIDENING, torques_by_blocks
 
 MOST_ROWS = 32_767
 """The compiled path keeps the rows of each sample's answer as 16-bit numbers."""
@@ -68,13 +61,13 @@ def motion_ranges(
     else:
         problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, load=load, rows=rows)
         found = sample_ranges(problem, motion.object.time, solver, high)
-    if sharing is not None:
-        return found
-    return with_end_problem(cell, motion, found, partial(_load_at, load))
+    return found if one_unknown else replace(found, problem=partial(_problem_of_sample, cell, motion, load))
 
 
-def _load_at(load: Array | None, sample: int, _side: Side) -> Array | None:
-    return load if load is None or load.ndim == 1 else load[sample]
+def _problem_of_sample(
+    cell: Cell, motion: CoordinatedMotion, known: Array | None, sample: int, load: Array | None
+) -> SampleProblem:
+    return build_sample_problem(cell, motion, load=known if load is None else load, samples=np.array([sample]))
 
 
 def _kernel_ranges(
@@ -89,14 +82,17 @@ def _kernel_ranges(
     """The ranges by the kernel; what it does not settle is left to the solvers."""
     most, several, time, library = rows.most, False, motion.object.time, cell.library
     found: KnownRanges | KernelRanges
+    assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
+    function, inputs = "wrench_form", _inputs(cell, motion, load)
+    if sharing is not None:
+        function, inputs = "fixed_distribution", inputs | sharing.inputs(cell, motion)
+    given = motion.samples, inputs, rows.sparse, rows.terms()
     if sharing is not None or library.robots == 1:
-        found = _known(cell, motion, sharing, load, rows).ranges(rows.terms(), most)
+        found = known_ranges(library, function, *given, most)
         undecided = found.lower > found.upper
     else:
-        assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
-        given = motion.samples, _inputs(cell, motion, load), rows.sparse, rows.terms()
         if rows.has_speed_terms:
-            found, several = intervals_below(partial(library.speed_ranges, *given), most, high)
+            found, several = intervals_below(partial(library.ranges, *given, speeds=True), most, high)
         else:
             found = library.ranges(*given, most)
         undecided = np.any(found.status != OPTIMAL, axis=0)
@@ -104,28 +100,15 @@ def _kernel_ranges(
     at_rest = found.effect <= REST_TOLERANCE * effect
     lower, upper = found.lower + 0.0, np.where(at_rest, most, found.upper) + 0.0  # 0 has no sign
     suspects = np.flatnonzero(undecided | (at_rest & (lower > 0)))
-    binding = _rows_at_ends(rows, found, (lower, upper), at_rest)
+    ends = RangeEnds(lower, upper, _rows_at_ends(rows, found, (lower, upper), at_rest), undecided, several=several)
     conflicts: list[Conflict] = []
-    fallbacks = 0
     for start in range(0, len(suspects), BLOCK):
         block = suspects[start : start + BLOCK]
         problem = build_sample_problem(cell, motion, sharing=sharing, load=load, samples=block, rows=rows)
-        part = sample_ranges(problem, time[block], solver, high, doubtful=True, effect=effect)
-        lower[block], upper[block] = part.lower, part.upper
-        binding = binding.with_samples(block, part.rows.codes)
-        conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in part.conflicts]
-        fallbacks += part.fallbacks
-        several |= part.several
-    return SampleRanges(
-        time=time,
-        status=statuses(lower, upper, conflicts),
-        lower=lower,
-        upper=upper,
-        rows=binding,
-        conflicts=tuple(conflicts),
-        fallbacks=fallbacks,
-        several=several,
-    )
+        part, own = decided_ends(problem, time[block], solver, high, effect)
+        ends.replace(block, part)
+        conflicts += [replace(conflict, sample=int(block[conflict.sample])) for conflict in own]
+    return ranges_of_ends(time, ends, conflicts)
 
 
 def motion_torques(
@@ -140,28 +123,18 @@ def motion_torques(
 ) -> tuple[Array, Array, int]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
 
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        formulation: As in `motion_ranges`.
-        sharing: Likewise.
-        solver: Likewise.
-        c2: Chosen c².
-        weights: W, Shape (m, m).
-        rows: As in `motion_ranges`.
+    W, Shape (m, m), is in `weights`; the others are as in `motion_ranges`.
 
     Raises:
         InputError: If an argument breaks a rule.
         SolverError: If no solver answers.
     """
-    if formulation == "wrench" and (sharing is not None or len(cell.robots) == 1):
-        check_solver(solver)
-        return *known_torques(cell, motion, sharing, c2), 0
     rows = motion_rows(cell, motion) if rows is None else rows
-    if not _is_for_kernel(cell, rows, formulation, solver) or rows.sparse is None:
-        problem = build_sample_problem(cell, motion, formulation=formulation, sharing=sharing, rows=rows)
-        x, fallbacks = distribute_torques(problem, c2, weights, solver)
-        return problem.torque(x), problem.wrench(x), fallbacks
+    given = cell, motion, formulation, sharing, solver, c2, weights, rows
+    of_kernel = _is_for_kernel(cell, rows, formulation, solver)
+    if not of_kernel or sharing is not None or len(cell.robots) == 1:
+        return torques_by_blocks(*given)
+    assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
     torque, wrench, status = cell.library.torques(
         motion.samples,
         _inputs(cell, motion, None),
@@ -171,43 +144,9 @@ def motion_torques(
         weights,
         TORQUE_WIDENING,
     )
-    missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
-    for start in range(0, len(missing), BLOCK):
-        block = missing[start : start + BLOCK]
-        problem = build_sample_problem(cell, motion, samples=block, rows=rows)
-        x, by_another = distribute_torques(problem, c2, weights, solver)
-        torque[block], wrench[block] = problem.torque(x), problem.wrench(x)
-        fallbacks += by_another
+    missing = np.flatnonzero(status != OPTIMAL)
+    torque[missing], wrench[missing], fallbacks = torques_by_blocks(*given, missing)
     return torque, wrench, fallbacks
-
-
-def motion_planes(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    sharing: LoadSharing | None,
-    load: Array | None,
-    rows: MotionRows | None = None,
-) -> tuple[KnownPlanes, Array] | None:
-    """The limits over u = r̈ and x = ṙ² where nothing else is unknown, and the largest x that velocities allow.
-
-    Args:
-        cell: The cell.
-        motion: Its motion; its time is the path parameter r.
-        sharing: A fixed distribution of the load, None for a free one.
-        load: As in `motion_ranges`.
-        rows: Likewise.
-
-    Returns:
-        Half-planes, and Shape (N,); None where the compiled path does not answer.
-    """
-    if sharing is None and len(cell.robots) > 1:
-        return None
-    rows = motion_rows(cell, motion) if rows is None else rows
-    if rows.has_speed_terms or not _is_for_kernel(cell, rows, "wrench", DEFAULT_SOLVER):
-        return None
-    by_rate = SampleTerms(torque_square=None if rows.motors is None else rows.motors.rate, square=rows.kept.rate)
-    planes = _known(cell, motion, sharing, load, rows).planes(rows.terms(), by_rate)
-    return None if planes is None else (planes, rows.most)
 
 
 def _is_for_kernel(cell: Cell, rows: MotionRows, formulation: FormulationName, solver: str) -> bool:
@@ -215,17 +154,6 @@ def _is_for_kernel(cell: Cell, rows: MotionRows, formulation: FormulationName, s
     check_solver(solver)
     few = len(rows.kept.names) + cell.library.unknowns <= MOST_ROWS
     return solver == "kernel" and formulation == "wrench" and rows.sparse is not None and few
-
-
-def _known(
-    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None, rows: MotionRows
-) -> KnownWrenches:
-    """The samples of a motion where c² is the only unknown."""
-    assert rows.sparse is not None  # noqa: S101 (`_is_for_kernel`)
-    inputs, function = _inputs(cell, motion, load), "wrench_form"
-    if sharing is not None:
-        inputs, function = inputs | sharing.inputs(cell, motion), "fixed_distribution"
-    return KnownWrenches(cell.library, function, motion.samples, inputs, rows.sparse)
 
 
 def _rows_at_ends(

@@ -11,7 +11,7 @@ from mrts.report.document import Place, document, placing
 from mrts.report.limit_map import limit_map
 from mrts.report.limiting import LimitingRows, limiting_rows
 from mrts.report.markup import Html, element, joined, section
-from mrts.report.player import SPEEDS, Player, player
+from mrts.report.player import Player, player
 from mrts.report.plots import (
     Plot,
     load_plot,
@@ -38,6 +38,7 @@ from mrts.report.tables import (
 from mrts.report.timing_part import played_way, timing_section
 from mrts.report.what_if_plot import what_if_notes, what_if_plots
 from mrts.scaling.result import ScalingResult, fallbacks_text
+from mrts.scene.scene import PACES
 from mrts.timing.result import RetimingResult
 
 
@@ -211,7 +212,7 @@ def _duty_note() -> Html:
 
 
 def _player_section(scene: Player, *, given: bool) -> Html:
-    speeds = joined(_speed(speed, chosen=speed == scene.speed) for speed in SPEEDS)
+    speeds = joined(_speed(speed, chosen=speed == scene.speed) for speed in PACES)
     last = str(len(scene.time) - 1)
     controls = [
         element("button", "Play", id="play", type="button"),
@@ -239,4 +240,4 @@ def _player_section(scene: Player, *, given: bool) -> Html:
 
 def _speed(speed: float, *, chosen: bool) -> Html:
     more = {"selected": "selected"} if chosen else {}
-    return element("option", f"{speed:g} ×", value=f"{speed:g}", **more)
+    return element("option", PACES[speed], value=f"{speed:g}", **more)

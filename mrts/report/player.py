@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.drawing.bodies.cell_shapes import contact_forces, joint_points
-from mrts.drawing.bodies.held_body import held_body
-from mrts.drawing.bodies.object_surface import object_edges
-from mrts.drawing.colours import COLOURS
 from mrts.drawing.labels import shortened
 from mrts.report.markup import plot_text
 from mrts.report.plots import numbers
 from mrts.scaling.result import ScalingResult
+from mrts.scene.cell_shapes import contact_forces, joint_points
+from mrts.scene.cell_view import look_at_cell
+from mrts.scene.held_body import held_body, object_edges
+from mrts.scene.scene import FORCE, OBJECT, arm_hex, suited_pace
 
 MOST_FRAMES = 160
 MOST_TRIANGLES = 250
@@ -37,13 +37,11 @@ NO_LENGTH = 1e-12
 ALONG = 1e-6
 """An arrow that leaves an axis by less than this share lies along it: any direction across will do."""
 
+EYE = 1.7
+"""How far a camera stands from the middle, in sides of the scene."""
+
 MARGIN = 0.08
 """Around everything that moves, as a share of the scene."""
-
-SHORTEST_PLAY = 3.0
-"""Playing takes at least this long at the speed that is chosen first [s]."""
-
-SPEEDS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.02, 0.01)
 
 
 @dataclass(frozen=True)
@@ -99,16 +97,15 @@ def player(result: ScalingResult, way: Array | None = None) -> Player:
     ]
     moving += [(box, _object_trace(triangles)), (edges, _line_trace("object", "#555", 3, legend=False))]
     if largest > NO_FORCE:
-        moving.append((arrows, _line_trace("force on the object", "#000", 5)))
+        moving.append((arrows, _line_trace("force on the object", f"rgb{FORCE}", 5)))
     path = _line_trace("path of the object", "#888", 2) | _coordinates(given.position[frames])
     still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
-    speed = next((speed for speed in SPEEDS if time[-1] / speed >= SHORTEST_PLAY), SPEEDS[-1])
     return Player(
         [*still, path],
-        _layout(cell, np.concatenate([solid, arrows.reshape(-1, 3)])),
+        _layout(cell, np.concatenate([solid, arrows.reshape(-1, 3)]), _camera(cell, q, given.position[frames])),
         [_coordinates(points) for points, _ in moving],
         numbers(time[frames]),
-        speed,
+        suited_pace(float(time[-1])),
         largest if largest > NO_FORCE else 0.0,
         clocks={"given": numbers(given.time[frames]), "played": numbers(time[frames])}
         | ({} if way is None else {"way": numbers(way[frames])}),
@@ -153,7 +150,7 @@ def _arrow(start: Array, along: Array, sideways: Array) -> Array:
 
 
 def _arm_trace(name: str, index: int, points: int) -> dict[str, Any]:
-    colour = COLOURS[index % (len(COLOURS) - 1)]
+    colour = arm_hex(index)
     symbols = ["square", *["circle"] * (points - 2), "diamond"]
     return {
         "type": "scatter3d",
@@ -173,7 +170,7 @@ def _object_trace(triangles: NDArray[np.int64]) -> dict[str, Any]:
         "i": i,
         "j": j,
         "k": k,
-        "color": "#bbb",
+        "color": f"rgb{OBJECT}",
         "opacity": 0.6,
         "flatshading": True,
         "hoverinfo": "name",
@@ -191,7 +188,7 @@ def _line_trace(name: str, colour: str, width: int, *, legend: bool = True) -> d
     }
 
 
-def _layout(cell: Cell, points: Array) -> dict[str, Any]:
+def _layout(cell: Cell, points: Array, camera: dict[str, Any]) -> dict[str, Any]:
     """The scene around everything that moves; the page scales it to the window."""
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
     margin = MARGIN * float(np.max(high - low))
@@ -212,25 +209,21 @@ def _layout(cell: Cell, points: Array) -> dict[str, Any]:
         "margin": {"l": 0, "r": 0, "t": 0, "b": 0},
         "paper_bgcolor": "#fff",
         "legend": {"orientation": "h", "x": 0, "y": 1, "yanchor": "top"},
-        "scene": axes | {"aspectmode": "manual", "aspectratio": ratio, "camera": _camera(cell)},
+        "scene": axes | {"aspectmode": "manual", "aspectratio": ratio, "camera": camera},
         "uirevision": "kept",
     }
 
 
-def _camera(cell: Cell) -> dict[str, Any]:
-    """Square onto the plane of a planar cell; else from in front and above, against gravity."""
+def _camera(cell: Cell, q: Array, position: Array) -> dict[str, Any]:
+    """Square onto the plane of a planar cell; else as pictures and the viewer look at it."""
     if cell.plane is not None:
         eye, up = {"xy": ((0, 0, 2), (0, 1, 0)), "xz": ((0, -2, 0), (0, 0, 1)), "yz": ((2, 0, 0), (0, 0, 1))}[
             cell.plane
         ]
         projection = "orthographic"
     else:
-        weight = np.linalg.norm(cell.gravity)
-        upward = -cell.gravity / weight if weight > 0 else np.array([0.0, 0.0, 1.0])
-        across = np.eye(3)[1] if abs(upward[1]) < np.sqrt(0.5) else np.eye(3)[2]
-        front = across - (across @ upward) * upward
-        aside = np.cross(front, upward)
-        eye, up = tuple((0.7 * upward - 1.4 * front + 0.7 * aside).tolist()), tuple(upward.tolist())
+        view = look_at_cell(cell, q, position)
+        eye, up = tuple((EYE * view.direction).tolist()), tuple(view.up.tolist())
         projection = "perspective"
     views = {"eye": dict(zip("xyz", eye, strict=True)), "up": dict(zip("xyz", up, strict=True))}
     return views | {"projection": {"type": projection}}

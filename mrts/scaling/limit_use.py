@@ -2,16 +2,18 @@
 """What a trajectory makes of the quantities that are limited, and how much of each limit it uses."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.interval_text import interval_text
 from mrts.base.notebook.in_notebooks import NotebookTable
+from mrts.cell.cell import Cell
 from mrts.limits import all_rows
-from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName
+from mrts.limits.rows import TORQUE_SPEED, RowName
 from mrts.program.motor_terms import motor_terms
 from mrts.program.rate_limits import given_rate_limits, rate_names
 
@@ -93,12 +95,16 @@ class LimitedQuantities:
         values: Shape (N, k).
         lower: Minus infinity where unbounded, at the speed of each sample, Shape (N, k).
         upper: Infinity where unbounded, likewise.
+        share: How much of its limit each uses, Shape (N, k).
+        unit: What 100 % is, Shape (k,).
     """
 
     rows: tuple[RowName, ...]
     values: Array
     lower: Array
     upper: Array
+    share: Array
+    unit: Array
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -110,19 +116,49 @@ class LimitedQuantities:
         """One a quantity."""
         return tuple(name.unit for name in self.rows)
 
-    def only(self, chosen: Sequence[bool]) -> Self:
+    @property
+    def limited(self) -> NDArray[np.bool_]:
+        """Which have a limit on some side, Shape (k,)."""
+        return np.asarray(np.any(np.isfinite(self.lower) | np.isfinite(self.upper), axis=0))
+
+    def only(self, chosen: Sequence[bool] | NDArray[np.bool_]) -> Self:
         """Some of the quantities.
 
         Args:
             chosen: Which, Shape (k,).
         """
-        own = [place for place, taken in enumerate(chosen) if taken]
-        rows = tuple(self.rows[place] for place in own)
-        return type(self)(rows, self.values[:, own], self.lower[:, own], self.upper[:, own])
+        own = np.flatnonzero(chosen)
+        arrays = (of[..., own] for of in (self.values, self.lower, self.upper, self.share, self.unit))
+        return type(self)(tuple(self.rows[place] for place in own.tolist()), *arrays)
 
     def of(self, kind: str, robot: str) -> Self:
         """Those of one kind and one robot, as in `RowName`."""
         return self.only([(name.kind, name.robot) == (kind, robot) for name in self.rows])
+
+    def uses(self, time: Array) -> tuple[LimitUse, ...]:
+        """What is made of each, at the sample that uses the largest share.
+
+        Args:
+            time: Of the samples, Shape (N,) [s].
+        """
+        at, limited = np.argmax(self.share, axis=0), self.limited
+        steps = np.max(np.abs(np.diff(self.values, axis=0)), axis=0, initial=0.0)
+        values = np.where(np.abs(self.values) < NOTHING * self.unit, 0.0, self.values)
+        return tuple(
+            LimitUse(
+                name=name,
+                lower=float(self.lower[at[row], row]),
+                upper=float(self.upper[at[row], row]),
+                least=float(np.min(values[:, row])),
+                largest=float(np.max(values[:, row])),
+                share=max(0.0, float(self.share[at[row], row])),
+                time=float(time[at[row]]),
+                step=float(steps[row]),
+                step_share=float(steps[row] / self.unit[row]),
+                limited=bool(limited[row]),
+            )
+            for row, name in enumerate(self.rows)
+        )
 
 
 def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUse]:
@@ -140,49 +176,15 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
 def found_limit_uses(result: "ScalingResult") -> tuple[LimitUse, ...]:
     """What the trajectory of a result makes of all rows in their order, with those that have no limit."""
     done = result.trajectory
-    if done is None:
-        return ()
-    rows = all_rows(result.cell, result.motion)
-    found, share = _quantities(rows, done), rows.share(_values(rows, done))
-    moving = rows.moving(done.c)
-    driven = LimitedQuantities(
-        found.rows, found.values, np.where(moving > 0, -np.inf, found.lower), np.where(moving < 0, np.inf, found.upper)
-    )
-    return _uses(driven, share, rows.units(), done.time)
+    return () if done is None else _quantities(result.cell, done, driven=True).uses(done.time)
 
 
 def rate_uses(result: "ScalingResult") -> list[LimitUse]:
     """All rates that are limited by falling share: those that the result keeps, or else those that the cell gives."""
-    if result.trajectory is None or not _limits_rates(result):
-        return []
     rates = _rates(result)
-    rates = rates.only(np.isfinite(rates.upper[0]).tolist())
-    limit = rates.upper[0]
-    uses = _uses(rates, np.abs(rates.values) / limit, limit, result.trajectory.time)
-    return sorted(uses, key=lambda use: -use.share)
-
-
-def _uses(found: LimitedQuantities, share: Array, units: Array, time: Array) -> tuple[LimitUse, ...]:
-    """The uses of quantities, each at the sample that uses the largest share, Shape (N, k); units are 100 %, (k,)."""
-    at = np.argmax(share, axis=0)
-    limited = np.any(np.isfinite(found.lower) | np.isfinite(found.upper), axis=0)
-    steps = np.max(np.abs(np.diff(found.values, axis=0)), axis=0, initial=0.0)
-    values = np.where(np.abs(found.values) < NOTHING * units, 0.0, found.values)
-    return tuple(
-        LimitUse(
-            name=name,
-            lower=float(found.lower[at[row], row]),
-            upper=float(found.upper[at[row], row]),
-            least=float(np.min(values[:, row])),
-            largest=float(np.max(values[:, row])),
-            share=max(0.0, float(share[at[row], row])),
-            time=float(time[at[row]]),
-            step=float(steps[row]),
-            step_share=float(steps[row] / units[row]),
-            limited=bool(limited[row]),
-        )
-        for row, name in enumerate(found.rows)
-    )
+    if result.trajectory is None or rates is None:
+        return []
+    return sorted(rates.only(rates.limited).uses(result.trajectory.time), key=lambda use: -use.share)
 
 
 def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:
@@ -205,8 +207,9 @@ def used_shares(done: "ScaledTrajectory") -> tuple[tuple[RowName, ...], Array]:
     Returns:
         The rows that have a limit, r of them, and the share of it that each uses at each sample, Shape (N, r).
     """
-    rows = all_rows(done.cell, done.motion).bounded()
-    return rows.names, np.maximum(rows.share(_values(rows, done)), 0.0)
+    found = _quantities(done.cell, done)
+    limited = found.only(found.limited)
+    return limited.rows, np.maximum(limited.share, 0.0)
 
 
 def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
@@ -220,7 +223,9 @@ def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> Limite
     Raises:
         ValueError: If there is no trajectory.
     """
-    found = _quantities(all_rows(result.cell, result.motion), _trajectory(result))
+    if result.trajectory is None:
+        raise ValueError("there is no trajectory to draw")
+    found = _quantities(result.cell, result.trajectory)
     chosen = found.of(kind, robot)
     if kind == "torque":
         lines = found.of(TORQUE_SPEED, robot)
@@ -237,7 +242,7 @@ def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuan
     Limits are those that the result keeps; where it keeps none, those that the cell gives.
 
     Args:
-        result: A result with a trajectory.
+        result: A result of which `limited_rate_kinds` has the kind.
         kind: "torque rate", "wrench rate" or "jerk".
         robot: Its name.
 
@@ -245,11 +250,15 @@ def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuan
         The quantities; each sample has the value of the step that begins there, the last that of the step before it.
 
     Raises:
-        ValueError: If there is no trajectory.
+        ValueError: If there is no trajectory, or no rate is limited.
     """
-    found = _rates(result).of(kind, robot)
-    values, lower, upper = (np.concatenate([of, of[-1:]]) for of in (found.values, found.lower, found.upper))
-    return LimitedQuantities(found.rows, values, lower, upper)
+    rates = _rates(result)
+    if rates is None:
+        raise ValueError("there is no trajectory with limited rates to draw")
+    found = rates.of(kind, robot)
+    along = ("values", "lower", "upper", "share")
+    again: dict[str, Any] = {name: np.concatenate([of := getattr(found, name), of[-1:]]) for name in along}
+    return replace(found, **again)
 
 
 def limited_rate_kinds(result: "ScalingResult") -> list[str]:
@@ -258,44 +267,36 @@ def limited_rate_kinds(result: "ScalingResult") -> list[str]:
     Args:
         result: The result.
     """
-    if result.trajectory is None or not _limits_rates(result):
-        return []
     rates = _rates(result)
-    limited = np.isfinite(rates.upper[0]).tolist()
-    return list(dict.fromkeys(name.kind for name, has in zip(rates.rows, limited, strict=True) if has))
+    return [] if rates is None else list(dict.fromkeys(name.kind for name in rates.only(rates.limited).rows))
 
 
-def _trajectory(result: "ScalingResult") -> "ScaledTrajectory":
-    if result.trajectory is None:
-        raise ValueError("there is no trajectory to draw")
-    return result.trajectory
+def _quantities(cell: Cell, done: "ScaledTrajectory", *, driven: bool = False) -> LimitedQuantities:
+    """What rows limit, with what the limits of torque-speed lines are at the speed of each sample.
 
-
-def _values(rows: LimitRows, done: "ScaledTrajectory") -> Array:
-    return rows.value(done.torque, done.wrench, 0.0, done.c)
-
-
-def _quantities(rows: LimitRows, done: "ScaledTrajectory") -> LimitedQuantities:
-    """What rows limit, with what the limits of torque-speed lines are at the speed of each sample."""
-    values = _values(rows, done)
+    Where `driven`, such a line is no limit on the side on which the motor brakes.
+    """
+    rows = all_rows(cell, done.motion)
+    values = rows.value(done.torque, done.wrench, 0.0, done.c)
     moving = np.broadcast_to(rows.moving(done.c), values.shape)
-    return LimitedQuantities(rows.names, values - moving, rows.lower - moving, rows.upper - moving)
+    lower, upper = rows.lower - moving, rows.upper - moving
+    if driven:
+        lower, upper = np.where(moving > 0, -np.inf, lower), np.where(moving < 0, np.inf, upper)
+    return LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), rows.units())
 
 
-def _limits_rates(result: "ScalingResult") -> bool:
-    return result.options.rates is not None or given_rate_limits(result.cell).limits_something
-
-
-def _rates(result: "ScalingResult") -> LimitedQuantities:
-    """Torque rates, wrench rates and jerks between the samples, Shape (N - 1, k)."""
-    done, kept = _trajectory(result), result.options.rates
+def _rates(result: "ScalingResult") -> LimitedQuantities | None:
+    """Torque rates, wrench rates and jerks between the samples, Shape (N - 1, k); None where none is limited."""
+    done, kept = result.trajectory, result.options.rates
     limits = given_rate_limits(result.cell) if kept is None else kept
+    if done is None or (kept is None and not limits.limits_something):
+        return None
     motors = motor_terms(result.cell, result.motion)
     torque = done.torque if motors is None else done.torque - motors.dry  # dry friction steps: no timing changes that
-    values = np.hstack([torque, done.wrench, done.ddq])
-    rates = np.diff(values, axis=0) / np.diff(done.time)[:, None]
-    limit = np.broadcast_to(np.concatenate([limits.torque, limits.wrench, limits.jerk]), rates.shape)
-    return LimitedQuantities(sum(rate_names(result.cell), ()), rates, -limit, limit)
+    rates = np.diff(np.hstack([torque, done.wrench, done.ddq]), axis=0) / np.diff(done.time)[:, None]
+    unit = np.concatenate([limits.torque, limits.wrench, limits.jerk])
+    limit = np.broadcast_to(unit, rates.shape)
+    return LimitedQuantities(sum(rate_names(result.cell), ()), rates, -limit, limit, np.abs(rates) / limit, unit)
 
 
 def limit_tables(result: "ScalingResult") -> Iterator[NotebookTable]:

@@ -23,13 +23,17 @@ from mrts.base.load_box import OFFSETS, LoadBox, LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import Side
-from mrts.program.closed_form import LoadSensitivity, ends_in_closed_form, load_sensitivity, worst_parameters
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.range_ends import chosen_rows
+from mrts.program.range_ends import (
+    LoadSensitivity,
+    chosen_rows,
+    ends_in_closed_form,
+    load_sensitivity,
+    worst_parameters,
+)
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.sample_ranges import SampleRanges, first_least, statuses, with_end_problem, without_speed_at_rest
+from mrts.program.sample_ranges import SampleRanges, first_least, ranges_of_ends, statuses, without_speed_at_rest
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.options import Options, load_box
 from mrts.scaling.range import ScalingRange, common_range, intersect
@@ -141,7 +145,7 @@ def range_at_samples(
             known.samples if below == high else ranges_of_load(cell, motion, options, point.load, below, rows)
             for point, known in zip(points, of_points, strict=True)
         ]
-        return with_all_rows(cell, motion, options, combined_ranges(points, ranges, every=True))
+        return combined_ranges(points, ranges, every=True)
 
     return common_range(find, high), LoadStudy(options.load, box, points, of_points)
 
@@ -186,18 +190,6 @@ def ranges_of_loads(
         found.append(common_range(partial(ranges_of_load, cell, motion, options, point.load, rows=rows), high))
     progress(len(points), len(points))
     return tuple(found)
-
-
-def with_all_rows(cell: Cell, motion: CoordinatedMotion, options: Options, samples: SampleRanges) -> SampleRanges:
-    """Ranges each of whose ends is that of some load, which can name all rows that set an end."""
-    lower, upper = samples.lower_loads, samples.upper_loads
-    if options.sharing is not None or lower is None or upper is None:
-        return samples
-    return with_end_problem(cell, motion, samples, partial(_load_of_end, lower, upper))
-
-
-def _load_of_end(lower: Sequence[LoadPoint], upper: Sequence[LoadPoint], sample: int, side: Side) -> Array:
-    return (lower if side == "lower" else upper)[sample].load
 
 
 def effective_parameters(
@@ -283,6 +275,7 @@ def combined_ranges(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges],
         lower_loads=tuple(points[index] for index in at_low),
         upper_loads=tuple(points[index] for index in at_high),
         several=any(found.several for found in ranges),
+        problem=ranges[0].problem,
     )
 
 
@@ -306,17 +299,8 @@ def _in_closed_form(
     ends = ends_in_closed_form(problem, sensitivity)
     if np.any(ends.undecided):
         return None
-    return SampleRanges(
-        time=motion.object.time,
-        status=statuses(ends.lower, ends.upper, ()),
-        lower=ends.lower,
-        upper=ends.upper,
-        rows=ends.rows,
-        conflicts=(),
-        fallbacks=0,
-        lower_loads=_worst_loads(problem, sensitivity, box, varying, ends.lower),
-        upper_loads=_worst_loads(problem, sensitivity, box, varying, ends.upper),
-    )
+    low, high = (_worst_loads(problem, sensitivity, box, varying, end) for end in (ends.lower, ends.upper))
+    return ranges_of_ends(motion.object.time, ends, (), lower_loads=low, upper_loads=high)
 
 
 def _worst_loads(

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a user should know of a given motion before trusting the range that it has."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from mrts.base.arrays import Array
@@ -25,13 +23,13 @@ LEAST_STEP = 0.05
 """Share of the largest speed from which a step of velocity is one."""
 
 NOISY = 0.15
-"""Share of a joint's largest acceleration that is noise, from which it changes c²: by 1 % and more, soon by half."""
+"""Share of a joint's largest acceleration that is noise, from which it may change c²: by 1 % and more, soon by half."""
 
 FEWEST_SAMPLES = 21
 """With fewer, noise and jumps cannot be told from corners of the velocity."""
 
 MOST_JUMPS = 4
-"""Samples with a jump: one row out of line makes at most three; coarse rounding makes them everywhere."""
+"""Samples with a jump: one row out of line makes at most three; coarse rounding, which is noise, many."""
 
 SIGNIFICANT = 0.05
 """Share of the largest acceleration of all joints from which that of a joint counts: of one at rest all is rounding."""
@@ -49,23 +47,19 @@ OF_CONSTANT_FACTOR = ("not-at-rest", "factor-above-10")
 """Codes of remarks that tell nothing where the speed varies along the path."""
 
 
-def motion_remarks(
-    cell: Cell, motion: CoordinatedMotion, find: Callable[[], ScalingRange], *, constant: bool
-) -> tuple[Remark, ...]:
+def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange | None) -> tuple[Remark, ...]:
     """All remarks of a cell and its motion as they are given, but for what is taken for granted.
 
     Args:
         cell: The cell.
         motion: Its motion, as given.
-        find: Finds the range of c²; of a timing it is asked for only where accelerations look like noise.
-        constant: Whether the factor of speed is constant, or varies from rest to rest.
+        found: The range of c² of a constant factor; None where the speed varies from rest to rest.
     """
     remarks = [remark for remark in (*cell.all_remarks, *motion.remarks) if remark.severity != "assumption"]
-    if not constant:
-        return (*remarks, *_rough(cell, motion, find))
-    found = find()
-    remarks += [*_not_at_rest(cell, motion), *_rough(cell, motion, find)]
-    if found.status.admits_motion and found.upper is not None:
+    if found is not None:
+        remarks += _not_at_rest(cell, motion)
+    remarks += _rough(cell, motion)
+    if found is not None and found.status.admits_motion and found.upper is not None:
         remarks += _fast(found.upper)
     return tuple(remarks)
 
@@ -92,7 +86,7 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
         if speed > ENDS_AT_REST * fastest:
             text = (
                 f"the motion does not {what} at rest: {_joint_names(cell)[joint]} moves at {speed:.3g} "
-                f"{_unit(cell, joint)}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
+                f"{_units(cell)[joint]}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
                 f"speed {why}. Give a motion that is at rest at both ends (a table of few rows: with its velocities), "
                 "or make sure that the robots move already."
             )
@@ -100,26 +94,29 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
     return remarks
 
 
-def _rough(cell: Cell, motion: CoordinatedMotion, find: Callable[[], ScalingRange]) -> list[Remark]:
-    """Accelerations like noise where they set the range, or else single jumps of velocity."""
+def _rough(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
+    """Accelerations like noise, or else single jumps of velocity."""
     if motion.samples < FEWEST_SAMPLES:
         return []
-    jumps = _velocity_jumps(motion)
+    names, units = _joint_names(cell), _units(cell)
+    jumps, noise = _velocity_jumps(motion), noise_share(motion.ddq)
     jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
-    noise = noise_share(motion.ddq)
     largest = np.max(np.abs(motion.ddq), axis=0)
     noise[largest < SIGNIFICANT * np.max(largest)] = 0.0
     joint = int(np.argmax(noise))
     if noise[joint] >= NOISY or jumping > MOST_JUMPS:
-        found = find()
-        if found.status.admits_motion and found.upper is not None and _set_by_torques(found.upper):
-            return [_noise(cell, motion, found.upper, joint)]
-    if not 0 < jumping <= MOST_JUMPS:
+        text = (
+            f"the acceleration of {names[joint]} goes up and down from sample to sample, and torques with it, as "
+            "that of rounded or measured positions does when they are differentiated twice. Give more digits, smooth "
+            "the table, or give fewer rows."
+        )
+        return [Remark("noise", text)]
+    if not jumping:
         return []
     place, joint = (int(index) for index in np.unravel_index(int(np.argmax(jumps)), jumps.shape))
     text = (
         f"the motion jumps at t = {motion.object.time[place + 1]:.4g} s (sample {place + 1}): the velocity of "
-        f"{_joint_names(cell)[joint]} changes there by {jumps[place, joint]:.3g} {_unit(cell, joint)}/s from one "
+        f"{names[joint]} changes there by {jumps[place, joint]:.3g} {units[joint]}/s from one "
         f"sample to the next, more than {JUMP:g} times what it does around it. Check that row of the table."
     )
     return [Remark("jump", text, place + 1)]
@@ -134,21 +131,6 @@ def _velocity_jumps(motion: CoordinatedMotion) -> Array:
         around[distance:] = np.maximum(around[distance:], step[:-distance])
         around[:-distance] = np.maximum(around[:-distance], step[distance:])
     return np.where((step > JUMP * around) & (step > least), step, 0.0)
-
-
-def _set_by_torques(end: RangeEnd) -> bool:
-    """Whether more than velocities sets an end of the range."""
-    return end.time is not None and not all(row.name.kind == "velocity" for row in end.rows)
-
-
-def _noise(cell: Cell, motion: CoordinatedMotion, end: RangeEnd, joint: int) -> Remark:
-    """Accelerations that change from sample to sample like noise, where they set the upper end."""
-    text = (
-        f"noise sets the range of c²: the acceleration of {_joint_names(cell)[joint]} goes up and down from sample to "
-        "sample, as that of rounded or measured positions does when they are differentiated twice. Give more digits, "
-        "smooth the table, or give fewer rows."
-    )
-    return Remark("noise", text, int(np.searchsorted(motion.object.time, end.time or 0.0, side="right")) - 1)
 
 
 def noise_share(values: Array) -> Array:
@@ -224,5 +206,5 @@ def _joint_names(cell: Cell) -> list[str]:
     return [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
 
 
-def _unit(cell: Cell, joint: int) -> str:
-    return [unit for robot in cell.robots for unit in robot.position_units][joint]
+def _units(cell: Cell) -> list[str]:
+    return [unit for robot in cell.robots for unit in robot.position_units]

@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: MIT
 """What is asked of a motion: the arguments that scaling, timing, rankings, sweeps and what-if share."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from types import NoneType
-from typing import Literal, Self
+from typing import Any, Literal, Self
+
+import numpy as np
 
 from mrts.base.argument_types import check_type
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadBox
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import LimitRows
 from mrts.program.excess import BETWEEN, checked_tolerance
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.load_sharing import LoadSharing, check_distribution
@@ -18,11 +23,14 @@ from mrts.program.rate_limits import RateLimits
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import torque_weights
 
+Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
+"""A limit of one's own; docs/extending.md."""
+
 Selection = Literal["auto", "fastest", "nominal"] | float
 
 
-@dataclass(frozen=True, kw_only=True)
-class Options(InNotebooks):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Options(EqualByNumbers, InNotebooks):
     """What was asked of a motion, as `mrts.scale` documents its arguments.
 
     A saved result keeps neither `select`, as it has the c², nor `solver` and `between`.
@@ -59,6 +67,11 @@ class Options(InNotebooks):
             weights = as_array("weights", self.weights)
             weights.setflags(write=False)
             object.__setattr__(self, "weights", weights)
+
+    def to_json(self, cell: Cell) -> dict[str, Any]:
+        """Entries of the JSON result: how torques are distributed, and what is kept free of limits."""
+        weights = None if self.weights is None else np.asarray(self.weights).tolist()
+        return {"distribute": self.distribute, "weights": weights, "kept_reserve": cell.reserve}
 
     def checked(self, cell: Cell) -> Self:
         """The same with what "auto" asks of the load of a cell.
@@ -102,6 +115,16 @@ class Options(InNotebooks):
         if self.load != "nominal":
             load_box(cell, self.load)
         return self.load
+
+
+def limited_cell(cell: Cell, reserve: float | None, limits: Sequence[Limit] | None) -> Cell:
+    """The cell with the reserve and the further limits that were asked for; None leaves its own.
+
+    Raises:
+        InputError: If the reserve is no share, or a limit no function.
+    """
+    cell = cell if reserve is None else cell.with_reserve(reserve)
+    return cell if limits is None else replace(cell, limits=limits)  # type: ignore[arg-type]  # the cell makes a tuple of them
 
 
 def load_box(cell: Cell, question: str) -> LoadBox:

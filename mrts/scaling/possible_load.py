@@ -15,10 +15,9 @@ from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side
-from mrts.program.closed_form import LoadSensitivity, load_sensitivity
 from mrts.program.held_interrupt import held_interrupt
-from mrts.program.linear_programs import NO_EFFECT, UNBOUNDED, effect_of_speed
 from mrts.program.motion_rows import motion_rows
+from mrts.program.range_ends import NO_EFFECT, UNBOUNDED, LoadSensitivity, effect_of_speed, load_sensitivity
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import SampleRanges, sample_ranges, statuses
 from mrts.scaling.loads import (
@@ -28,7 +27,6 @@ from mrts.scaling.loads import (
     problem_of_load,
     ranges_of_load,
     ranges_of_loads,
-    with_all_rows,
 )
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange, common_range
@@ -95,7 +93,7 @@ def possible_range(
         best = combined_ranges(points, ranges, every=False)
         if varying:
             best, not_converged = _searched(cell, motion, options, box, varying, best, progress)
-        return with_all_rows(cell, motion, options, best)
+        return best
 
     found = common_range(find, high)
     return found, LoadStudy("possible", box, points, of_points, not_converged)

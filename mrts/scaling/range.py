@@ -12,9 +12,9 @@ from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.limits.rows import ActiveRow, Side
+from mrts.program.range_ends import MOST_INTERVALS
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
-from mrts.program.speed_intervals import MOST_INTERVALS
 
 if TYPE_CHECKING:
     from mrts.program.constant_rates import RatedFactors, RatesAtEnd

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
+from abc import abstractmethod
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
@@ -60,8 +61,40 @@ class Residuals(InNotebooks):
     object: float
 
 
+class Result(InNotebooks, JsonOutput):
+    """What is said alike of a range of c² and of a timing."""
+
+    cell: Cell
+    options: Options
+    warnings: tuple[Remark, ...]
+    changes: "WhatIf | None"
+
+    @abstractmethod
+    def sentence(self) -> str:
+        """The outcome alone."""
+
+    def summary(self) -> str:
+        """The outcome in one or two sentences, and a line for each warning."""
+        return "\n".join([self.sentence(), *map(str, self.warnings)])
+
+    def notebook_words(self) -> list[str]:
+        """The outcome, and a line for each warning."""
+        return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
+
+    def said_json(self) -> dict[str, Any]:
+        """Entries of the JSON result that every outcome has."""
+        changes = {} if self.changes is None else {"what_if": self.changes.to_json()}
+        return {
+            "cell": self.cell.name,
+            "summary": self.sentence(),
+            "warnings": [warning.to_json() for warning in self.warnings],
+            **self.options.to_json(self.cell),
+            **changes,
+        }
+
+
 @dataclass(frozen=True, repr=False)
-class ScalingResult(InNotebooks, JsonOutput):
+class ScalingResult(Result):
     """What `mrts.scale` found.
 
     Attributes:
@@ -105,10 +138,6 @@ class ScalingResult(InNotebooks, JsonOutput):
         done = self.trajectory
         chosen = "" if done is None else f" Chosen: c² = {done.c2:.4g}, {done.duration:.4g} s."
         return f"<ScalingResult of cell '{self.cell.name}': {self.sentence()}{chosen}>"
-
-    def notebook_words(self) -> list[str]:
-        """The outcome, and a line for each warning."""
-        return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Range and chosen speed, then what is made of each limited quantity."""
@@ -172,12 +201,6 @@ class ScalingResult(InNotebooks, JsonOutput):
         formulation, sharing = options.formulation, options.sharing
         return plan_reserve(self.cell, self.motion, formulation, sharing, DEFAULT_SOLVER, done.c2, self.loads)
 
-    def with_known_reserve(self, reserve: PlanReserve | None) -> Self:
-        """The same result with its `reserve` as found before: finding it takes the cell's functions."""
-        done = replace(self)
-        object.__setattr__(done, "reserve", reserve)
-        return done
-
     def what_if(
         self,
         *,
@@ -223,10 +246,6 @@ class ScalingResult(InNotebooks, JsonOutput):
             for use in limit_uses(self, "velocity")
             if use.share > 1 + LIMIT_TOLERANCE
         ]
-
-    def summary(self) -> str:
-        """The outcome in one or two sentences, and a line for each warning."""
-        return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
 
     def sentence(self) -> str:
         """The outcome alone."""
@@ -303,12 +322,8 @@ class ScalingResult(InNotebooks, JsonOutput):
         """The result as JSON values; null stands for an unbounded end."""
         samples = self.range.samples
         output: dict[str, Any] = {
-            "cell": self.cell.name,
-            "summary": self.sentence(),
-            "warnings": [warning.to_json() for warning in self.warnings],
+            **self.said_json(),
             "explanation": self.explanation() or None,
-            "distribute": self.options.distribute,
-            "kept_reserve": self.cell.reserve,
             "kept_rates": self.options.rates and self.options.rates.to_json(),
             **self.range.to_json(),
             "samples": samples.to_json(),
@@ -317,19 +332,23 @@ class ScalingResult(InNotebooks, JsonOutput):
         }
         if self.load is not None:
             output["load"] = self.load.to_json()
-        if self.changes is not None:
-            output["what_if"] = self.changes.to_json()
         if self.trajectory is not None:
-            output |= self.trajectory.to_json() | {"velocity_limits_passed": self.too_fast()} | self._nearness()
+            load = LoadPoint({}, self.trajectory.cell.load).to_json()["load"]
+            output |= {
+                "selected": {"c2": self.c2, "duration": self.duration, "load": load},
+                "velocity_limits_passed": self.too_fast(),
+                "reserve": self.reserve and self.reserve.to_json(),
+                "excess": self.excess and self.excess.to_json(),
+                **self.played_json(self.trajectory),
+            }
         return output
 
-    def _nearness(self) -> dict[str, Any]:
-        """How near the limits are, and how far all goes from sample to sample and between, as JSON values."""
+    def played_json(self, done: ScaledTrajectory) -> dict[str, Any]:
+        """Entries of the JSON result of a trajectory of this cell, and how far all goes from sample to sample."""
         steps = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
         return {
-            "reserve": self.reserve and self.reserve.to_json(),
+            **done.to_json(),
             "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
-            "excess": self.excess and self.excess.to_json(),
             "rates": [use.rate_json() for use in rate_uses(self)],
         }
 

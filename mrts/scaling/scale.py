@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError, SolverError
+from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
@@ -24,16 +25,16 @@ from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict, conflicts_at
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.motion_widening import motion_widening
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
 from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
+from mrts.program.widening import motion_widening
 from mrts.scaling.loads import range_at_samples, ranges_of_load
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
-from mrts.scaling.options import Options, Selection
+from mrts.scaling.options import Limit, Options, Selection, limited_cell
 from mrts.scaling.range import ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, ScalingResult, kept_text
 from mrts.scaling.torques import with_torques
@@ -69,6 +70,7 @@ def scale(
     load: str = "auto",
     distribute: DistributionName = "least-torque",
     reserve: float | None = None,
+    limits: Sequence[Limit] | None = None,
     closure: ClosureBound | None = None,
     between: float | None = BETWEEN,
     rates: Rates = False,
@@ -92,6 +94,8 @@ def scale(
         distribute: What redundant torques are chosen by: "least-torque", or "reserve", which first makes the largest
             share of any limit as small as can be at each sample.
         reserve: Share of every limit that is kept free, 0 or more and below 1; None is the cell's own.
+        limits: Functions of a cell and its motion that give further `mrts.limits.rows.LimitRows`, as in
+            `Cell.with_limits`; docs/extending.md. None is the cell's own.
         closure: How far given joints may be off their grasps; None allows 2 mm and 5 mrad.
         between: Share of a limit by which it may be overstepped between the samples; samples are added where it takes
             them. None looks at the given samples alone.
@@ -112,7 +116,7 @@ def scale(
     """
     check_callable("progress", progress)
     check_type("cell", cell, Cell)
-    cell = cell if reserve is None else cell.with_reserve(reserve)
+    cell = limited_cell(cell, reserve, limits)
     options = Options(
         select=select,
         sharing=sharing,
@@ -151,15 +155,19 @@ def chosen_factor(
         SolverError: If no solver answers.
     """
     result, rows, refinement = admissible_range(cell, motion, options, progress)
-    result, factors = within_rate_limits(result)
-    remarks, own = motion_remarks(cell, motion, lambda: result.range, constant=True), motion.object.time
+    factors = None
+    if options.rates is not None:
+        result, factors = within_rate_limits(result)
+    found = result.range
+    remarks, own = motion_remarks(cell, motion, found), motion.object.time
     remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(result.motion.object.time, own))
     result = replace(result, warnings=remarks + result.warnings)
-    if not result.status.admits_motion or options.load == "possible":
+    if not found.status.admits_motion or options.load == "possible":
         return result, rows
     try:
-        c2 = choose_c2(result.range, options.select, partial(conflict_at, result))
-        _check_rated(factors, result.range, c2)
+        c2 = choose_c2(found, options.select, partial(conflict_at, result))
+        if factors is not None:
+            _check_rated(factors, found, c2)
     except SelectionError as error:
         raise SelectionError(f"{kept_text(cell.reserve)}{error}", result) from None
     return replace(result, c2=c2, excess=None if refinement is None else refinement.excess(c2)), rows
@@ -191,30 +199,37 @@ def admissible_range(
         MotionError: If the arms cannot hold the object between the samples.
         SolverError: If no solver answers.
     """
-    sharing, formulation, tolerance = options.sharing, options.formulation, options.between
-
-    def result(path: CoordinatedMotion, rows: MotionRows) -> ScalingResult:
-        found, study = range_at_samples(cell, path, options, progress, rows=rows)
-        return ScalingResult(
-            cell=cell,
-            motion=path,
-            found=found,
-            c2=None,
-            trajectory=None,
-            fallbacks=found.samples.fallbacks,
-            load=study,
-            options=options,
-        )
-
-    rows = motion_rows(cell, motion)
-    first = result(motion, rows)
-    given = first.range
+    sharing, tolerance, rows = options.sharing, options.between, motion_rows(cell, motion)
+    found, study = range_at_samples(cell, motion, options, progress, rows=rows)
+    path, refined, warnings = motion, None, tuple[Remark, ...]()
     prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
-    if tolerance is None or options.load == "possible" or prescribed or not given.status.admits_motion:
-        return first, rows, None
+    if tolerance is not None and options.load != "possible" and not prescribed and found.status.admits_motion:
+        refined = _between_samples(cell, motion, options, tolerance, found, rows)
+        path = refined.motion
+        if path is not motion:
+            given, rows = found, motion_rows(cell, path)
+            found, study = range_at_samples(cell, path, options, progress, rows=rows)
+            warnings = interpolated(motion, given, found)
+    result = ScalingResult(
+        cell=cell,
+        motion=path,
+        found=found,
+        c2=None,
+        trajectory=None,
+        fallbacks=found.samples.fallbacks,
+        load=study,
+        options=options,
+        warnings=warnings,
+    )
+    return result, rows, refined
 
+
+def _between_samples(
+    cell: Cell, motion: CoordinatedMotion, options: Options, tolerance: float, given: ScalingRange, rows: MotionRows
+) -> Refinement:
+    """What is found between the samples of a motion, whose range at them admits motion."""
     assert given.lower is not None and given.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    high = given.upper.c2
+    high, formulation, sharing = given.upper.c2, options.formulation, options.sharing
 
     def ranges(path: CoordinatedMotion, there: MotionRows) -> SampleRanges:
         if options.load == "nominal":
@@ -228,12 +243,7 @@ def admissible_range(
             cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places, rows=there
         )
 
-    refined = refine(cell, (motion, rows), given.samples, (given.lower.c2, high), ranges, widening, tolerance)
-    if refined.motion is motion:
-        return first, rows, refined
-    rows = motion_rows(cell, refined.motion)
-    finer = result(refined.motion, rows)
-    return replace(finer, warnings=interpolated(motion, given, finer.range)), rows, refined
+    return refine(cell, (motion, rows), given.samples, (given.lower.c2, high), ranges, widening, tolerance)
 
 
 def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFactors | None"]:
@@ -258,10 +268,10 @@ def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFact
     return replace(result, found=within_rates(found, factors, below, result.loads)), factors
 
 
-def _check_rated(factors: "RatedFactors | None", found: ScalingRange, c2: float) -> None:
+def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> None:
     """That rates admit a c² between the ends of the range: they may leave gaps."""
     ends = {end.c2 for end in (found.lower, found.upper) if end is not None}
-    refused = None if factors is None or c2 in ends else factors.refused(c2)
+    refused = None if c2 in ends else factors.refused(c2)
     if refused is not None:
         rows = ", ".join(str(row) for row in refused.rows)
         raise SelectionError(

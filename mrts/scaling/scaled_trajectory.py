@@ -2,14 +2,13 @@
 """The motion played at the chosen speed: what a controller gets."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.cell.motors.joint_duty import JointDuty, joint_duty
@@ -136,7 +135,7 @@ class ScaledTrajectory(InNotebooks):
         return internal
 
     def to_json(self) -> dict[str, Any]:
-        """The entries of the JSON result that a chosen c² adds."""
+        """Entries of the JSON result."""
         cell, time = self.cell, self.time.tolist()
 
         def by_robot(parts: Mapping[str, slice], values: Array) -> dict[str, Any]:
@@ -148,9 +147,7 @@ class ScaledTrajectory(InNotebooks):
             | {name: getattr(self, name)[:, joints[robot.name]].tolist() for name in ("q", "dq", "ddq")}
             for robot in cell.robots
         }
-        load = LoadPoint({}, cell.load).to_json()["load"]
         output = {
-            "selected": {"c2": self.c2, "duration": self.duration, "load": load},
             "joints": {"time": time} | motion,
             "torque": by_robot(joints, self.torque),
             "wrench": {"time": time, "components": list(cell.wrench_components)} | by_robot(wrenches, self.wrench),
@@ -160,12 +157,6 @@ class ScaledTrajectory(InNotebooks):
             "joint_duty": {name: duty.to_json() for name, duty in self.duty.items()},
         }
         return output | ({"torque_friction": by_robot(joints, self.friction)} if self.has_friction else {})
-
-    def with_internal_wrench(self, internal: Array) -> Self:
-        """The same trajectory with its `internal_wrench` as found before: finding it takes the cell's functions."""
-        done = replace(self)
-        object.__setattr__(done, "internal_wrench", internal)
-        return done
 
 
 def accumulated_energy(time: Array, power: Array) -> Array:

@@ -13,10 +13,10 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.motion_widening import motion_widening
 from mrts.program.reserve import reserve_torques
 from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
 from mrts.program.trajectory_programs import motion_torques
+from mrts.program.widening import motion_widening
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult
@@ -57,22 +57,22 @@ def with_torques(
     cell, motion, options, c2 = result.cell, result.motion, result.options, result.c2
     if c2 is None:
         return result
+    rows = motion_rows(cell, motion) if rows is None else rows
     if given is not None:
         torque, wrench, fallbacks = *given, 0
     elif options.rates is None:
-        rows = motion_rows(cell, motion) if rows is None else rows
         torque, wrench, fallbacks = distributed_torques(cell, motion, options, c2, rows)
     else:
         from mrts.program.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
         W = torque_weights(options.weights, cell)
         torque, wrench, fallbacks = *torques_within_rates(cell, motion, options.sharing, options.rates, c2, W), 0
-    holding, unheld = _holding(cell, motion, options)
+    holding, unheld = _holding(cell, motion, options, rows)
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
     told = before + unheld + _overrated(done) + _fast_rates(result)
-    return replace(result, warnings=tuple(dict.fromkeys(told))).checked(None if rows is None else rows.given)
+    return replace(result, warnings=tuple(dict.fromkeys(told))).checked(rows.given)
 
 
 def distributed_torques(
@@ -98,7 +98,9 @@ def distributed_torques(
     return reserve_torques(*given) if options.distribute == "reserve" else motion_torques(*given, rows)
 
 
-def _holding(cell: Cell, motion: CoordinatedMotion, options: Options) -> tuple[Holding, tuple[Remark, ...]]:
+def _holding(
+    cell: Cell, motion: CoordinatedMotion, options: Options, rows: MotionRows
+) -> tuple[Holding, tuple[Remark, ...]]:
     """What holds the object still at both ends, c² = 0, and what to say where a controller needs what there is not."""
     needed = np.array(pushing_ends(motion.dq, motion.ddq))
     torque, wrench = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
@@ -106,14 +108,15 @@ def _holding(cell: Cell, motion: CoordinatedMotion, options: Options) -> tuple[H
         return Holding((False, False), torque, wrench), ()
     places = np.array([0, motion.samples - 1])
     still, shared = _still(motion, options.sharing, places)
-    rows = motion_rows(cell, still)
-    widening = motion_widening(cell, still, np.zeros(2), formulation=options.formulation, sharing=shared, rows=rows)
+    at_rest = rows.at_rest(cell, still, places)
+    widening = motion_widening(cell, still, np.zeros(2), formulation=options.formulation, sharing=shared, rows=at_rest)
     held = needed & (widening <= TORQUE_WIDENING)
     if np.any(held):
         if not np.all(held):  # the other end has no torques: the one that has them stands for both
-            still, shared = _still(motion, options.sharing, places[held][[0, -1]])
-            rows = motion_rows(cell, still)
-        found = distributed_torques(cell, still, replace(options, sharing=shared), 0.0, rows)
+            both = places[held][[0, -1]]
+            still, shared = _still(motion, options.sharing, both)
+            at_rest = rows.at_rest(cell, still, both)
+        found = distributed_torques(cell, still, replace(options, sharing=shared), 0.0, at_rest)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
     remarks = tuple(
         Remark(

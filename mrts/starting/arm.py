@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from mrts.base.arrays import Array, cross
-from mrts.base.rigid_transform import PLANE_TOLERANCE
+from mrts.base.rigid_transform import PLANE_TOLERANCE, plane_normal
 from mrts.cell.robot import Robot
-from mrts.drawing.bodies.cell_shapes import body_poses
+from mrts.scene.cell_shapes import body_poses
 
 NO_LEVER = 1e-3
 """A hand nearer to its last joint than this says nothing of where it points [m]."""
@@ -92,6 +92,11 @@ class Arm:
         wrench: Array = np.einsum("nij,i->nj", state.jacobian[:, :3], force)
         return wrench - own
 
+    @property
+    def without_effort(self) -> tuple[str, ...]:
+        """Joints of which the URDF says no torque limit."""
+        return tuple(np.array(self.chain.joints)[np.isinf(self.chain.torque_upper)].tolist())
+
     def middle(self) -> Array:
         """The middle of the joint limits, 0 where there are none, Shape (n,) [rad or m]."""
         lower, upper = self.chain.position_lower, self.chain.position_upper
@@ -140,3 +145,11 @@ def plane_of(arms: Sequence[Arm]) -> str | None:
         if flat:
             return plane
     return None
+
+
+def twist_rows(plane: str | None) -> list[int]:
+    """Components of a twist that count: all in space, in a plane the two along it and the turn about its normal."""
+    if plane is None:
+        return list(range(6))
+    normal = np.abs(plane_normal(plane))
+    return [*np.flatnonzero(normal == 0).tolist(), 3 + int(np.argmax(normal))]

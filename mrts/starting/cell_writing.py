@@ -1,25 +1,19 @@
 # SPDX-License-Identifier: MIT
 """The files of a proposal: a cell file and a motion file whose comments say what was read, proposed and assumed."""
 
-import json
-import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
+from mrts.base.edited_yaml import flow
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.base.yaml_parser import parse_yaml
-from mrts.cell.remarks.assumptions import POINT_MASSES, WEIGHTLESS, first_few
+from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS, first_few
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal
 from mrts.starting.request import ArmRequest
-
-PLAIN = re.compile(
-    r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[A-Za-z./][A-Za-z0-9_./-]*[A-Za-z][A-Za-z0-9_./-]*", re.IGNORECASE
-)
-"""Text that needs no quotes in YAML; without a letter it may be a number."""
 
 COMMENT_AT = 50
 """Column of the comments behind short values."""
@@ -74,23 +68,6 @@ def motion_file(proposal: Proposal) -> str:
     return _read_back("\n".join(lines) + "\n", motion)
 
 
-def flow(value: Any) -> str:
-    """A value in one line of YAML.
-
-    Args:
-        value: Dictionaries with plain keys, lists, texts, numbers.
-    """
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {flow(inside)}" for key, inside in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(flow, value)) + "]"
-    if isinstance(value, str):
-        return value if PLAIN.fullmatch(value) else json.dumps(value, ensure_ascii=False)
-    if isinstance(value, float) and value.is_integer() and abs(value) < 1 / np.finfo(float).eps:
-        return str(int(value))
-    return str(value)
-
-
 def _line(text: str, comment: str, proposal: Proposal | None = None) -> str:
     """A line with a comment behind it; what a user wrote in it is made printable."""
     if proposal is not None and proposal.request.mass not in {None, proposal.mass}:
@@ -117,12 +94,12 @@ def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Itera
     start = "as asked for" if each.posture is not None else "proposed"
     yield f"    # at the start, {start}: {printable(', '.join(chain.joints))}"
     yield f"    posture: {flow(robot['posture'])}"
-    yield from _limits(each.arm, robot, proposal.assumed.get(each.arm.name, ()))
+    yield from _limits(each.arm, robot)
 
 
-def _limits(arm: Arm, robot: dict[str, Any], assumed: tuple[str, ...]) -> Iterator[str]:
+def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
     """What the URDF says of motors, or what stands in for it."""
-    chain = arm.chain
+    chain, assumed = arm.chain, arm.without_effort
     if assumed:
         whose = "assumed" if len(assumed) == len(chain.joints) else f"assumed for {', '.join(assumed)}"
         yield _line(
@@ -144,12 +121,12 @@ def missing(arm: Arm) -> list[str]:
         arm: The arm.
     """
     chain, told = arm.chain, []
-    without = [name for name, effort in zip(chain.joints, chain.torque_upper, strict=True) if effort == np.inf]
-    if without:
-        told.append(f"no effort limit of {_some(without, chain.joints)}: its torque is assumed in the cell file")
-    without = [name for name, limit in zip(chain.joints, chain.velocity_limit, strict=True) if limit == np.inf]
-    if without:
-        told.append(f"no velocity limit of {_some(without, chain.joints)}: nothing bounds its speed but torques")
+    if arm.without_effort:
+        without = _some(arm.without_effort, chain.joints)
+        told.append(f"no effort limit of {without}: its torque is assumed in the cell file")
+    unbounded = [name for name, limit in zip(chain.joints, chain.velocity_limit, strict=True) if limit == np.inf]
+    if unbounded:
+        told.append(f"no velocity limit of {_some(unbounded, chain.joints)}: nothing bounds its speed but torques")
     return told
 
 
@@ -168,17 +145,12 @@ def missing_bodies(arm: Arm) -> Iterator[str]:
         yield f"{POINT_MASSES} ({first_few(points)})"
 
 
-def _some(names: list[str], of: tuple[str, ...]) -> str:
-    """The first few of many names."""
+def _some(names: Sequence[str], of: Sequence[str]) -> str:
     return "any joint" if len(names) == len(of) else first_few(names)
 
 
 def _read_back(text: str, keys: dict[str, Any]) -> str:
-    """The text, if it means what it is to mean.
-
-    Raises:
-        InputError: If YAML cannot hold a name.
-    """
+    """The text, if it means what it is to mean."""
     try:
         same = parse_yaml(text) == keys
     except ValueError:

@@ -6,17 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from mrts.base.argument_types import check_type
+from mrts.base.edited_yaml import Key, edited_yaml, flow
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.base.yaml_parser import parse_yaml
 from mrts.cell.cell import Cell, Numbers
-from mrts.drawing.bodies.cell_shapes import body_poses
-from mrts.starting.cell_writing import flow
+from mrts.scene.cell_shapes import body_poses
 from mrts.starting.proposal import pose_keys
 
 
@@ -68,54 +67,16 @@ def with_grasps(path: Path, text: str, grasps: dict[str, str]) -> str:
         InputError: If a robot is repeated by an alias, so that two grasps stand in one place, or the file would not say
             the same with other grasps.
     """
-    before = text
-    root: Any = yaml.compose(text, Loader=yaml.SafeLoader)
-    robots = next(value for key, value in root.value if key.value == "robots").value
-    changes: dict[tuple[int, int], str] = {}
-    for robot in robots:
-        keys = {key.value: (key, value) for key, value in robot.value}
-        line = grasps[keys["name"][1].value]
-        if "grasp" in keys:
-            value = keys["grasp"][1]
-            change = ((value.start_mark.index, _end(value)), line)
-        else:
-            change = _inserted(text, robot, keys["name"], line)
-        if change[0] in changes:
-            raise InputError(path, "two robots share one place in the file (an alias); write each out.", key="robots")
-        changes[change[0]] = change[1]
-    for (start, end), line in sorted(changes.items(), reverse=True):
-        text = text[:start] + line + text[end:]
-    _check_rest(path, before, text, grasps)
-    return text
-
-
-def _check_rest(path: Path, before: str, after: str, grasps: dict[str, str]) -> None:
-    """Refuse a text that says anything else than the one before with other grasps."""
-    wanted = parse_yaml(before)
-    for robot in wanted["robots"]:
-        robot["grasp"] = parse_yaml(grasps[robot["name"]])
+    wanted = parse_yaml(text)
+    edits: dict[tuple[Key, ...], Any] = {}
+    for index, robot in enumerate(wanted["robots"]):
+        robot["grasp"] = edits["robots", index, "grasp"] = parse_yaml(grasps[robot["name"]])
     try:
-        same = parse_yaml(after) == wanted
-    except ValueError:  # such as an alias of what was replaced
+        held = edited_yaml(text, edits)
+        same = parse_yaml(held) == wanted
+    except (ValueError, InputError):  # such as an alias of what was replaced
         same = False
     if not same:
-        rule = "grasps cannot be replaced where they stand (an alias?); write each out, or copy the ones printed."
+        rule = "grasps cannot be replaced where they stand (an alias?); write each robot out, or copy the ones printed."
         raise InputError(path, rule, key="robots")
-
-
-def _end(node: Any) -> int:
-    """Where a value ends, without the comments behind a block."""
-    if getattr(node, "flow_style", True) or not node.value:
-        return int(node.end_mark.index)
-    last = node.value[-1]
-    return _end(last[1] if isinstance(last, tuple) else last)
-
-
-def _inserted(text: str, robot: Any, name: tuple[Any, Any], line: str) -> tuple[tuple[int, int], str]:
-    """The place for a grasp, behind the robot's name, and what to write there."""
-    if robot.flow_style:
-        at = int(name[1].end_mark.index)
-        return (at, at), f", grasp: {line}"
-    newline = text.find("\n", name[1].end_mark.index)
-    at = len(text) if newline < 0 else newline
-    return (at, at), f"\n{' ' * name[0].start_mark.column}grasp: {line}"
+    return held

@@ -2,7 +2,6 @@
 """Where arms may stand, hold a box between them, and lift it: the best few layouts that the arms' geometry admits."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -11,10 +10,9 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, plane_normal, rotations_from_vectors
-from mrts.starting.arm import Arm
+from mrts.starting.arm import Arm, twist_rows
 from mrts.starting.postures import Spot, Wanted, find_spots
-from mrts.starting.request import Layout, Stand
-from mrts.starting.scene import Scene
+from mrts.starting.request import LIFT, Layout, Request, Stand
 
 FLATNESS = (1.0, 0.6, 0.5)
 """Sides of the box: between the hands, across, upward."""
@@ -38,37 +36,38 @@ NEARLY = 0.1
 ROUNDING = 1e-9
 """Entries of rotations this near to 0 and ±1 are those."""
 
-MOST_LEVEL = 0.3
+STEEPEST = 0.3
 """A hand is level if its direction is not steeper than this cosine to the vertical leaves it; else its side counts."""
 
 
-def layouts(scene: Scene) -> list[Layout]:
+def layouts(request: Request, mass: float, share: float = 1.0) -> list[Layout]:
     """Layouts in which every arm can hold the box and lift it, the best first.
 
     Args:
-        scene: What is asked.
+        request: What is asked.
+        mass: Of the object [kg].
+        share: Of the usual lift.
 
     Raises:
         InputError: If arms that stand already stand in one place.
         MotionError: If there is none.
     """
-    given = [each.posture for each in scene.request.arms]
-    if all(posture is not None for posture in given):
-        return [_held_here(scene)]
-    standing = all(each.base is not None for each in scene.request.arms)
-    found = _between_standing(scene) if standing else _around(scene)
+    lift, force = request.length(share * LIFT) * request.up, request.force(mass)
+    if all(each.posture is not None for each in request.arms):
+        return [_held_here(request, lift)]
+    standing = all(each.base is not None for each in request.arms)
+    found = _between_standing(request, lift, force) if standing else _around(request, lift, force)
     if not found:
         raise MotionError(
             "no posture was found in which every arm holds one box and lifts it. Give the postures that you know "
-            f"(--posture){' or' if scene.request.one_machine else ','} other tips (--tip)"
-            f"{'' if scene.request.one_machine else ' or other bases (--base)'}."
+            f"(--posture){' or' if request.one_machine else ','} other tips (--tip)"
+            f"{'' if request.one_machine else ' or other bases (--base)'}."
         )
     return sorted(found, key=lambda layout: -layout.score)[:KEPT_LAYOUTS]
 
 
-def _sides(scene: Scene, out: Array, width: float) -> Array:
-    """Of a box that is held along a direction, Shape (3,) [m]."""
-    high = int(np.argmax(np.abs(scene.up)))
+def _sides(request: Request, out: Array, width: float) -> Array:
+    high = int(np.argmax(np.abs(request.up)))
     along = int(np.argmax(np.abs(np.where(np.arange(3) == high, 0, out))))
     across = 3 - high - along
     sides = np.empty(3)
@@ -76,55 +75,58 @@ def _sides(scene: Scene, out: Array, width: float) -> Array:
     return sides
 
 
-def _out(scene: Scene) -> Array:
+def _out(request: Request) -> Array:
     """From the object to each hand, where arms may stand anywhere, Shape (arms, 3)."""
-    count = len(scene.arms)
-    first = np.eye(3)[1] if scene.request.plane == "yz" else np.eye(3)[0]
+    count, level = len(request.arms), request.up == 0
+    if request.plane is not None:
+        level = level & (plane_normal(request.plane) == 0)
+    first = np.eye(3)[int(np.argmax(level))]
     if count == 2:  # noqa: PLR2004 (a pair)
         return np.array([-first, first])
-    second = np.cross(scene.up, first)
+    second = np.cross(request.up, first)
     angles = np.pi + 2 * np.pi * np.arange(count) / count
     return np.asarray(np.outer(np.cos(angles), first) + np.outer(np.sin(angles), second), dtype=np.float64)
 
 
-def _around(scene: Scene) -> list[Layout]:
+def _around(request: Request, lift: Array, force: Array) -> list[Layout]:
     """Arms whose bases are free: hands at one height, facing the object, and the bases wherever that puts them."""
-    out, plane = _out(scene), scene.request.plane
+    out, plane = _out(request), request.plane
     found: list[dict[tuple[int, ...], Spot]] = []
     known: dict[tuple[object, ...], dict[tuple[int, ...], Spot]] = {}
-    for arm, direction in zip(scene.arms, out, strict=True):
+    for arm, direction in zip([each.arm for each in request.arms], out, strict=True):
         if plane is None:
-            east, north = np.eye(3)[np.abs(scene.up) == 0]
+            east, north = np.eye(3)[np.abs(request.up) == 0]
             facings = np.array([east, north, -east, -north])
         else:
             facings = -direction[None]
         key = (id(arm.chain), *facings.ravel())
         if key not in known:
-            known[key] = find_spots(arm, _wanted(scene, arm, facings, np.zeros(len(facings), dtype=np.intp), None))
+            known[key] = find_spots(
+                arm, _wanted(request, arm, facings, np.zeros(len(facings), dtype=np.intp), lift, force)
+            )
         found.append(known[key])
     made = []
     for key in set.intersection(*({*each} for each in found)):
         spots = [each[key] for each in found]
-        made.append(_placed_around(scene, spots, out))
+        made.append(_placed_around(request, spots, out, lift, floor=bool(np.any(force))))
     return made
 
 
-def _placed_around(scene: Scene, spots: Sequence[Spot], out: Array) -> Layout:
-    position = float(spots[0].p @ scene.up) * scene.up
+def _placed_around(request: Request, spots: Sequence[Spot], out: Array, lift: Array, *, floor: bool) -> Layout:
+    position = float(spots[0].p @ request.up) * request.up
     stands = []
     for spot, direction in zip(spots, out, strict=True):
-        turn = np.eye(3) if scene.request.plane else _turn(scene.up, spot.facing, -direction)
-        base = np.round(position + scene.width / 2 * direction - turn @ spot.p, METRES) + 0.0
-        tip = RigidTransform(_clean(turn @ spot.R), position + scene.width / 2 * direction)
+        turn = np.eye(3) if request.plane else _turn(request.up, spot.facing, -direction)
+        base = np.round(position + request.width / 2 * direction - turn @ spot.p, METRES) + 0.0
+        tip = RigidTransform(_clean(turn @ spot.R), position + request.width / 2 * direction)
         stands.append(Stand(RigidTransform(_clean(turn), base), tip, spot.q))
-    sides = _sides(scene, out[0], scene.width)
+    sides = _sides(request, out[0], request.width)
     score = min(spot.score for spot in spots)
-    in_floor = bool(np.any(scene.force)) and (position - sides / 2) @ scene.up < 0
-    return Layout(position, sides, scene.lift, tuple(stands), score * (IN_FLOOR if in_floor else 1.0))
+    in_floor = floor and (position - sides / 2) @ request.up < 0
+    return Layout(position, sides, lift, tuple(stands), score * (IN_FLOOR if in_floor else 1.0))
 
 
 def _turn(up: Array, start: Array, end: Array) -> Array:
-    """The rotation about the vertical that turns one level direction into another, Shape (3, 3)."""
     angle = np.arctan2(np.cross(start, end) @ up, start @ end)
     turned: Array = rotations_from_vectors(angle * up)
     return turned
@@ -136,28 +138,28 @@ def _clean(R: Array) -> Array:
     return np.asarray(np.where(np.abs(R - nearest) <= ROUNDING, nearest, R) + 0.0, dtype=np.float64)
 
 
-def _between_standing(scene: Scene) -> list[Layout]:
+def _between_standing(request: Request, lift: Array, force: Array) -> list[Layout]:
     """Arms that stand already: the object somewhere between them."""
-    bases = [each.base or RigidTransform.identity() for each in scene.request.arms]
-    middle, out = _between(scene, bases)
-    forward = np.cross(scene.up, (out[-1] - out[0]) / 2) * (len(out) == 2) * (scene.request.plane is None)  # noqa: PLR2004 (a pair)
+    bases = [each.base or RigidTransform.identity() for each in request.arms]
+    middle, out = _between(request, bases)
+    forward = np.cross(request.up, (out[-1] - out[0]) / 2) * (len(out) == 2) * (request.plane is None)  # noqa: PLR2004 (a pair)
     found = []
-    for arm, T, direction in zip(scene.arms, bases, out, strict=True):
-        facings, kinds = _standing_directions(scene, direction, forward)
-        place = _Place(middle + scene.width / 2 * direction, forward, scene.up, scene.grid)
-        found.append(find_spots(arm, _wanted(scene, arm, facings, kinds, (T, place))))
+    for arm, T, direction in zip([each.arm for each in request.arms], bases, out, strict=True):
+        facings, kinds = _standing_directions(request, direction, forward)
+        start = middle + request.width / 2 * direction
+        found.append(find_spots(arm, _wanted(request, arm, facings, kinds, lift, force, (T, start, forward))))
     made = []
     for key in set.intersection(*({*each} for each in found)):
-        if scene.request.one_machine and np.any(forward) and (key[1] < 1 or key[0] % 2):
+        if request.one_machine and np.any(forward) and (key[1] < 1 or key[0] % 2):
             continue  # behind its back
         spots = [each[key] for each in found]
         stands = tuple(
             Stand(T, RigidTransform(_clean(T.R @ spot.R), np.round(T.p + T.R @ spot.p, 2 * METRES)), spot.q)
             for T, spot in zip(bases, spots, strict=True)
         )
-        position = np.round(middle + scene.grid * (key[1] * forward + key[2] * scene.up), METRES)
+        position = np.round(middle + request.grid * (key[1] * forward + key[2] * request.up), METRES)
         worth = DIRECTIONS[key[0] // 2][1] * min(spot.score for spot in spots)
-        made.append(Layout(position, _sides(scene, out[0], scene.width), scene.lift, stands, worth))
+        made.append(Layout(position, _sides(request, out[0], request.width), lift, stands, worth))
     return made
 
 
@@ -168,34 +170,35 @@ def _along_axes(directions: Array) -> Array:
     return np.asarray(np.where(near[:, None], nearest, directions) + 0.0, dtype=np.float64)
 
 
-def _between(scene: Scene, bases: Sequence[RigidTransform]) -> tuple[Array, Array]:
+def _between(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, Array]:
     """The middle of arms that stand, Shape (3,) [m], and from there the level direction to each, Shape (arms, 3).
 
     Raises:
         InputError: If two stand in one place.
     """
-    for joint in range(min(len(arm.chain.joints) for arm in scene.arms)):  # shoulders may begin in one breastbone
-        anchors = np.array([T.p + T.R @ arm.chain.points[joint] for T, arm in zip(bases, scene.arms, strict=True)])
+    chains = [each.arm.chain for each in request.arms]
+    for joint in range(min(len(chain.joints) for chain in chains)):  # shoulders may begin in one breastbone
+        anchors = np.array([T.p + T.R @ chain.points[joint] for T, chain in zip(bases, chains, strict=True)])
         middle = np.round(anchors.mean(axis=0), METRES - 1)
         out = anchors - middle
-        out -= np.outer(out @ scene.up, scene.up)
-        if scene.request.plane is not None:
-            normal = plane_normal(scene.request.plane)
+        out -= np.outer(out @ request.up, request.up)
+        if request.plane is not None:
+            normal = plane_normal(request.plane)
             out -= np.outer(out @ normal, normal)
         length = np.linalg.norm(out, axis=1)
-        if np.min(length) >= scene.grid / 10:
+        if np.min(length) >= request.grid / 10:
             return middle, _along_axes(out / length[:, None])
-        if not scene.request.one_machine:
+        if not request.one_machine:
             break
-    if scene.request.one_machine:
+    if request.one_machine:
         rule = "as it is, the arms of the machine stand above one another: give the gravity that fits the URDF's axes."
-        raise InputError("--gravity", rule, value=scene.request.gravity.tolist())
+        raise InputError("--gravity", rule, value=request.gravity.tolist())
     raise InputError("--base", "two arms stand in one place; one object must fit between them.")
 
 
-def _standing_directions(scene: Scene, out: Array, forward: Array) -> tuple[Array, NDArray[np.intp]]:
+def _standing_directions(request: Request, out: Array, forward: Array) -> tuple[Array, NDArray[np.intp]]:
     """Where a hand may point, and the kind of each: twice its place in `DIRECTIONS`, and one more for backward."""
-    down = -scene.up
+    down = -request.up
     ahead = [(0, -out), (2, down - out), (8, down)]
     if np.any(forward):
         ahead += [(4, forward - out), (5, -forward - out), (6, forward), (7, -forward)]
@@ -203,88 +206,76 @@ def _standing_directions(scene: Scene, out: Array, forward: Array) -> tuple[Arra
     return facings, np.array([kind for kind, _ in ahead])
 
 
-@dataclass(frozen=True, eq=False)
-class _Place:
-    """Places for one hand: from where it would be with the object in the middle, forward and upward by steps."""
-
-    start: Array
-    forward: Array
-    up: Array
-    grid: float
-
-    def nearest(self, positions: Array) -> tuple[Array, NDArray[np.intp]]:
-        steps = [np.round((positions - self.start) @ axis / self.grid) for axis in (self.forward, self.up)]
-        ahead, above = steps
-        wanted = self.start + self.grid * (ahead[:, None] * self.forward + above[:, None] * self.up)
-        return wanted, np.stack(steps, axis=1).astype(np.intp)
-
-
 def _wanted(
-    scene: Scene,
+    request: Request,
     arm: Arm,
     facings: Array,
     kinds: NDArray[np.intp],
-    standing: tuple[RigidTransform, _Place] | None,
+    lift: Array,
+    force: Array,
+    standing: tuple[RigidTransform, Array, Array] | None = None,
 ) -> Wanted:
     """What one arm is asked, in its base frame.
 
     Args:
-        scene: What is asked of all.
+        request: What is asked of all.
         arm: The arm.
         facings: Where its hand may point, world axes, Shape (F, 3).
         kinds: Of each.
-        standing: Where its base is and what places are wanted; None where the base goes where the hand wants it.
+        lift: Where its hand goes, Shape (3,) [m].
+        force: Of its hand on the object, Shape (3,) [N].
+        standing: Where its base is, where its hand would be with the object in the middle, and which way is forward;
+            None where the base goes where the hand wants it.
     """
-    T, place = standing or (RigidTransform.identity(), None)
+    T, start, forward = standing or (RigidTransform.identity(), None, request.up)
     rotations, pointing, kind = [], [], []
     for facing, of_kind in zip(facings, kinds, strict=True):
-        turns = _rolls(scene, arm, T.R.T @ facing, T.R.T @ scene.up)
+        turns = _rolls(request, arm, T.R.T @ facing, T.R.T @ request.up)
         rotations += turns
         pointing += [T.R.T @ facing] * len(turns)
         kind += [of_kind] * len(turns)
 
-    def free(positions: Array) -> tuple[Array, NDArray[np.intp]]:
-        height = positions @ scene.up
-        step = np.round(height / scene.grid)
-        return positions + np.outer(step * scene.grid - height, scene.up), step.astype(np.intp)[:, None]
-
-    def stood(positions: Array) -> tuple[Array, NDArray[np.intp]]:
-        assert place is not None  # noqa: S101 (of arms that stand)
-        wanted, keys = place.nearest(positions @ T.R.T + T.p)
-        return (wanted - T.p) @ T.R, keys
+    def places(positions: Array) -> tuple[Array, NDArray[np.intp]]:
+        up, grid = request.up, request.grid
+        if start is None:
+            height = positions @ up
+            step = np.round(height / grid)
+            return positions + np.outer(step * grid - height, up), step.astype(np.intp)[:, None]
+        off = positions @ T.R.T + T.p - start
+        ahead, above = (np.round(off @ axis / grid) for axis in (forward, up))
+        wanted = start + grid * (ahead[:, None] * forward + above[:, None] * up)
+        return (wanted - T.p) @ T.R, np.stack([ahead, above], axis=1).astype(np.intp)
 
     return Wanted(
         rotations=np.array(rotations),
         facing=np.array(pointing),
         kinds=np.array(kind),
-        places=free if place is None else stood,
-        rows=scene.rows,
-        gravity=T.R.T @ scene.request.gravity,
-        force=T.R.T @ scene.force,
-        lift=T.R.T @ scene.lift,
-        stands=not scene.request.one_machine,
+        places=places,
+        rows=twist_rows(request.plane),
+        gravity=T.R.T @ request.gravity,
+        force=T.R.T @ force,
+        lift=T.R.T @ lift,
+        stands=not request.one_machine,
     )
 
 
-def _rolls(scene: Scene, arm: Arm, facing: Array, up: Array) -> list[Array]:
+def _rolls(request: Request, arm: Arm, facing: Array, up: Array) -> list[Array]:
     """Rotations of the tip that point the hand somewhere: four about the direction; in a plane there is one."""
-    if scene.request.plane is not None:
+    if request.plane is not None:
         at_zero = arm.chain.T_base_tip.R
-        normal = plane_normal(scene.request.plane)
+        normal = plane_normal(request.plane)
         return [_turn(normal, at_zero @ arm.approach, facing) @ at_zero]
     second = np.roll(np.abs(arm.approach), 1)
     own = np.stack([arm.approach, second, np.cross(arm.approach, second)], axis=1)
     side = np.cross(up, facing)
-    if np.linalg.norm(side) < MOST_LEVEL:
+    if np.linalg.norm(side) < STEEPEST:
         side = np.roll(np.abs(np.round(up)), 1)
     side = side / np.linalg.norm(side)
     sides = (side, np.cross(facing, side), -side, -np.cross(facing, side))
     return [np.stack([facing, axis, np.cross(facing, axis)], axis=1) @ own.T for axis in sides]
 
 
-def _held_here(scene: Scene) -> Layout:
-    """Arms in the postures that the user gave: the object between the hands, wherever they are."""
-    request = scene.request
+def _held_here(request: Request, lift: Array) -> Layout:
     tips, facings = [], []
     for each in request.arms:
         assert each.posture is not None  # noqa: S101 (all are given)
@@ -292,10 +283,10 @@ def _held_here(scene: Scene) -> Layout:
         tips.append(RigidTransform(state.R[0], state.p[0]))
         facings.append(state.R[0] @ each.arm.approach)
     standing = all(each.base is not None for each in request.arms)
-    out, width = _out(scene), scene.width
+    out, width = _out(request), request.width
     bases = []
     for each, tip, facing, direction in zip(request.arms, tips, facings, out, strict=True):
-        bases.append(each.base or _base_around(scene, tip, facing, width / 2 * direction))
+        bases.append(each.base or _base_around(request, tip, facing, width / 2 * direction))
     held = [T @ tip for T, tip in zip(bases, tips, strict=True)]
     position = np.array([T.p for T in held]).mean(axis=0)
     if standing:
@@ -306,24 +297,24 @@ def _held_here(scene: Scene) -> Layout:
         for T, tip, each in zip(bases, held, request.arms, strict=True)
         if each.posture is not None
     ]
-    sides = _sides(scene, out[0], max(width, scene.width / 10))
-    return Layout(np.round(position, METRES), sides, scene.lift, tuple(stands), 0.0)
+    sides = _sides(request, out[0], max(width, request.width / 10))
+    return Layout(np.round(position, METRES), sides, lift, tuple(stands), 0.0)
 
 
-def _base_around(scene: Scene, tip: RigidTransform, facing: Array, place: Array) -> RigidTransform:
+def _base_around(request: Request, tip: RigidTransform, facing: Array, place: Array) -> RigidTransform:
     """A base on the floor that puts a hand beside the object, facing it.
 
     Args:
-        scene: What is asked.
+        request: What is asked.
         tip: In the base frame.
         facing: Where the hand points, base frame.
         place: Of the hand in the world, apart from its height, Shape (3,) [m].
     """
     turn = np.eye(3)
-    level = facing - (facing @ scene.up) * scene.up
-    if scene.request.plane is None:
-        if np.linalg.norm(level) < MOST_LEVEL:
-            level = tip.p - (tip.p @ scene.up) * scene.up
-        turn = _clean(_turn(scene.up, level / max(float(np.linalg.norm(level)), ROUNDING), -place))
+    level = facing - (facing @ request.up) * request.up
+    if request.plane is None:
+        if np.linalg.norm(level) < STEEPEST:
+            level = tip.p - (tip.p @ request.up) * request.up
+        turn = _clean(_turn(request.up, level / max(float(np.linalg.norm(level)), ROUNDING), -place))
     ahead = place - turn @ tip.p
-    return RigidTransform(turn, np.round(ahead - (ahead @ scene.up) * scene.up, METRES) + 0.0)
+    return RigidTransform(turn, np.round(ahead - (ahead @ request.up) * request.up, METRES) + 0.0)

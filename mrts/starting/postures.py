@@ -89,7 +89,6 @@ class Spot:
         p: Likewise, Shape (3,) [m].
         facing: Where the hand points, Shape (3,).
         score: From 0 to 1; the larger, the farther from all limits along the lift.
-        effort: Largest share of an effort limit that holding still takes there; 0 if none is known.
     """
 
     q: Array
@@ -97,7 +96,6 @@ class Spot:
     p: Array
     facing: Array
     score: float
-    effort: float
 
 
 def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
@@ -129,8 +127,7 @@ def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
     for at in np.argsort(-score, kind="stable"):
         key = (int(wanted.kinds[kind[at]]), *(int(place) for place in places[at]))
         if score[at] > 0 and key not in found:
-            spot = Spot(q[at], R[at], p[at], wanted.facing[kind[at]], float(score[at]), float(effort[at]))
-            found[key] = spot
+            found[key] = Spot(q[at], R[at], p[at], wanted.facing[kind[at]], float(score[at]))
     return found
 
 
@@ -173,7 +170,6 @@ def _unwound(arm: Arm, q: Array) -> Array:
 
 
 def _half_range(arm: Arm) -> Array:
-    """How far joints may go from their middle, Shape (n,) [rad or m]."""
     free = np.array([FREE_TURN if kind == "revolute" else FREE_SLIDE for kind in arm.chain.joint_types])
     span = arm.chain.position_upper - arm.chain.position_lower
     half: Array = np.minimum(np.where(np.isfinite(span), span / 2, free), free)

@@ -3,7 +3,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil, floor, inf, isfinite, log10
+from math import ceil, floor, isfinite, log10
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,6 @@ from mrts.starting.arm import Arm
 from mrts.starting.layouts import layouts
 from mrts.starting.postures import drawn_postures
 from mrts.starting.request import ArmRequest, Layout, Request, Stand
-from mrts.starting.scene import scene_of
 
 LOAD_SHARE = 0.1
 """Of the arms' own mass that the object has: an industrial arm carries a quarter of its mass or less."""
@@ -68,7 +67,6 @@ class Proposal:
         mass: Of the object [kg].
         cell: Keys and values of the cell file.
         motion: Likewise of the motion file.
-        assumed: Joints by robot whose torque limits are assumed, because the URDF says nothing.
         result: What `mrts.scale` finds.
     """
 
@@ -77,7 +75,6 @@ class Proposal:
     mass: float
     cell: dict[str, Any]
     motion: dict[str, Any]
-    assumed: dict[str, tuple[str, ...]]
     result: ScalingResult
 
 
@@ -101,7 +98,7 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
             mass = _two_digits(first * share_of_load)
             tell(lift * len(LOADS) + load, total, f"{mass:g} kg")
             try:
-                found = found or layouts(scene_of(request, mass, share_of_lift))
+                found = found or layouts(request, mass, share_of_lift)
             except MotionError as error:
                 reason = reason or str(error)
                 continue
@@ -124,8 +121,7 @@ def _two_digits(number: float) -> float:
 
 
 def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
-    """The proposal of a layout, or why it cannot be played."""
-    keys, assumed = _cell_keys(request, layout, mass)
+    keys = _cell_keys(request, layout, mass)
     try:
         first = _played(request, keys, _motion_keys(layout, FIRST_DURATION), None)
         c2 = _upper(first)
@@ -143,11 +139,10 @@ def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
         return str(error)
     if not _upper(result) > 1:
         return result.explanation() or result.sentence()
-    return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, assumed=assumed, result=result)
+    return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, result=result)
 
 
 def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], between: float | None) -> ScalingResult:
-    """What `mrts.scale` finds of the files that these keys will be."""
     paths = [{"urdf": str(each.path)} for each in request.arms]
     robots = [robot | path for robot, path in zip(keys["robots"], paths, strict=True)]
     cell = Cell.from_description(keys | {"robots": robots}, folder=request.arms[0].path.parent)
@@ -176,25 +171,15 @@ def _motion_keys(layout: Layout, duration: float) -> dict[str, Any]:
     }
 
 
-def _cell_keys(request: Request, layout: Layout, mass: float) -> tuple[dict[str, Any], dict[str, tuple[str, ...]]]:
-    """Keys of the cell file, and by robot the joints whose torque limits are assumed."""
-    robots, assumed = [], {}
-    for each, stand in zip(request.arms, layout.stands, strict=True):
-        robot, joints = _robot_keys(request, each, stand, layout, mass)
-        robots.append(robot)
-        if joints:
-            assumed[each.arm.name] = joints
-    whole = {"name": request.name, "gravity": request.gravity.tolist(), "plane": request.plane}
-    carried = {"mass": mass, "shape": {"box": layout.sides.tolist()}}
-    return {key: value for key, value in whole.items() if value is not None} | {
-        "object": carried,
-        "robots": robots,
-    }, assumed
+def _cell_keys(request: Request, layout: Layout, mass: float) -> dict[str, Any]:
+    keys = {"name": request.name, "gravity": request.gravity.tolist()}
+    keys |= {} if request.plane is None else {"plane": request.plane}
+    keys["object"] = {"mass": mass, "shape": {"box": layout.sides.tolist()}}
+    stands = zip(request.arms, layout.stands, strict=True)
+    return keys | {"robots": [_robot_keys(request, each, stand, layout, mass) for each, stand in stands]}
 
 
-def _robot_keys(
-    request: Request, each: ArmRequest, stand: Stand, layout: Layout, mass: float
-) -> tuple[dict[str, Any], tuple[str, ...]]:
+def _robot_keys(request: Request, each: ArmRequest, stand: Stand, layout: Layout, mass: float) -> dict[str, Any]:
     chain = each.arm.chain
     T = RigidTransform(stand.T_world_tip.R, stand.T_world_tip.p - layout.position)
     robot: dict[str, Any] = {"name": each.arm.name, "urdf": each.urdf}
@@ -202,15 +187,13 @@ def _robot_keys(
         robot["xacro_args"] = dict(each.xacro_args)
     robot |= {"base_link": chain.source.base_link, "tip_link": chain.source.tip_link}
     robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": stand.posture.tolist()}
-    missing = tuple(name for name, effort in zip(chain.joints, chain.torque_upper, strict=True) if effort == inf)
-    if missing:
+    if each.arm.without_effort:
         known = chain.torque_upper
         robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, each.arm, mass)).tolist()
-    return robot, missing
+    return robot
 
 
 def _assumed_torque(request: Request, arm: Arm, mass: float) -> Any:
-    """Torques for joints whose URDF gives none, Shape (n,) [N m or N]."""
     share = mass * float(np.linalg.norm(request.gravity)) / len(request.arms)
     state = arm.at(drawn_postures(arm))
     pulls = [arm.torque(state, sign * axis * 9.81, -sign * share * axis) for axis in np.eye(3) for sign in (1, -1)]

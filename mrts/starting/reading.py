@@ -17,13 +17,12 @@ from mrts.base.formats.package_uri import is_uri, is_xacro
 from mrts.base.formats.urdf_tree import UrdfTree
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.remarks.unit_remarks import urdf_remarks
+from mrts.cell.remarks import urdf_remarks
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.cell.source_files import Survey, surveyed_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
-from mrts.starting.arm import Arm, make_arm, plane_of
+from mrts.starting.arm import Arm, make_arm, plane_of, twist_rows
 from mrts.starting.request import ArmRequest, Request
-from mrts.starting.scene import twist_rows
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, Hand, first_link, hands, moved_by, possible_tips
 
 SPATIAL_JOINTS = 6
@@ -206,7 +205,6 @@ def _machine(chosen: list[_Chosen], arm: _Chosen) -> list[_Chosen]:
 
 
 def _differ(arms: list[_Chosen]) -> bool:
-    """Whether no two arms of one URDF have the same joints."""
     return len({tuple(moved_by(arm.tree, arm.tip)) for arm in arms}) == len(arms)
 
 
@@ -219,16 +217,7 @@ def _names(tips: list[str]) -> list[str]:
 
 
 def _arm_request(given: Given, index: int, chosen: _Chosen, arm: Arm, folder: Path, *, fixed: bool) -> ArmRequest:
-    """One arm with what was said of it.
-
-    Args:
-        given: What the user says.
-        index: Of the arm.
-        chosen: Its URDF.
-        arm: Its chain, named.
-        folder: Where the cell file will stand.
-        fixed: Whether its base is where the URDF has it, beside the other arms of its machine.
-    """
+    """One arm with what was said of it."""
     chain = arm.chain
     T_root_base = chain.source.T_base_root.inverse()
     base = given.bases[chosen.robot] @ T_root_base if given.bases else T_root_base if fixed else None
@@ -245,11 +234,7 @@ def _arm_request(given: Given, index: int, chosen: _Chosen, arm: Arm, folder: Pa
 
 
 def _posture(given: Given, posture: Array, chain: Robot) -> Array:
-    """A posture in rad and m, inside the joint limits.
-
-    Raises:
-        InputError: If it is none of this arm.
-    """
+    """A posture in rad and m, inside the joint limits."""
     if len(posture) != len(chain.joints):
         rule = f"must have {len(chain.joints)} values, one for each of {', '.join(chain.joints)}."
         raise InputError(POSTURE, rule, value=posture.tolist())
@@ -269,7 +254,6 @@ def _posture(given: Given, posture: Array, chain: Robot) -> Array:
 
 
 def _reference(given: str, path: Path, folder: Path) -> str:
-    """How the cell file names a URDF."""
     if is_uri(given):
         return given
     near = Path(relpath(path.absolute(), folder.absolute()))

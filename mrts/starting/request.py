@@ -3,11 +3,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
 from mrts.base.arrays import Array
-from mrts.base.rigid_transform import RigidTransform
+from mrts.base.rigid_transform import RigidTransform, plane_normal
 from mrts.starting.arm import Arm
+
+WIDTH, LIFT, GRID = 0.3, 0.2, 0.12
+"""Of the box, of the lift, and between heights that are tried, as shares of the shortest arm's reach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +58,39 @@ class Request:
     plane: str | None
     gravity: Array
     mass: float | None
+
+    @cached_property
+    def up(self) -> Array:
+        """Against gravity, along an axis of the world; in the plane of a planar cell. Shape (3,)."""
+        axes = np.eye(3)
+        if self.plane is not None:
+            axes = axes[np.abs(plane_normal(self.plane)) == 0]
+        along = axes @ self.gravity
+        best = int(np.argmax(np.abs(along)))
+        if along[best] == 0:
+            return np.asarray(axes[-1], dtype=np.float64)
+        return np.asarray(-np.sign(along[best]) * axes[best] + 0.0, dtype=np.float64)
+
+    def length(self, share: float) -> float:
+        """A share of the shortest arm's reach, of two digits at most [m]."""
+        length = share * min(each.arm.reach for each in self.arms)
+        step = 10.0 ** np.floor(np.log10(length)) / 2
+        return float(np.round(max(np.round(length / step), 1) * step, 6))
+
+    @property
+    def width(self) -> float:
+        """Of the box [m]."""
+        return self.length(WIDTH)
+
+    @property
+    def grid(self) -> float:
+        """Between places that are tried [m]."""
+        return self.length(GRID)
+
+    def force(self, mass: float) -> Array:
+        """Of each hand on an object at rest, Shape (3,) [N]."""
+        force = -mass * self.gravity / len(self.arms)
+        return force if self.plane is None else force * (plane_normal(self.plane) == 0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,12 +12,11 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.json_output import JsonOutput
 from mrts.base.remark import Remark, Severity
-from mrts.cell.remarks.assumptions import first_few
-from mrts.cell.remarks.unit_remarks import urdf_remarks
+from mrts.cell.remarks import first_few, urdf_remarks
 from mrts.cell.robot import Robot
 from mrts.cell.source_files import UrdfReading, urdf_with_mistakes
 from mrts.diagnosis.cell_check import finite_json, mistakes_json, position_range
-from mrts.drawing.bodies.arm_meshes import mesh_file
+from mrts.scene.arm_meshes import mesh_file
 from mrts.starting.arm import Arm, make_arm, plane_of
 from mrts.starting.cell_writing import missing
 from mrts.starting.reading import check_movable
@@ -145,7 +144,6 @@ def _joints(chain: Robot) -> Iterator[tuple[Any, ...]]:
 
 
 def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
-    """Chains to the hands of a URDF, those that can be read."""
     arms: list[Arm] = []
     if read.tree is None or read.survey is None:
         return arms

@@ -133,7 +133,6 @@ class ConfigurationStudy(InNotebooks, JsonOutput):
         return "\n".join(lines)
 
     def _left_out(self) -> str:
-        """How many branches fail, by kind, in a phrase."""
         kinds = Counter(
             b.failure.kind for of_robot in self.branches.values() for b in of_robot if b.failure is not None
         )

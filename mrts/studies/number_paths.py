@@ -56,6 +56,10 @@ OF_JOINT = {
 """Units of what a joint has: of a revolute one, and of a prismatic one."""
 
 
+OF_CURVE = ("rad/s", "N m"), ("m/s", "N")
+"""Units of a corner of a torque-speed curve, likewise."""
+
+
 class PathError(Exception):
     """A path that leads to no number; the message is the rule and what to do."""
 
@@ -88,7 +92,7 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
         if rest.startswith("[") and _is_number(here) and keys[-1] in ONE_FOR_ALL:
             robot = keys[2]
             here = [here] * joints[robot if isinstance(robot, int) else 0]
-            _holder(files, keys)[keys[-1]] = here
+            value_at(files, keys[:-1])[keys[-1]] = here
         key, rest = _step(here, keys, rest, files)
         keys, here = (*keys, key), here[key]
     if here is None and not isinstance(keys[-1], int) and keys[-1] not in NEED_NOT_BE_GIVEN:
@@ -149,14 +153,7 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
 
 
 def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Sequence[str]) -> str | None:
-    """Unit of a number of a robot; None where the key alone says it.
-
-    Args:
-        keys: The place.
-        inside: Those of its keys that are words, from the robot inward.
-        robot: The robot.
-        wrench_units: Of its contact wrench.
-    """
+    """Unit of a number of a robot; None where the key alone says it."""
     index = keys[-1] if isinstance(keys[-1], int) else 0
     if inside[0] == "fixed":
         return ""
@@ -166,8 +163,7 @@ def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Seque
         return ("N/s", "N m/s")[index]
     if "torque_speed" in inside:
         curve = keys[-3] if isinstance(keys[-3], int) else 0
-        units = ("rad/s", "N m") if robot.joint_types[curve] == "revolute" else ("m/s", "N")
-        return units[index]
+        return OF_CURVE[robot.joint_types[curve] == "prismatic"][index]
     of_joint = next((OF_JOINT[word] for word in inside if word in OF_JOINT), None)
     return None if of_joint is None else of_joint[robot.joint_types[index] == "prismatic"]
 
@@ -192,12 +188,7 @@ def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> N
 
 def set_number(file: dict[str, Any], keys: Keys, value: float) -> None:
     """Write a number at a place, from the file's own keys inward."""
-    _holder(file, keys)[keys[-1]] = value
-
-
-def _holder(file: Mapping[str, Any], keys: Keys) -> Any:
-    """The list or mapping in which a place is."""
-    return value_at(file, keys[:-1])
+    value_at(file, keys[:-1])[keys[-1]] = value
 
 
 def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[str | int, str]:
@@ -208,9 +199,10 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
     if here is None:
         raise PathError(NOTHING_THERE.format(where))
     if not isinstance(here, dict):
-        raise PathError(f"{where} is {_shown(here)}; nothing stands inside of it.")
+        shown = "a number" if _is_number(here) else f"'{here}'"
+        raise PathError(f"{where} is {shown}; nothing stands inside of it.")
     if not rest.startswith("."):
-        raise PathError(f"{where} has keys, not places: {_known(here)}.")
+        raise PathError(f"{where} has keys, not places: {', '.join(map(str, here))}.")
     inside = rest[1:]
     fitting = [key for key in here if inside == key or inside.startswith((f"{key}.", f"{key}["))]
     if fitting:
@@ -219,7 +211,7 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
     wrong = inside.split(".")[0].split("[")[0]
     if not here:
         raise PathError(f"there is no '{wrong}' in {where}, which is empty: it must stand in the file first.")
-    raise PathError(f"there is no '{wrong}' in {where}{_close(wrong, here)} There are {_known(here)}.")
+    raise PathError(f"there is no '{wrong}' in {where}{_others(wrong, here)}")
 
 
 def _step_into_list(here: list[Any], where: str, rest: str) -> tuple[int, str]:
@@ -235,21 +227,14 @@ def _step_into_list(here: list[Any], where: str, rest: str) -> tuple[int, str]:
         wrong = rest[1:].split(".", maxsplit=1)[0].split("[", maxsplit=1)[0]
         if wrong in named:
             return named[wrong], rest[1 + len(wrong) :]
-        raise PathError(f"there is no robot '{wrong}'{_close(wrong, named)} There are {_known(named)}.")
+        raise PathError(f"there is no robot '{wrong}'{_others(wrong, named)}")
     raise PathError(f"{where} is a list of {len(here)} values: name one of them, such as {where}[0].")
 
 
-def _close(wrong: str, known: Mapping[str, Any]) -> str:
+def _others(wrong: str, known: Mapping[str, Any]) -> str:
     close = difflib.get_close_matches(wrong, known, n=1)
-    return f"; did you mean '{close[0]}'?" if close else "."
-
-
-def _known(known: Mapping[str, Any]) -> str:
-    return ", ".join(map(str, known))
-
-
-def _shown(value: object) -> str:
-    return "a number" if _is_number(value) else f"'{value}'"
+    hint = f"; did you mean '{close[0]}'?" if close else "."
+    return f"{hint} There are {', '.join(map(str, known))}."
 
 
 def _is_number(value: object) -> bool:

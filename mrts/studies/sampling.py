@@ -9,32 +9,32 @@ from typing import Literal
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.studies.spreads import Levels, Spread
+from mrts.studies.distributions import Distribution
 
 SampleName = Literal["grid", "lhs", "sobol"]
 
-MOST_VARIANTS = 100_000_000
+MAX_VARIANTS = 100_000_000
 """At a thousand a second and core a day of one core."""
 
-MOST_STEPS = 100_000
+MAX_STEPS = 100_000
 """Of one number in a grid."""
 
-MOST_HYPERCUBE_NUMBERS = 20_000_000
+MAX_HYPERCUBE_NUMBERS = 20_000_000
 """Of a Latin hypercube, which is drawn as a whole and kept: 160 MB."""
 
 
-def grid_size(spreads: Sequence[Spread]) -> int:
+def grid_size(distributions: Sequence[Distribution]) -> int:
     """Number of points of the grid."""
-    return math.prod(len(spread.values) for spread in spreads if isinstance(spread, Levels))
+    return math.prod(len(each.numbers) for each in distributions)
 
 
 def sample_points(
-    spreads: Sequence[Spread], sample: SampleName, count: int, seed: int, block: tuple[int, int]
+    distributions: Sequence[Distribution], sample: SampleName, count: int, seed: int, block: tuple[int, int]
 ) -> Array:
     """A block of the points of a study, the same whatever block they are asked for in.
 
     Args:
-        spreads: How each of the P numbers is spread; of a grid they are `Levels`.
+        distributions: Of the P numbers; those of a grid have levels.
         sample: "grid" takes every combination, the last number varying fastest; "lhs" is a Latin hypercube, "sobol" a
             scrambled Sobol sequence (`scipy.stats.qmc`).
         count: Number of all points.
@@ -46,12 +46,12 @@ def sample_points(
     """
     first, last = block
     if sample == "grid":
-        return _grid([np.array(spread.values) for spread in spreads if isinstance(spread, Levels)], first, last)
+        return _grid([np.array(each.levels) for each in distributions], first, last)
     if sample == "lhs":
-        drawn = _hypercube(len(spreads), count, seed)[:, first:last]
+        drawn = _hypercube(len(distributions), count, seed)[:, first:last]
     else:
-        drawn = _sobol(len(spreads), seed, first, last).T
-    return np.column_stack([spread.at(column) for spread, column in zip(spreads, drawn, strict=True)])
+        drawn = _sobol(len(distributions), seed, first, last).T
+    return np.column_stack([each.at(column) for each, column in zip(distributions, drawn, strict=True)])
 
 
 def _grid(values: Sequence[Array], first: int, last: int) -> Array:
@@ -79,7 +79,6 @@ def _hypercube(numbers: int, count: int, seed: int) -> Array:
 
 
 def _sobol(numbers: int, seed: int, first: int, last: int) -> Array:
-    """Points of a scrambled Sobol sequence, Shape (V, P)."""
     from scipy.stats import qmc  # noqa: PLC0415 (slow to import)
 
     engine = qmc.Sobol(numbers, rng=np.random.default_rng(seed))

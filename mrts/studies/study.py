@@ -5,9 +5,8 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
@@ -16,6 +15,8 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.package_uri import is_uri
+from mrts.base.formats.pose import Finite
+from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import MAX_FILE_BYTES
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
@@ -24,73 +25,15 @@ from mrts.base.yaml_parser import yaml_text
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.studies.number_paths import Keys, set_number
+from mrts.studies.number_paths import set_number
+from mrts.studies.parameters import Parameter
 from mrts.studies.sampling import SampleName, sample_points
-from mrts.studies.spreads import Spread
 
 VARIANT_FILES = "cell.yaml", "motion.yaml"
 """That a variant is written as."""
 
-NUMBERS_SHOWN = 3
-"""Of what a knob moves."""
 
-
-@dataclass(frozen=True)
-class Target:
-    """A number that a parameter sets to offset + factor × its own value.
-
-    Attributes:
-        path: Of the number: `robots.left.base.xyz[0]`.
-        keys: The same as keys and indices, from "cell" or "motion" inward.
-        unit: Of the number; empty if it has none.
-        factor: Of the parameter's value.
-        offset: Added to it.
-        whole: Whether it is a whole number.
-    """
-
-    path: str
-    keys: Keys
-    unit: str
-    factor: float = 1.0
-    offset: float = 0.0
-    whole: bool = False
-
-    def value(self, at: float) -> float | int:
-        """The number where the parameter has a value."""
-        number = self.offset + self.factor * at
-        return round(number) if self.whole else number
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """What a study varies: one number, or several that move together.
-
-    Attributes:
-        path: Of the number, or the name of the knob that moves several; heads its column in the table.
-        unit: Empty if it has none.
-        spread: How it is spread.
-        targets: The numbers that it sets.
-    """
-
-    path: str
-    unit: str
-    spread: Spread
-    targets: tuple[Target, ...]
-
-    def __str__(self) -> str:
-        return f"{self.path}{self._moved()}: {self.spread.text(self.unit)}"
-
-    def _moved(self) -> str:
-        """The numbers that a knob moves, for people."""
-        paths = [target.path for target in self.targets]
-        if paths == [self.path]:
-            return ""
-        more = f" and {len(paths) - NUMBERS_SHOWN} more" if len(paths) > NUMBERS_SHOWN else ""
-        return f" ({', '.join(paths[:NUMBERS_SHOWN])}{more})"
-
-
-@dataclass(frozen=True)
-class StudyQuestion:
+class StudyQuestion(Record):
     """What is asked of each variant.
 
     Attributes:
@@ -102,10 +45,10 @@ class StudyQuestion:
     """
 
     profile: Literal["constant", "optimal"] = "constant"
-    load: str = "auto"
+    load: Annotated[str, Rule(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
     torques: bool = False
-    reserve: float | None = None
-    between: float | None = None
+    reserve: Annotated[float, Rule(ge=0, lt=1, allow_inf_nan=False)] | None = None
+    between: Finite | None = None
 
 
 @dataclass(frozen=True)
@@ -194,7 +137,7 @@ class Study(InNotebooks):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """What varies."""
-        rows = [(entry.path, entry.spread.text(entry.unit)) for entry in self.parameters]
+        rows = [(entry.path, entry.distribution.text(entry.unit)) for entry in self.parameters]
         yield NotebookTable(("number", "varies"), rows)
 
     def points(self, first: int, last: int) -> Array:
@@ -215,10 +158,10 @@ class Study(InNotebooks):
         if not 0 <= first <= last <= self.variants:
             rule = f"must be a block of the variants 0 to {self.variants}, the first one and the first left out."
             raise InputError("first, last", rule, value=(first, last))
-        spreads = [parameter.spread for parameter in self.parameters]
+        distributions = [parameter.distribution for parameter in self.parameters]
         if first == last:
-            return np.empty((0, len(spreads)))
-        return sample_points(spreads, self.sample, self.variants, self.seed, (int(first), int(last)))
+            return np.empty((0, len(distributions)))
+        return sample_points(distributions, self.sample, self.variants, self.seed, (int(first), int(last)))
 
     def descriptions(self, point: Array) -> tuple[dict[str, Any], dict[str, Any]]:
         """Keys and values of the cell file and the motion file of one variant.
@@ -304,15 +247,10 @@ class Study(InNotebooks):
 
 def _keep(path: Path, content: bytes) -> None:
     if not _holds(path, content):
-        write_atomically(path, partial(_write_bytes, content=content), private=True)
-
-
-def _write_bytes(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
+        write_atomically(path, lambda temporary: temporary.write_bytes(content), private=True)
 
 
 def _holds(path: Path, content: bytes) -> bool:
-    """Whether a file is there with a content."""
     try:
         return read_regular(path, "input file", MAX_FILE_BYTES) == content
     except InputError:
@@ -320,7 +258,6 @@ def _holds(path: Path, content: bytes) -> bool:
 
 
 def _reference(file: Path, folder: Path) -> str:
-    """The path of a file as one in a folder gives it."""
     try:
         return Path(os.path.relpath(file, folder.resolve())).as_posix()
     except ValueError:  # another drive, or no path at all, which writing refuses

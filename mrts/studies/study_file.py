@@ -5,15 +5,13 @@ import hashlib
 import json
 from copy import deepcopy
 from pathlib import Path
-from typing import Annotated, Any, Literal
-
-from pydantic import Field, field_validator
+from typing import Annotated, Any
 
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Finite, Pose
-from mrts.base.formats.strict_model import StrictModel
-from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES, read_model, read_text
+from mrts.base.formats.pose import Pose
+from mrts.base.formats.record import Rule
+from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES, read_data, read_text, validated
 from mrts.base.regular_file import is_folder, open_regular, read_regular
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
@@ -28,9 +26,9 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
 from mrts.program.excess import checked_tolerance
 from mrts.scaling.loads import mass_grid
-from mrts.studies.knobs import read_parameters
-from mrts.studies.sampling import MOST_HYPERCUBE_NUMBERS, MOST_VARIANTS, SampleName, grid_size
-from mrts.studies.study import Parameter, Study, StudyFile, StudyQuestion
+from mrts.studies.parameters import Parameter, read_parameters
+from mrts.studies.sampling import MAX_HYPERCUBE_NUMBERS, MAX_VARIANTS, SampleName, grid_size
+from mrts.studies.study import Study, StudyFile, StudyQuestion
 
 MAX_BAG_FILE_BYTES = 10**10
 """Of one file of a ROS 2 bag; as large as its reader can bear."""
@@ -40,40 +38,24 @@ HASHED_AT_A_TIME = 1 << 20
 """Bytes of a file."""
 
 
-class StudyDescription(StrictModel):
+class StudyDescription(StudyQuestion):
     """A validated study file; see docs/study_file.md.
 
     Attributes:
         cell: Cell file, relative to the study file.
         motion: Motion file, table or bag, likewise.
-        profile: "constant" asks for the range of c², "optimal" for the fastest timing too.
-        load: The question of an uncertain load.
-        torques: Whether energy and root mean square torques are wanted.
-        reserve: Share of every limit that is kept free.
-        between: Share of a limit by which it may be overstepped between the samples; None looks at the samples alone.
-        vary: What varies: a path to a number or a name of a knob, and how; `KnobDescription` or a list of values.
+        vary: What varies: a path to a number, or a name, and how; `ParameterDescription` or a list of values.
         sample: How points are chosen.
         count: How many are drawn; a grid has as many as it has.
         seed: Of what is drawn.
     """
 
-    cell: Annotated[str, Field(min_length=1)]
-    motion: Annotated[str, Field(min_length=1)]
-    profile: Literal["constant", "optimal"] = "constant"
-    load: Annotated[str, Field(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
-    torques: bool = False
-    reserve: Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)] | None = None
-    between: Finite | None = None
+    cell: Annotated[str, Rule(min_length=1)]
+    motion: Annotated[str, Rule(min_length=1)]
     vary: dict[str, Any]
     sample: SampleName = "grid"
-    count: Annotated[int, Field(ge=1, le=MOST_VARIANTS)] | None = None
-    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] | None = None
-
-    @field_validator("between", mode="before")
-    @classmethod
-    def _off(cls, between: object) -> object:
-        """`off`, as on the command line, is False in YAML."""
-        return None if between is False or between == "off" else between
+    count: Annotated[int, Rule(ge=1, le=MAX_VARIANTS)] | None = None
+    seed: Annotated[int, Rule(ge=0, le=2**32 - 1)] | None = None
 
 
 def read_study(path: Path | str) -> Study:
@@ -103,15 +85,14 @@ def read_study(path: Path | str) -> Study:
     }
     parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
     urdfs, mesh = _study_files(cell_path, given["cell"])
-    question = StudyQuestion(described.profile, described.load, described.torques, described.reserve, described.between)
+    question = StudyQuestion(**{name: getattr(described, name) for name in StudyQuestion.model_fields})
     variants, seed = _variants(path, described, parameters), described.seed or 0
-    asked = [__version__, repr((parameters, described.sample, variants, seed, question))]
-    asked += [json.dumps(given["cell"])]
     where = {"file", "joints"}  # what such a table says is hashed
-    asked += [json.dumps({key: value for key, value in given["motion"].items() if key not in where})]
-    files = [*urdfs, *([] if mesh is None else [mesh])]
-    parts = [_hash(text.encode()) for text in asked] + [_hash(file.content) for file in files]
-    parts += [] if poses else _table_hashes(given["motion"])
+    own = {key: value for key, value in given["motion"].items() if key not in where}
+    asked = repr((parameters, described.sample, variants, seed, question))
+    content = [json.dumps([__version__, asked, given["cell"], own]).encode(), *(file.content for file in urdfs)]
+    content += [] if mesh is None else [mesh.content]
+    hashes = [*map(_hash, content), *([] if poses else _table_hashes(given["motion"]))]
     return Study(
         path=path.absolute(),
         folder=cell_path.resolve().parent,
@@ -126,17 +107,12 @@ def read_study(path: Path | str) -> Study:
         urdfs=urdfs,
         mesh=mesh,
         joints={robot.name: robot.joints for robot in cell.robots},
-        digest=_hash(b"".join(parts)).hex(),
+        digest=_hash(b"".join(hashes)).hex(),
     )
 
 
 def _study_files(path: Path, given: dict[str, Any]) -> tuple[tuple[StudyFile, ...], StudyFile | None]:
-    """The files that a cell file names; where that is a xacro, the URDF that it became takes its place in the keys.
-
-    Args:
-        path: The cell file.
-        given: Its keys and values; changed.
-    """
+    """The files that a cell file names; where that is a xacro, the URDF that it became takes its place in the keys."""
     urdfs, found = [], [reference.path(path, path.resolve().parent) for reference in described(path).references]
     origins, meshes = found[: len(given["robots"])], found[len(given["robots"]) :]
     for robot, (file, _), origin in zip(given["robots"], urdf_files(path).values(), origins, strict=True):
@@ -153,7 +129,10 @@ def _study_files(path: Path, given: dict[str, Any]) -> tuple[tuple[StudyFile, ..
 
 def _described(path: Path) -> StudyDescription:
     try:
-        return read_model(path, StudyDescription, "study file")
+        data = read_data(path, "study file")
+        if isinstance(data, dict) and (data.get("between") is False or data.get("between") == "off"):
+            data["between"] = None  # `off`, as on the command line, is False in YAML
+        return validated(path, data, StudyDescription, "study file")
     except InputError as error:
         if not error.rule.endswith("but got '['."):
             raise
@@ -171,15 +150,7 @@ def _given_motion(path: Path, motion: ObjectMotion | JointTable) -> dict[str, An
 
 
 def _given_keys(path: Path, what: str) -> dict[str, Any]:
-    """Keys and values of a YAML file as they stand there; what an alias repeats stands there twice.
-
-    Args:
-        path: A file that has been validated.
-        what: What it is, for messages.
-
-    Raises:
-        InputError: If it has changed since.
-    """
+    """Keys and values of a YAML file as they stand there; what an alias repeats stands there twice."""
     keys = parse_yaml(read_text(path, what, MAX_YAML_BYTES))
     if not isinstance(keys, dict):
         raise InputError(path, f"this {what} changed while it was read. Read the study again.")
@@ -188,11 +159,7 @@ def _given_keys(path: Path, what: str) -> dict[str, Any]:
 
 
 def _angles_for_quaternions(files: dict[str, dict[str, Any]]) -> None:
-    """Give poses by roll, pitch and yaw, of which each can vary by itself; one that looks at a point goes on doing so.
-
-    Args:
-        files: Keys and values of the "cell" file, and maybe of the "motion" file; changed.
-    """
+    """Give poses by roll, pitch and yaw, of which each can vary by itself."""
     motion = files.get("motion", {})
     holders = [*files["cell"]["robots"], motion]
     poses = [holder.get(key) for holder in holders for key in ("base", "grasp", "start", "end")]
@@ -204,16 +171,7 @@ def _angles_for_quaternions(files: dict[str, dict[str, Any]]) -> None:
 
 
 def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any]:
-    """A cell file's keys with all that it leaves out, and limits that it does not give as empty places.
-
-    Args:
-        path: The cell file.
-        given: Its keys as they stand there.
-        cell: The cell that it describes.
-
-    Raises:
-        InputError: If the file breaks a rule.
-    """
+    """A cell file's keys with all that it leaves out, and limits that it does not give as empty places."""
     filled: dict[str, Any] = described(path).model_dump()
     _angles_for_quaternions({"cell": filled})
     for robot, arm, as_given in zip(filled["robots"], cell.robots, given["robots"], strict=True):
@@ -223,7 +181,6 @@ def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any
 
 
 def _fill_robot(robot: dict[str, Any], arm: Robot, components: int) -> None:
-    """Fill in what a robot takes from its URDF, and places for what is not limited."""
     if robot["torque"] is None:
         robot["torque"] = arm.torque_upper.tolist()  # the URDF's effort is symmetric
     for side in ("lower", "upper"):
@@ -235,23 +192,16 @@ def _fill_robot(robot: dict[str, Any], arm: Robot, components: int) -> None:
 
 
 def _filled_motion(given: dict[str, Any]) -> dict[str, Any]:
-    """A motion file's keys with the parts of poses and the number of samples that it leaves out.
-
-    Args:
-        given: Its keys as they stand there; a path of poses.
-    """
     filled = MotionDescription(**given).model_dump()
     filled["samples"] = filled["samples"] or DEFAULT_SAMPLES
     return {key: value for key, value in filled.items() if value is not None}
 
 
 def _is_path_of_poses(given: dict[str, Any]) -> bool:
-    """Whether a motion file gives poses, not a table."""
     return not (set(KINDS) - {"start", "waypoints"}) & set(given)
 
 
 def _table_hashes(motion: dict[str, Any]) -> list[bytes]:
-    """Hashes of the table, or of all files of the bag, that a motion is given by."""
     named = Path(motion.get("file") or motion["joints"])
     files = sorted(each for each in named.rglob("*") if each.is_file()) if named.is_dir() else [named]
     hashes = []
@@ -269,7 +219,6 @@ def _hash(content: bytes) -> bytes:
 
 
 def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None:
-    """What is asked fits together, and fits the cell."""
     load, box = described.load, cell.load_box
     if load not in {"auto", "nominal"} and box is None:
         rule = "the object's load is known: the cell file gives no 'variation'. Ask for nominal, or leave this key out."
@@ -289,25 +238,22 @@ def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None
 
 
 def _variants(path: Path, described: StudyDescription, parameters: tuple[Parameter, ...]) -> int:
-    """Number of variants."""
     if described.sample == "grid":
         for key, value in (("count", described.count), ("seed", described.seed)):
             if value is not None:
                 rule = "a grid takes every combination, so nothing is drawn. Leave this out, or take sample: sobol."
                 raise InputError(path, rule, key=key, value=value)
-        size = grid_size([parameter.spread for parameter in parameters])
-        if size > MOST_VARIANTS:
-            rule = (
-                f"this grid has {size} variants, at most {MOST_VARIANTS} are allowed. Take fewer steps, or a sample: "
-            )
+        size = grid_size([parameter.distribution for parameter in parameters])
+        if size > MAX_VARIANTS:
+            rule = f"this grid has {size} variants, at most {MAX_VARIANTS} are allowed. Take fewer steps, or a sample: "
             raise InputError(path, rule + "sobol or lhs with a count.", key="vary")
         return size
     if described.count is None:
         rule = f"this key is required with sample: {described.sample}: how many variants are drawn, such as 1024."
         raise InputError(path, rule, key="count")
-    if described.sample == "lhs" and described.count * len(parameters) > MOST_HYPERCUBE_NUMBERS:
+    if described.sample == "lhs" and described.count * len(parameters) > MAX_HYPERCUBE_NUMBERS:
         rule = (
-            f"a Latin hypercube is drawn as a whole, at most {MOST_HYPERCUBE_NUMBERS} numbers; this one has "
+            f"a Latin hypercube is drawn as a whole, at most {MAX_HYPERCUBE_NUMBERS} numbers; this one has "
             f"{described.count} times {len(parameters)}. Take sample: sobol, which has no such bound."
         )
         raise InputError(path, rule, key="count", value=described.count)

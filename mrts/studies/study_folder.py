@@ -28,6 +28,7 @@ from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
 from mrts.limits.row_check import limit_name
+from mrts.studies.parameters import Parameter
 from mrts.studies.study import Study
 from mrts.studies.study_record import FORMAT, study_record
 from mrts.studies.variant_rows import column_types
@@ -44,7 +45,7 @@ PART_FILE = re.compile(r"part-(\d{8})\.parquet")
 TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
 """What a writer that was killed leaves."""
 
-MOST_BYTES = 10**8
+MAX_RECORD_BYTES = 10**8
 """Of study.json: many more than lists of values take."""
 
 UNITS = {"duration": "s", "energy": "J"}
@@ -134,24 +135,15 @@ class StudyFolder(InNotebooks):
         return {number: numbered[number] for number in sorted(numbered) if number < self.chunks}
 
     def rows(self, pieces: Sequence[Mapping[str, list[Any] | Array]]) -> "pa.Table":
-        """Rows as a table; a column that lacks has no value in any of them, a NaN is no value.
+        """Rows as a table, where a NaN is no value.
 
         Args:
-            pieces: One after the other, each its columns by name, with `variant` at least.
+            pieces: One after the other, each its columns by name.
         """
         import pyarrow as pa  # noqa: PLC0415 (an extra)
 
-        tables = []
-        for columns in pieces:
-            length = len(columns["variant"])
-            arrays = [
-                pa.array(columns[field.name], field.type, from_pandas=True)
-                if field.name in columns
-                else pa.nulls(length, field.type)
-                for field in self.schema
-            ]
-            tables.append(pa.Table.from_arrays(arrays, schema=self.schema))
-        return pa.concat_tables(tables)
+        arrays = [[pa.array(piece[each.name], each.type, from_pandas=True) for each in self.schema] for piece in pieces]
+        return pa.concat_tables([pa.Table.from_arrays(columns, schema=self.schema) for columns in arrays])
 
     def write(self, number: int, rows: "pa.Table") -> None:
         """Write the rows of a chunk, whole or not at all.
@@ -225,7 +217,7 @@ def read_study_folder(path: Path | str) -> StudyFolder:
     require_pyarrow()
     folder = as_path("path", path)
     try:
-        text = read_text(folder / STUDY_FILE, "file", MOST_BYTES)
+        text = read_text(folder / STUDY_FILE, "file", MAX_RECORD_BYTES)
     except InputError as error:
         rule = f"holds no study: {STUDY_FILE}: {error.rule} Name what `mrts sweep -o` wrote."
         raise InputError(folder, rule) from None
@@ -249,8 +241,8 @@ def study_content(study: Study) -> dict[str, Any]:
             "cell": study.cell,
             "motion": study.motion,
             "limits": list(map(limit_name, study.limits)),
-            "question": asdict(study.question),
-            "vary": [asdict(each) | {"bounds": each.spread.bounds, "text": str(each)} for each in study.parameters],
+            "question": study.question.model_dump(),
+            "vary": list(map(_parameter_content, study.parameters)),
             "sample": study.sample,
             "count": study.variants,
             "seed": study.seed,
@@ -259,6 +251,13 @@ def study_content(study: Study) -> dict[str, Any]:
     }
     same: dict[str, Any] = json.loads(json.dumps(content))
     return same
+
+
+def _parameter_content(parameter: Parameter) -> dict[str, Any]:
+    spread, bounds = parameter.distribution.to_json(), parameter.distribution.bounds
+    targets = [asdict(target) for target in parameter.targets]
+    told = {"path": parameter.path, "unit": parameter.unit, "spread": spread, "targets": targets}
+    return told | {"bounds": bounds, "text": str(parameter)}
 
 
 @contextmanager
@@ -331,11 +330,7 @@ def _gone_if_unused(path: Path) -> Iterator[None]:
 
 
 def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
-    """Check that a folder is of the study that is to be solved.
-
-    Raises:
-        InputError: If not; it says where the two differ.
-    """
+    """Check that a folder is of the study that is to be solved."""
     if folder.digest == content["digest"]:
         return
     before, now = folder.record, {**folder.record, **content}

@@ -5,10 +5,8 @@ import json
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-
 from mrts.base.errors import InputError
-from mrts.base.formats.strict_model import broken_format, broken_rule
+from mrts.base.formats.record import Record, Rule
 
 FORMAT = 1
 """Of study.json."""
@@ -18,10 +16,13 @@ ANSWERS |= {"lower_limit": "string", "upper_limit": "string", "duration": "float
 """Columns of every study behind the number of a variant and what varies, and their types."""
 
 
-class _Recorded(BaseModel):
+class _Recorded(Record):
     """Base of what is recorded; keys that are only told to people are not looked at."""
 
-    model_config = ConfigDict(extra="ignore", strict=True, frozen=True)
+    @classmethod
+    def model_validate(cls, data: object) -> Self:
+        known = {key: data[key] for key in cls.model_fields if key in data} if isinstance(data, dict) else data
+        return super().model_validate(known)
 
 
 class _Column(_Recorded):
@@ -49,20 +50,19 @@ class _Asked(_Recorded):
     seed: int
 
 
-class _Record(_Recorded):
+class _Whole(_Recorded):
     digest: str
-    variants: Annotated[int, Field(ge=1)]
-    chunk: Annotated[int, Field(ge=1)]
+    variants: Annotated[int, Rule(ge=1)]
+    chunk: Annotated[int, Rule(ge=1)]
     columns: dict[str, _Column]
     study: _Asked
 
-    @model_validator(mode="after")
-    def _has_its_columns(self) -> Self:
+    def problem(self) -> str:
         types = {"variant": "int64"} | {each.path: "float64" for each in self.study.vary} | ANSWERS
         for name, kind in types.items():
             if name not in self.columns or self.columns[name].type != kind:
-                raise broken_rule(f"there must be a column '{name}' of type {kind}")
-        return self
+                return f"there must be a column '{name}' of type {kind}"
+        return ""
 
 
 def study_record(path: Path, text: str) -> dict[str, Any]:
@@ -82,9 +82,8 @@ def study_record(path: Path, text: str) -> dict[str, Any]:
     if not isinstance(record, dict) or record.get("format") != FORMAT:
         raise InputError(path, f"is not a study of format {FORMAT}, which this mrts reads; name another folder.")
     try:
-        _Record.model_validate(record)
-    except ValidationError as error:
-        broken = broken_format(path, record, error)
-        rule = f"is damaged: {broken.rule} Remove the folder, or name another."
-        raise InputError(path, rule, key=broken.key, value=broken.value) from None
+        _Whole.model_validate(record)
+    except InputError as error:
+        rule = f"is damaged: {error.rule} Remove the folder, or name another."
+        raise InputError(path, rule, key=error.key, value=error.value) from None
     return record

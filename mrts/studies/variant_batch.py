@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Many variants of one cell solved at once, in native calls: start poses, joints, ranges of c²."""
 
-from collections.abc import Sequence
-from functools import lru_cache
+from collections.abc import Mapping, Sequence
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -14,17 +14,22 @@ from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.base.rigid_transform import plane_normal, rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
-from mrts.following.variant_tracking import VariantTracking
+from mrts.following.variant_tracking import TrackedVariants, VariantTracking
+from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.kernel.tracking import PATH
+from mrts.kernel.tracking import PATH, REFUSED
 from mrts.kernel.variants import variant_ranges
+from mrts.limits.rows import ActiveRow
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import PROFILES
-from mrts.studies.at_once.variant_answers import VariantAnswers
-from mrts.studies.at_once.variant_limits import VariantLimits
-from mrts.studies.at_once.variant_numbers import (
+from mrts.program.range_status import RangeStatus
+from mrts.program.sample_ranges import POINT_TOLERANCE
+from mrts.scaling.range import RangeEnd, contradiction
+from mrts.studies.study import Study
+from mrts.studies.variant_limits import VariantLimits
+from mrts.studies.variant_numbers import (
     NEAR_A_RULE,
     PATH_ENDS,
     Entry,
@@ -32,8 +37,7 @@ from mrts.studies.at_once.variant_numbers import (
     base_numbers,
     varied_entries,
 )
-from mrts.studies.study import Study
-from mrts.studies.variant_rows import Columns, Row, columns_of, solved_row
+from mrts.studies.variant_rows import UNREACHABLE, Columns, Row, columns_of, ends_row, solved_row
 
 BLOCK_BYTES = 8_000_000
 """Of the arrays of the variants that one native call solves: small enough to stay near the processor."""
@@ -84,6 +88,100 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     limited = {entry.index[0] for entry in entries if entry.name.startswith("wrench")}
     has_rows = not np.any(free[list(limited)])  # a limit on what the cell leaves free is a row more than it has
     return ideal and has_rows and not (cell.plane is not None and in_tip and "grasp_rpy" in names)
+
+
+class VariantAnswers:
+    """The rows of the table of some variants, as far as they are settled.
+
+    Args:
+        limits: Of their cell.
+        given: What the native calls took, by name, with V or 1 first.
+        tracked: What they gave.
+        found: Ranges, of `mrts.kernel.variants.range_record`.
+
+    Attributes:
+        found: Likewise.
+    """
+
+    def __init__(
+        self,
+        limits: VariantLimits,
+        given: Mapping[str, Array],
+        tracked: TrackedVariants,
+        found: NDArray[np.void],
+    ) -> None:
+        self._limits, self._given, self._tracked, self.found = limits, given, tracked, found
+
+    def row(self, variant: int) -> Row | None:
+        """The row of one variant, without its number and its parameters; None where it is not settled.
+
+        Args:
+            variant: Place in the arrays.
+        """
+        failure = self._tracked.failure(variant)
+        if failure is not None:
+            return {"status": UNREACHABLE, "reason": failure.message}
+        if self._tracked.joints.outcome[variant, 0]["code"] == REFUSED:
+            return None
+        status = int(self.found[variant]["status"])
+        if status == INFEASIBLE:
+            return self._infeasible(variant)
+        return self._range(variant) if status == OPTIMAL else None
+
+    def _of(self, name: str, variant: int) -> Array:
+        values = self._given[name]
+        one: Array = values[variant if len(values) > 1 else 0]
+        return one
+
+    def _infeasible(self, variant: int) -> Row:
+        found, status = self.found[variant], RangeStatus.INFEASIBLE
+        rows = self._named(variant, 0)
+        sample = int(found["sample"][0])
+        reason = (
+            f"at t = {self._of('time', variant)[sample]:.4g} s (sample {sample}) no torques carry the object at any "
+            f"speed: these limits conflict: {'; '.join(map(str, rows))}. {status.advice}"
+        )
+        return {"status": status.value, "reason": reason}
+
+    def _range(self, variant: int) -> Row:
+        low, high = self.found[variant]["c2"].tolist()
+        if high < low <= high * (1 + POINT_TOLERANCE):
+            low = high
+        lower = self._end(variant, 0, low) if low > 0 else RangeEnd(low, None, None)
+        upper = self._end(variant, 1, high) if np.isfinite(high) else RangeEnd(high, None, None)
+        if low > high:
+            reason = f"{contradiction(lower, upper)} {RangeStatus.EMPTY.advice}"
+            return {"status": RangeStatus.EMPTY.value, "reason": reason}
+        row = ends_row(lower, upper, float(self._of("time", variant)[-1]))
+        if np.isinf(high):
+            return row | {"status": RangeStatus.UNBOUNDED.value, "reason": RangeStatus.UNBOUNDED.advice}
+        return row | {"status": RangeStatus.FEASIBLE.value}
+
+    def _end(self, variant: int, end: int, c2: float) -> RangeEnd:
+        sample = int(self.found[variant]["sample"][end])
+        return RangeEnd(c2, sample, float(self._of("time", variant)[sample]), self._rows(variant, end))
+
+    def _rows(self, variant: int, end: int) -> tuple[ActiveRow, ...]:
+        rows = self._named(variant, end)
+        if end and self.found[variant]["capped"]:
+            rows += self._velocities[variant]
+        return tuple(rows)
+
+    @cached_property
+    def _velocities(self) -> dict[int, list[ActiveRow]]:
+        """By variant that velocities bound: those that do the most."""
+        settled = self._tracked.joints.followed & (self.found["status"] == OPTIMAL)
+        capped = np.flatnonzero(settled & (self.found["capped"] != 0))
+        sample = self.found["sample"][capped, 1]
+        twist, limit = (np.broadcast_to(each, (len(self.found), *each.shape[1:])) for each in
+                        (self._given["twist"], self._given["velocity"]))  # fmt: skip
+        rows = self._limits.velocities_at(self._tracked.joints.dq[capped, sample], twist[capped, sample], limit[capped])
+        return dict(zip(capped.tolist(), rows, strict=True))
+
+    def _named(self, variant: int, end: int) -> list[ActiveRow]:
+        found = self.found[variant]
+        sides = self._of("lower", variant), self._of("upper", variant)
+        return self._limits.named(found["rows"][end, : found["count"][end]], *sides)
 
 
 class VariantBatch:

@@ -115,17 +115,24 @@ def range_row(found: ScalingRange, given_duration: float) -> Row:
         row["reason"] = found.explain() or found.status.advice
     if not found.status.admits_motion or found.lower is None or found.upper is None:
         return row
-    row["c2_lower"] = found.lower.c2
-    row["lower_limit"] = _limit(found.lower) if found.lower.c2 > 0 else None
-    if found.upper.time is not None:
-        row["c2_upper"] = found.upper.c2
-        row["upper_limit"] = _limit(found.upper)
-        row["duration"] = given_duration / math.sqrt(found.upper.c2) if found.upper.c2 > 0 else None
+    return row | ends_row(found.lower, found.upper, given_duration)
+
+
+def ends_row(lower: RangeEnd, upper: RangeEnd, given_duration: float) -> Row:
+    """What the ends of a range that admits motion say of a variant.
+
+    Args:
+        lower: c²⁻.
+        upper: c²⁺.
+        given_duration: Of the motion as it is given [s].
+    """
+    row: Row = {"c2_lower": lower.c2}
+    if lower.c2 > 0 and lower.time is not None:
+        row["lower_limit"] = limit_text(lower.rows, lower.time, lower.load)
+    if upper.time is not None:
+        row |= {"c2_upper": upper.c2, "upper_limit": limit_text(upper.rows, upper.time, upper.load)}
+        row["duration"] = given_duration / math.sqrt(upper.c2) if upper.c2 > 0 else None
     return row
-
-
-def _limit(end: RangeEnd) -> str | None:
-    return None if end.time is None else limit_text(end.rows, end.time, end.load)
 
 
 def solved_row(study: Study, point: Array) -> Row:
@@ -151,7 +158,6 @@ def solved_row(study: Study, point: Array) -> Row:
 
 
 def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
-    """What is asked of one variant."""
     question = study.question
     if question.profile == "optimal":
         return _retimed(study, cell, motion)
@@ -163,7 +169,6 @@ def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
 
 
 def _scaled(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
-    """The row of a variant whose torques are wanted."""
     question = study.question
     try:
         result = scale(cell, motion, load=question.load, reserve=question.reserve, between=question.between)
@@ -200,7 +205,6 @@ def _torques(study: Study, result: ScalingResult) -> Row:
 
 
 def _torque_columns(study: Study) -> list[str]:
-    """Names of the columns of torques; none unless they are wanted."""
     if not study.question.torques:
         return []
     rms = [f"rms.{robot}.{joint}" for robot, joints in study.joints.items() for joint in joints]

@@ -17,7 +17,7 @@ from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder, require_pyarrow
 from mrts.sweeps.best_variants import write_best
-from mrts.sweeps.chunks import Chunk, ChunkSolver
+from mrts.sweeps.chunks import Chunk, solved_chunks
 from mrts.sweeps.sweep_progress import TALLIED, SweepProgress, Tally
 from mrts.sweeps.worker_pools import check_workers, worker_pool
 
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
 CHUNK_TIME = 1.0
 """That a worker takes for a chunk, about [s]: little is lost with a worker, and little time goes into passing them."""
 
-MOST_VARIANTS = 20_000
+MAX_CHUNK_SIZE = 20_000
 """Of a chunk, however fast they are solved: few megabytes."""
 
-ROUND = (1, 2, 5)
+ROUND_NUMBERS = (1, 2, 5)
 """Sizes of chunks, times a power of ten."""
 
 
@@ -110,7 +110,7 @@ def solve_study(
         if missing:
             with (
                 worker_pool(workers, scheduler) as pool,
-                closing(ChunkSolver(study, pool).solved(missing)) as coming,
+                closing(solved_chunks(study, pool, missing)) as coming,
             ):
                 for chunk, pieces in coming:
                     rows = folder.rows(pieces)
@@ -126,6 +126,6 @@ def chunk_size(study: Study) -> int:
     Args:
         study: The study, of which a few are solved.
     """
-    fitting = min(CHUNK_TIME / estimate(study).seconds_each, study.variants, MOST_VARIANTS)
+    fitting = min(CHUNK_TIME / estimate(study).seconds_each, study.variants, MAX_CHUNK_SIZE)
     power = int(10 ** max(0, math.floor(math.log10(fitting))))
-    return max([1, *(step * power for step in ROUND if step * power <= fitting)])
+    return max([1, *(step * power for step in ROUND_NUMBERS if step * power <= fitting)])

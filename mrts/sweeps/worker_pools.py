@@ -11,9 +11,8 @@ import re
 import signal
 import threading
 import time
-from collections import Counter
 from collections.abc import Callable, Collection, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager, suppress
 from importlib import import_module
@@ -21,7 +20,7 @@ from importlib.util import find_spec
 from multiprocessing.resource_tracker import ensure_running
 from queue import Empty
 from types import NoneType
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from mrts.base.argument_types import check_type
 from mrts.base.errors import InputError
@@ -33,16 +32,16 @@ CHUNKS_A_WORKER = 2
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """For processes that share the cores among them."""
 
-WATCH = 1.0
+WATCH_PERIOD = 1.0
 """Between two looks of a worker whether its driver still lives [s]."""
 
 GONE = "is gone, or has dropped this study's work: the same command goes on with what is not solved yet."
 
-CONNECT = 10.0
+CONNECT_TIMEOUT = 10.0
 """For a scheduler to answer [s]."""
 
-NO_WORKERS = 60.0
-"""Between two reminders that a cluster has none [s]."""
+REMINDER_PERIOD = 60.0
+"""Between two reminders that a cluster has no workers [s]."""
 
 ADDRESS = re.compile(r"(\w+://)?\S+:\d{1,5}|inproc://\S+")
 """What may be a scheduler's: Dask leaves a traceback about anything else."""
@@ -52,91 +51,58 @@ LOCAL = "local"
 
 ANY_PORT = "127.0.0.1:0"
 
-TALKATIVE = ("distributed", "distributed.client")
-"""Loggers of what is dealt with here: workers that come and go."""
-
 Result = TypeVar("Result")
 logger = logging.getLogger("mrts")
 
 
-class WorkerDiedError(Exception):
-    """The process that solved a chunk is gone: killed, out of memory, or crashed."""
-
-
-class WorkerPool(Protocol):
-    """Workers that solve chunks."""
-
-    def slots(self) -> int:
-        """How many chunks may be in flight."""
-
-    def submit(self, function: Callable[..., Result], *arguments: Any) -> "Future[Result]":
-        """Give a call to a worker."""
-
-    def ended(self, running: "Collection[Future[Result]]") -> "set[Future[Result]]":
-        """Wait until calls have ended, and make good for workers that are gone."""
-
-    def died(self, error: BaseException) -> bool:
-        """Whether an error says that a worker is gone."""
-
-
 class LocalProcesses:
-    """Processes of this machine, each an executor of its own: where one dies, the others go on.
+    """Processes of this machine; where one dies, all start anew.
 
     Args:
         workers: How many processes.
     """
 
     def __init__(self, workers: int) -> None:
-        self._executors: list[Any] = [None] * workers
-        self._places: dict[Future[Any], int] = {}
+        self._workers = workers
+        self._executor: Any = None
 
     def slots(self) -> int:
         """How many chunks may be in flight."""
-        return CHUNKS_A_WORKER * len(self._executors)
+        return CHUNKS_A_WORKER * self._workers
 
     def submit(self, function: Callable[..., Result], *arguments: Any) -> "Future[Result]":
-        """Give a call to the worker with the least to do; where it cannot take it any more, the call has ended."""
+        """Give a call to a worker; where none can take it any more, the call has died."""
         from joblib.externals.loky import ProcessPoolExecutor  # noqa: PLC0415 (an extra)
 
-        at_work = Counter(self._places.values())
-        place = min(range(len(self._executors)), key=lambda each: at_work[each])
-        if self._executors[place] is None:
-            self._executors[place] = ProcessPoolExecutor(
-                1, env=ONE_THREAD, initializer=_leave_with, initargs=(os.getpid(),)
+        if self._executor is None:
+            self._executor = ProcessPoolExecutor(
+                self._workers, env=ONE_THREAD, initializer=_leave_with, initargs=(os.getpid(),)
             )
         try:
             with _without_interrupts():
-                future: Future[Result] = self._executors[place].submit(function, *arguments)
+                future: Future[Result] = self._executor.submit(function, *arguments)
         except (BrokenProcessPool, OSError) as error:  # killed before it took the call, or while it was started
             future = Future()
-            future.set_exception(WorkerDiedError(str(error)))
-        self._places[future] = place
+            future.set_exception(BrokenProcessPool(str(error)))
         return future
 
-    def ended(self, running: "Collection[Future[Result]]") -> "set[Future[Result]]":
-        """Wait until calls have ended: with a worker that dies all that it had."""
+    def ended(self, running: "Collection[Future[Result]]") -> "Collection[Future[Result]]":
+        """Wait until calls have ended: with a worker that dies all that are in flight."""
         done, _ = wait(running, return_when=FIRST_COMPLETED)
-        dead = {self._places[each] for each in done if (error := each.exception()) is not None and self.died(error)}
-        for place in dead:
-            self._end(place)
-        lost, _ = wait([each for each in running if self._places[each] in dead])
-        for each in done | lost:
-            del self._places[each]
-        return done | lost
+        if not any(map(self.died, done)):
+            return done
+        self.close()
+        return list(running)
 
-    def died(self, error: BaseException) -> bool:
-        """Whether an error says that a worker is gone."""
+    def died(self, future: "Future[Any]") -> bool:
+        """Whether a call has ended because a worker is gone."""
         from joblib.externals.loky.process_executor import ShutdownExecutorError  # noqa: PLC0415 (an extra)
 
-        return isinstance(error, BrokenProcessPool | WorkerDiedError | ShutdownExecutorError)
+        return isinstance(future.exception(), BrokenProcessPool | ShutdownExecutorError)
 
     def close(self) -> None:
         """End the processes, whatever they do."""
-        with ThreadPoolExecutor() as together:
-            list(together.map(self._end, range(len(self._executors))))
-
-    def _end(self, place: int) -> None:
-        executor, self._executors[place] = self._executors[place], None
+        executor, self._executor = self._executor, None
         if executor is not None:
             # loky forgets the calls that wait and then looks up those whose numbers are still queued: a KeyError
             with suppress(Empty):
@@ -154,53 +120,48 @@ class DaskCluster:
     """
 
     def __init__(self, client: Any, address: str) -> None:
-        self._client = client
-        self._address = address
-        self._executor: Executor = client.get_executor(pure=False)
-        self._seen = self._reminded = 0.0
-        self._threads = 0
+        self._client, self._address = client, address
+        self._executor = client.get_executor(pure=False)
 
     def slots(self) -> int:
         """How many chunks may be in flight; workers may come and go."""
-        if time.monotonic() > self._seen + WATCH:
-            with self._told_if_gone():
-                self._threads = sum(self._client.nthreads().values())
-            self._seen = time.monotonic()
-        return CHUNKS_A_WORKER * max(1, self._threads)
+        return CHUNKS_A_WORKER * max(1, self._threads())
 
     def submit(self, function: Callable[..., Result], *arguments: Any) -> "Future[Result]":
         """Give a call to a worker."""
         with self._told_if_gone():
-            return self._executor.submit(function, *arguments)
+            future: Future[Result] = self._executor.submit(function, *arguments)
+            return future
 
-    def ended(self, running: "Collection[Future[Result]]") -> "set[Future[Result]]":
+    def ended(self, running: "Collection[Future[Result]]") -> "Collection[Future[Result]]":
         """Wait until calls have ended; now and then say that there are no workers."""
-        while not (done := wait(running, WATCH, FIRST_COMPLETED)[0]):
-            self.slots()
-            if not self._threads and time.monotonic() > self._reminded + NO_WORKERS:
+        while not (done := wait(running, REMINDER_PERIOD, FIRST_COMPLETED)[0]):
+            if not self._threads():
                 logger.warning("the cluster at %s has no workers: waiting for them", self._address)
-                self._reminded = time.monotonic()
         if any(future.cancelled() for future in done):  # not by us
             raise InputError("scheduler", GONE, value=self._address)
         return done
 
-    def died(self, error: BaseException) -> bool:
-        """Whether an error says that workers are gone, as many as the scheduler's `allowed-failures`."""
+    def died(self, future: "Future[Any]") -> bool:
+        """Whether a call has ended because workers are gone, as many as the scheduler's `allowed-failures`."""
         from distributed.scheduler import KilledWorker  # noqa: PLC0415 (an extra)
 
-        return isinstance(error, KilledWorker)
+        return isinstance(future.exception(), KilledWorker)
+
+    def _threads(self) -> int:
+        with self._told_if_gone():
+            return sum(self._client.nthreads().values())
 
     @contextmanager
     def _told_if_gone(self) -> Iterator[None]:
-        """Say that the scheduler is gone, in place of what Dask raises where it is asked for something.
-
-        Raises:
-            InputError: Instead.
-        """
+        """Say that the scheduler is gone, in place of what Dask raises where it is asked for something."""
         try:
             yield
         except (OSError, RuntimeError):
             raise InputError("scheduler", GONE, value=self._address) from None
+
+
+WorkerPool = LocalProcesses | DaskCluster
 
 
 def check_workers(workers: int | None, scheduler: str | None) -> None:
@@ -244,17 +205,14 @@ def worker_pool(workers: int | None, scheduler: str | None) -> Iterator[WorkerPo
 
 
 def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> DaskCluster:
-    """The workers of a cluster, made first for `LOCAL`.
-
-    Raises:
-        InputError: If that is no address, or no scheduler answers.
-    """
+    """The workers of a cluster, made first for `LOCAL`."""
     if scheduler != LOCAL and not ADDRESS.fullmatch(scheduler):
         rule = "no Dask scheduler answers there: it is no address. Name one as tcp://HOST:PORT, or local."
         raise InputError("scheduler", rule, value=scheduler)
     dask, distributed = import_module("dask"), import_module("distributed")
-    stack.enter_context(_silent())
-
+    for talkative in map(logging.getLogger, ("distributed", "distributed.client")):  # workers that come and go
+        stack.callback(talkative.setLevel, talkative.level)
+        talkative.setLevel(logging.CRITICAL)
     address: Any = scheduler
     if scheduler == LOCAL:
         # a worker that dies again and again would else be given up
@@ -265,7 +223,7 @@ def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> Dask
             )
         stack.callback(_uninterrupted, address.close)
     try:
-        client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
+        client = distributed.Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InputError(
             "scheduler", f"no Dask scheduler answers there: {error}. Start one, or name it as tcp://HOST:PORT.",
@@ -273,19 +231,6 @@ def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> Dask
         ) from None  # fmt: skip
     stack.callback(_uninterrupted, client.close)
     return DaskCluster(client, scheduler)
-
-
-@contextmanager
-def _silent() -> Iterator[None]:
-    loggers = [logging.getLogger(name) for name in TALKATIVE]
-    levels = [each.level for each in loggers]
-    for each in loggers:
-        each.setLevel(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        for each, level in zip(loggers, levels, strict=True):
-            each.setLevel(level)
 
 
 def _uninterrupted(close: Callable[[], None]) -> None:
@@ -309,7 +254,7 @@ def _leave_with(driver: int) -> None:
 
     def watch() -> None:
         while os.getppid() == driver:
-            time.sleep(WATCH)
+            time.sleep(WATCH_PERIOD)
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()

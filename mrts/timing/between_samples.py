@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
 from mrts.cell.cell import Cell
@@ -17,11 +16,12 @@ from mrts.motion.object_courses import Geodesic, PoseSplines, WaypointPath
 from mrts.program.excess import BETWEEN, Excess
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
-from mrts.program.motion_widening import motion_widening
 from mrts.program.rate_limits import rate_names
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.search import COARSE
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.widening import motion_widening
 from mrts.timing.path_pieces import PLACES, with_samples
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import TimedPiece, between_path_samples
@@ -36,9 +36,6 @@ MOST_SAMPLES, MOST_TIMES = 1000, 4
 MOST_STALLED = 6
 """Times in turn that a path is timed again without less excess than at best: what is left is the samples' rounding.
 Those that end take up to four, where a new sample moves a switch of the fastest timing."""
-
-COARSE = 64
-"""Motions of fewer samples are looked at between all of them, as by `mrts.program.search.COARSE`."""
 
 BENT = 0.05
 """Largest part of a joint's step that velocities and accelerations at its ends may miss: a change of branch is all."""
@@ -85,8 +82,7 @@ def refined_timing(
         if timed.motion.samples + len(passing) > most:
             break
         time = timed.motion.object.time
-        middles = (time[passing] + time[passing + 1]) / 2
-        timed = again(with_samples(timed.cell, timed.motion, middles))
+        timed = again(with_samples(timed.cell, timed.motion, (time[passing] + time[passing + 1]) / 2))
     if best.excess is None or not best.excess.passes:
         return best
     return replace(best, status=best.status.at_samples)
@@ -102,17 +98,19 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
         MotionError: If they cannot.
     """
     time = motion.object.time
-    doubtful = np.arange(len(time) - 1)
+    doubtful = np.ones(len(time) - 1, dtype=bool)
     of_object = motion.object.course
     if motion.samples >= COARSE and (of_object is None or isinstance(of_object, Geodesic | WaypointPath | PoseSplines)):
         h, dq, ddq = np.diff(time)[:, None], motion.dq, motion.ddq
         steps = np.diff(motion.q, axis=0)
         missed = steps - h / 2 * (dq[1:] + dq[:-1]) - h**2 / 12 * (ddq[:-1] - ddq[1:])
-        allowed = BENT * np.max(np.abs(steps))
-        bent = np.max(np.abs(missed)) > allowed
-        doubtful = np.flatnonzero(np.any(np.abs(missed) > allowed, axis=1)) if bent else doubtful[:0]
-    if len(doubtful):
-        between_samples(cell, motion, (time[doubtful] + time[doubtful + 1]) / 2)
+        doubtful = np.max(np.abs(missed), axis=1) > BENT * np.max(np.abs(steps))
+    if np.any(doubtful):
+        between_samples(cell, motion, ((time[1:] + time[:-1]) / 2)[doubtful])
+
+
+Named = ActiveRow | Callable[[], ActiveRow | None]
+"""A limit, or what finds it."""
 
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, Excess]:
@@ -131,27 +129,18 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, E
         if share[most] > worst.share:
             segment, place = divmod(most, len(PLACES))
             start, end = time[first + segment :][:2]
-            at = float(start + PLACES[place] * (end - start))
-            worst = Excess(float(share[most]), tolerance, at, named(most))
+            worst = Excess(float(share[most]), tolerance, float(start + PLACES[place] * (end - start)), named)
     return shares, worst
 
 
-Named = Callable[[int], ActiveRow | Callable[[], ActiveRow | None]]
-"""The limit that is overstepped most at a place inside the segments of a piece, or what finds it."""
-
-
 def _least_excess(timed: RetimingResult, part: TimedPiece) -> tuple[Array, Named]:
-    """The excess at all places of a piece, Shape (k,), where wrenches are free to do their best."""
+    """The excess at all places of a piece, Shape (k,), where wrenches do their best, and the worst limit."""
     cell, sharing, played = timed.cell, timed.options.sharing, between_path_samples(timed.cell, part, PLACES)
-    shares = np.stack(
-        [motion_widening(cell, played, np.ones(played.samples), sharing=sharing, load=load) for load in timed.loads]
-    )
-
-    def named(place: int) -> Callable[[], ActiveRow | None]:
-        load = timed.loads[int(np.argmax(shares[:, place]))]
-        return partial(_overstepped, cell, played.at(np.array([place, place])), sharing, load)
-
-    return np.max(shares, axis=0), named
+    one = np.ones(played.samples)
+    shares = np.stack([motion_widening(cell, played, one, sharing=sharing, load=load) for load in timed.loads])
+    load, place = divmod(int(np.argmax(shares)), played.samples)
+    there = played.at(np.array([place, place]))
+    return np.max(shares, axis=0), partial(_overstepped, cell, there, sharing, timed.loads[load])
 
 
 def _overstepped(
@@ -163,14 +152,15 @@ def _overstepped(
 
 
 def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Named]:
-    """The excess over rows and limits of jerk at all places of a smooth piece, Shape (k,).
+    """The excess over rows and limits of jerk at all places of a smooth piece, Shape (k,), and the worst limit.
 
     Torques are commanded linear in time between nodes, so their rates are constant there and kept; what the motion
     needs differs from that by the square of the step. So it is looked at with wrenches that are linear too: those of
     the plan, and where the load varies those that carry each of its corners.
     """
-    segment, place, x, u = part.between()
-    path, loads, carried = part.piece.fine.at(part.piece.inside), [timed.cell.load], [part.plan]
+    nodes, inside = part.piece, part.piece.inside
+    path, (segment, place, x, u) = nodes.fine.at(inside), part.between()
+    loads, carried = [timed.cell.load], [part.plan]
     if len(timed.loads) > 1:
         loads += timed.loads
         carried += np.split(part.steps.profile.free, len(timed.loads), axis=1)
@@ -179,10 +169,12 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Nam
     rates = timed.options.rates
     limited = np.zeros(0, dtype=int) if rates is None else np.flatnonzero(np.isfinite(rates.jerk))
     if limited.size:
-        jerk = _jerk_excess(part, limited, segment, x, u)
-        over.append(np.stack([jerk, np.full_like(jerk, -np.inf)]))
+        slope = (np.diff(part.rates)[segment, 0] / nodes.step[segment])[:, None]
+        thirds = np.stack([nodes.third[inside - 1, 1], nodes.third[inside, 0]])[:, :, limited]
+        jerk = path.dq[:, limited] * slope + 3 * path.ddq[:, limited] * u[:, None] + thirds * x[:, None]
+        over.append(np.abs(jerk) * np.sqrt(x)[:, None] / part.program.jerk - 1)
         names = [rate_names(timed.cell)[2][joint] for joint in limited.tolist()]
-        row_at.append(lambda row, upper: ActiveRow(names[row], "upper", float(part.program.jerk[row])))  # noqa: ARG005
+        row_at.append(lambda row, **_side: ActiveRow(names[row], "upper", float(part.program.jerk[row])))
     rows = motion_rows(timed.cell, path)
     for load, free in zip(loads, carried, strict=True):
         between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]
@@ -195,22 +187,7 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Nam
         over.append(np.stack([values - problem.upper, problem.lower - values]))
         row_at.append(problem.active_row)
     shares = np.stack([np.max(sides, axis=(0, 2)) for sides in over])
-
-    def named(place: int) -> ActiveRow:
-        source = int(np.argmax(shares[:, place]))
-        above, below = over[source][:, place]
-        row = int(np.argmax(np.maximum(above, below)))
-        return row_at[source](row, upper=bool(above[row] >= below[row]))
-
-    return np.max(shares, axis=0), named
-
-
-def _jerk_excess(part: SmoothPiece, limited: NDArray[np.int_], segment: NDArray[np.int_], x: Array, u: Array) -> Array:
-    """By how much limits of jerk are passed between the nodes, as a share of them, Shape (k, J)."""
-    path, at = part.piece, part.piece.inside
-    slope = np.diff(part.rates, axis=1)[segment] / path.step[segment, None]
-    first, second = path.fine.dq[at][:, limited], path.fine.ddq[at][:, limited]
-    thirds = np.stack([path.third[at - 1, 1], path.third[at, 0]])[:, :, limited]
-    jerk = np.max(np.abs(first * slope + 3 * second * u[:, None] + thirds * x[:, None]), axis=0) * np.sqrt(x)[:, None]
-    share: Array = jerk / part.program.jerk - 1
-    return share
+    source, most = divmod(int(np.argmax(shares)), len(x))
+    sides = over[source][:, most]
+    row = int(np.argmax(np.max(sides, axis=0)))
+    return np.max(shares, axis=0), row_at[source](row, upper=bool(sides[0, row] >= sides[1, row]))

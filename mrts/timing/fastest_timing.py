@@ -16,7 +16,6 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.trajectory_programs import motion_planes
 from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
 from mrts.timing.constant_factor import ConstantFactor
@@ -25,7 +24,7 @@ from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, p
 from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import FastestPiece, fastest_piece
 from mrts.timing.speed_conflict import sample_conflict, segment_conflict
-from mrts.timing.speed_regions import intersect_regions, regions_of_planes, speed_regions
+from mrts.timing.speed_regions import intersect_regions, speed_regions
 from mrts.timing.successive_profiles import successive_profiles
 
 UNBOUNDED_SHARE = 0.5
@@ -123,11 +122,6 @@ class _Search:
         length = float(np.sum(step))
         for number, point in enumerate(self.points):
             progress(number, len(self.points))
-            load, sharing = None if point is None else point.load, self.untimed.options.sharing
-            known = motion_planes(self.untimed.cell, self.piece.path, sharing, load, self.rows)
-            if known is not None:
-                parts.append(regions_of_planes(*known, length, self.ends))
-                continue
             problem = self._problem(point)
             if problem.speed is None:
                 parts.append(speed_regions(problem, length, self.ends))

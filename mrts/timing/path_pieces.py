@@ -129,54 +129,55 @@ def _piece(
     motion: CoordinatedMotion, first: int, last: int, all_speeds: Array, rest: NDArray[np.bool_], fastest: float
 ) -> PathPiece | NoPath:
     part = slice(first, last + 1)
-    given, speed = motion.object, all_speeds[part]
-    moving = np.flatnonzero(speed > NEAR_REST * fastest)
-    if not moving.size:
-        moving = np.flatnonzero(speed > REST * fastest)
-    if not moving.size:
+    given, speed, q, dq, ddq = motion.object, all_speeds[part], motion.q[part], motion.dq[part], motion.ddq[part]
+    moves = speed > NEAR_REST * fastest
+    if not np.any(moves):
+        moves = speed > REST * fastest
+    if not np.any(moves):
         return NoPath("wait", first)
-    slowing = _root_mean_square(motion.ddq[part]) * np.where(np.arange(len(speed)) == 0, 1.0, -1.0)
-    safe = np.where(speed > 0, speed, 1.0)
-    growth = np.where(rest[part], slowing, row_products(motion.dq[part], motion.ddq[part]) / motion.q.shape[1] / safe)
-    h = given.time[first + 1 : last + 1] - given.time[first:last]
+    growth = row_products(dq, ddq) / q.shape[1] / np.where(speed > 0, speed, 1.0)
+    for place, sign in ((0, 1.0), (-1, -1.0)):
+        if rest[part][place]:
+            growth[place] = sign * np.sqrt(np.mean(ddq[place] ** 2))
+    h = np.diff(given.time[part])
     step = h / 2 * (speed[:-1] + speed[1:]) + h**2 / 12 * (growth[:-1] - growth[1:])
 
-    taken = slice(int(moving[0]), int(moving[-1]) + 1) if moving[-1] - moving[0] < len(moving) else moving
     away = np.concatenate([[0.0], np.cumsum(step)])
-    moves = np.zeros(len(speed), dtype=bool)
-    moves[moving] = True
-    continued = np.flatnonzero(~moves)
+    moving, continued = np.flatnonzero(moves), np.flatnonzero(~moves)
     after = np.searchsorted(moving, continued)
     before, after = moving[np.maximum(after - 1, 0)], moving[np.minimum(after, len(moving) - 1)]
     of = np.where(np.abs(continued - before) <= np.abs(after - continued), before, after)
+    safe = np.where(moves, speed, 1.0)[:, None]
 
     def along_arc(rate: Array, change: Array) -> tuple[Array, Array]:
-        direction, bend = np.empty_like(rate), np.empty_like(rate)
-        direction[taken] = rate[taken] / speed[taken, None]
-        bend[taken] = (change[taken] - direction[taken] * growth[taken, None]) / speed[taken, None] ** 2
+        direction = rate / safe
+        bend = (change - direction * growth[:, None]) / safe**2
         bend[continued] = bend[of]
         direction[continued] = direction[of] + (away[continued] - away[of])[:, None] * bend[of]
         return direction, bend
 
-    direction, bend = along_arc(motion.dq[part], motion.ddq[part])
+    direction, bend = along_arc(dq, ddq)
     turning, change = along_arc(given.twist[part], given.acceleration[part])
-    fast = moves[:-1] & moves[1:]
-    arcs = _arcs(motion.q[part], direction)
-    if motion.course is not None:  # velocities near rest are a spline's, the positions are what was given
-        fast = arcs > 0
-    step[fast] = arcs[fast]
+    arcs = _arcs(q, direction)
+    # with a course velocities near rest are a spline's, the positions are what was given
+    exact = arcs > 0 if motion.course is not None else moves[:-1] & moves[1:]
+    step = np.where(exact, arcs, step)
     s = np.concatenate([[0.0], np.cumsum(step)])
-    back = row_products(direction[1:], direction[:-1]) <= 0
-    if np.any(back) or np.any(step <= 0):
-        return NoPath("turn", first + int(np.argmax(back | (step <= 0))))
-    if not (np.all(np.diff(s) > 0) and np.isfinite(s[-1]) and _finite(bend) and _finite(change)):
+    back = (row_products(direction[1:], direction[:-1]) <= 0) | (step <= 0)
+    if np.any(back):
+        return NoPath("turn", first + int(np.argmax(back)))
+    if not (np.all(np.diff(s) > 0) and all(np.all(np.isfinite(of)) for of in (s[-1], bend, change))):
         rule = "its positions, velocities and accelerations are too unlike in size to be one motion."
         raise InputError("motion", rule)
     path = unchecked_object_motion(s, given.position[part], given.rotation[part], turning, change)
-    rests = (bool(rest[first]), bool(rest[last]))
-    joined = unchecked_coordinated_motion(path, motion.q[part], direction, bend)
     return PathPiece(
-        first=first, path=joined, arc=s, arc_speed=np.ones_like(s), speed=speed, rests=rests, continued=continued
+        first=first,
+        path=unchecked_coordinated_motion(path, q, direction, bend),
+        arc=s,
+        arc_speed=np.ones_like(s),
+        speed=speed,
+        rests=(bool(rest[first]), bool(rest[last])),
+        continued=continued,
     )
 
 
@@ -185,15 +186,10 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
 
     Continued each by themselves, the arms would carry it apart, by the square of a step.
     """
-    path, is_continued = piece.path, np.zeros(len(piece.speed), dtype=bool)
-    is_continued[piece.continued] = True
-    taken = is_continued.copy()
-    taken[[0, -1]] = True
-    chosen = np.flatnonzero(taken)
-    some = path.at(chosen)
+    path, continued = piece.path, piece.continued
+    some = path.at(np.concatenate([[0], continued, [-1]]))  # two samples at least
     dq, ddq = path.dq.copy(), path.ddq.copy()
-    wrong = is_continued[chosen]
-    dq[piece.continued], ddq[piece.continued] = (rates[wrong] for rates in nearest_rates(cell, some.object, some))
+    dq[continued], ddq[continued] = (rates[1:-1] for rates in nearest_rates(cell, some.object, some))
     return replace(piece, path=unchecked_coordinated_motion(path.object, path.q, dq, ddq, path.travel))
 
 
@@ -266,10 +262,6 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
     carried = unchecked_object_motion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration))
     travel = np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
     return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel)
-
-
-def _finite(values: Array) -> bool:
-    return bool(np.all(np.isfinite(values)))
 
 
 def _root_mean_square(values: Array) -> Array:

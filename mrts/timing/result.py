@@ -11,8 +11,7 @@ import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.json_output import JsonOutput
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.notebook.in_notebooks import NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
@@ -25,7 +24,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.options import Options
-from mrts.scaling.result import ScalingResult, kept_text
+from mrts.scaling.result import Result, ScalingResult, kept_text
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.profile_limits import profile_limits
@@ -71,15 +70,8 @@ ADMITTING = {
 """Outcomes with a profile."""
 
 
-OF_TRAJECTORY = (
-    *("joints", "torque", "torque_friction", "wrench", "internal_wrench"),
-    *("power", "energy", "joint_duty", "largest_step", "rates"),
-)
-"""Entries of the JSON result that are those of the retimed motion."""
-
-
 @dataclass(frozen=True, repr=False)
-class RetimingResult(InNotebooks, JsonOutput):
+class RetimingResult(Result):
     """What `mrts.retime` found.
 
     Attributes:
@@ -115,10 +107,6 @@ class RetimingResult(InNotebooks, JsonOutput):
     def __repr__(self) -> str:
         return f"RetimingResult({self.cell.name}: {self.sentence()})"
 
-    def notebook_words(self) -> list[str]:
-        """The outcome, and a line for each warning."""
-        return [f"{self.cell.name}: {self.sentence()}", *map(str, self.warnings)]
-
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Durations, and what limits the speed for how long."""
         best, given = self.factor.duration, float(self.motion.object.time[-1])
@@ -132,7 +120,7 @@ class RetimingResult(InNotebooks, JsonOutput):
             yield NotebookTable(("what limits the speed", "of the duration"), shares)
 
     @property
-    def options(self) -> Options:
+    def options(self) -> Options:  # type: ignore[override]  # nobody writes to either
         """What was asked."""
         return self.compared.options
 
@@ -192,7 +180,7 @@ class RetimingResult(InNotebooks, JsonOutput):
         return profile_limits(self.cell, self.pieces, self.options.sharing, self.loads)
 
     @property
-    def warnings(self) -> tuple[Remark, ...]:
+    def warnings(self) -> tuple[Remark, ...]:  # type: ignore[override]  # nobody writes to either
         """What to know of the cell and the motion before trusting the answer."""
         if self.retimed is not None:
             return self.retimed.warnings
@@ -225,10 +213,6 @@ class RetimingResult(InNotebooks, JsonOutput):
         check_callable("progress", progress)
         return timing_what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), progress)
 
-    def summary(self) -> str:
-        """The outcome in a sentence or two, and a line for each warning."""
-        return "\n".join([self.sentence(), *(str(warning) for warning in self.warnings)])
-
     def sentence(self) -> str:
         """The outcome alone."""
         kept = kept_text(self.cell.reserve, self.warnings)
@@ -254,13 +238,9 @@ class RetimingResult(InNotebooks, JsonOutput):
     def to_json(self) -> dict[str, Any]:
         """The outcome as JSON values; null stands for what nothing bounds."""
         output: dict[str, Any] = {
-            "cell": self.cell.name,
-            "summary": self.sentence(),
-            "warnings": [warning.to_json() for warning in self.warnings],
+            **self.said_json(),
             "status": self.status.value,
             "explanation": self.explanation or None,
-            "distribute": self.options.distribute,
-            "kept_reserve": self.cell.reserve,
             "duration": self.duration,
             "saving": self.saving,
             "constant": self.factor.range.to_json(),
@@ -268,14 +248,13 @@ class RetimingResult(InNotebooks, JsonOutput):
             "smooth": self.smooth and self.smooth.to_json() | {"effort": self.effort},
             "kept_rates": self.smooth and self.smooth.rates.to_json(),
         }
-        if self.changes is not None:
-            output["what_if"] = self.changes.to_json()
-        if self.retimed is None or self.excess is None:
+        done = None if self.retimed is None else self.retimed.trajectory
+        if self.retimed is None or done is None or self.excess is None:
             return output
-        whole, time = self.retimed.to_json(), self.motion.object.time
+        time = self.motion.object.time
         at = self.excess.time or 0.0
         output["excess"] = self.excess.to_json() | {"sample": int(np.searchsorted(time, at, side="right")) - 1}
         output["limits"] = [{"limit": name, "share_of_duration": share} for name, share in self.limits]
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
-        return output | {key: whole[key] for key in OF_TRAJECTORY if key in whole}
+        return output | self.retimed.played_json(done)

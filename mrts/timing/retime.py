@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The fastest admissible r(t): a speed that varies along the path, where `mrts.scale` keeps its factor constant."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import NoneType
 from typing import Any
@@ -28,19 +28,18 @@ from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import CONVERGED
 from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
-from mrts.scaling.options import Options
+from mrts.scaling.options import Limit, Options, limited_cell
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.torques import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
 from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_timing import fastest_timing
-from mrts.timing.held_wrenches import GivenTorques
 from mrts.timing.path_pieces import NoPath
 from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import TimedPiece, retimed_motion
 from mrts.timing.smooth_path import smooth_nodes
 from mrts.timing.smooth_piece import SmoothAnswer, fastest_pieces, smooth_pieces
-from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
+from mrts.timing.smooth_timing import GivenTorques, SmoothQuestion, smooth_timing
 
 NEAR = 0.3
 """Share of the tolerance from which a segment gets a node once one passes it: each round solves all programs anew."""
@@ -58,6 +57,7 @@ def retime(
     load: str = "auto",
     distribute: DistributionName = "least-torque",
     reserve: float | None = None,
+    limits: Sequence[Limit] | None = None,
     closure: ClosureBound | None = None,
     start_speed: float = 0.0,
     end_speed: float = 0.0,
@@ -85,6 +85,7 @@ def retime(
         load: "guaranteed" (for every load of the box) or "nominal"; "auto" is "guaranteed" if the cell has a load box.
         distribute: As in `mrts.scale`; with rates "least-torque" alone.
         reserve: Likewise.
+        limits: Likewise.
         closure: Likewise.
         start_speed: ṙ at the start, where the given motion does not start from rest [1].
         end_speed: ṙ at the end, likewise [1].
@@ -109,7 +110,7 @@ def retime(
         SolverError: If no solver answers.
     """
     _check_arguments(cell, sharing, start_speed, end_speed, progress)
-    cell = cell if reserve is None else cell.with_reserve(reserve)
+    cell = limited_cell(cell, reserve, limits)
     options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between)
     options = options.checked(cell)
     if options.load not in {"guaranteed", "nominal"}:
@@ -123,18 +124,22 @@ def retime(
     compared = ConstantFactor(cell, given, options)
     if options.between is not None:
         check_held_between(cell, given)
-    first = fastest_timing(compared, given, end_speeds, progress)
-    fastest = refined_timing(
-        first, lambda path: fastest_timing(compared, path, end_speeds, progress, refined=True), options.between
-    )
+
+    def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
+        return fastest_timing(compared, path, end_speeds, progress, refined=refined)
+
+    first = timed(given, refined=False)
+    fastest = refined_timing(first, timed, options.between)
     if smooth is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    time, remarks = given.object.time, motion_remarks(cell, given, lambda: compared.factor.range, constant=False)
-    remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
+    remarks = motion_remarks(cell, given, None)
+    if fastest.motion is not given:
+        time = given.object.time
+        remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
     added = interpolated_timing(given, first.duration, fastest.duration)
-    return _played(fastest, options, "fastest timing", remarks, added)
+    return _played(fastest, "fastest timing", remarks, added)
 
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
@@ -165,15 +170,15 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     found = replace(found, smooth=answer)
     if not pieces:
         return found
-    torque, wrench = ([getattr(part, name) for part in pieces] for name in ("torque", "wrench"))
-    plan = [np.concatenate([of[0], *(part[1:] for part in of[1:])]) for of in (torque, wrench)]
+    first, *rest = pieces
+    torque = np.concatenate([first.torque, *(part.torque[1:] for part in rest)])
+    wrench = np.concatenate([first.wrench, *(part.wrench[1:] for part in rest)])
     remarks, stopped = lasting(constant.warnings), _stopped(answer, found)
-    return _played(found, bare.options, answer.what, remarks, stopped, torques=(plan[0], plan[1]), also=f". {answer}")
+    return _played(found, answer.what, remarks, stopped, torques=(torque, wrench), also=f". {answer}")
 
 
 def _played(
     timed: RetimingResult,
-    options: Options,
     what: str,
     remarks: tuple[Remark, ...],
     added: tuple[Remark, ...],
@@ -196,7 +201,7 @@ def _played(
         c2=1.0,
         trajectory=None,
         fallbacks=0,
-        options=replace(options, load="nominal"),
+        options=replace(timed.options, load="nominal"),
         origin=f"{what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s{also}",
         warnings=remarks,
         excess=excess,
@@ -235,10 +240,9 @@ def _smooth_options(
         torque = None if given[name] is None else as_array(name, given[name])
         if torque is not None and (torque.shape != (joints,) or not np.all(np.isfinite(torque))):
             raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given[name])
-        held.append(torque)
-    for name, torque in zip(("start_torque", "end_torque"), held, strict=True):
         if torque is not None and question == "guaranteed":
             raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
+        held.append(torque)
     return goal, (held[0], held[1])
 
 

@@ -11,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
-from mrts.kernel.motion_rows import path_places
+from mrts.kernel.between_samples import path_places
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.program.motor_terms import travel_directions
 from mrts.timing.fastest_profile import SpeedProfile, segment_times
@@ -98,8 +98,7 @@ class FastestPiece(TimedPiece):
 def fastest_piece(piece: PathPiece, profile: SpeedProfile) -> FastestPiece:
     """A piece of n samples with its fastest profile."""
     mean, half = np.diff(profile.x) / (2 * piece.step), profile.rise / 2
-    rates = np.column_stack([mean - half, mean + half])
-    return FastestPiece(piece=piece, x=profile.x, rates=rates, profile=profile)
+    return FastestPiece(piece=piece, x=profile.x, rates=np.column_stack([mean - half, mean + half]), profile=profile)
 
 
 def new_times(pieces: Sequence[TimedPiece]) -> Array:
@@ -114,27 +113,22 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
     Where s̈ jumps at a sample it is the mean of before and after, which limits admit as they admit both. So is the
     direction of travel at a stop, where friction jumps with it.
     """
-    played, directions = [], []
+    played = []
     for part in pieces:
-        before, after = part.rates[:-1, 1], part.rates[1:, 0]
-        at_samples = np.concatenate([part.rates[:1, 0], (before + after) / 2, part.rates[-1:, 1]])
-        played.append(_played(part.piece.path, part.x, at_samples))
-        directions.append(_directions(part.piece.path))
-    time, given = new_times(pieces), motion.object
-    dq, ddq, twist, acceleration = (_joined([rates[index] for rates in played]) for index in range(4))
-    carried = given.played(time, twist, acceleration)
-    travel = np.stack([_joined([signs[place] for signs in directions]) for place in (0, 1)])
-    return CoordinatedMotion(carried, motion.q, dq, ddq, travel=travel)
+        rates, path = part.rates, part.piece.path
+        at_samples = np.concatenate([rates[:1, 0], (rates[:-1, 1] + rates[1:, 0]) / 2, rates[-1:, 1]])
+        played.append((*_played(path, part.x, at_samples), *_directions(path)))
+    dq, ddq, twist, acceleration, *travel = map(_joined, zip(*played, strict=True))
+    carried = motion.object.played(new_times(pieces), twist, acceleration)
+    return unchecked_coordinated_motion(carried, motion.q, dq, ddq, np.stack(travel))
 
 
 def _directions(path: CoordinatedMotion) -> Array:
     """Signs of the joints' velocities before and after every sample of a piece, Shape (2, n, m)."""
-    if path.travel is not None:
-        return path.travel
-    return np.stack(travel_directions(path.dq, path.ddq))
+    return np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
 
 
-def _joined(parts: list[Array]) -> Array:
+def _joined(parts: Sequence[Array]) -> Array:
     """Values of pieces in a row; where two meet, their mean."""
     rows = parts[0]
     for part in parts[1:]:

@@ -53,24 +53,9 @@ class SmoothPath(PathPiece):
     third: Array
 
     @property
-    def third_at_nodes(self) -> Array:
-        """Q''' at the start and at the end of every segment between nodes, Shape (n - 1, 2, m)."""
-        return np.stack([self.third[::STRIDE, 0], self.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
-
-    @property
     def inside(self) -> NDArray[np.int_]:
         """Which samples of `fine` are not nodes, Shape (K - n,)."""
         return np.flatnonzero(np.arange(self.fine.samples) % STRIDE)
-
-
-def fine_motion(cell: Cell, nodes: CoordinatedMotion) -> CoordinatedMotion:
-    """A motion with places between its nodes, where jerk and limits are looked at.
-
-    Raises:
-        MotionError: If the arms cannot hold the object there.
-    """
-    time = nodes.object.time
-    return with_samples(cell, nodes, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel())
 
 
 def _inverse(rising: Polynomial, share: Array) -> Array:
@@ -101,7 +86,7 @@ def smooth_nodes(cell: Cell, motion: CoordinatedMotion, end_speeds: tuple[float,
         return pieces
     given, times, kept = motion.object.time, [], [0]
     for piece in pieces:
-        n, s = len(piece.speed), piece.path.object.time
+        n, s = len(piece.speed), piece.arc
         time = given[piece.first : piece.first + n]
         places = np.linspace(0, 1, max(n, LEAST_NODES))[1:-1]
         fine, way = _way(time, s, piece.speed)

@@ -54,13 +54,10 @@ class SmoothPiece(TimedPiece):
 
     def between(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
         """The fine samples that are not nodes: segment, place in it, x and u there, each Shape (k,)."""
-        path = self.piece
-        segment = path.inside // STRIDE
-        after = path.fine.object.time[path.inside] - path.path.object.time[segment]
-        place = after / self.piece.step[segment]
-        start, change = self.rates[segment, 0], np.diff(self.rates, axis=1)[segment, 0]
-        x = self.x[segment] + 2 * after * (start + change * place / 2)
-        return segment, place, x, start + change * place
+        segment, step = self.piece.inside // STRIDE, self.piece.step
+        after = self.piece.fine.object.time[self.piece.inside] - self.piece.path.object.time[segment]
+        place, start, change = after / step[segment], self.rates[segment, 0], np.diff(self.rates)[segment, 0]
+        return segment, place, self.x[segment] + 2 * after * (start + change * place / 2), start + change * place
 
     @property
     def binding(self) -> list[set[str]]:

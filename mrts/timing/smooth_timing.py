@@ -10,21 +10,22 @@ import numpy as np
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
+from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.path_program import path_program
+from mrts.program.path_program import joint_names, path_program
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProgram
+from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import NoProfile, StepsTaken, successive_steps
-from mrts.program.torque_distribution import torque_weights
-from mrts.timing.held_wrenches import GivenTorques, given_wrenches, stopped_wrenches, unheld
-from mrts.timing.path_pieces import NoPath, closed_piece, path_pieces
+from mrts.program.torque_distribution import distribute_torques, torque_weights
+from mrts.timing.path_pieces import PLACES, NoPath, closed_piece, path_pieces, with_samples
 from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import TimedPiece
-from mrts.timing.smooth_path import SmoothPath, fine_motion, joined_at_stops, smooth_path
+from mrts.timing.smooth_path import STRIDE, SmoothPath, joined_at_stops, smooth_path
 from mrts.timing.smooth_piece import SmoothPiece, smooth_pieces
 
 NARROWING = 1e-5
@@ -39,6 +40,17 @@ ON_TIME = 1e-3
 MOST_WEIGHTS = 30
 """Weights of time that are tried for it."""
 
+HOLDS = 1e-4
+"""Share of the largest torque by which given torques may miss those that hold still: digits of a file."""
+
+ON_LIMIT = 1e-6
+"""Share of a limit by which they may pass it: the same."""
+
+GivenTorques = tuple[Array | None, Array | None]
+"""Torques that hold still at the start and at the end of a motion, each Shape (m,), or None [N m]."""
+
+Held = tuple[Array | None, Array | None]
+"""The free wrenches at the start and at the end of a piece, of all loads, or None where they are free."""
 
 _Part = tuple[SmoothPath, SampleProblem, SmoothProgram, Array]
 """A piece that is to be timed: its rows for the cell's load, its limits for all loads, and x for the first step."""
@@ -77,7 +89,7 @@ class SmoothQuestion:
             return given if self.bare.duration is None else self.bare.duration
         return best.duration
 
-    @property
+    @cached_property
     def weights(self) -> Array:
         """W of the effort, Shape (m, m)."""
         return torque_weights(self.bare.options.weights, self.bare.cell)
@@ -89,16 +101,27 @@ class SmoothQuestion:
         )
 
     def program(
-        self,
-        piece: SmoothPath,
-        problems: Sequence[SampleProblem],
-        held: tuple[Array | None, Array | None],
-        weights: Array | None,
+        self, piece: SmoothPath, problems: Sequence[SampleProblem], held: Held, weights: Array | None
     ) -> SmoothProgram:
         """Limits of a piece for some loads, with the wrenches that are given at its ends."""
-        ends = _end_squares(piece, self.bare.end_speeds)
-        third = piece.third_at_nodes
-        return path_program(self.bare.cell, piece.path, problems, self.rates, weights, ends, held, third)
+        start, end = (
+            None if stopped else float((speed * piece.speed[place] / piece.arc_speed[place]) ** 2)
+            for stopped, speed, place in zip(piece.stops, self.bare.end_speeds, (0, -1), strict=True)
+        )
+        third = np.stack([piece.third[::STRIDE, 0], piece.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
+        return path_program(self.bare.cell, piece.path, problems, self.rates, weights, (start, end), held, third)
+
+    def held(self, problems: Sequence[SampleProblem], before: Held | None, *, last: bool) -> Held:
+        """Wrenches at both ends of a piece: those given, or at a stop on the way those of the least torques.
+
+        Args:
+            problems: Rows of [F, u, x] at its nodes, one a load.
+            before: Those of the piece before; None for the first.
+            last: Whether it is the last.
+        """
+        start = _given_wrenches(problems, self.end_torques[0], 0) if before is None else before[1]
+        end = _given_wrenches(problems, self.end_torques[1], -1) if last else _stopped_wrenches(problems, self.weights)
+        return start, end
 
 
 def smooth_timing(
@@ -127,39 +150,30 @@ def smooth_timing(
 
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:
     """The pieces of a path with their programs, or why given torques do not hold still."""
-    cell, end_speeds = question.bare.cell, question.bare.end_speeds
-    found = path_pieces(fine_motion(cell, motion))
+    cell, time = question.bare.cell, motion.object.time
+    fine = with_samples(cell, motion, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel())
+    found = path_pieces(fine)
     if isinstance(found, NoPath):
         raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
     pieces = [closed_piece(cell, piece) for piece in found]
     _check_ends(question, (pieces[0].rests[0], pieces[-1].rests[1]))
-    held: Array | None = None
-    usual = question.usual / float(motion.object.time[-1])
-    paths, parts = [smooth_path(motion, given, end_speeds, usual) for given in pieces], []
-    for number, piece in enumerate(joined_at_stops(paths)):
-        first, last = number == 0, number == len(pieces) - 1
+    usual = question.usual / float(time[-1])
+    paths = joined_at_stops([smooth_path(motion, piece, question.bare.end_speeds, usual) for piece in pieces])
+    parts: list[_Part] = []
+    held: Held | None = None
+    for number, piece in enumerate(paths):
         rows = motion_rows(cell, piece.path)
         problems = [question.problem(piece, load, rows) for load in question.bare.loads]
-        start, held = _held(question, problems, held, first=first, last=last)
-        for end, asked in ((0, first), (1, last)):
-            why = unheld(cell, problems[0], question.end_torques, end) if asked else None
+        for end, place in ((0, 0), (1, len(paths) - 1)):
+            why = _unheld(cell, problems[0], question.end_torques, end) if number == place else None
             if why is not None:
                 return why
-        weights = question.weights if question.goal.effort > 0 else None
-        program = question.program(piece, problems, (start, held), weights)
+        held = question.held(problems, held, last=number == len(paths) - 1)
+        program = question.program(piece, problems, held, question.weights if question.goal.effort > 0 else None)
         likely = _likely(question, piece, program, before[number] if before else None)
         own = problems[0] if len(problems) == 1 else question.problem(piece, cell.load, rows)
         parts.append((piece, own, program.narrowed(NARROWING), likely))
     return parts
-
-
-def _held(
-    question: SmoothQuestion, problems: Sequence[SampleProblem], before: Array | None, *, first: bool, last: bool
-) -> tuple[Array | None, Array | None]:
-    """Wrenches at both ends of a piece: those given, or at a stop on the way those of the least torques."""
-    start = given_wrenches(problems, question.end_torques, 0) if first else before
-    end = given_wrenches(problems, question.end_torques, 1) if last else stopped_wrenches(problems, question.weights)
-    return start, end
 
 
 def _check_ends(question: SmoothQuestion, at_rest: tuple[bool, bool]) -> None:
@@ -171,15 +185,6 @@ def _check_ends(question: SmoothQuestion, at_rest: tuple[bool, bool]) -> None:
             )
         if speed > 0 and torque is not None:
             raise InputError(f"{name}_torque", "is what holds still, but the motion is not to be at rest there.")
-
-
-def _end_squares(piece: SmoothPath, end_speeds: tuple[float, float]) -> tuple[float | None, float | None]:
-    """σ̇² at both ends where the timing does not rest there, else None."""
-    first, last = (
-        None if stopped else float((speed * piece.speed[place] / piece.arc_speed[place]) ** 2)
-        for stopped, speed, place in zip(piece.stops, end_speeds, (0, -1), strict=True)
-    )
-    return first, last
 
 
 def _likely(question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram, before: SmoothPiece | None) -> Array:
@@ -266,11 +271,11 @@ def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, st
 def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothPiece, ...]:
     """The pieces with the wrenches of the least ∫ τᵀWτ dt within all limits, coupled by rates over each of them."""
     planned: list[SmoothPiece] = []
-    held: Array | None = None
+    held: Held | None = None
     for number, (piece, problem, program, steps) in enumerate(timed):
         x, u = steps.profile.x, steps.profile.u
-        start, held = _held(question, [problem], held, first=number == 0, last=number == len(timed) - 1)
-        plan = question.solver.torques(question.program(piece, [problem], (start, held), question.weights), x, u)
+        held = question.held([problem], held, last=number == len(timed) - 1)
+        plan = question.solver.torques(question.program(piece, [problem], held, question.weights), x, u)
         if plan is None:
             raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
         unknowns = np.column_stack([plan, u, x])
@@ -278,3 +283,59 @@ def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothP
         rates = np.column_stack([u[:-1], u[1:]])
         planned.append(SmoothPiece(piece=piece, x=x, rates=rates, program=program, steps=steps, plan=plan, **given))
     return tuple(planned)
+
+
+def _given_wrenches(problems: Sequence[SampleProblem], torque: Array | None, place: int) -> Array | None:
+    """The free wrenches of given torques at a node at rest, of all loads; None where none are given."""
+    return None if torque is None else np.concatenate([_nearest(problem, torque, place)[0] for problem in problems])
+
+
+def _unheld(cell: Cell, problem: SampleProblem, given: GivenTorques, end: int) -> str | None:
+    """Why torques given for an end do not hold the object still within the limits; None if they do, or none are given.
+
+    Args:
+        cell: The cell.
+        problem: Rows of [F, u, x] at the nodes of a path.
+        given: The torques.
+        end: 0 for the start of the path, 1 for its end.
+    """
+    torque = given[end]
+    if torque is None:
+        return None
+    where, place = ("start", "end")[end], -end
+    free, missed = _nearest(problem, torque, place)
+    dry = np.concatenate([robot.motors.coulomb for robot in cell.robots])  # it may hold as much of it
+    beyond = np.abs(missed) - 2 * dry
+    worst = int(np.argmax(beyond))
+    unit = [unit for robot in cell.robots for unit in robot.torque_units][worst]
+    if beyond[worst] > HOLDS * np.max(np.abs(torque)):
+        return (
+            f"the torques given for the {where} do not hold the cell still: {joint_names(cell)[worst]} misses what "
+            f"balances the others by {abs(missed[worst]):.4g} {unit}. "
+            "Take those of a plan that ends there, or give none."
+        )
+    values = problem.A[place, :, :-2] @ free
+    over, under = values - problem.upper[place], problem.lower[place] - values
+    row = int(np.argmax(np.maximum(over, under)))
+    if max(over[row], under[row]) > ON_LIMIT:
+        limit = problem.active_row(row, upper=bool(over[row] > under[row]))
+        return f"the torques given for the {where} hold the cell still, but beyond a limit: {limit}."
+    return None
+
+
+def _nearest(problem: SampleProblem, torque: Array, place: int) -> tuple[Array, Array]:
+    """The free wrenches that come nearest to torques at rest, and by what they miss each of them."""
+    columns, offset = problem.torque_map[place, :, :-2], problem.torque_offset[place]
+    free = np.linalg.lstsq(columns, torque - offset, rcond=None)[0]
+    return free, columns @ free + offset - torque
+
+
+def _stopped_wrenches(problems: Sequence[SampleProblem], weights: Array) -> Array:
+    """The free wrenches of the least torques that hold still at the last node, of all loads."""
+    found = []
+    for problem in problems:
+        last = problem.at(np.array([problem.samples - 1]))
+        maps = {name: np.delete(getattr(last, name), -2, axis=2) for name in ("A", "torque_map", "wrench_map")}
+        still = replace(last, speed=None, torque_speed=None, **maps)
+        found.append(distribute_torques(still, 0.0, weights, DEFAULT_SOLVER)[0][0, :-1])
+    return np.concatenate(found)

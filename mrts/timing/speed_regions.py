@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, median
-from mrts.kernel.one_unknown import KnownPlanes
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import REST_TOLERANCE
@@ -29,7 +28,7 @@ is left of it is rounding."""
 NO_DIRECTION = 1e-12
 """A principal direction of the free unknowns that moves rows by less than this share of the first moves none."""
 
-PROBES = 33
+PROBES = 9
 """Samples whose accelerations are looked at, to learn how fast the path may become."""
 
 
@@ -70,7 +69,7 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     effect = default_programs().effects(problem.A, rows)
     if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
         A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
-        return regions_of_planes(KnownPlanes(_both_sides(A, lower, upper), effect), most, length, ends)
+        return _regions_of_planes(_both_sides(A, lower, upper), effect, most, length, ends)
     effect[_at_rest(effect), -2] = 0.0
     likely = _likely_speed(_rates_by_projection(problem, rows, effect[:, -2]), most, length, ends)
     reached, bound = np.minimum(likely, most), FARTHEST * likely
@@ -95,18 +94,13 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     return SpeedRegions(start, planes, lower, np.minimum(high, most), bound, tuple(np.flatnonzero(~found).tolist()))
 
 
-def regions_of_planes(
-    known: KnownPlanes, most: Array, length: float, ends: tuple[float, float] = (0.0, 0.0)
+def _regions_of_planes(
+    planes: Array, effect: Array, most: Array, length: float, ends: tuple[float, float]
 ) -> SpeedRegions:
-    """The regions where u and x are the only unknowns: every side of a row is a half-plane.
+    """The regions where u and x are the only unknowns: every side of a row is a half-plane, Shape (N, e, 3).
 
-    Args:
-        known: The half-planes; those of samples at rest lose what rounding left of u or x.
-        most: Largest x that velocities allow, Shape (N,).
-        length: Of the path.
-        ends: x at the first and the last sample.
+    Those of samples at rest lose what rounding left of u or x.
     """
-    planes, effect = known.planes, known.effect
     at_rest = _at_rest(effect)
     if np.any(at_rest):
         planes[at_rest, :, 0] = effect[at_rest, 0] = 0.0

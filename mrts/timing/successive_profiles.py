@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.programs import Programs, default_programs
+from mrts.kernel.programs import default_programs
 from mrts.program.sample_problem import SampleProblem
 from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile, segment_times
 from mrts.timing.speed_regions import FARTHEST, SpeedRegions, intersect_regions, speed_regions
@@ -122,10 +123,9 @@ class _Search:
         """The fastest profile between two others, of x at least and at most, in rows made stricter by tangents at x."""
         at = np.maximum(at, LEAST_SHARE * np.max(at))
         regions = self.regions(_tangents(at), _chords(least, np.maximum(most, at)))
-        inside = np.ones(len(at), dtype=bool)
-        inside[[0, -1]] = False
-        lower, upper = np.where(inside, least, 0.0), np.where(inside, most, np.inf)
-        lower, upper = np.maximum(regions.lower, lower), np.minimum(regions.upper, upper)
+        lower, upper, inside = regions.lower.copy(), regions.upper.copy(), slice(1, -1)
+        lower[inside] = np.maximum(lower, least)[inside]
+        upper[inside] = np.minimum(upper, most)[inside]
         return self.fastest(replace(regions, lower=lower, upper=upper))
 
     def linear_at(self, last: SpeedProfile) -> SpeedProfile:
@@ -147,10 +147,8 @@ class _Search:
         if pressing is None or helping is None:
             rows = [replace(one, speed=None, torque_speed=None) for one in self.problems]
         else:
-            lines = _pinned(pressing, given), _pinned(helping, given)
-            rows = [_without_root(one, *lines) for one in self.problems]
-        known = (given[0] or 0.0, given[1] or 0.0)
-        return intersect_regions([speed_regions(problem, length, known) for problem in rows])
+            rows = [_without_root(one, _pinned(pressing, given), _pinned(helping, given)) for one in self.problems]
+        return intersect_regions([speed_regions(one, length, (given[0] or 0.0, given[1] or 0.0)) for one in rows])
 
     def fastest(self, regions: SpeedRegions) -> SpeedProfile | None:
         found = None if regions.undecided else fastest_profile(self.step, regions, self.ends)
@@ -183,14 +181,14 @@ class _Search:
                 found = fastest_profile(self.step, _along(tried, reaches), self.ends)
                 if isinstance(found, SpeedProfile):
                     return found
-            if ratio == FINENESS[0] and self.excluded(likely):
+            if ratio == FINENESS[0] and self.fastest(self.weaker(likely)) is None:
                 break
         return _obstacle(reaches, lambda given: _reaches(cells(FINENESS[0], given), self.step), self.ends)
 
-    def excluded(self, likely: float) -> bool:
-        """Whether rows that are weaker than the given ones leave no profile."""
-        count = self.problems[0].samples
-        return self.fastest(self.regions((np.zeros(count), np.zeros(count)), _tangents(np.full(count, likely)))) is None
+    def weaker(self, likely: float) -> SpeedRegions:
+        """Regions of rows that are weaker than the given ones at every speed."""
+        nothing = np.zeros(self.problems[0].samples)
+        return self.regions((nothing, nothing), _tangents(nothing + likely))
 
     def cell(self, ends: Ends, least: float, most: float) -> SpeedRegions:
         """Regions of stricter rows in one interval of x."""
@@ -218,21 +216,39 @@ class _Reach:
 
 def _reaches(cells: Sequence[SpeedRegions], step: Array) -> list[list[_Reach]]:
     """At every sample the x from which the end is reached, the fastest cells first."""
-    kernel, last = default_programs(), len(step)
+    last, fastest_first = len(step), [*enumerate(cells)][::-1]
     reaches: list[list[_Reach]] = [[] for _ in range(last + 1)]
-    for number, cell in reversed(list(enumerate(cells))):
+    for number, cell in fastest_first:
         low, high = float(cell.lower[last]), float(cell.upper[last])
         if low <= high and not any(one.low <= low and high <= one.high for one in reaches[last]):
             reaches[last].append(_Reach(low, high, number, 0))
     for i in range(last - 1, -1, -1):
-        for number, cell in reversed(list(enumerate(cells))):
+        for number, cell in fastest_first:
             found = []
             for place, ahead in enumerate(reaches[i + 1]):
-                x = _backward(kernel, (cell, cells[ahead.cell]), i, float(step[i]), (ahead.low, ahead.high))
+                x = _backward(cell, cells[ahead.cell], i, float(step[i]), ahead)
                 if x is not None:
                     found.append(_Reach(*x, number, place))
             reaches[i] += _covering(found)
     return reaches
+
+
+def _backward(
+    cell: SpeedRegions, next_cell: SpeedRegions, i: int, step: float, to: _Reach
+) -> tuple[float, float] | None:
+    """The x of one cell at sample i from which an interval of another is reached at the next sample."""
+    if not cell.lower[i] <= cell.upper[i]:
+        return None
+    lower, upper = np.array([cell.lower[i], to.low]), np.array([cell.upper[i], to.high])
+    start, planes = _joined([(cell, i), (next_cell, i + 1)])
+    failed = default_programs().backward(np.array([step]), np.zeros(1), start, planes, lower, upper)
+    return None if failed >= 0 else (float(lower[0]), float(upper[0]))
+
+
+def _joined(samples: Sequence[tuple[SpeedRegions, int]]) -> tuple[NDArray[np.int64], Array]:
+    """The half-planes of some samples, each of its own regions, as those of `SpeedRegions`."""
+    parts = [cell.planes[cell.start[i] : cell.start[i + 1]] for cell, i in samples]
+    return np.cumsum([0, *map(len, parts)], dtype=np.int64), np.concatenate(parts)
 
 
 def _along(cells: Sequence[SpeedRegions], reaches: list[list[_Reach]]) -> SpeedRegions:
@@ -240,15 +256,9 @@ def _along(cells: Sequence[SpeedRegions], reaches: list[list[_Reach]]) -> SpeedR
     chosen = [reaches[0][0]]
     for ahead in reaches[1:]:
         chosen.append(ahead[chosen[-1].next])
-    parts = [_planes(cells[one.cell], i) for i, one in enumerate(chosen)]
-    return SpeedRegions(
-        np.concatenate([[0], np.cumsum([len(part) for part in parts])]).astype(np.int64),
-        np.concatenate(parts),
-        np.array([cells[one.cell].lower[i] for i, one in enumerate(chosen)]),
-        np.array([cells[one.cell].upper[i] for i, one in enumerate(chosen)]),
-        max(cell.bound for cell in cells),
-        (),
-    )
+    at = [(cells[one.cell], i) for i, one in enumerate(chosen)]
+    lower, upper = np.array([(cell.lower[i], cell.upper[i]) for cell, i in at]).T
+    return SpeedRegions(*_joined(at), lower, upper, max(cell.bound for cell in cells), ())
 
 
 def _obstacle(
@@ -269,24 +279,6 @@ def _obstacle(
 
 def _hull(reaches: Sequence[_Reach]) -> tuple[float, float]:
     return min((one.low for one in reaches), default=0.0), max((one.high for one in reaches), default=0.0)
-
-
-def _backward(
-    kernel: Programs, cells: tuple[SpeedRegions, SpeedRegions], i: int, step: float, reach: tuple[float, float]
-) -> tuple[float, float] | None:
-    """The x of one cell at sample i from which an interval of another is reached at the next sample."""
-    if not cells[0].lower[i] <= cells[0].upper[i]:
-        return None
-    here, there = (_planes(cell, i + place) for place, cell in enumerate(cells))
-    lower = np.array([cells[0].lower[i], reach[0]])
-    upper = np.array([cells[0].upper[i], reach[1]])
-    start = np.array([0, len(here), len(here) + len(there)], dtype=np.int64)
-    failed = kernel.backward(np.array([step]), np.zeros(1), start, np.concatenate([here, there]), lower, upper)
-    return None if failed >= 0 else (float(lower[0]), float(upper[0]))
-
-
-def _planes(regions: SpeedRegions, i: int) -> Array:
-    return np.ascontiguousarray(regions.planes[regions.start[i] : regions.start[i + 1]])
 
 
 def _covering(found: list[_Reach]) -> list[_Reach]:

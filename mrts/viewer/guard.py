@@ -8,7 +8,7 @@ import hmac
 import logging
 import secrets
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from http import HTTPStatus
@@ -53,71 +53,15 @@ SMALLEST_QUATERNION = 1e-3
 """Length below which a quaternion has no direction; a browser sends them with length 1."""
 
 Value = bool | int | float | str
-Point = tuple[float, float, float]
 ProcessRequest = Callable[[ServerConnection, Request], Response | None]
 
 
-class _NewValue(msgspec.Struct):
-    value: Value
+CAMERA = {"wxyz": 4, "position": 3, "look_at": 3, "up_direction": 3,
+          **dict.fromkeys(("fov", "near", "far", "image_height", "image_width"), 0)}  # fmt: skip
+"""What a browser says of where it looks from: how many numbers each, 0 for a single one."""
 
-
-class _GuiUpdate(msgspec.Struct, tag="GuiUpdateMessage", tag_field="type"):
-    """A control's new value."""
-
-    uuid: str
-    updates: _NewValue
-
-
-class _Camera(msgspec.Struct, tag="ViewerCameraMessage", tag_field="type"):
-    """Where a browser looks from."""
-
-    wxyz: tuple[float, float, float, float]
-    position: Point
-    fov: float
-    near: float
-    far: float
-    image_height: float
-    image_width: float
-    look_at: Point
-    up_direction: Point
-
-    def is_finite(self) -> bool:
-        numbers = (self.fov, self.near, self.far, self.image_height, self.image_width)
-        return all(map(isfinite, (*numbers, *self.wxyz, *self.position, *self.look_at, *self.up_direction)))
-
-
-class _GizmoMoved(msgspec.Struct, tag="TransformControlsUpdateMessage", tag_field="type"):
-    """Where a gizmo was dragged to."""
-
-    name: str
-    wxyz: tuple[float, float, float, float]
-    position: Point
-    owner: str = ""
-
-    def checked(self) -> "_GizmoMoved | None":
-        """With a quaternion of length 1; None for what is no pose near the scene."""
-        size = hypot(*self.wxyz)
-        if not isfinite(size) or size < SMALLEST_QUATERNION or not all(abs(x) <= FARTHEST for x in self.position):
-            return None
-        w, x, y, z = (part / size for part in self.wxyz)
-        return _GizmoMoved(self.name, (w, x, y, z), self.position)
-
-
-class _GizmoTaken(msgspec.Struct, tag="TransformControlsDragStartMessage", tag_field="type"):
-    """A gizmo was taken hold of."""
-
-    name: str
-    owner: str = ""
-
-
-class _GizmoLeft(msgspec.Struct, tag="TransformControlsDragEndMessage", tag_field="type"):
-    """A gizmo was let go."""
-
-    name: str
-    owner: str = ""
-
-
-_READ = msgspec.msgpack.Decoder(_GuiUpdate | _Camera | _GizmoMoved | _GizmoTaken | _GizmoLeft)
+GIZMO_MOVED = "TransformControlsUpdateMessage"
+GIZMO_EVENTS = {GIZMO_MOVED, "TransformControlsDragStartMessage", "TransformControlsDragEndMessage"}
 
 
 class GuardedServer(viser.ViserServer):
@@ -287,30 +231,56 @@ class ViewerGuard:
         if not isinstance(message, bytes):
             return None
         try:
-            read = _READ.decode(message)
+            allowed = self._allowed(msgspec.msgpack.decode(message))
         except (msgspec.MsgspecError, RecursionError, ValueError):
             return None
-        if isinstance(read, _Camera):
-            return msgspec.msgpack.encode(read) if read.is_finite() else None
-        if not isinstance(read, _GuiUpdate):
-            if read.owner or not self._has_gizmo(read.name):
-                return None
-            moved = read.checked() if isinstance(read, _GizmoMoved) else read
-            return None if moved is None else msgspec.msgpack.encode(moved)
-        value = _possible(self._control(read.uuid), read.updates.value)
-        return None if value is None else msgspec.msgpack.encode(_GuiUpdate(read.uuid, _NewValue(value)))
+        return None if allowed is None else msgspec.msgpack.encode(allowed)
+
+    def _allowed(self, read: Any) -> dict[str, Any] | None:
+        """What of a message a control, a camera or a gizmo can have sent; None for any other."""
+        match read:
+            case {"type": "GuiUpdateMessage" as kind, "uuid": str(uuid), "updates": {"value": value}}:
+                possible = _possible(self._control(uuid), value)
+                return None if possible is None else {"type": kind, "uuid": uuid, "updates": {"value": possible}}
+            case {"type": "ViewerCameraMessage" as kind}:
+                camera = _numbers(read, CAMERA)
+                return None if camera is None else {"type": kind, **camera}
+            case {"type": str(kind), "name": str(name)} if kind in GIZMO_EVENTS and read.get("owner", "") == "":
+                moved = _pose(read) if kind == GIZMO_MOVED else {}
+                return None if moved is None or not self._has_gizmo(name) else {"type": kind, "name": name, **moved}
+        return None
 
 
-def _possible(control: object, value: Value) -> Value | None:
+def _numbers(read: Mapping[str, Any], lengths: Mapping[str, int]) -> dict[str, Any] | None:
+    """Finite numbers of a message by name; None if one of them is none."""
+    for name, length in lengths.items():
+        parts = read.get(name) if length else [read.get(name)]
+        if not isinstance(parts, list) or len(parts) != max(length, 1):
+            return None
+        if not all(isinstance(part, int | float) and not isinstance(part, bool) and isfinite(part) for part in parts):
+            return None
+    return {name: read[name] for name in lengths}
+
+
+def _pose(read: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Where a gizmo was dragged to, with a quaternion of length 1; None for what is no pose near the scene."""
+    pose = _numbers(read, {"wxyz": 4, "position": 3})
+    if pose is None or hypot(*pose["wxyz"]) < SMALLEST_QUATERNION or max(map(abs, pose["position"])) > FARTHEST:
+        return None
+    size = hypot(*pose["wxyz"])
+    return pose | {"wxyz": [part / size for part in pose["wxyz"]]} if isfinite(size) else None
+
+
+def _possible(control: object, value: Any) -> Value | None:
     """The value nearest to the given one that a control can have; None if it has no such values."""
     match control:
-        case viser.GuiSliderHandle(disabled=False) if not isinstance(value, str | bool) and isfinite(value):
+        case viser.GuiSliderHandle(disabled=False) if _numbers({"": value}, {"": 0}):
             return min(max(float(value), control.min), control.max)
         case viser.GuiDropdownHandle(disabled=False) | viser.GuiButtonGroupHandle(disabled=False):
-            return value if value in control.options else None
+            return value if isinstance(value, str) and value in control.options else None
         case viser.GuiTextHandle(disabled=False) if isinstance(value, str):
             return value if len(value) <= LONGEST_TEXT and value.isprintable() else None
-        case viser.GuiCheckboxHandle(disabled=False) | viser.GuiButtonHandle(disabled=False) if value in {True, False}:
+        case viser.GuiCheckboxHandle(disabled=False) | viser.GuiButtonHandle(disabled=False) if value in [True, False]:
             return bool(value)
     return None
 

@@ -12,13 +12,12 @@ from mrts.base.printable import html_text
 from mrts.cell.cell import Cell
 from mrts.limits.rows import ActiveRow
 from mrts.program.range_status import RangeStatus
+from mrts.scene.scene import Rgb
 from mrts.viewer.player_state import Bar, PlayerState
-from mrts.viewer.workbench.held_poses import HeldPoses, Unreached
+from mrts.viewer.workbench.held_poses import HeldPoses
 
 WITHIN, OVER, PASSED = "#0072B2", "var(--mrts-over)", "#B36B00"
 """Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
-
-Colour = tuple[int, int, int]
 
 FULL = 1.25
 """Share of a limit at which a bar meets the edge."""
@@ -121,7 +120,7 @@ def held_html(held: HeldPoses) -> str:
     Args:
         held: Where the arms are.
     """
-    stands = not isinstance(held, Unreached)
+    stands = not held.message
     lost = [
         f"{html_text(robot.name)}{'' if stands else f' at {np.count_nonzero(~reached)} of {len(reached)} samples'}, "
         f"by up to {1000 * float(np.max(gap)):.3g} mm"
@@ -129,7 +128,7 @@ def held_html(held: HeldPoses) -> str:
         if not np.all(reached)
     ]
     missing = f" Red in the scene is what is missing: {'; '.join(lost)}." if lost else ""
-    if isinstance(held, Unreached):
+    if held.message:
         return _paragraph("outcome", f"<b>No motion:</b> {html_text(held.message)}{missing}", OVER)
     arms = ", ".join(f"{html_text(robot.name)} ({len(robot.joints)} joints)" for robot in held.cell.robots)
     text = (
@@ -139,7 +138,7 @@ def held_html(held: HeldPoses) -> str:
     return _paragraph("outcome", text + missing, OVER if lost else "inherit")
 
 
-def limits_html(cell: Cell, colours: Mapping[str, Colour]) -> str:
+def limits_html(cell: Cell, colours: Mapping[str, Rgb]) -> str:
     """The limits of every arm, as they are now.
 
     Args:
@@ -212,7 +211,7 @@ def moment_html(state: PlayerState | None) -> str:
     return _paragraph("moment", f"{text}.")
 
 
-def arrows_html(force: Colour, newtons: float, moment: Colour, newton_metres: float) -> str:
+def arrows_html(force: Rgb, newtons: float, moment: Rgb, newton_metres: float) -> str:
     """What the arrows mean: colours, 0 to 255, and what a metre of each is."""
     text = (
         f'<b style="color:rgb{force}">force</b>: 1 m of arrow is {newtons:.4g} N, '
@@ -237,7 +236,7 @@ def error_html(text: str) -> str:
 
 
 def bars_html(
-    kind: str, groups: dict[str, list[Bar]], colours: Mapping[str, Colour] = MappingProxyType({}), *, kept: bool = True
+    kind: str, groups: dict[str, list[Bar]], colours: Mapping[str, Rgb] = MappingProxyType({}), *, kept: bool = True
 ) -> str:
     """Bars about zero, a group a robot; the thin lines are the limits.
 
@@ -264,7 +263,7 @@ def _table(rows: Sequence[str], widths: Sequence[int] = BAR_COLUMNS) -> str:
     )
 
 
-def _robot_row(robot: str, colours: Mapping[str, Colour], *columns: str) -> str:
+def _robot_row(robot: str, colours: Mapping[str, Rgb], *columns: str) -> str:
     """The name of an arm in its colour, and those of the columns below."""
     mark = f'<span style="color:rgb{colours[robot]}">■</span> ' if robot in colours else ""
     cells = "".join(f'<td style="padding-top:2px">{column}</td>' for column in columns)

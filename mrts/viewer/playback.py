@@ -6,16 +6,13 @@ from math import floor, log10
 
 import viser
 
+from mrts.scene.scene import PACES, suited_pace
 from mrts.viewer.controls.bound_control import DECIMALS, assign
+
+PACE_NAMED = {name: pace for pace, name in PACES.items()}
 
 READING = 0.1
 """Time between numbers while the motion plays: faster, nobody reads them [s]."""
-
-PACES = {"real time": 1.0, "1/2": 0.5, "1/5": 0.2, "1/10": 0.1, "1/50": 0.02}
-"""Playback: seconds of the motion in a second."""
-
-SHORT = 2.0
-"""A motion below this is played slower at first, so that it takes about as long [s]."""
 
 
 class Playback:
@@ -25,6 +22,7 @@ class Playback:
         gui: Where, in the container that is open.
         duration: Of the motion as it is shown [s].
         later: Takes work for the thread that follows the controls.
+        start: Where along the duration it stands first, from 0 to 1.
         visible: Whether there is anything to play.
     """
 
@@ -34,10 +32,11 @@ class Playback:
         duration: Callable[[], float],
         later: Callable[[Callable[[], None]], None],
         *,
+        start: float = 0.0,
         visible: bool = True,
     ) -> None:
         self._duration = duration
-        self._playing, self._share, self._unread, self._shown = False, 0.0, 0.0, 0.0
+        self._playing, self._share, self._unread, self._shown = False, start, 0.0, 0.0
         self._toggled = False
         self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
@@ -46,8 +45,8 @@ class Playback:
     def add_pace(self, gui: viser.GuiApi) -> None:
         """Add how fast it plays, and whether it begins again, to the container that is open."""
         with gui.add_folder("Playback"):
-            slow_enough = (name for name, pace in PACES.items() if self._duration() >= SHORT * pace)
-            self._pace = gui.add_dropdown("pace", tuple(PACES), initial_value=next(slow_enough, [*PACES][-1]))
+            suited = PACES[suited_pace(self._duration())]
+            self._pace = gui.add_dropdown("pace", tuple(PACES.values()), initial_value=suited)
             self._loop = gui.add_checkbox("loop", initial_value=True)
 
     @property
@@ -95,7 +94,7 @@ class Playback:
         self._shown = set_slider(self._time, (0.0, round(duration, digits)), digits, self.time, self._shown)
 
     def _advance(self, elapsed: float) -> None:
-        self._share += elapsed * PACES[self._pace.value] / self._duration()
+        self._share += elapsed * PACE_NAMED[self._pace.value] / self._duration()
         if self._share > 1 and self._loop.value:
             self._share %= 1
         elif self._share > 1:

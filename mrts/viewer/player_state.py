@@ -26,6 +26,7 @@ from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, conflict_at, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scaling.torques import distributed_torques
+from mrts.scene.scene import DecidingLimit, Scene, deciding_limit
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime
 from mrts.viewer.offered_speeds import OF_TIMINGS, Speeds, offered_speeds
@@ -117,6 +118,7 @@ class PlayerState:
         trajectory: The motion at the chosen speed.
         excess: Share by which a limit is overstepped at most at each sample, 0 for rounding, Shape (N,).
         sample: Index of the chosen time.
+        is_saved: Whether it is that of a saved result.
 
     Raises:
         MrtsError: As `mrts.scale`; an infeasible motion is no error.
@@ -143,7 +145,7 @@ class PlayerState:
         progress: Progress = lambda _done, _total: None,
     ) -> None:
         self.sample, self.profile = 0, profile
-        self.timing, self.refusal = None, ""
+        self.timing, self.refusal, self.is_saved = None, "", False
         asked: dict[str, Any] = {"sharing": sharing, "closure": closure, "between": between, "progress": progress}
         if profile == "constant":
             self.result = _scaled(cell, motion, solver, asked)
@@ -161,6 +163,37 @@ class PlayerState:
         else:
             self.timing, self.result, self.speeds = found, found.retimed, OF_TIMINGS
             found.factor, found.retimed.range.samples  # noqa: B018 (found here, not by whoever shows them)
+
+    @classmethod
+    def saved(cls, result: ScalingResult) -> "PlayerState":
+        """A result that was read from a file, at its own speed: other torques take the functions of its cell.
+
+        Args:
+            result: With a trajectory.
+
+        Raises:
+            InputError: If it has none.
+        """
+        done = result.trajectory
+        if done is None:
+            raise InputError("result", f"has no motion to play: {result.status.value}.")
+        state = cls.__new__(cls)
+        state.sample, state.profile, state.timing, state.refusal, state.is_saved = 0, "constant", None, "", True
+        state.result, state.trajectory, state.speeds = result, done, Speeds({}, done.c, done.c, 1.0, done.c)
+        state.excess = _excess(done)
+        state._rows = all_rows(result.cell, result.motion)  # noqa: SLF001 (its own)
+        return state
+
+    @property
+    def scene(self) -> Scene:
+        """What is drawn of it."""
+        motion = self.result.motion
+        return Scene(self.result.cell, motion.q, motion.object.position, motion.object.rotation, self.excess > 0)
+
+    @property
+    def deciding(self) -> DecidingLimit | None:
+        """The limit that decides how fast the motion may be played."""
+        return deciding_limit(self.trajectory, self.result.range)
 
     @property
     def given_duration(self) -> float:
@@ -215,13 +248,17 @@ class PlayerState:
             c: Factor of speed; one within half a step of an end of the range is that end.
 
         Raises:
-            InputError: Unless it is finite, > 0, and at least a thousandth of the least on offer.
+            InputError: Unless it is finite, > 0, and at least a thousandth of the least on offer; if the state is that
+                of a saved result, and has another speed.
             SolverError: If no solver answers.
         """
+        if self.is_saved and c != self.trajectory.c:
+            raise InputError("c", "a saved result is played as it was saved: view the cell and its motion.", value=c)
         least = 1e-3 * self.speeds.lower  # far below, c² and what is divided by it leave the range of numbers
         if not (isfinite(c) and c >= least):
             raise InputError("c", f"must be finite and >= {least:.3g}.", value=c)
-        self.trajectory, self.excess = self._distribute(self.speeds.c2(c))
+        if not self.is_saved:
+            self.trajectory, self.excess = self._distribute(self.speeds.c2(c))
 
     def torque_bars(self) -> dict[str, list[Bar]]:
         """Joint torques at the chosen time, by robot."""
@@ -306,10 +343,16 @@ class PlayerState:
             torque, wrench, _ = distributed_torques(cell, motion, options, c2)
         else:
             torque, wrench = widened_torques(cell, motion, options, c2)
-        rows = limit_rows(cell, motion)
-        excess = np.max(rows.excess(rows.value(torque, wrench, 0.0, sqrt(c2))), axis=1, initial=0.0)
-        excess[excess <= LIMIT_TOLERANCE] = 0.0
-        return ScaledTrajectory(cell, motion, c2, torque, wrench), excess
+        done = ScaledTrajectory(cell, motion, c2, torque, wrench)
+        return done, _excess(done)
+
+
+def _excess(done: ScaledTrajectory) -> Array:
+    """Share by which a limit is overstepped at most at each sample, 0 for rounding, Shape (N,)."""
+    rows = limit_rows(done.cell, done.motion)
+    excess: Array = np.max(rows.excess(rows.value(done.torque, done.wrench, 0.0, sqrt(done.c2))), axis=1, initial=0.0)
+    excess[excess <= LIMIT_TOLERANCE] = 0.0
+    return excess
 
 
 def _scaled(cell: Cell, motion: ObjectMotion | JointTable, solver: str, asked: dict[str, Any]) -> ScalingResult:

@@ -3,9 +3,10 @@
 
 import viser
 
+from mrts.scene.scene import FORCE, MOMENT
 from mrts.viewer.panel import arrows_html, bars_html
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene import FORCE, MOMENT, ViewerScene
+from mrts.viewer.scene import ViewerScene
 from mrts.viewer.workbench.answer import Answer
 
 

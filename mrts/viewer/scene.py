@@ -11,25 +11,28 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.cell import Cell
-from mrts.drawing.bodies.cell_shapes import contact_forces, name_place, shares_base
-from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW, look_at_cell
-from mrts.drawing.bodies.held_body import held_body
-from mrts.drawing.bodies.object_surface import object_edges
-from mrts.drawing.colours import COLOURS
 from mrts.drawing.round_numbers import round_down
+from mrts.scene.arm_meshes import Urdfs, drawn_arms
+from mrts.scene.cell_shapes import name_place
+from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
+from mrts.scene.held_body import held_body, object_edges
+from mrts.scene.scene import (
+    FORCE,
+    MOMENT,
+    OBJECT,
+    OUTLINE,
+    OVER_LIMIT,
+    PATH,
+    DecidingLimit,
+    Moment,
+    Scene,
+    arm_colour,
+    blended,
+)
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene_arms import Rgb, Urdfs, drawn_arm, wxyz, z_along
-from mrts.viewer.shown_course import ShownCourse, ShownMoment, blended, course_of
+from mrts.viewer.scene_arms import DrawnArm, wxyz, z_along
 from mrts.viewer.workbench.answer import Answer
-from mrts.viewer.workbench.held_poses import HeldPoses, tip_pose
-
-OBJECT = (236, 178, 60)
-PATH, PASSED, GAP = (70, 70, 80), (212, 0, 0), (212, 0, 0)
-"""Of the path where limits are kept, where one is passed, and of what is between a tip and a grasp out of its reach."""
-
-FORCE, MOMENT = (190, 50, 0), (0, 110, 80)
-"""Colours, 0 to 255; those of the arrows are darker than they look in the scene's light."""
+from mrts.viewer.workbench.held_poses import HeldPoses
 
 THICKNESS = 0.02
 """Radius of an arm that is drawn without meshes, as a share of the cell's size."""
@@ -40,8 +43,8 @@ ARROW = 0.5
 SHORTEST = 1e-3
 """Arrows below this share of the cell's size have no direction worth drawing."""
 
-OUTLINE, OUTLINE_WIDTH = (196, 138, 24), 1.5
-"""Of the object at the start and at the end of its path: seen on a light page and on a dark one; and pixels."""
+OUTLINE_WIDTH = 1.5
+"""Of the object's edges at the start and at the end of its path [pixels]."""
 
 FRAME = 0.12
 """Length of a frame's axes, as a share of the cell's size."""
@@ -56,13 +59,6 @@ ASPECT_CHANGE = 0.03
 
 MOVED_AWAY = 0.02
 """How far a camera is from where it was put, as a share of its distance, once somebody moved it."""
-
-
-def arm_colours(cell: Cell) -> dict[str, Rgb]:
-    """The colour of each arm, by name."""
-    chosen = [COLOURS[index % (len(COLOURS) - 1)] for index in range(len(cell.robots))]
-    parts = [tuple(int(colour[at : at + 2], 16) for at in (1, 3, 5)) for colour in chosen]
-    return {robot.name: (r, g, b) for robot, (r, g, b) in zip(cell.robots, parts, strict=True)}
 
 
 class ViewerScene:
@@ -85,20 +81,19 @@ class ViewerScene:
         self._server, self._scene = server, server.scene
         shown = answer.state or answer.held
         assert shown is not None  # noqa: S101 (a workbench starts with one)
-        self._course = course_of(shown)
+        self._course = shown.scene
         cell = self._course.cell
         self._view = self._alone = look_at_cell(cell, self._course.q, self._course.position)
-        self.size, self.colours = self._view.size, arm_colours(cell)
+        self.size = self._view.size
+        self.colours = {robot.name: arm_colour(index) for index, robot in enumerate(cell.robots)}
         self.metres_per_newton = self.metres_per_newton_metre = 1.0
         self._look()
         self.show_shadows(visible=False)
         self._draw_surroundings()
         radius = THICKNESS * self.size
         self._arms = [
-            drawn_arm(
-                self._scene, robot, urdfs, self.colours[robot.name], radius, warn, shared_base=shares_base(cell, robot)
-            )
-            for robot in cell.robots
+            DrawnArm(self._scene, robot.name, len(robot.joints) + 1, parts)
+            for robot, parts in zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True)
         ]
         self._names = [
             self._scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
@@ -124,7 +119,7 @@ class ViewerScene:
             for name, colour in (("/carried/forces", FORCE), ("/carried/moments", MOMENT))
         )
         self._gaps = self._scene.add_arrows(
-            "/gaps", NO_LINES, GAP, shaft_radius=thin, head_radius=2.2 * thin, head_length=3 * thin
+            "/gaps", NO_LINES, OVER_LIMIT, shaft_radius=thin, head_radius=2.2 * thin, head_length=3 * thin
         )
         self._path = self._scene.add_arrows(
             "/path", NO_LINES, PATH, shaft_radius=LINE * radius, head_radius=LINE * radius, head_length=LINE * radius
@@ -139,7 +134,7 @@ class ViewerScene:
         ]
         self._body_key: bytes = b""
         self._named = True
-        self._fitted: dict[int, tuple[float, Array]] = {}
+        self._fitted: dict[int, tuple[float, Camera]] = {}
         self.show_answer(answer)
 
     def show_answer(self, answer: Answer) -> None:
@@ -151,7 +146,7 @@ class ViewerScene:
         shown = answer.state or answer.held
         if shown is None:
             return
-        course = self._course = course_of(shown)
+        course = self._course = shown.scene
         self._draw_body(course)
         for name, robot in zip(self._names, course.cell.robots, strict=True):
             name.position = name_place(course.cell, robot)
@@ -162,8 +157,13 @@ class ViewerScene:
         self._show_names()
         steps = np.stack([course.position[:-1], course.position[1:]], axis=1).astype(np.float32)
         passed = course.passed[:-1] | course.passed[1:]
-        colours = np.where(passed[:, None], np.array(PASSED), np.array(PATH)).astype(np.uint8)
+        colours = np.where(passed[:, None], np.array(OVER_LIMIT), np.array(PATH)).astype(np.uint8)
         self._path.points, self._path.colors = steps, colours
+
+    def mark(self, deciding: DecidingLimit | None) -> None:
+        """Let the joint or the hand stand out whose limit decides how fast the motion may be played."""
+        for arm, robot in zip(self._arms, self._course.cell.robots, strict=True):
+            arm.mark(None if deciding is None else deciding.body(robot))
 
     def rescale(self, state: PlayerState) -> None:
         """Choose the arrows' lengths for a trajectory as it is now."""
@@ -181,16 +181,11 @@ class ViewerScene:
             state: The state.
             place: A sample of it, or between two while it plays.
         """
-        cell, moment = state.result.cell, self._course.moment(place)
+        moment = self._course.moment(place)
         self._pose(moment)
-        wrench = blended(state.trajectory.wrench, place)[None]
-        contacts = [
-            contact_forces(cell, robot, moment.position[None], moment.rotation[None], wrench[:, part])
-            for robot, part in zip(cell.robots, cell.wrench_slices.values(), strict=True)
-        ]
-        points = (np.concatenate([contact.point for contact in contacts]) - moment.position) @ moment.rotation
-        forces = np.concatenate([contact.force for contact in contacts]) @ moment.rotation
-        moments = np.concatenate([contact.moment for contact in contacts]) @ moment.rotation
+        contacts = moment.contacts(blended(state.trajectory.wrench, place))
+        points = (contacts.point - moment.position) @ moment.rotation
+        forces, moments = contacts.force @ moment.rotation, contacts.moment @ moment.rotation
         self._forces.points = self._arrows(points, forces * self.metres_per_newton)
         self._moments.points = self._arrows(points, moments * self.metres_per_newton_metre)
         self._show_gaps(NO_LINES, [])
@@ -235,13 +230,13 @@ class ViewerScene:
 
     def fit(self, client: viser.ClientHandle) -> None:
         """Let a browser look at the whole cell, whatever the shape of its picture."""
-        camera, view = client.camera, self._view
-        self._fitted[client.client_id] = (camera.aspect, view.camera(camera.aspect))
+        camera, found = client.camera, self._view.camera(client.camera.aspect)
+        self._fitted[client.client_id] = (camera.aspect, found)
         with warnings.catch_warnings(), client.atomic():
             warnings.simplefilter("ignore", UserWarning)  # a browser may close meanwhile, and viser says so
-            camera.up_direction = view.up
-            camera.position = view.camera(camera.aspect)  # which takes the point looked at along
-            camera.look_at = view.target
+            camera.up_direction = self._view.up
+            camera.position = found.position  # which takes the point looked at along
+            camera.look_at = found.target
 
     def follow_windows(self) -> None:
         """Fit the view of browsers that are new, or whose window changed its shape, unless somebody moved it."""
@@ -250,9 +245,9 @@ class ViewerScene:
             if client_id not in self._fitted:
                 self.fit(client)
                 continue
-            aspect, position = self._fitted[client_id]
-            away = np.linalg.norm(client.camera.position - position)
-            moved = away > MOVED_AWAY * np.linalg.norm(position - self._view.target)
+            aspect, put = self._fitted[client_id]
+            away = np.linalg.norm(client.camera.position - put.position)
+            moved = away > MOVED_AWAY * np.linalg.norm(put.position - put.target)
             if not moved and abs(client.camera.aspect / aspect - 1) > ASPECT_CHANGE:
                 self.fit(client)
         self._fitted = {client_id: fitted for client_id, fitted in self._fitted.items() if client_id in clients}
@@ -264,9 +259,9 @@ class ViewerScene:
             offset: From the cell to it, level in the picture, Shape (3,) [m]; zero looks at the cell alone.
         """
         alone = self._alone
-        self._view = replace(alone, target=alone.target + offset / 2, aside=float(np.linalg.norm(offset)) / 2)
+        self._view = replace(alone, points=np.concatenate([alone.points, alone.points + offset]))
         self._look()
-        self._fitted = {client_id: (np.inf, position) for client_id, (_, position) in self._fitted.items()}
+        self._fitted = {client_id: (np.inf, put) for client_id, (_, put) in self._fitted.items()}
 
     def _show_names(self) -> None:
         """Of start and goal where they are two."""
@@ -277,21 +272,19 @@ class ViewerScene:
         for label in self._end_names:
             label.visible = self._named and moves
 
-    def _pose(self, moment: ShownMoment) -> list[Array]:
+    def _pose(self, moment: Moment) -> list[Array]:
         """Move all that moves; where the tips are, each Shape (3,) [m]."""
-        cell, tips, rotations = self._course.cell, [], []
+        cell, tips = moment.cell, [line[-1] for line in moment.lines]
         position, rotation = moment.position, moment.rotation
-        for arm, robot, (R, p) in zip(self._arms, cell.robots, moment.bodies, strict=True):
-            arm.update(robot, R, p)
-            turn, tip = tip_pose(robot, R, p)
-            tips.append(tip)
-            rotations.append(turn)
+        for arm, (R, p) in zip(self._arms, moment.bodies, strict=True):
+            arm.update(R, p)
         for part in (self._body, self._carried):
             part.position, part.wxyz = position, wxyz(rotation)
         for hand, tip in zip(self._hands, tips, strict=True):
             hand.position = tip
         if self._frames.visible:
             bases = [robot.T_world_base for robot in cell.robots]
+            rotations = [R[-1] @ robot.T_base_tip.R for robot, (R, _) in zip(cell.robots, moment.bodies, strict=True)]
             turns = np.array([rotation, *rotations, *(base.R for base in bases)])
             self._frames.batched_wxyzs = np.array([wxyz(R) for R in turns], dtype=np.float32)
             places = np.array([position, *tips, *(base.p for base in bases)])
@@ -310,7 +303,7 @@ class ViewerScene:
             if index in words:
                 label.text, label.position = words[index]
 
-    def _draw_body(self, course: ShownCourse) -> None:
+    def _draw_body(self, course: Scene) -> None:
         """The body that is held, and its outlines at both ends; drawn anew where its shape changed."""
         body = held_body(course.cell)
         key = body.vertices.tobytes()
@@ -327,9 +320,9 @@ class ViewerScene:
         ]
 
     def _look(self) -> None:
-        camera, view = self._server.initial_camera, self._view
+        camera, view, found = self._server.initial_camera, self._view, self._view.camera()
         self._scene.set_up_direction(view.up)
-        camera.up, camera.position, camera.look_at = view.up, view.camera(), view.target
+        camera.up, camera.position, camera.look_at = view.up, found.position, found.target
         camera.fov = FIELD_OF_VIEW
 
     def _draw_surroundings(self) -> None:

@@ -10,11 +10,10 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.motion_rows import motion_rows
 from mrts.program.reserve import reserved
-from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.torque_distribution import distribute_torques, torque_weights
+from mrts.program.sample_problem import SampleProblem
+from mrts.program.torque_distribution import torque_weights, torques_by_blocks
 from mrts.program.widening import widening_at
 from mrts.scaling.options import Options
-from mrts.scaling.result import BLOCK
 
 INTERIOR = 1e-6
 """A widened limit is widened by this share more: at the least widening the feasible set is a point."""
@@ -40,21 +39,15 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
     solver, by_reserve = options.solver, options.distribute == "reserve"
     cell = cell.with_reserve(0.0) if by_reserve else cell  # it is of the limits as they are given
     W = torque_weights(options.weights, cell)
-    rows = motion_rows(cell, motion)
-    torques, wrenches = [], []
-    for start in range(0, motion.samples, BLOCK):
-        block = np.arange(start, min(start + BLOCK, motion.samples))
-        problem = build_sample_problem(
-            cell, motion, formulation=options.formulation, sharing=options.sharing, samples=block, rows=rows
-        ).without_caps()  # no torques change what the speed alone moves
+
+    def widened(problem: SampleProblem) -> tuple[SampleProblem, int]:
+        problem = problem.only(np.flatnonzero(~problem.is_cap))  # no torques change what the speed alone moves
         widening = _least_widening(problem, c2, solver)[:, None] * problem.is_limit
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
-        if by_reserve:
-            problem, _ = reserved(problem, c2, solver)
-        x, _ = distribute_torques(problem, c2, W, solver)
-        torques.append(problem.torque(x))
-        wrenches.append(problem.wrench(x))
-    return np.concatenate(torques), np.concatenate(wrenches)
+        return reserved(problem, c2, solver) if by_reserve else (problem, 0)
+
+    given = cell, motion, options.formulation, options.sharing, solver, c2, W, motion_rows(cell, motion)
+    return torques_by_blocks(*given, within=widened)[:2]
 
 
 def _least_widening(problem: SampleProblem, c2: float, solver: str) -> Array:

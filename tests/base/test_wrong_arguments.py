@@ -99,7 +99,7 @@ def good(planar_cell):
     Path("study.yaml").write_text(STUDY, encoding="utf-8")
     study = mrts.read_study("study.yaml")
     mrts.sweep(study, "swept", workers=1)
-    plan = {"weights": None, "load": "auto", "distribute": "reserve", "reserve": None, "closure": None}
+    plan = {"limits": None, "weights": None, "load": "auto", "distribute": "reserve", "reserve": None, "closure": None}
     smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "weigh": None, "least_energy_in": None}
     smooth |= {"start_torque": None, "end_torque": None, "distribute": "least-torque"}
     return {
@@ -223,7 +223,7 @@ def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_ce
         (lambda: mrts.load_cell(3), "path = 3: must be text or a Path; it is of type int."),
         (lambda: mrts.load_cell(""), "path = '': must not be empty: name a file or a folder."),
         (lambda: mrts.load_motion(None), "path: must be text or a Path; it is None."),
-        (lambda: mrts.save_result(1, 2), "result = 1: must be a result of mrts.scale; it is of type int."),
+        (lambda: mrts.save_result(1, 2), "result = 1: must be a result of mrts.scale or one of mrts.retime; it is of"),
         (lambda: mrts.rank_configurations(cell, lift, cap="x"), "cap = 'x': must be a whole number; it is of"),
         (lambda: mrts.scale(cell, lift, sharing="equal"), "sharing = 'equal': must be a LoadSharing"),
         (lambda: mrts.retime(cell, lift, start_speed=1e200), "start_speed = 1e+200: must be a number from 0 to 1e+12"),

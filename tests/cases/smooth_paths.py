@@ -41,18 +41,17 @@ def smooth_path(rng, n, *, rows, free=0, blocks=1, changes=True, roots=False, jo
     square, rate = (np.tile(waves(rng, s, (rows,)), (1, blocks)) for _ in range(2))
     square, rate = square * (1 + 0.1 * waves(rng, s, (r,))), 0.2 * rate * (1 + 0.1 * waves(rng, s, (r,)))
     root = 0.3 * waves(rng, s, (r,)) if roots else np.zeros((n, r))
-    columns = np.repeat(np.arange(blocks) * free, rows)[:, None] + [0, free]
     entry = np.zeros((n, r, f))
     for block in range(blocks):
         part = slice(block * rows, (block + 1) * rows), slice(block * free, (block + 1) * free)
         entry[:, *part] = waves(rng, s, (rows, free))
     single = min(free, rows // 4)
     for row in range(single if blocks == 1 else 0):  # limits of one unknown
-        entry[:, row], columns[row] = 0, (row, row + 1)
+        entry[:, row] = 0.0
         entry[:, row, row] = 1.0
     force = waves(rng, s, (f,), 0.3)
     program = SmoothProgram(
-        step=step, square=square, rate=rate, root=root, offset=waves(rng, s, (r,)), free=entry, columns=columns,
+        step=step, square=square, rate=rate, root=root, offset=waves(rng, s, (r,)), free=entry,
         lower=np.full((n, r), -np.inf), upper=np.full((n, r), np.inf), change=np.full(r, np.inf),
         weight=rng.uniform(0.2, 2, r), q1=waves(rng, s, (joints,)), q2=waves(rng, s, (joints,)),
         q3=waves(rng, np.linspace(0, 1, 2 * (n - 1)), (joints,)).reshape(n - 1, 2, joints), jerk=np.ones(joints),

@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 import mrts
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface
 from mrts.cell.generation import generate_to
-from mrts.drawing.bodies.cell_shapes import object_box
-from mrts.drawing.bodies.object_surface import object_edges, object_surface
-from mrts.studies.at_once.variant_numbers import varied_entries
+from mrts.scene.cell_shapes import object_box
+from mrts.scene.held_body import object_edges, object_surface
+from mrts.studies.variant_numbers import varied_entries
 
 ROUNDING = 1e-12
 FLOAT32 = 1e-6  # vertices are drawn, and kept, in single precision

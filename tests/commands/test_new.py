@@ -8,7 +8,7 @@ import yaml
 from command_line import mrts_command
 from conftest import DATA
 
-from mrts.cell.remarks.assumptions import NO_COLLISIONS
+from mrts.cell.remarks import NO_COLLISIONS
 
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
 

@@ -10,7 +10,7 @@ from layouts import DATA, shipped, write_study
 
 import mrts
 import mrts.commands.place
-from mrts.cell.remarks.assumptions import NO_COLLISIONS
+from mrts.cell.remarks import NO_COLLISIONS
 from mrts.cli import main
 
 LIFT = DATA / "planar_dual_arm" / "lift.yaml"

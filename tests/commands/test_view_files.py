@@ -24,12 +24,12 @@ vary:
 def drawn(monkeypatch):
     """What is asked to be drawn, in place of drawing it."""
     asked = []
-    monkeypatch.setattr(film, "write_picture", lambda takes, path, at, **_: asked.append((takes, path, at)))
+    monkeypatch.setattr(film, "write_picture", lambda clips, path, at, **_: asked.append((clips, path, at)))
     return asked
 
 
 def test_a_picture_and_a_film_of_sides(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(film, "SHORTEST", 0.2)
+    monkeypatch.setattr(film, "suited_pace", lambda _duration: 1.0)
     picture, video = tmp_path / "lift.png", tmp_path / "lift.gif"
     assert main(["view", CELL, LIFT, "--png", str(picture), "--at", "0.1", "--video", str(video)]) == 0
     assert str(picture) in capsys.readouterr().out
@@ -43,26 +43,26 @@ def test_sides_are_what_scale_and_retime_find(planar_cell, lift, monkeypatch, tm
     sides = "given,fastest,optimal,smooth"
     command = ["view", CELL, LIFT, "--png", str(tmp_path / "x.png"), "--side-by-side", sides, "--rates", "20"]
     assert main(command) == 0
-    ((takes, path, at),) = asked
+    ((clips, path, at),) = asked
     assert path == tmp_path / "x.png"
-    given, fastest, optimal, smooth = (take.trajectory for take in takes)
+    given, fastest, optimal, smooth = (clip.trajectory for clip in clips)
     assert given.c2 == 1
     assert fastest.c2 == pytest.approx(mrts.scale(planar_cell, lift).range.upper.c2)
     assert optimal.duration == pytest.approx(mrts.retime(planar_cell, lift).duration)
     assert smooth.duration == pytest.approx(mrts.retime(planar_cell, lift, rates=20.0).duration, rel=1e-6)
     assert at == given.duration / 2
-    assert [take.title.split(" ")[0] for take in takes] == ["as", "constant", "fastest", "smooth"]
+    assert [clip.title.split(" ")[0] for clip in clips] == ["as", "constant", "fastest", "smooth"]
 
 
 def test_what_is_given_may_be_too_fast(monkeypatch, tmp_path):
     asked = drawn(monkeypatch)
     command = ["view", CELL, str(DATA / "fast_lift.yaml"), "--png", str(tmp_path / "x.png"), "--side-by-side", "given"]
     assert main(command) == 1
-    (take,) = asked[0][0]
-    assert take.title == "as given: beyond its limits"
+    (clip,) = asked[0][0]
+    assert clip.title == "as given: beyond its limits"
 
 
-def test_a_saved_result_takes_no_compiler(lifted, monkeypatch, tmp_path):
+def test_a_saved_result_clips_no_compiler(lifted, monkeypatch, tmp_path):
     asked = drawn(monkeypatch)
     mrts.save_result(lifted, tmp_path / "fast.npz")
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -84,8 +84,8 @@ def test_a_variant_is_that_of_the_study(named, monkeypatch, tmp_path, capsys):
     asked = drawn(monkeypatch)
     path = str(tmp_path / named)
     assert main(["view", path, "--variant", "2", "--png", str(tmp_path / "x.png")]) == 0
-    ((take,), _, _) = asked[0]
-    assert take.cell.mass == 4.0
+    ((clip,), _, _) = asked[0]
+    assert clip.trajectory.cell.mass == 4.0
     capsys.readouterr()
     assert main(["view", path, "--variant", "3", "--png", str(tmp_path / "x.png")]) == 2
     assert f"{path}: --variant = 3" in capsys.readouterr().err

@@ -13,7 +13,7 @@ from draws import draws
 from published_robots import CASES, single_arm_cell
 
 import mrts
-from mrts.cell.remarks.assumptions import POINT_MASSES, WEIGHTLESS
+from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS
 from mrts.starting.cell_writing import missing_bodies
 from mrts.starting.reading import HOPELESS, Given, request_of
 

@@ -11,7 +11,7 @@ from damaged_cells import sound, written
 
 import mrts
 from mrts.cell.loading import cell_to_compile
-from mrts.cell.remarks.assumptions import NO_COLLISIONS
+from mrts.cell.remarks import NO_COLLISIONS
 from mrts.cli import main
 
 UR5 = DATA.parent / "dual_ur5"

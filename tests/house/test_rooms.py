@@ -26,6 +26,7 @@ ROOMS = (
     "sweeps",
     "layout",
     "drawing",
+    "scene",
     "starting",
     "output",
     "figures",

@@ -14,14 +14,15 @@ import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
+from mrts.kernel.between_samples import path_places, widenings
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
-from mrts.kernel.motion_rows import path_places, path_rows, widenings
 from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import closure_sizes
 from mrts.limits import limit_rows
+from mrts.program.sample_problem import build_sample_problem
 from mrts.timing.path_pieces import PLACES
 
 C = ROOT / "mrts" / "kernel" / "c"
@@ -85,6 +86,8 @@ def answers(request, tmp_path_factory):
     all_c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 200.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
     units = np.where(size > 0, size, 1.0)
 
+    problem = build_sample_problem(cell.without_velocity_limits(), motion, varying=True)
+
     def found(library, at):
         count, c2 = len(at), all_c2[at]
         inputs = {name: value[at] if value.ndim > 1 else value for name, value in all_inputs.items()}
@@ -98,7 +101,7 @@ def answers(request, tmp_path_factory):
                 speed = np.full(count, 0.5)
                 torque, _, status = library.torques(count, inputs, limits, added, speed, W_all, 1e-9)
                 known |= {f"{kind} {weights} torque": torque, f"{kind} {weights} status": status}
-        of_path = path_rows(library, count, inputs, limits, units, SampleTerms(), np.zeros((count, len(W))))
+        of_path = problem.at(at)
         effect = np.max(np.abs(of_path.A), axis=1)
         scale = np.divide(1.0, effect, out=np.zeros_like(effect), where=effect > 0)
         far = np.full((count, 2), 1e5) * (scale[:, -2:] > 0)

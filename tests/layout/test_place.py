@@ -15,11 +15,10 @@ from scipy.optimize import minimize
 
 import mrts
 from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.layout.layout_search import LayoutSearch
-from mrts.layout.place import SEED
+from mrts.layout.place import SEED, LayoutSearch
 from mrts.limits.cell_limits import velocity_limits
+from mrts.studies.distributions import Distribution
 from mrts.studies.sampling import sample_points
-from mrts.studies.spreads import Range
 
 BETTER = 1e-3
 """Share of c²⁺ by which no other search may be better."""
@@ -42,8 +41,10 @@ PLANAR_VARY = {
 
 def looked_at(study, count):
     """The layouts that `place` looks at first."""
-    bounds = [parameter.spread.bounds for parameter in study.parameters]
-    return np.round(sample_points([Range(*pair) for pair in bounds], "sobol", count, SEED, (0, count)), 5)
+    bounds = [parameter.distribution.bounds for parameter in study.parameters]
+    return np.round(
+        sample_points([Distribution("uniform", pair) for pair in bounds], "sobol", count, SEED, (0, count)), 5
+    )
 
 
 @pytest.mark.quick
@@ -67,7 +68,7 @@ def test_no_other_search_finds_better_on_the_planar_cell(tmp_path):
     path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
     layouts = Layouts.of(path)
     found = mrts.place(path, between=None)
-    bounds = np.array([parameter.spread.bounds for parameter in layouts.study.parameters])
+    bounds = np.array([parameter.distribution.bounds for parameter in layouts.study.parameters])
     rng = np.random.default_rng(7)
     starts = [found.after.values, *(rng.uniform(*bounds.T) for _ in range(draws(1)))]
     for start in starts:
@@ -103,7 +104,7 @@ def test_it_is_never_worse_than_its_best_start(seed, arms, tmp_path):
     assert found.after.c2 >= best * (1 - SAME)
     assert found.after.c2 >= found.before.c2 * (1 - SAME) if found.before else True
     assert layouts.c2(found.after.values) <= found.after.c2 * (1 + SAME)
-    low, high = np.array([parameter.spread.bounds for parameter in layouts.study.parameters]).T
+    low, high = np.array([parameter.distribution.bounds for parameter in layouts.study.parameters]).T
     assert np.all((low <= found.after.values) & (found.after.values <= high))
 
 
@@ -133,8 +134,7 @@ def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     layouts = Layouts.of(path)
     study, values = layouts.study, np.array([0.0, 0.0, 2.5, 0.0])
     cell = mrts.Cell.from_description(study.cell, folder=study.folder)
-    numbers = LayoutNumbers.of(study, cell)
-    search = LayoutSearch(study, numbers, layouts.motion, cell, lambda: False)
+    search = LayoutSearch(study)
     ranked = mrts.rank_configurations(cell, layouts.motion, between=None).ranked
     other = next(one for one in ranked if one.c2_upper < 0.95 * ranked[0].c2_upper)
     start = search.tried(values, other.postures())

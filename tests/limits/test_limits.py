@@ -160,6 +160,26 @@ def test_retiming_keeps_it(kind, limit, planar_cell, lift):
         assert any(kind in name for name, _ in found.limits)
 
 
+def test_it_is_an_argument_of_range_and_timing(kind, limit, planar_cell, lift):
+    cell = limited(planar_cell, kind, limit)
+    for ask, answer in (
+        (mrts.scale, lambda found: found.range.upper.c2),
+        (mrts.retime, lambda found: found.duration),
+    ):
+        given, asked = ask(cell, lift), ask(planar_cell, lift, limits=cell.limits)
+        assert asked.cell.limits == cell.limits
+        assert answer(asked) == answer(given)
+    assert mrts.scale(cell, lift, limits=()).cell.limits == ()
+
+
+@pytest.mark.parametrize("wrong", [3, [3], len])
+def test_a_limit_that_is_no_function_is_refused(wrong, planar_cell, lift):
+    for ask in (mrts.scale, mrts.retime):
+        with pytest.raises(mrts.InputError) as error:
+            ask(planar_cell, lift, limits=wrong)
+        assert error.value.where == "cell: limits"
+
+
 def test_every_load_of_a_box_keeps_it(kind, limit, planar_cell, lift):
     cell = limited(planar_cell.with_variation(mass=(0.5, 1.5)), kind, limit)
     result = mrts.scale(cell, lift)

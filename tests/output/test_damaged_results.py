@@ -9,125 +9,80 @@ import pytest
 from saved_files import contents, write
 
 import mrts
+from mrts.output.saved_result import VERSION
 
-
-def spoil_array(name, change):
-    def spoil(_description, arrays):
-        arrays[name] = change(arrays[name])
-
-    return spoil
-
-
-def moved(counts):
-    """The same number of rows in all, -1 of them at the first end."""
-    counts.flat[1] += counts.flat[0] + 1
-    counts.flat[0] = -1
-    return counts
-
-
-def spoil_word(change):
-    return lambda description, _arrays: change(description)
-
-
-def with_change(change, **steps):
-    """What changes would do, of which one is spoilt."""
-    answer = {"status": "feasible", "c2": 1.0, "duration": 1.0, "limits": [], "reason": ""}
-    entry = {"kind": "mass", "robot": "", "element": "", "step": 0.1, "after": answer}
-    change(entry)
-    whole = {"share": 0.1, "shift": 0.01, "turn": 0.01, "before": answer, "changes": [entry], "left_out": ""} | steps
-    return spoil_word(lambda description: description.update(what_if=whole))
-
-
-MISTAKES = {
-    "newer": (spoil_word(lambda d: d.update(version=8)), "version = 8: this mrts reads version 7; .* Update mrts"),
-    "older": (spoil_word(lambda d: d.update(version=1)), "version = 1: .* Save the result again"),
-    "no version": (spoil_word(lambda d: d.pop("version")), "version: this mrts reads"),
-    "foreign": (spoil_word(lambda d: d.update(format="other")), "is no saved result of mrts"),
-    "missing word": (spoil_word(lambda d: d.pop("fallbacks")), "fallbacks: Field required"),
-    "unknown word": (spoil_word(lambda d: d.update(extra=1)), "extra: Extra inputs"),
-    "edited manifest": (spoil_word(lambda d: d["manifest"].update(gravity=[0, 0, 0])), "manifest: was edited"),
-    "hostile name": (spoil_word(lambda d: d["manifest"].update(name="../../x")), r"manifest\.name: must be letters"),
-    "hostile source": (spoil_word(lambda d: d["manifest"].update(source="../x.c")), "manifest: its source must be"),
-    "ragged pose": (
-        spoil_word(lambda d: d["manifest"]["robots"][0]["T_base_tip"].update(R=[[1], [2, 3], []])),
-        r"manifest\.robots\.0\.T_base_tip\.R: .* one rectangular shape",
-    ),
-    "nan word": (spoil_word(lambda d: d.update(c2=float("nan"))), "c2: .* finite number"),
-    "negative c2": (spoil_word(lambda d: d.update(c2=-1)), "c2: .* greater than 0"),
-    "short load": (spoil_word(lambda d: d["load"].pop()), "load: .* at least 10 items"),
-    "fallbacks": (spoil_word(lambda d: d["range_fallbacks"].append(0)), "range_fallbacks, several: must have 1 values"),
-    "fewer rows": (spoil_word(lambda d: d["rows"].pop()), "binding_row = .*must be from 0 to"),
-    "ragged weights": (spoil_word(lambda d: d["rule"].update(weights=[[1, 2], [3]])), "weights: .* rectangular"),
-    "missing array": (lambda _, arrays: arrays.pop("torque"), "torque: this array is missing"),
-    "unknown array": (lambda _, arrays: arrays.update(more=np.zeros(2)), "more: this array does not belong here"),
-    "wrong shape": (spoil_array("q", lambda q: q[:, :5]), r"q = \(101, 5\): must be numbers with Shape \(101, 6\)"),
-    "fewer samples": (spoil_array("time", lambda t: t[:-1]), r"position = .* Shape \(100, 3\)"),
-    "flat time": (spoil_array("time", lambda t: t[:, None]), r"time = \(101, 1\): .* Shape \(101,\)"),
-    "nan": (spoil_array("torque", lambda t: np.where(t == t[3, 2], np.nan, t)), "torque = nan: must be finite"),
-    "huge": (spoil_array("ddq", lambda a: 1e200 + a), r"ddq = 1e\+200: must be finite numbers, at most 1e\+60"),
-    "huge end": (spoil_array("c2_upper", lambda u: 1e200 + u), r"c2_upper = 1e\+200: must be finite numbers, at most"),
-    "huge word": (spoil_word(lambda d: d["load"].__setitem__(4, 1e200)), r"load\.4 = 1e\+200: must be at most 1e\+60"),
-    "huge whole number": (spoil_word(lambda d: d.update(fallbacks=10**400)), "fallbacks = 1.*: must be at most 1e"),
-    "infinite": (spoil_array("ddq", lambda a: a * np.inf), "ddq = .*: must be finite"),
-    "nan in a range": (spoil_array("c2_upper", lambda u: u * np.nan), "c2_upper = nan"),
-    "words": (spoil_array("wrench", lambda w: w.astype(str)), "wrench = .* must be numbers"),
-    "broken counts": (spoil_array("binding_count", lambda c: c + 0.5), "must be whole numbers"),
-    "unknown status": (spoil_array("status", lambda s: s + 7), "status = .*must be from 0 to 3"),
-    "negative count": (spoil_array("binding_count", moved), "binding_count = -1"),
-    "counts of nothing": (
-        spoil_array("binding_count", lambda c: c * np.nan),
-        "binding_count = .*must be whole numbers",
-    ),
-    "no such change": (with_change(lambda entry: entry.update(kind="colour")), r"what_if\.changes\.0\.kind: Input"),
-    "no step": (with_change(lambda entry: entry.pop("step")), r"what_if\.changes\.0\.step: Field required"),
-    "wrong steps": (
-        with_change(lambda _entry: None, share=7.0),
-        r"share: must be a number from .* save the result again",
-    ),
-    "lost rows": (spoil_array("binding_row", lambda r: r[:-1]), r"binding_row: must have Shape \(\d+,\), the sum"),
-    "unknown parameter": (
-        spoil_word(lambda d: d.update(loads=[{"parameters": {"x": 1}, "load": [1] * 10}])),
-        "pattern",
-    ),
-    "time back": (spoil_array("time", lambda t: t[::-1]), "time: must have Shape .* strictly increase"),
-    "no rotation": (spoil_array("rotation", lambda R: 2 * R), "rotation: must hold rotation matrices"),
+VERSIONS = {
+    "newer": (lambda d: d.update(version=VERSION + 1), "version = .*: this mrts reads version .*; .* Update mrts"),
+    "older": (lambda d: d.update(version=1), "version = 1: .* Save the result again"),
+    "no version": (lambda d: d.pop("version"), "version: this mrts reads"),
+    "another manifest": (lambda d: d.update(manifest_format=1), "version = .*: this mrts reads version"),
+    "foreign": (lambda d: d.update(format="other"), "is no saved result of mrts"),
 }
 
 
-@pytest.mark.parametrize("mistake", MISTAKES)
-def test_a_wrong_file_is_refused(mistake, lifted, tmp_path):
-    spoil, words = MISTAKES[mistake]
+@pytest.mark.parametrize("mistake", VERSIONS)
+def test_a_file_of_another_version_is_refused(mistake, lifted, tmp_path):
+    change, words = VERSIONS[mistake]
     path = tmp_path / "result.npz"
     mrts.save_result(lifted, path)
     description, arrays = contents(path)
-    spoil(description, arrays)
+    change(description)
     write(path, description, arrays)
     with pytest.raises(mrts.InputError, match=f"result.npz.*{words}"):
         mrts.load_result(path)
 
 
-def test_places_in_a_study_and_conflicts_are_checked(planar_cell, lift, tmp_path):
+EDITS = {
+    "a word": lambda d, _: d["result"].update(c2=1.0),
+    "a limit": lambda d, _: d["result"]["cell"]["manifest"]["robots"][0].update(torque_upper=[1.0, 1.0, 1.0]),
+    "a number": lambda _, arrays: arrays["trajectory.torque"].__setitem__((3, 2), 7.0),
+    "a shape": lambda _, arrays: arrays.update({"motion.q": arrays["motion.q"].reshape(-1, 3)}),
+    "a kind": lambda _, arrays: arrays.update({"motion.q": arrays["motion.q"].astype(np.float32)}),
+    "a lost array": lambda _, arrays: arrays.pop("trajectory.wrench"),
+    "another array": lambda _, arrays: arrays.update(more=np.zeros(2)),
+    "exchanged arrays": lambda _, arrays: arrays.update(
+        {"motion.dq": arrays["motion.ddq"], "motion.ddq": arrays["motion.dq"]}
+    ),
+}
+
+
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edited_file_is_refused(edit, lifted, tmp_path):
     path = tmp_path / "result.npz"
-    mrts.save_result(mrts.scale(planar_cell.with_variation(mass=(0.2, 200.0)), lift), path)
+    mrts.save_result(lifted, path)
     description, arrays = contents(path)
-    assert description["conflicts"]
-    for key in ("range", "sample", "load", "rows"):
-        one = json.loads(json.dumps(description))
-        entry = one["conflicts"][0]
-        entry[key] = [9999] * len(entry["rows"]) if key == "rows" else 9999
-        write(path, one, arrays)
-        with pytest.raises(mrts.InputError, match=f"conflicts: {key} = 9999: must be from 0 to"):
-            mrts.load_result(path)
-    uneven, other = (json.loads(json.dumps(description)) for _ in range(2))
-    uneven["conflicts"][0]["moves"].pop()
-    other["study"]["question"] = "sometimes"
-    for one, words in ((uneven, "of one length"), (other, "should match pattern")):
-        write(path, one, arrays)
-        with pytest.raises(mrts.InputError, match=words):
-            mrts.load_result(path)
-    description["study"]["points"][0] = 77
+    EDITS[edit](description, arrays)
+    write(path, description, arrays, sealed=False)
+    with pytest.raises(mrts.InputError) as error:
+        mrts.load_result(path)
+    assert (error.value.where, error.value.key) == (str(path), "seal")
+
+
+FORGERIES = {
+    "a lost field": lambda d: d["result"]["found"]["upper"].pop("c2"),
+    "a field of another kind": lambda d: d["result"].update(c2="fast"),
+    "no status": lambda d: d["result"]["found"].update(status="colourful"),
+    "a class of another place": lambda d: d["result"].update(cell=d["result"]["motion"]),
+    "a class that no result holds": lambda d: d["result"]["motion"].update({"class": "Popen"}),
+    "an unknown field": lambda d: d["result"].update(extra=1),
+    "a place that is not": lambda d: d["result"].update(motion={"same": "nowhere"}),
+    "an array that is not": lambda d: d["result"]["motion"].update(q={"array": "nowhere"}),
+    "an array of texts": lambda d: d["result"]["trajectory"]["holding"]["torque"].update(dtype="U9"),
+    "a hostile name": lambda d: d["result"]["cell"]["manifest"].update(name="../../x"),
+    "a hostile source": lambda d: d["result"]["cell"]["manifest"].update(source="../x.c"),
+    "no result": lambda d: d.pop("result"),
+    "a list": lambda d: d.update(result=[]),
+}
+
+
+@pytest.mark.parametrize("forgery", FORGERIES)
+def test_what_mrts_did_not_write_is_refused(forgery, lifted, tmp_path):
+    path = tmp_path / "result.npz"
+    mrts.save_result(lifted, path)
+    description, arrays = contents(path)
+    FORGERIES[forgery](description)
     write(path, description, arrays)
-    with pytest.raises(mrts.InputError, match=r"study\.points = 77"):
+    with pytest.raises(mrts.InputError, match=r"result\.npz.*damaged"):
         mrts.load_result(path)
 
 
@@ -145,7 +100,7 @@ def test_nothing_in_a_file_is_unpickled(lifted, tmp_path):
     path, mark = tmp_path / "result.npz", tmp_path / "executed"
     mrts.save_result(lifted, path)
     description, arrays = contents(path)
-    for name in ("torque", "description"):
+    for name in ("trajectory.torque", "description"):
         spoiled = arrays | {"description": np.frombuffer(json.dumps(description).encode(), dtype=np.uint8)}
         spoiled[name] = np.array([Bomb(mark)], dtype=object)
         np.savez(path, **spoiled)

@@ -10,9 +10,7 @@ from scipy.optimize import linprog
 import mrts
 from mrts.limits.rows import STANDSTILL
 from mrts.program import sample_ranges
-from mrts.program.end_rows import rows_at_end
-from mrts.program.linear_programs import ends_by_linear_programs
-from mrts.program.range_ends import BindingRows, no_codes
+from mrts.program.range_ends import BindingRows, ends_by_linear_programs, no_codes, rows_at_end
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import TIE
 from mrts.scaling.range import intersect

@@ -1,4 +1,4 @@
-"""Samples whose wrenches balance fixes, in one pass of C: the same ends, rows and half-planes as in numpy."""
+"""Samples whose wrenches balance fixes, in one pass of C: the same ends and rows as in numpy."""
 
 from dataclasses import replace
 
@@ -13,11 +13,11 @@ from random_motors import equipped
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.kernel.one_unknown import ONE_PIECE
-from mrts.limits.rows import STANDSTILL, LimitRows
+from mrts.limits.rows import STANDSTILL
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.trajectory_programs import motion_planes, motion_ranges, motion_torques
-from mrts.timing.speed_regions import regions_of_planes, speed_regions
+from mrts.program.trajectory_programs import motion_ranges, motion_torques
+from mrts.timing.speed_regions import speed_regions
 
 SAME = 1e-12
 """Both ways divide the same numbers, summed in another order."""
@@ -132,43 +132,10 @@ def test_pieces_of_a_long_motion_are_the_whole_to_the_bit(tmp_path):
     assert long.binding(-1, "upper") == short.binding(int(places[-1]), "upper")
 
 
-def accelerations(cell, motion):
-    """A limit of yours with a term in the acceleration: of the first joint, alike in both directions."""
-    return LimitRows(
-        names=(mrts.RowName("acceleration", cell.robots[0].name, cell.robots[0].joints[0], "rad/s²"),),
-        lower=np.array([-20.0]),
-        upper=np.array([20.0]),
-        torque_matrix=np.zeros((1, motion.dq.shape[1])),
-        wrench_matrix=np.zeros((1, len(cell.robots) * len(cell.wrench_components))),
-        rate=motion.dq[:, :1],
-        square=motion.ddq[:, :1],
-    )
-
-
 def sides_at(regions, u, x):
     """How far points of each sample are inside its half-planes, the least of all, in limits, Shape (N,)."""
     planes = regions.planes.reshape(len(regions.lower), -1, 3)
     return np.min(planes[:, :, 2] - planes[:, :, 0] * u[:, None] - planes[:, :, 1] * x[:, None], axis=1)
-
-
-def test_half_planes_are_those_of_the_rows(case):
-    cell, motion, sharing = case
-    cell = replace(cell, reserve=0.0, limits=(accelerations,))  # C measures a limit by what a reserve left of it
-    if sharing is not None and np.ndim(sharing.internal_wrench) > 1:
-        sharing = replace(sharing, internal_wrench=sharing.internal_wrench[0] * 0)
-    known = motion_planes(cell, motion, sharing, None)
-    assert known is not None
-    rng, length = np.random.default_rng(5), float(motion.object.time[-1])
-    compiled = regions_of_planes(*known, length)
-    given = speed_regions(build_sample_problem(cell, motion, sharing=sharing, varying=True), length)
-    assert compiled.undecided == given.undecided == ()
-    np.testing.assert_allclose(compiled.bound, given.bound, rtol=SAME)
-    np.testing.assert_allclose(compiled.upper, given.upper, rtol=SAME)
-    np.testing.assert_array_equal(compiled.start, given.start)
-    for _ in range(20):
-        u, x = rng.normal(size=motion.samples) * 5, rng.uniform(0, 5, motion.samples)
-        ours, theirs = sides_at(compiled, u, x), sides_at(given, u, x)
-        np.testing.assert_allclose(ours, theirs, rtol=SAME, atol=SAME * float(np.max(np.abs(theirs))))
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -176,9 +143,7 @@ def test_half_planes_of_an_arm_are_its_torques_by_pinocchio(seed, tmp_path):
     cell, model, path = one_arm(seed, tmp_path)
     cell, data = cell.without_velocity_limits(), model.createData()
     motion, rng = along_spline(cell, path, 23), np.random.default_rng(seed)
-    known = motion_planes(cell, motion, None, None)
-    assert known is not None
-    regions = regions_of_planes(*known, 1.0)
+    regions = speed_regions(build_sample_problem(cell, motion, varying=True), 1.0)
     limit = cell.robots[0].torque_upper
     u, x = rng.normal(size=motion.samples) * 10, rng.uniform(0, 20, motion.samples)
     inside = sides_at(regions, u, x)
@@ -192,16 +157,5 @@ def test_friction_in_proportion_to_speed_is_left_to_the_intervals(tmp_path):
     cell, path = arm_and_path(tmp_path)
     cell = equipped(cell, viscous=3.0)
     motion = along_spline(cell, path, 31)
-    assert motion_planes(cell, motion, None, None) is None
     found, known = (motion_ranges(cell, motion, "wrench", None, solver) for solver in ("kernel", "qpsol:qpoases"))
     np.testing.assert_allclose(found.upper, known.upper, rtol=1e-9)
-
-
-def test_what_is_no_number_is_left_to_the_rows(tmp_path, monkeypatch):
-    """The C says so rather than take it for no limit."""
-    cell, path = arm_and_path(tmp_path)
-    motion = along_spline(cell, path, 9)
-    poor = motion.inputs(cell.load)
-    poor["ddq"] = np.where(np.arange(9)[:, None] == 4, np.nan, motion.ddq)
-    monkeypatch.setattr(type(motion), "inputs", lambda _self, _load: poor)
-    assert motion_planes(cell, motion, None, None) is None

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import DATA
-from saved_files import contents
 
 import mrts
 from mrts.cell.motors.joint_motors import JointMotors
@@ -112,39 +111,6 @@ def test_a_range_that_rates_leave_empty_is_saved(planar_cell, lift, tmp_path, li
     mrts.save_result(replace(lifted, found=empty, c2=None, trajectory=None, options=limits), tmp_path / "empty.npz")
     again = mrts.load_result(tmp_path / "empty.npz")
     assert (again.range.status, again.range.lower, again.range.upper) == (empty.status, upper, replace(upper, c2=1.0))
-
-
-def damaged(kept, tmp_path, change):
-    mrts.save_result(kept, tmp_path / "kept.npz")
-    description, arrays = contents(tmp_path / "kept.npz")
-    change(description)
-    text = np.frombuffer(json.dumps(description).encode(), dtype=np.uint8)
-    np.savez(tmp_path / "damaged.npz", **arrays | {"description": text})
-    return tmp_path / "damaged.npz"
-
-
-def of_last(description, **values):
-    """Change the upper end."""
-    description["rated"]["ends"][1].update(values)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda d: of_last(d, sample=10**6), "rated: sample"),
-        (lambda d: of_last(d, rows=[10**6]), "rated: rows"),
-        (lambda d: of_last(d, load=7), "rated: load"),
-        (lambda d: d["rated"].update(status="infeasible"), "rated: .*infeasible"),
-        (lambda d: d["rated"].update(status="unbounded"), "rated: .*c2"),
-        (lambda d: d["rated"]["ends"][0].update(c2=None, sample=None), "rated: .*lower end"),
-        (lambda d: d["rated"]["ends"][0].update(c2=None), "rated.ends.*sample"),
-        (lambda d: d["rule"]["rates"].update(jerk=[1.0]), "rule.rates: must have 6, 6 and 6 values"),
-        (lambda d: d["rule"]["rates"].update(jerk=[-1.0] * 6), r"rule\.rates\.jerk"),
-    ],
-)
-def test_damage_of_what_is_saved_of_rates_is_told(kept, tmp_path, change, message):
-    with pytest.raises(mrts.InputError, match=message):
-        mrts.load_result(damaged(kept, tmp_path, change))
 
 
 def test_the_command_line_keeps_rates(capsys, tmp_path):

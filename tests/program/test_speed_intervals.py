@@ -13,6 +13,7 @@ from speed_scan import Motors, SpeedScan
 
 import mrts
 from mrts.cell.motors.joint_motors import JointMotors
+from mrts.program.infeasibility import closest_speed
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import sample_ranges
 from mrts.program.trajectory_programs import motion_ranges
@@ -200,3 +201,14 @@ def test_a_sample_without_any_speed_names_the_closest_and_what_conflicts_there(t
             seen["moving"] += conflict.c2 > 1e-6
     assert seen["found"] > 4
     assert seen["moving"] > 0
+
+
+def test_the_closest_speed_is_found_in_a_narrow_dip_near_rest(planar_cell, lift):
+    """Of 1.055 - 0.0005 c and 1.0529 + c the larger is least where both are one; another row says what is fast."""
+    motion = mrts.follow_object(planar_cell, lift)
+    problem = build_sample_problem(planar_cell, motion, sharing=mrts.LoadSharing(), samples=np.array([50]))
+    rows = len(problem.names)
+    square, speed, upper = np.zeros((1, rows, 1)), np.zeros((1, rows)), np.full((1, rows), np.inf)
+    square[0, 2], speed[0, :2], upper[0, :3] = 0.5, (-0.0005, 1.0), (-1.055, -1.0529, 1.0)
+    dip = replace(problem, A=square, speed=speed, lower=np.full((1, rows), -np.inf), upper=upper)
+    assert closest_speed(dip, "kernel") == pytest.approx(0.0021 / 1.0005, rel=1e-6)

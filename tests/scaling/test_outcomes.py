@@ -13,6 +13,7 @@ from conftest import DATA
 import mrts
 from mrts.program.infeasibility import separation
 from mrts.program.range_ends import BindingRows, no_codes
+from mrts.program.rate_limits import rate_limits
 from mrts.program.sample_problem import build_sample_problem
 from mrts.scaling.range import intersect
 from mrts.scaling.scale import choose_c2
@@ -326,3 +327,15 @@ def test_changes_of_a_cell_are_checked(planar_cell):
     for postures in ({"middle": [0, 0, 0]}, {"left": [0, 0]}, {"left": None}, {"left": [0, 0, np.inf]}):
         with pytest.raises(mrts.InputError, match="postures"):
             planar_cell.with_postures(postures)
+
+
+def test_options_that_hold_arrays_compare_by_their_numbers(planar_cell, lift):
+    def options(last):
+        weights, sharing = [1.0] * 5 + [last], mrts.LoadSharing([0.4, 0.6])
+        return mrts.Options(weights=weights, sharing=sharing, rates=rate_limits(planar_cell, 10.0))
+
+    assert options(2.0) == options(2.0)
+    assert options(2.0) != options(3.0)
+    said = mrts.scale(planar_cell, lift, weights=[1.0] * 5 + [2.0]).to_json()
+    assert said["weights"] == [1.0] * 5 + [2.0]
+    assert mrts.scale(planar_cell, lift).to_json()["weights"] is None

@@ -63,10 +63,11 @@ def test_grasps_are_put_into_the_text_and_nothing_else_changes():
     assert "# kept" in text
 
 
-def test_robots_that_are_one_in_the_file_are_refused():
-    text = "robots:\n  - &one {name: left, grasp: {xyz: [0, 0, 0]}}\n  - *one\n"
-    with pytest.raises(InputError, match="two robots share one place"):
-        with_grasps(Path("cell.yaml"), text, {"left": "{xyz: [1, 0, 0]}"})
+def test_grasps_that_are_one_in_the_file_are_refused():
+    text = "robots:\n  - {name: left, grasp: &one {xyz: [0, 0, 0]}}\n  - {name: right, grasp: *one}\n"
+    with pytest.raises(InputError) as raised:
+        with_grasps(Path("cell.yaml"), text, {"left": "{xyz: [1, 0, 0]}", "right": "{xyz: [2, 0, 0]}"})
+    assert raised.value.key == "robots"
 
 
 def test_a_grasp_that_something_else_repeats_is_not_replaced():

@@ -17,7 +17,6 @@ from mrts.starting.cell_writing import cell_file, missing, motion_file
 from mrts.starting.layouts import layouts
 from mrts.starting.proposal import propose
 from mrts.starting.reading import Given, request_of
-from mrts.starting.scene import scene_of
 
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
 PLANAR = DATA / "planar_arm.urdf"
@@ -106,7 +105,7 @@ def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
     text = cell_file(proposal)
     assert "# assumed: the URDF has no effort. Put the data sheet's here" in text
     assert any("no effort limit of" in sentence for sentence in missing(request.arms[0].arm))
-    assert proposal.assumed == dict.fromkeys(("left", "right"), request.arms[0].arm.chain.joints)
+    assert [each.arm.without_effort for each in request.arms] == [request.arms[0].arm.chain.joints] * 2
     assert proposal.result.range.upper.c2 >= 4
     sides = [robot["grasp"]["xyz"][0] for robot in proposal.cell["robots"]]
     assert sides[0] == -sides[1] != 0
@@ -145,7 +144,7 @@ def test_arms_of_one_machine_hold_in_front_of_it():
     """Without a compiler: the layout alone. Left is left, and the bases are the URDF's."""
     request = requested(BAXTER)
     assert request.one_machine
-    best = layouts(scene_of(request, 2.0))[0]
+    best = layouts(request, 2.0)[0]
     assert best.position[0] > 0.2
     left, right = best.stands
     assert left.T_world_tip.p[1] > best.position[1] > right.T_world_tip.p[1]
@@ -169,7 +168,7 @@ def test_bases_that_are_given_stay():
         RigidTransform.from_xyz_rpy([-0.6, 0.1, 0.3], [0, 0, 0.5]),
         RigidTransform(np.eye(3), np.array([0.6, 0, 0.3])),
     ]
-    found = layouts(scene_of(requested(UR5, bases=bases), 2.0))
+    found = layouts(requested(UR5, bases=bases), 2.0)
     for stand, base in zip(found[0].stands, bases, strict=True):
         assert stand.T_world_base.p == pytest.approx(base.p)
         assert np.allclose(stand.T_world_base.R, base.R)
@@ -180,15 +179,24 @@ def test_bases_that_are_given_stay():
     assert found[0].score >= found[-1].score > 0
 
 
+@pytest.mark.parametrize(("robot", "gravity"), [(UR5, [9.81, 0, 0]), (PLANAR, [-9.81, 0, 0])])
+def test_where_up_lies_along_x_the_hands_stand_beside_the_box(robot, gravity):
+    best = layouts(requested(robot, gravity=np.array(gravity)), 2.0)[0]
+    left, right = (stand.T_world_tip.p - best.position for stand in best.stands)
+    assert left == pytest.approx(-right, abs=PLACED)
+    assert abs(left[0]) < PLACED < np.linalg.norm(left)
+    assert best.lift @ gravity < 0
+
+
 def test_arms_too_far_apart_hold_nothing():
     bases = [RigidTransform(np.eye(3), np.array([x, 0.0, 0.0])) for x in (-3, 3)]
     with pytest.raises(MotionError, match="no posture was found"):
-        layouts(scene_of(requested(UR5, bases=bases), 2.0))
+        layouts(requested(UR5, bases=bases), 2.0)
 
 
 @pytest.mark.parametrize(("mass", "said"), [(2.0, r" with 2 kg, nor with 0\.\d+ kg\. "), (None, r"\. ")])
 def test_what_cannot_be_played_names_the_loads_that_were_tried(mass, said, monkeypatch):
-    def nowhere(_scene):
+    def nowhere(*_request):
         raise MotionError("no posture was found.")
 
     monkeypatch.setattr("mrts.starting.proposal.layouts", nowhere)

@@ -8,35 +8,48 @@ import pytest
 from scipy import stats
 from scipy.stats import qmc
 
+from mrts.studies.distributions import Distribution
 from mrts.studies.sampling import grid_size, sample_points
-from mrts.studies.spreads import Distribution, Levels, Range
 
 QUANTILE_TOLERANCE = 1e-12
 """Share by which two ways to evaluate a quantile may differ: rounding."""
 
-ANY = [Levels((3.0, 1.0, 2.0)), Range(-2.0, 5.0), Distribution("normal", (1.0, 0.1)), Range(0.0, 1e-3)]
-UNIT = [Range(0.0, 1.0)] * 5
+ANY = [
+    Distribution("values", (3.0, 1.0, 2.0)),
+    Distribution("uniform", (-2.0, 5.0)),
+    Distribution("normal", (1.0, 0.1)),
+    Distribution("uniform", (0.0, 1e-3)),
+]
+UNIT = [Distribution("uniform", (0.0, 1.0))] * 5
 
 
 def test_a_grid_takes_every_combination_the_last_number_fastest():
-    spreads = [Levels((1.0, 2.0)), Levels((10.0,)), Levels((0.5, 0.25, 0.125))]
-    assert grid_size(spreads) == 6
-    expected = list(product(*(spread.values for spread in spreads)))
-    np.testing.assert_array_equal(sample_points(spreads, "grid", 6, 0, (0, 6)), expected)
+    distributions = [
+        Distribution("values", (1.0, 2.0)),
+        Distribution("values", (10.0,)),
+        Distribution("values", (0.5, 0.25, 0.125)),
+    ]
+    assert grid_size(distributions) == 6
+    expected = list(product(*(distribution.levels for distribution in distributions)))
+    np.testing.assert_array_equal(sample_points(distributions, "grid", 6, 0, (0, 6)), expected)
 
 
 @pytest.mark.parametrize("sample", ["grid", "lhs", "sobol"])
 def test_points_are_the_same_in_any_block(sample):
-    spreads = [Levels(tuple(np.linspace(0, 1, levels))) for levels in (7, 5, 4)] if sample == "grid" else ANY
+    distributions = (
+        [Distribution("values", tuple(np.linspace(0, 1, levels))) for levels in (7, 5, 4)] if sample == "grid" else ANY
+    )
     count = 140
-    whole = sample_points(spreads, sample, count, 3, (0, count))
-    assert whole.shape == (count, len(spreads))
+    whole = sample_points(distributions, sample, count, 3, (0, count))
+    assert whole.shape == (count, len(distributions))
     rng = np.random.default_rng(1)
     for first, last in np.sort(rng.integers(0, count + 1, (30, 2)), axis=1).tolist():
         if first < last:
-            np.testing.assert_array_equal(sample_points(spreads, sample, count, 3, (first, last)), whole[first:last])
+            np.testing.assert_array_equal(
+                sample_points(distributions, sample, count, 3, (first, last)), whole[first:last]
+            )
     if sample != "grid":
-        assert np.any(sample_points(spreads, sample, count, 4, (0, count)) != whole)
+        assert np.any(sample_points(distributions, sample, count, 4, (0, count)) != whole)
 
 
 @pytest.mark.parametrize("count", [1, 7, 64, 1000])
@@ -62,9 +75,9 @@ def test_sobol_points_are_those_of_scipy():
 
 
 @pytest.mark.parametrize(
-    ("spread", "reference"),
+    ("distribution", "reference"),
     [
-        (Range(-2.0, 5.0), stats.uniform(-2, 7)),
+        (Distribution("uniform", (-2.0, 5.0)), stats.uniform(-2, 7)),
         (Distribution("normal", (3.0, 0.2)), stats.norm(3, 0.2)),
         (Distribution("lognormal", (3.0, 0.2)), stats.lognorm(0.2, scale=3)),
         (Distribution("triangular", (1.0, 2.0, 5.0)), stats.triang(0.25, 1, 4)),
@@ -72,38 +85,40 @@ def test_sobol_points_are_those_of_scipy():
         (Distribution("triangular", (1.0, 5.0, 5.0)), stats.triang(1, 1, 4)),
     ],
 )
-def test_quantiles_are_those_of_scipy(spread, reference):
+def test_quantiles_are_those_of_scipy(distribution, reference):
     probability = np.random.default_rng(2).random(500)
-    np.testing.assert_allclose(spread.at(probability), reference.ppf(probability), rtol=QUANTILE_TOLERANCE, atol=1e-15)
-    ends = spread.at(np.array([0.0, 1.0]))
+    np.testing.assert_allclose(
+        distribution.at(probability), reference.ppf(probability), rtol=QUANTILE_TOLERANCE, atol=1e-15
+    )
+    ends = distribution.at(np.array([0.0, 1.0]))
     assert np.all(np.isfinite(ends))
-    if spread.bounds is not None:
-        assert ends.tolist() == pytest.approx(spread.bounds)
+    if distribution.bounds is not None:
+        assert ends.tolist() == pytest.approx(distribution.bounds)
 
 
 def test_levels_are_drawn_alike():
-    levels = Levels((4.0, 2.0, 9.0))
+    levels = Distribution("values", (4.0, 2.0, 9.0))
     points = sample_points([levels], "lhs", 300, 0, (0, 300))
-    assert [int(np.sum(points == level)) for level in levels.values] == [100, 100, 100]
+    assert [int(np.sum(points == level)) for level in levels.levels] == [100, 100, 100]
     assert levels.at(np.array([0.0, 1.0])).tolist() == [4, 9]
     assert levels.bounds == (2, 9)
 
 
 def test_the_last_block_of_a_million_takes_no_longer_than_the_first():
-    million, spreads = 10**6, [Range(0.0, 1.0)] * 20
+    million, distributions = 10**6, [Distribution("uniform", (0.0, 1.0))] * 20
     for sample in ("lhs", "sobol"):
-        sample_points(spreads, sample, million, 1, (0, 1000))
+        sample_points(distributions, sample, million, 1, (0, 1000))
         start = process_time()
-        sample_points(spreads, sample, million, 1, (million - 1000, million))
+        sample_points(distributions, sample, million, 1, (million - 1000, million))
         assert process_time() - start < 0.5
 
 
-def test_spreads_are_told_with_their_unit():
+def test_distributions_are_told_with_their_unit():
     told = [
-        Levels((0.4, 0.5)).text("kg"),
-        Levels(tuple(range(20))).text(""),
-        Levels((0.0, 0.5, 1.0), between=True).text("m"),
-        Range(0.0, 2.0).text("rad"),
+        Distribution("values", (0.4, 0.5)).text("kg"),
+        Distribution("values", tuple(range(20))).text(""),
+        Distribution("steps", (0.0, 0.5, 1.0)).text("m"),
+        Distribution("uniform", (0.0, 2.0)).text("rad"),
         Distribution("normal", (1.0, 0.1)).text("kg"),
         Distribution("lognormal", (1.0, 0.1)).text("s"),
         Distribution("triangular", (1.0, 1.5, 3.0)).text("m"),

@@ -10,8 +10,8 @@ from conftest import DATA, ROOT
 from study_files import planar_study
 
 import mrts
+from mrts.studies.distributions import Distribution
 from mrts.studies.number_paths import numbers_below, path_text, value_at
-from mrts.studies.spreads import Distribution, Levels, Range
 from mrts.studies.variant_rows import solve_variants
 
 UR5 = DATA.parent / "dual_ur5"
@@ -106,7 +106,7 @@ def test_torques_of_the_urdf_are_there_to_be_scaled(tmp_path):
         np.testing.assert_array_equal(half.torque_lower, whole.torque_lower / 2)
 
 
-def test_a_knob_sets_shifts_and_scales(tmp_path):
+def test_a_parameter_sets_shifts_and_scales(tmp_path):
     study = planar_study(
         tmp_path,
         """
@@ -132,7 +132,7 @@ vary:
     assert [each.unit for each in study.parameters] == ["m", "", ""]  # an end is a place and a rotation
 
 
-def test_spreads_are_those_of_the_file(tmp_path):
+def test_distributions_are_those_of_the_file(tmp_path):
     vary = """
 vary:
   object.mass: {normal: {mean: 0.5, std: 0.01}}
@@ -143,9 +143,10 @@ vary:
 sample: sobol
 count: 8
 """
-    assert [each.spread for each in planar_study(tmp_path, vary).parameters] == [
+    assert [each.distribution for each in planar_study(tmp_path, vary).parameters] == [
         Distribution("normal", (0.5, 0.01)), Distribution("lognormal", (0.5, 0.1)),
-        Distribution("triangular", (-10, -9.8, -9)), Range(2.0, 2.2), Levels((90.0, 100.0)),
+        Distribution("triangular", (-10, -9.8, -9)), Distribution("uniform", (2.0, 2.2)),
+        Distribution("values", (90.0, 100.0)),
     ]  # fmt: skip
 
 

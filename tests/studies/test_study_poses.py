@@ -7,7 +7,7 @@ from conftest import DATA
 
 import mrts
 from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.studies.at_once.variant_numbers import base_numbers, varied_entries
+from mrts.studies.variant_numbers import base_numbers, varied_entries
 
 HALF = [0.0, 0.0, 0.0, 1.0]  # half a turn about z, the right arm's
 

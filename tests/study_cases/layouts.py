@@ -11,7 +11,7 @@ import mrts
 from mrts.base.arrays import Array
 from mrts.cell.generation import symbolic_functions
 from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.layout.layout_program import LayoutAnswer, LayoutProgram, LayoutStart
+from mrts.layout.layout_program import LayoutAnswer, solve_layout
 
 DATA = Path(mrts.__file__).parent / "data"
 
@@ -64,15 +64,7 @@ class Layouts:
     def program_at(self, values: Array) -> LayoutAnswer:
         """The program with its layout held fixed: c²⁺ there, and how it changes."""
         result = self.result(values)
-        start = LayoutStart(
-            cell=result.cell,
-            layout=values,
-            motion=result.motion,
-            wrench=result.trajectory.wrench,
-            c2=result.range.upper.c2,
-            loads=(result.cell.load,) if result.load is None else tuple(point.load for point in result.load.points),
-        )
         numbers = LayoutNumbers.of(self.study, result.cell)
         functions = symbolic_functions(self.study.cell, self.study.folder.absolute())
-        program = LayoutProgram(functions, numbers, start, np.arange(result.motion.samples))
-        return program.solve((values, values))
+        samples = np.arange(result.motion.samples)
+        return solve_layout(functions, numbers, values, result, samples, bounds=(values, values))

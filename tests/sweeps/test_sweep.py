@@ -20,7 +20,6 @@ import mrts
 import mrts.sweeps.sweep as engine
 from mrts.studies.study_folder import opened_study_folder
 from mrts.studies.variant_rows import solve_variants
-from mrts.sweeps import chunks
 from mrts.sweeps.best_variants import write_best
 
 STUDY = """
@@ -154,10 +153,8 @@ def test_workers_that_are_killed_now_and_then_lose_nothing(study, alone, tmp_pat
     assert_same_table(mrts.read_study_folder(out).table(), alone)
 
 
-def test_a_variant_that_no_worker_survives_is_a_row_and_costs_no_other(alone, tmp_path, monkeypatch):
+def test_a_variant_that_no_worker_survives_is_a_row_and_costs_no_other(alone, tmp_path):
     """Killed, as where memory runs out, or stumbling over a defect."""
-    monkeypatch.setattr(chunks, "LIVES", 2)
-    monkeypatch.setattr(chunks, "TRIES", 2)
     small = faulty(planar_study(tmp_path, STUDY), deadly=(5,), stumbling=(20, 21))
     table = mrts.sweep(small, workers=2)
     failed = {5: "the process that solved it ended each time", 20: "ZeroDivisionError: 1 / 0", 21: "ZeroDivisionError"}

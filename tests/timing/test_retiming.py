@@ -16,10 +16,10 @@ from transcription import transcription
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.trajectory_programs import motion_planes, motion_ranges
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
 from mrts.timing.path_pieces import path_pieces
-from mrts.timing.speed_regions import regions_of_planes, speed_regions
+from mrts.timing.speed_regions import speed_regions
 
 UR5 = DATA.parent / "dual_ur5"
 TOPPRA_TOLERANCE = 1e-4  # seidel keeps limits to 1e-6 of their size; a thin region turns that into more of x
@@ -36,14 +36,10 @@ def test_one_arm_equals_toppra_pointwise(seed, tmp_path):
     cell, model, path = one_arm(seed, tmp_path)
     theirs = by_toppra(cell, model, path, grid)
     motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
-    planes = motion_planes(cell, motion, None, None)
-    assert planes is not None
-    rows = build_sample_problem(cell, motion, varying=True)
-    for regions in (speed_regions(rows, 1.0), regions_of_planes(*planes, 1.0)):
-        ours = fastest_profile(np.diff(grid), regions, (0.0, 0.0))
-        assert (theirs is None) == isinstance(ours, Obstacle)
-        if theirs is None:
-            continue
+    regions = speed_regions(build_sample_problem(cell, motion, varying=True), 1.0)
+    ours = fastest_profile(np.diff(grid), regions, (0.0, 0.0))
+    assert (theirs is None) == isinstance(ours, Obstacle)
+    if theirs is not None:
         assert isinstance(ours, SpeedProfile)
         np.testing.assert_allclose(ours.x, theirs, atol=TOPPRA_TOLERANCE * np.max(theirs))
         assert duration(np.diff(grid), ours.x) == pytest.approx(duration(np.diff(grid), theirs), rel=1e-5)

@@ -7,10 +7,8 @@ from scipy.spatial.transform import Rotation
 from viewer_socket import connected, messages_of
 
 import mrts
-from mrts.viewer.motion_viewer import FRAME
 from mrts.viewer.server import close_server, open_server
-from mrts.viewer.shown_course import course_of
-from mrts.viewer.viewer import Viewer
+from mrts.viewer.viewer import FRAME, Viewer
 from mrts.viewer.workbench.choices import Given
 from mrts.viewer.workbench.held_poses import tip_pose
 from mrts.viewer.workbench.workbench import Workbench
@@ -49,7 +47,7 @@ def viewer(dual_ur5):
 def test_a_second_of_playing_is_thirty_frames_each_whole(viewer):
     """Each step of the viewer is one message with every part that moves, at the slowest pace too."""
     moving = {"/object", "/hands/left", "/hands/right", "/carried", "/carried/forces"}
-    moving |= {f"/arms/{arm}/{part}" for arm in ("left", "right") for part in ("points", "links")}
+    moving |= {f"/arms/{arm}/body{body}" for arm in ("left", "right") for body in range(1, 7)}
     pace = next(handle for handle in viewer.server.controls.values() if getattr(handle, "label", "") == "pace")
     for pace.value in ("1/10", "1/50"):
         with connected(viewer.server.url) as opened:
@@ -73,7 +71,7 @@ def test_a_second_of_playing_is_thirty_frames_each_whole(viewer):
 
 def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(viewer):
     state = viewer.state
-    course = course_of(state)
+    course = state.scene
     for place in (3.25, 50.5, 99.99):
         moment = course.moment(place)
         low, high = int(place), int(place) + 1

@@ -11,8 +11,7 @@ from conftest import DATA
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.loading import cell_to_compile
 from mrts.cli import main
-from mrts.drawing.bodies.cell_shapes import body_poses
-from mrts.viewer.motion_viewer import MotionViewer
+from mrts.scene.cell_shapes import body_poses
 from mrts.viewer.panel import held_html
 from mrts.viewer.server import close_server, open_server
 from mrts.viewer.viewer import Viewer
@@ -71,6 +70,6 @@ def test_a_cell_stands_at_its_posture_follows_its_places_and_is_saved(alone):
 
 def test_the_command_shows_a_cell_alone(monkeypatch, capsys):
     """Ctrl-C comes at once."""
-    monkeypatch.setattr(MotionViewer, "run", lambda _viewer: None)
+    monkeypatch.setattr(Viewer, "run", lambda _viewer: None)
     assert main(["view", str(DATA / "cell.yaml"), "--port", "0", "--no-open"]) == 0
     assert "no motion was given, the cell stands at its posture" in capsys.readouterr().out

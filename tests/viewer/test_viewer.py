@@ -4,7 +4,6 @@ import socket
 import subprocess
 import sys
 from functools import partial
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,12 +21,11 @@ from viewer_browser import SIZE, chromium, in_picture, interrupt, open_page, run
 import mrts
 from mrts.cell.source_files import urdf_files
 from mrts.cli import main
-from mrts.drawing.bodies.arm_meshes import arm_meshes
-from mrts.drawing.bodies.cell_shapes import body_poses, joint_points
-from mrts.drawing.bodies.cell_view import look_at_cell
-from mrts.drawing.colours import SHARED_BASE
+from mrts.scene.arm_meshes import arm_meshes, bars, drawn_arms
+from mrts.scene.cell_shapes import body_poses, joint_points
+from mrts.scene.cell_view import look_at_cell
+from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour, deciding_limit
 from mrts.viewer.scene import ViewerScene
-from mrts.viewer.scene_arms import SHORTEST_LINK, drawn_arm
 from mrts.viewer.server import close_server, open_server
 from mrts.viewer.viewer import Viewer
 from mrts.viewer.workbench.choices import Given
@@ -128,18 +126,30 @@ def test_a_joint_that_is_held_is_drawn_where_it_stands():
 
 
 @pytest.mark.parametrize("shared", [True, False])
-def test_what_two_arms_stand_on_has_the_colour_of_neither(shared):
+def test_what_two_arms_stand_on_has_the_colour_of_neither(shared, monkeypatch):
     path = DATA.parent / "upper_body" / "cell.yaml"
-    arm, own, colours = mrts.load_cell(path).robots[0], (1, 2, 3), {}
+    if not shared:
+        monkeypatch.setattr("mrts.scene.arm_meshes.shares_base", lambda _cell, _robot: False)
+    for index, parts in enumerate(drawn_arms(mrts.load_cell(path), urdf_files(path), pytest.fail)):
+        base = {part.colour() for part in parts if part.body == 0}
+        assert base == {SHARED_BASE if shared else arm_colour(index)}
+        assert {part.colour() for part in parts if part.body} == {arm_colour(index)}
 
-    def note(name, *_shape, color, **_others):
-        colours[name] = color
 
-    scene = SimpleNamespace(add_frame=lambda *_args, **_others: None, add_mesh_simple=note)
-    drawn_arm(scene, arm, urdf_files(path), own, 0.1, pytest.fail, shared_base=shared)
-    base = {colour for name, colour in colours.items() if "/body0/" in name}
-    assert base == {SHARED_BASE if shared else own}
-    assert {colour for name, colour in colours.items() if "/body0/" not in name} == {own}
+def test_the_joint_that_decides_stands_out(dual_ur5):
+    """The range of this cell ends where the right arm's fifth joint reaches its velocity limit."""
+    result = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+    found = deciding_limit(result.trajectory, result.range)
+    (row,) = result.range.upper.rows
+    assert found.name == row.name
+    assert found.sample == result.range.upper.sample
+    assert found.share == pytest.approx(1.0)
+    slow = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"), 1.0)
+    assert deciding_limit(slow.trajectory, slow.range).share == pytest.approx(result.trajectory.c2**-0.5)
+    left, right = drawn_arms(dual_ur5, {}, pytest.fail)
+    assert [found.body(robot) for robot in dual_ur5.robots] == [None, 5]
+    assert {part.body for part in right if part.colour(5) == OVER_LIMIT} == {5}
+    assert all(part.colour(None) != OVER_LIMIT for part in (*left, *right))
 
 
 @pytest.mark.parametrize("spoil", ["gone", "broken", "http"])
@@ -157,7 +167,7 @@ def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
     server = open_server("127.0.0.1", 0, "test")
     try:
         Viewer(server, bench, urdf_files(path), warnings.append).step(0.0)
-        drawn = [server.scene.get_handle_by_name(f"/arms/{name}/links") for name in ("left", "right")]
+        drawn = [server.scene.get_handle_by_name(f"/arms/{name}/body6/mesh1") for name in ("left", "right")]
     finally:
         close_server(server)
     assert all(handle is not None for handle in drawn)
@@ -166,14 +176,21 @@ def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
     assert spoil == "broken" or other in warnings[0]
 
 
-def assert_links_join(links, line):
-    """Each cylinder of length 1 along z, as the page scales, turns and moves it, ends at two neighbours of a line."""
-    turned = Rotation.from_quat(np.roll(links.batched_wxyzs, -1, axis=1))
-    long = np.linalg.norm(np.diff(line, axis=0), axis=1) > SHORTEST_LINK
-    assert np.any(long)
-    for end, points in ((-0.5, line[:-1]), (0.5, line[1:])):
-        ends = turned.apply(links.batched_scales * [0, 0, end]) + links.batched_positions
-        np.testing.assert_allclose(ends[long], points[long], atol=SINGLE)
+def assert_links_join(scene, robot, line):
+    """The middle of each bar, as the page moves it, is between neighbours of a line, unless the next joint slides."""
+    seen = 0
+    for number, part in enumerate(bars(robot, (1, 2, 3))):
+        slides = (*robot.joint_types, "tip")[part.body] == "prismatic"
+        if part.marks or slides:
+            continue
+        frame = scene.get_handle_by_name(f"/arms/{robot.name}/body{part.body}")
+        mesh = scene.get_handle_by_name(f"/arms/{robot.name}/body{part.body}/mesh{number}")
+        middle = Rotation.from_quat(np.roll(frame.wxyz, -1)).apply(np.mean(mesh.vertices, axis=0)) + frame.position
+        between = line[part.body : part.body + 2]
+        is_ball = number == 0
+        np.testing.assert_allclose(middle, between[0] if is_ball else np.mean(between, axis=0), atol=SINGLE)
+        seen += not is_ball
+    assert seen > 0
 
 
 @pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
@@ -196,9 +213,10 @@ def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
             contacts = []
             for robot in state.result.cell.robots:
                 contacts.append(moved.position[sample] + moved.rotation[sample] @ robot.T_object_tip.p)
-                line = server.scene.get_handle_by_name(f"/arms/{robot.name}/points").batched_positions
-                np.testing.assert_allclose(line[-1], contacts[-1], atol=SINGLE)
-                assert_links_join(server.scene.get_handle_by_name(f"/arms/{robot.name}/links"), line)
+                joints = state.result.cell.joint_slices[robot.name]
+                line = joint_points(robot, state.result.motion.q[sample : sample + 1, joints])[0]
+                np.testing.assert_allclose(line[-1], contacts[-1], atol=1e-6)
+                assert_links_join(server.scene, robot, line)
             assert all(np.min(np.linalg.norm(contacts - start, axis=1)) < 1e-6 for start in arrows[:, 0])
             box = server.scene.get_handle_by_name("/object")
             np.testing.assert_allclose(box.position, moved.position[sample])

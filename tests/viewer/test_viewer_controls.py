@@ -8,6 +8,7 @@ import pytest
 import viser
 from conftest import DATA
 
+import mrts
 from mrts.motion.motion_file import described_motion
 from mrts.viewer.controls.bound_control import DECIMALS, assign
 from mrts.viewer.server import close_server, open_server
@@ -160,3 +161,15 @@ def test_every_number_field_takes_decimal_places(viewer):
     sliders = [each for each in viewer.controls.values() if isinstance(each, viser.GuiSliderHandle)]
     assert len(sliders) == 13
     assert all(slider.precision >= DECIMALS for slider in sliders)
+
+
+def test_it_opens_at_the_moment_that_decides(server, dual_ur5):
+    server.gui.reset()
+    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    shown = Viewer(server, Workbench(Given(dual_ur5, motion)), {}, pytest.fail)
+    state, upper = shown.state, shown.state.result.range.upper
+    (time_slider,) = (each for each in server.controls.values() if getattr(each, "label", "") == "time [s]")
+    shown.close()
+    assert 0 < upper.sample < len(state.trajectory.time) - 1
+    assert state.sample == upper.sample
+    assert time_slider.value == pytest.approx(state.trajectory.time[upper.sample], abs=1e-4)

@@ -259,8 +259,8 @@ def test_a_text_field_takes_a_short_line(viewer, text):
 
 
 def test_a_film_comes_to_the_page_that_asked_for_it(viewer, monkeypatch):
-    monkeypatch.setattr(film, "RATE", 2)
-    monkeypatch.setattr(film, "SHORTEST", 0.2)
+    monkeypatch.setitem(film.RATES, ".gif", 2)
+    monkeypatch.setattr(film, "suited_pace", lambda _duration: 1.0)
     name, download = f"{viewer.shown.bench.given.cell.name}.gif".encode(), b"FileTransferStartDownload"
     with connected(viewer.url) as other, connected(viewer.url) as asking:
         asking.send(update(viewer, "Film (GIF)", value=True))

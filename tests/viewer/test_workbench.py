@@ -12,14 +12,14 @@ import yaml
 from conftest import DATA
 
 import mrts
+from mrts.base.edited_yaml import edited_yaml
 from mrts.base.rigid_transform import RigidTransform
-from mrts.drawing.bodies.cell_shapes import body_poses
-from mrts.drawing.bodies.held_body import held_body
 from mrts.motion.motion_file import described_motion
+from mrts.scene.cell_shapes import body_poses
+from mrts.scene.held_body import held_body
 from mrts.viewer.controls.places import Place, in_plane, moved_by, offset_of, places
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.workbench.choices import Choices, Given
-from mrts.viewer.workbench.edited_yaml import edited_yaml
 from mrts.viewer.workbench.held_poses import tip_pose
 from mrts.viewer.workbench.saved_choices import motion_text, save_choices
 from mrts.viewer.workbench.workbench import Workbench
@@ -139,8 +139,9 @@ def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
     found = answer.held
     assert answer.state is None
     assert "cannot reach" in answer.message
-    assert 0 < found.first < len(found.time) - 1
-    for sample in (0, found.first, len(found.time) - 1):
+    lost = int(np.flatnonzero(~np.all(found.reached, axis=1))[0])
+    assert 0 < lost < len(found.time) - 1
+    for sample in (0, lost, len(found.time) - 1):
         for index, (robot, part) in enumerate(zip(found.cell.robots, found.cell.joint_slices.values(), strict=True)):
             R, p = body_poses(robot, found.q[sample : sample + 1, part])
             _, tip = tip_pose(robot, R[0], p[0])

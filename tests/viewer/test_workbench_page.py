@@ -8,7 +8,7 @@ from conftest import DATA
 from playwright.sync_api import TimeoutError as NotInTime
 from viewer_browser import chromium, in_picture, open_page, running_viewer
 
-from mrts.drawing.bodies.cell_view import look_at_cell
+from mrts.scene.cell_view import look_at_cell
 from mrts.viewer.controls.gizmo import ARM
 
 assert chromium  # a fixture, imported for pytest
@@ -188,7 +188,9 @@ def test_numbers_keep_the_point_that_is_typed(chromium):
     with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url), open_page(chromium, url) as page:
         page.get_by_role("tab", name="Change").click()
         pick(page, "move", "left base")
-        for label, number in (("along x [mm]", "1.5"), ("left torques [%]", "87.5")):
+        for label, number in (
+            ("along x [mm]", "1.5"), ("left torques [%]", "87.5"), ("speed c", "1.5"), ("time [s]", "0.15"),
+        ):  # fmt: skip
             slider = row(page, label)
             field = (
                 slider.locator("xpath=ancestor::div[contains(@class, 'mantine-Flex-root')][1]").locator("input").last

@@ -121,7 +121,6 @@ def _share_folders() -> list[Path]:
 
 
 def _is_named(folder: Path, package: str) -> bool:
-    """Whether a folder is a ROS package of a name."""
     try:
         with (folder / "package.xml").open(encoding="utf-8", errors="replace") as file:
             text = file.read(LONGEST_MANIFEST)

@@ -83,11 +83,7 @@ class Pose(Record):
         return np.eye(3) if x_to_w is None else snap_rotation(rotations_from_quaternions(np.array(x_to_w)))
 
     def degrees_remarks(self, where: str) -> tuple[Remark, ...]:
-        """That its angles seem to be in degrees, if one is beyond a whole turn.
-
-        Args:
-            where: Its key, with the name of the file.
-        """
+        """That its angles seem to be in degrees, if one is beyond a whole turn."""
         if self.rpy is None or all(abs(angle) <= WHOLE_TURN for angle in self.rpy):
             return ()
         given, meant = (", ".join(f"{angle:.6g}" for angle in angles) for angles in (self.rpy, map(radians, self.rpy)))

@@ -1,22 +1,45 @@
 # SPDX-License-Identifier: MIT
-"""Records of a file, checked without any library: what each start of mrts reads does not cost an import of one."""
+"""Records of a file, checked without any library: pydantic takes a fifth of the time in which a command starts."""
 
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from inspect import get_annotations
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, Union, dataclass_transform, get_args, get_origin
 
-from mrts.base.errors import InputError, as_array
-from mrts.base.formats.broken_record import RULES, BrokenRecordError, Key, Wrong, broken_record, unknown_key
+from mrts.base.errors import InputError, Mistakes, as_array
+
+RULES = {
+    "bool_parsing": "must be true or false",
+    "bool_type": "must be true or false",
+    "dict_type": "must be a mapping of keys to values",
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "greater_than": "must be > {gt:g}",
+    "greater_than_equal": "must be >= {ge:g}",
+    "int_type": "must be a whole number",
+    "less_than": "must be < {lt:g}",
+    "less_than_equal": "must be <= {le:g}",
+    "list_type": "must be a list",
+    "literal_error": "must be {expected}",
+    "missing": "this key is required",
+    "model_type": "must be a mapping of keys to values",
+    "string_pattern_mismatch": "must be letters, digits and single underscores, and start with a letter",
+    "string_too_short": "must have at least {min_length} character",
+    "string_type": "must be text",
+    "too_long": "has {actual_length} values, at most {max_length} belong here",
+    "too_near_zero": "must be 0, or at least {smallest:g} in size",
+    "too_short": "has {actual_length} values, at least {min_length} belong here",
+}
+"""What is wrong with a value, by pydantic's names; fields are numbers and texts of the format, nothing of the file."""
 
 
 class Rule:
-    """What numbers, texts and lists must keep; pydantic reads it too.
+    """What numbers, texts and lists must keep.
 
     Attributes:
         limits: By pydantic's names: gt, ge, lt, le, min_length, max_length, pattern, allow_inf_nan; and `smallest`, the
@@ -26,35 +49,17 @@ class Rule:
     def __init__(self, **limits: Any) -> None:
         self.limits = limits
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """The schema of the annotated type, with the limits."""
-        from pydantic_core import PydanticCustomError, core_schema  # noqa: PLC0415 (pydantic asks)
-
-        limits = dict(self.limits)
-        smallest = limits.pop("smallest", 0.0)
-        schema: Any = {**handler(source), **limits}
-
-        def sized(value: float) -> float:
-            if 0 < abs(value) < smallest:
-                raise PydanticCustomError("too_near_zero", "{smallest}", {"smallest": smallest})
-            return value
-
-        return core_schema.no_info_after_validator_function(sized, schema) if smallest else schema
-
     def check(self, value: Any, given: object) -> None:
         """Check a value of the annotated type.
 
-        Args:
-            value: The value.
-            given: As it was given, for the message.
-
         Raises:
-            BrokenRecordError: If it is outside of a limit.
+            InputError: If it is outside of a limit.
         """
         for name, limit in self.limits.items():
             kind = _KINDS[name]
             if not _KEPT[name](value, limit):
                 length = len(value) if name.endswith("length") else 0
+                kind = "string_too_short" if kind == "too_short" and isinstance(value, str) else kind
                 _fail(kind, given, **{name: limit, "actual_length": length})
 
 
@@ -87,11 +92,12 @@ class Record:
     """Named values of the annotated kinds; nothing is converted but whole numbers to numbers, and lists to tuples.
 
     Kinds are float, int, bool, str, Any, Literal, records, dataclasses, arrays, lists, tuples and dictionaries of
-    these, each with None or not, and with a `Rule` or not. Numbers are finite; of arrays, JSON has infinite ones as the
-    texts "inf" and "-inf", and a dataclass checks its own arrays.
+    these, alternatives and None, each with a `Rule` or not. Numbers are finite; of arrays, JSON has infinite ones as
+    the texts "inf" and "-inf", and a dataclass checks its own arrays. The attribute of a key that is a word of Python
+    ends in an underscore.
 
     Raises:
-        BrokenRecordError: If a key or a value breaks a rule.
+        InputError: If a key or a value breaks a rule.
     """
 
     model_fields: ClassVar[dict[str, Any]] = {}
@@ -101,53 +107,49 @@ class Record:
         cls.model_fields = {name: kind for base in bases for name, kind in get_annotations(base).items()}
 
     def __init__(self, **keys: Any) -> None:
-        vars(self).update(_checked_fields(self.model_fields, _defaults(type(self)), keys))
-        if problem := self.problem():
-            raise BrokenRecordError(problem, told=True)
+        try:
+            self._fill(keys)
+        except InputError as error:
+            raise error.inside(type(self).__name__) from None
 
     @classmethod
     def model_validate(cls, data: object) -> Self:
         """The record that a mapping describes.
 
         Raises:
-            BrokenRecordError: If it is none, or a key or a value breaks a rule.
+            InputError: If it is none, or a key or a value breaks a rule.
         """
         if isinstance(data, cls):
             return data
         if not isinstance(data, dict):
-            raise BrokenRecordError(f"{RULES['model_type']}, of {', '.join(cls.model_fields)}", data)
-        return cls._of(data)
+            raise _broken(f"{RULES['model_type']}, of {', '.join(cls.model_fields)}", data)
+        record = object.__new__(cls)
+        record._fill(data)
+        return record
 
     @classmethod
     def read(cls, where: Path | str, data: dict[Any, Any]) -> Self:
         """The record that a mapping of a file describes.
 
-        Args:
-            where: The file, or what the mapping is, for messages.
-            data: The mapping.
-
         Raises:
             InputError: If a key or a value breaks a rule.
         """
         try:
-            return cls._of(data)
-        except BrokenRecordError as error:
-            raise broken_record(where, error) from None
+            return cls.model_validate(data)
+        except InputError as error:
+            raise error.inside(where) from None
 
-    @classmethod
-    def _of(cls, data: dict[Any, Any]) -> Self:
-        record = object.__new__(cls)
-        vars(record).update(_checked_fields(cls.model_fields, _defaults(cls), data))
-        if problem := record.problem():
-            raise BrokenRecordError(problem, told=True)
-        return record
+    def _fill(self, data: dict[Any, Any]) -> None:
+        vars(self).update(_checked_fields(self.model_fields, _defaults(type(self)), data))
+        if problem := self.problem():
+            raise InputError("", f"{problem.rstrip('.')}.")
 
     @classmethod
     def model_validate_json(cls, text: str) -> Self:
         """The record that a JSON text describes.
 
         Raises:
-            BrokenRecordError: As `model_validate`.
+            InputError: As `model_validate`.
         """
         return cls.model_validate(read_json(text))
 
@@ -171,20 +173,6 @@ class Record:
         names = (name for name in self.model_fields if include is None or name in include)
         return {name: _dumped(getattr(self, name)) for name in names if name not in (exclude or ())}
 
-    @classmethod
-    def __get_pydantic_core_schema__(cls, _source: Any, _handler: Any) -> Any:
-        """How pydantic reads a record that stands in one of its formats."""
-        from pydantic_core import PydanticCustomError, core_schema  # noqa: PLC0415 (pydantic asks, so it is there)
-
-        def read(data: object) -> Any:
-            try:
-                return cls.model_validate(data)
-            except BrokenRecordError as error:
-                raise PydanticCustomError("record", "{rule}", {"rule": error.rule, "error": error}) from None
-
-        dump = core_schema.plain_serializer_function_ser_schema(lambda record: record.model_dump())
-        return core_schema.no_info_plain_validator_function(read, serialization=dump)
-
     def __setattr__(self, name: str, _value: object) -> None:
         raise AttributeError(f"{type(self).__name__}.{name} cannot be changed")
 
@@ -196,7 +184,7 @@ class Record:
 
     __hash__ = None  # type: ignore[assignment]  # it holds lists
 
-    def __iter__(self) -> Any:
+    def __iter__(self) -> Iterator[tuple[str, Any]]:
         return iter([(name, getattr(self, name)) for name in self.model_fields])
 
     def __repr__(self) -> str:
@@ -207,14 +195,12 @@ def read_json(text: str) -> Any:
     """The value of a JSON text.
 
     Raises:
-        BrokenRecordError: If it is none, or holds a number that is not finite.
+        InputError: If it is none, or holds a number that is not finite.
     """
     try:
         return json.loads(text, parse_constant=_refuse)
-    except BrokenRecordError:
-        raise
     except (ValueError, RecursionError) as error:
-        raise BrokenRecordError(f"is not JSON: {error}", told=True) from None
+        raise InputError("", f"is not JSON: {error}.") from None
 
 
 def _refuse(constant: str) -> NoReturn:
@@ -226,43 +212,46 @@ def _defaults(cls: type[Record]) -> dict[str, Any]:
 
 
 def _checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[Any, Any]) -> dict[str, Any]:
-    wrong = Wrong()
+    mistakes, values = Mistakes(), {}
+    keys = {name.rstrip("_"): name for name in kinds}
     for key in data:
-        if key not in kinds:
-            wrong.add(BrokenRecordError(unknown_key(key, list(kinds)), told=True))
-    values, known = {}, defaults | data
-    for name, kind in kinds.items():
-        if name in known:
-            try:
-                values[name] = _at(name, kind, known[name])
-            except BrokenRecordError as error:
-                wrong.add(error)
-        else:
-            missing = BrokenRecordError(RULES["missing"], told=True)
-            missing.keys = (name,)
-            wrong.add(missing)
-    wrong.raise_added()
+        if key not in keys:
+            mistakes.add(_unknown_key(key, list(keys)))
+    for key, name in keys.items():
+        try:
+            if key not in data and name not in defaults:
+                raise InputError("", f"{RULES['missing']}.", key=key)  # noqa: TRY301 (noted with the others)
+            values[name] = _at(key, kinds[name], data[key] if key in data else defaults[name])
+        except InputError as error:
+            mistakes.add(error)
+    mistakes.raise_noted()
     return values
 
 
-def _at(key: Key, kind: Any, value: object) -> Any:
+def _unknown_key(key: object, known: list[str]) -> InputError:
+    import difflib  # noqa: PLC0415 (for this message only)
+
+    close = difflib.get_close_matches(str(key), known, n=1)
+    hint = f"; did you mean '{close[0]}'?" if close else ""
+    rule = f"unknown key '{key}'{hint or '.'} The keys here are: {', '.join(known)}."
+    return InputError("", rule)
+
+
+def _at(key: str, kind: Any, value: object) -> Any:
     try:
         return checked(kind, value)
-    except BrokenRecordError as error:
-        for each in error.each():
-            each.keys = (key, *each.keys)
-        raise
+    except InputError as error:
+        raise error.inside("", key) from None
 
 
-def _each_at(entries: Iterable[tuple[Key, Any, object]]) -> list[Any]:
-    """The checked values of keys, kinds and values beside each other."""
-    read, wrong = [], Wrong()
+def _each_at(entries: Iterable[tuple[str, Any, object]]) -> list[Any]:
+    read, mistakes = [], Mistakes()
     for key, kind, value in entries:
         try:
             read.append(_at(key, kind, value))
-        except BrokenRecordError as error:
-            wrong.add(error)
-    wrong.raise_added()
+        except InputError as error:
+            mistakes.add(error)
+    mistakes.raise_noted()
     return read
 
 
@@ -270,7 +259,7 @@ def checked(kind: Any, value: Any) -> Any:
     """A value of a kind, see `Record`.
 
     Raises:
-        BrokenRecordError: If it is none.
+        InputError: If it is none.
     """
     origin, parts = get_origin(kind), get_args(kind)
     if origin is Annotated:
@@ -279,7 +268,7 @@ def checked(kind: Any, value: Any) -> Any:
             rule.check(read, value)
         return read
     if origin in {Union, UnionType}:
-        return None if value is None else checked(next(part for part in parts if part is not NoneType), value)
+        return None if value is None and NoneType in parts else _one_of(value, *(p for p in parts if p is not NoneType))
     if origin is not None:
         return _of_parts(origin, parts, value)
     if kind is Any:
@@ -289,6 +278,18 @@ def checked(kind: Any, value: Any) -> Any:
     return kind.model_validate(value) if issubclass(kind, Record) else _plain(kind, value)
 
 
+def _one_of(value: Any, *kinds: Any) -> Any:
+    """A value of the first of some kinds that takes it; if none does, the error of the one that went deepest."""
+    errors = []
+    for kind in kinds:
+        try:
+            return checked(kind, value)
+        except InputError as error:
+            errors.append(error)
+    forms = tuple(RULES[kind] for kind in ("list_type", "model_type", "float_type"))
+    raise max(errors, key=lambda error: (len(re.findall(r"[^.[]+", error.key)), not error.rule.startswith(forms)))
+
+
 def _dataclass(kind: Any, value: Any) -> Any:
     """A value of a dataclass from a mapping; what its own check refuses is told as a rule of the mapping."""
     if not isinstance(value, dict):
@@ -296,27 +297,10 @@ def _dataclass(kind: Any, value: Any) -> Any:
     given: list[Field[Any]] = [field for field in fields(kind) if field.init]
     defaults = {field.name: field.default for field in given if field.default is not MISSING}
     values = _checked_fields({field.name: field.type for field in given}, defaults, value)
-    try:
-        return kind(**values)
-    except InputError as error:
-        raise _of_input(error) from None
-
-
-def _array(value: Any) -> Any:
-    try:
-        return as_array("", value)
-    except InputError as error:
-        raise _of_input(error) from None
-
-
-def _of_input(error: InputError) -> BrokenRecordError:
-    broken = BrokenRecordError(error.rule, error.value)
-    broken.keys = (error.key,) if error.key else ()
-    return broken
+    return kind(**values)
 
 
 def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
-    """One of some texts, or a list, tuple or dictionary."""
     if origin is Literal:
         if not isinstance(value, str) or value not in parts:
             *others, last = map(repr, parts)
@@ -328,24 +312,22 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
         names = _each_at((str(name), parts[0], name) for name in value)
         return dict(zip(names, _each_at((str(name), parts[1], entry) for name, entry in value.items()), strict=True))
     if getattr(origin, "__name__", "") == "ndarray":
-        return _array(value)
+        return as_array("", value)
     if not isinstance(value, list | tuple):
         _fail("list_type", value)
     return _items(origin, parts, value)
 
 
 def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ...]) -> Any:
-    """The items of a list, or of a tuple with a kind each."""
     if origin is list or kinds[-1] is Ellipsis:
-        return origin(_each_at((index, kinds[0], item) for index, item in enumerate(value)))
+        return origin(_each_at((f"[{index}]", kinds[0], item) for index, item in enumerate(value)))
     if len(value) != len(kinds):
         kind, length = ("too_long", "max_length") if len(value) > len(kinds) else ("too_short", "min_length")
         _fail(kind, value, actual_length=len(value), **{length: len(kinds)})
-    return tuple(_each_at((index, *pair) for index, pair in enumerate(zip(kinds, value, strict=True))))
+    return tuple(_each_at((f"[{index}]", *pair) for index, pair in enumerate(zip(kinds, value, strict=True))))
 
 
 def _plain(kind: type, value: Any) -> Any:
-    """A number, a truth or a text."""
     if kind is float:
         if isinstance(value, bool) or not isinstance(value, float | int):
             _fail("float_type", value)
@@ -362,7 +344,11 @@ def _plain(kind: type, value: Any) -> Any:
 
 
 def _fail(kind: str, value: object, **of_format: Any) -> NoReturn:
-    raise BrokenRecordError(RULES[kind].format(**of_format), value)
+    raise _broken(RULES[kind].format(**of_format), value)
+
+
+def _broken(rule: str, value: object) -> InputError:
+    return InputError("", f"{rule} (it is empty)." if value is None else f"{rule}.", value=value)
 
 
 def _dumped(value: Any) -> Any:

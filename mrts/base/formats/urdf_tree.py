@@ -38,11 +38,7 @@ class UrdfTree:
     joints: dict[str, JointEnds]
 
     def chain(self, tip: str) -> tuple[JointEnds, ...]:
-        """Joints from the root to a link.
-
-        Args:
-            tip: The link.
-        """
+        """Joints from the root to a link."""
         joints: list[JointEnds] = []
         while tip in self.joints:
             joints.append(self.joints[tip])

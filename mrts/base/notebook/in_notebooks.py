@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: MIT
 """A class whose values a notebook shows as a sentence and tables."""
 
-import inspect
-import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, is_dataclass
-from functools import cache
+from dataclasses import dataclass
 
-from mrts.base.notebook.value_text import value_text, words_of
 from mrts.base.printable import html_text
 
 MOST_ROWS = 24
@@ -30,7 +26,7 @@ class NotebookTable:
 class InNotebooks:
     """What Jupyter shows: what `notebook_words` says, and the tables of `notebook_tables`.
 
-    Without more, these are the object in words, and its attributes, each with what its class says of it.
+    Without more, these are the object in words, and no table.
     """
 
     def _repr_html_(self) -> str:
@@ -38,24 +34,16 @@ class InNotebooks:
 
     def notebook_words(self) -> list[str]:
         """The answer, a paragraph each."""
-        name, words = type(self).__name__, words_of(self)
+        name, words = type(self).__name__, _own_words(self)
         return [words if words.startswith(name) else ": ".join(filter(None, [name, words]))]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Tables below it."""
-        meanings = attribute_meanings(inspect.getdoc(type(self)) or "")
-        own: list[str] = [entry.name for entry in fields(self)] if is_dataclass(self) else []
-        rows = [(name, value_text(getattr(self, name)), meanings[name]) for name in own if name in meanings]
-        yield NotebookTable(("attribute", "value", "meaning"), rows)
+        yield from ()
 
 
 def notebook_html(words: Sequence[str], tables: Iterator[NotebookTable]) -> str:
-    """Paragraphs and tables, escaped.
-
-    Args:
-        words: A text each paragraph.
-        tables: Below them.
-    """
+    """Paragraphs and tables, escaped."""
     paragraphs = "".join(f"<p style='max-width:50em'>{html_text(text)}</p>" for text in words)
     return f"<div>{paragraphs}{''.join(map(_table, tables))}</div>"
 
@@ -75,23 +63,11 @@ def _row(tag: str, texts: Sequence[str]) -> str:
     return f"<tr><th {left}>{html_text(first)}</th>{cells}</tr>"
 
 
-@cache
-def attribute_meanings(docstring: str) -> dict[str, str]:
-    """What the docstring of a class says of each attribute.
-
-    Args:
-        docstring: In Google style, as `inspect.getdoc` gives it.
-    """
-    _, _, listed = docstring.partition("Attributes:\n")
-    meanings: dict[str, str] = {}
-    name = ""
-    for line in listed.splitlines():
-        if not line.startswith("    "):
-            break
-        entry = re.fullmatch(r" {4}(\w+): (.+)", line)
-        if entry:
-            name = entry[1]
-            meanings[name] = entry[2]
-        elif name:
-            meanings[name] += f" {line.strip()}"
-    return meanings
+def _own_words(value: object) -> str:
+    """What a class writes of its values in its own words, not as Python or as an address; empty without such words."""
+    kind = type(value)
+    if any("__str__" in vars(one) for one in kind.__mro__[:-1]):
+        return str(value)
+    made = getattr(kind, "__dataclass_params__", None)
+    own = made is not None and not made.repr and any("__repr__" in vars(one) for one in kind.__mro__[:-1])
+    return repr(value).removeprefix("<").removesuffix(">") if own else ""

@@ -14,7 +14,6 @@ from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import plain
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.rigid_transform import multiply
 
 Frame = Literal["tip", "object", "base"]
@@ -35,7 +34,7 @@ NOT_IN_PLANE = (
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Contact(InNotebooks):
+class Contact:
     """r rows lower <= A F <= upper over the wrench F that a hand exerts **on the object** at its contact point.
 
     The contact point is the tip frame's origin: moments are about it in every frame. Several contacts of one robot

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.motors.joint_motors import JointMotors
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class JointDuty(InNotebooks):
+class JointDuty:
     """Duty of n joints over a motion, each Shape (n,); of a prismatic joint read N, m/s, N/s, m/s³.
 
     Torques are those that the motors give, taken as straight lines between samples. A share is that of what the joint

@@ -12,7 +12,6 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
-from mrts.base.notebook.in_notebooks import InNotebooks
 
 ROUNDED_SLOPE = 1e-9
 """Share by which a torque-speed curve may miss falling and concave: corners printed with few digits lie on one line."""
@@ -25,7 +24,7 @@ NONE_GIVEN = {"armature": 0.0, "coulomb": 0.0, "viscous": 0.0, "torque_rate": np
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class JointMotors(InNotebooks):
+class JointMotors:
     """The motors of n joints, on the joint side of their gears; of a prismatic joint read kg, N, N s/m, m/s.
 
     Attributes:
@@ -36,7 +35,7 @@ class JointMotors(InNotebooks):
             from standstill to its largest speed, Shape (c, 2) [rad/s, N m]; None where there is none.
         torque_rate: Largest change of the torque, infinity where it is not known, Shape (n,) [N m/s].
         jerk: Likewise of the acceleration, Shape (n,) [rad/s³].
-        rated: Torque that the motor bears for ever, likewise, Shape (n,) [N m].
+        rated: Continuous (rated) torque, likewise, Shape (n,) [N m].
 
     Raises:
         InputError: If a number is negative or a curve rises, bends upward or does not start at standstill.
@@ -123,7 +122,6 @@ def torque_speed_lines(curve: Array) -> list[tuple[float, float]]:
 
 
 def _checked_curve(joint: int, given: object) -> Array:
-    """Corners of a curve, if they keep its rules."""
     key = f"torque_speed[{joint}]"
     curve = as_array(f"motors: {key}", given)
 

@@ -3,11 +3,9 @@
 
 from dataclasses import dataclass
 
-from mrts.base.notebook.in_notebooks import InNotebooks
-
 
 @dataclass(frozen=True, kw_only=True)
-class JointSource(InNotebooks):
+class JointSource:
     """One joint of a cell.
 
     Attributes:

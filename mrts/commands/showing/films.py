@@ -17,7 +17,7 @@ from mrts.console.progress import working
 from mrts.console.terminal import warn
 
 if TYPE_CHECKING:
-    from mrts.film.stage import Take
+    from mrts.film.renderer import Clip
     from mrts.program.rate_limits import Rates
 
 SIDES = ("given", "fastest", "optimal", "smooth")
@@ -28,7 +28,7 @@ MOST_SIDES = 4
 OF_FILMS = ("at", "side_by_side", "rates")
 """Arguments of pictures and films."""
 
-NEEDS: dict[str, Any] = {"needs": ("matplotlib", "PIL"), "extra": "film"}
+NEEDS: dict[str, Any] = {"needs": ("matplotlib", "mujoco", "PIL"), "extra": "film"}
 
 
 def _sides(text: str) -> list[str]:
@@ -74,17 +74,20 @@ def check_films(cell: Path, png: Path | None, video: Path | None, of_films: dict
         raise InputError("side_by_side", "goes with CELL MOTION; a saved result is played as it is.")
     elif "rates" in of_films and "smooth" not in sides:
         raise InputError("rates", "is of the smooth side: give --side-by-side smooth too.")
-    if video is not None:
+    if png is not None or video is not None:
         from mrts.film.film import check_film
+        from mrts.film.renderer import require_renderer
 
-        check_film(video)
+        if video is not None:
+            check_film(video)
+        require_renderer()
 
 
-def write_films(takes: "list[Take]", png: Path | None, video: Path | None, at: float | None, *, within: bool) -> int:
+def write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: float | None, *, within: bool) -> int:
     """Write a picture and a film.
 
     Args:
-        takes: What is played.
+        clips: What is played.
         png: The picture; None for none.
         video: The film; None for none.
         at: Moment of the picture [s]; None for the middle.
@@ -95,58 +98,60 @@ def write_films(takes: "list[Take]", png: Path | None, video: Path | None, at: f
     """
     from mrts.film.film import write_film, write_picture
 
-    if len(takes) > MOST_SIDES:
+    if len(clips) > MOST_SIDES:
         raise InputError("others", f"there is room for {MOST_SIDES} motions side by side.")
-    longest = max(take.trajectory.duration for take in takes)
+    longest = max(clip.trajectory.duration for clip in clips)
     moment = longest / 2 if at is None else at
     if not 0 <= moment <= longest:
         raise InputError("at", f"must be a time of the motion, from 0 to {longest:.4g} s.", value=moment)
     outputs = Outputs()
     with working(f"drawing {png}"):
-        outputs.write(png, lambda file: write_picture(takes, file, moment, warn=warn))
+        outputs.write(png, lambda file: write_picture(clips, file, moment, warn=warn))
     with working(f"drawing {video}") as progress:
-        outputs.write(video, lambda file: write_film(takes, file, warn=warn, progress=progress))
+        outputs.write(video, lambda file: write_film(clips, file, warn=warn, progress=progress))
     return outputs.answer((), FEASIBLE if within else INFEASIBLE)
 
 
-def saved_take(path: Path) -> "Take":
+def saved_clip(path: Path) -> "Clip":
     """A saved result to play."""
-    from mrts.film.stage import Take
+    from mrts.film.renderer import Clip
 
-    trajectory = played(path).trajectory
-    assert trajectory is not None  # noqa: S101 (what is played has one)
-    return Take(path.stem, trajectory)
+    result = played(path)
+    assert result.trajectory is not None  # noqa: S101 (what is played has one)
+    return Clip(path.stem, result.trajectory, result.range)
 
 
 def played_sides(
     cell_path: Path, motion_path: Path, sides: list[str], rates: "Rates", given: dict[str, Any]
-) -> "tuple[list[Take], bool]":
+) -> "tuple[list[Clip], bool]":
     """The motion as it is played in several ways, and whether all of it keeps its limits."""
-    from mrts.film.stage import Take
+    from mrts.film.renderer import Clip
     from mrts.motion.motion_file import load_motion
     from mrts.timing.retime import retime
     from mrts.viewer.player_state import PlayerState
 
     motion, limits = load_motion(motion_path), options.take(given, options.LIMITS)
     cell, urdfs = options.limited_cell(cell_path, **limits), shown_urdfs(cell_path)
-    takes, within = [], True
+    clips, within = [], True
     with working(f"scaling {motion_path}") as progress:
         state = PlayerState(cell, motion, **given, progress=progress)
     for side in sides:
         if side == "given":
             state.choose_speed(1.0)
             within &= state.admissible
-            title, trajectory = "as given" if within else "as given: beyond its limits", state.trajectory
+            title, result = "as given" if within else "as given: beyond its limits", state.result
+            trajectory = state.trajectory
         elif side == "fastest":
             state.choose_speed(state.speeds.start)
             if not state.admissible:
                 raise InputError("side_by_side", f"no speed is admissible: {state.result.sentence()}", value=side)
-            title, trajectory = f"constant factor {state.trajectory.c:.3g}", state.trajectory
+            title, trajectory, result = f"constant factor {state.trajectory.c:.3g}", state.trajectory, state.result
         else:
             with working(f"timing {motion_path}") as progress:
                 found = retime(cell, motion, **given, rates=rates if side == "smooth" else False, progress=progress)
             if found.retimed is None or found.retimed.trajectory is None:
                 raise InputError("side_by_side", f"there is no such timing: {found.sentence()}", value=side)
-            title, trajectory = f"{'fastest' if side == 'optimal' else side} timing", found.retimed.trajectory
-        takes.append(Take(title, trajectory, urdfs))
-    return takes, within
+            title, result = f"{'fastest' if side == 'optimal' else side} timing", found.retimed
+            trajectory = found.retimed.trajectory
+        clips.append(Clip(title, trajectory, result.range, urdfs))
+    return clips, within

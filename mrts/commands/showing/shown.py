@@ -68,10 +68,12 @@ def played(path: Path) -> "ScalingResult":
         InputError: If it is none, or no speed is admissible.
     """
     from mrts.output.saved_result import load_result
+    from mrts.scaling.result import ScalingResult
 
-    result = load_result(path)
-    if result.trajectory is None:
-        raise InputError(path, f"has no motion to play: {result.status.value}.")
+    found = load_result(path)
+    result = found if isinstance(found, ScalingResult) else found.retimed
+    if result is None or result.trajectory is None:
+        raise InputError(path, f"has no motion to play: {found.status.value}.")
     return result
 
 

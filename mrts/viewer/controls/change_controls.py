@@ -8,7 +8,7 @@ import viser
 from mrts.base.rigid_transform import RigidTransform
 from mrts.studies.configurations import ConfigurationStudy
 from mrts.viewer.controls.bound_control import assign
-from mrts.viewer.controls.edit_controls import EditControls, OffsetControls
+from mrts.viewer.controls.edit_controls import EditControls
 from mrts.viewer.controls.gizmo import PlaceGizmo
 from mrts.viewer.controls.places import places
 from mrts.viewer.panel import note_html
@@ -48,7 +48,7 @@ class ChangeControls:
             self._place = gui.add_dropdown(
                 "move", (NOWHERE, *self._places), hint="with the gizmo in the scene, or with the sliders below"
             )
-            self._offsets = OffsetControls(gui, bench.given)
+            self._edits.add_offsets()
         self._shown_place = NOWHERE
         with gui.add_folder("Configuration"):
             self._add_configurations(gui, later)
@@ -72,7 +72,7 @@ class ChangeControls:
         """
         bench = self._bench
         self._choose_place(held)
-        changed = self._edits.changed(bench.choices) or self._offsets.changed(bench.choices)
+        changed = self._edits.changed(bench.choices)
         by_gizmo, let_go = self._gizmo.moved(bench.choices)
         if by_gizmo is not None:
             changed = (by_gizmo, str(self._gizmo.place))
@@ -98,7 +98,6 @@ class ChangeControls:
         """Show the choices as they are."""
         choices = self._bench.choices
         self._edits.show(choices)
-        self._offsets.show(choices)
         if self._menu is not None:
             self._show_configuration(self._menu, choices.configuration or AS_GIVEN)
 
@@ -131,7 +130,7 @@ class ChangeControls:
         self._shown_place = self._place.value
         place = self._places.get(self._shown_place)
         self._gizmo.choose(place)
-        self._offsets.choose(place, self._bench.choices)
+        self._edits.choose(place, self._bench.choices)
         self.follow_gizmo(held)
 
     def _add_configurations(self, gui: viser.GuiApi, later: Callable[[Callable[[], None]], None]) -> None:

@@ -12,7 +12,6 @@ import numpy as np
 import viser
 
 from mrts.base.load_box import FACTORS, UNITS, LoadBox
-from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_change import Changed, limit_names
 from mrts.viewer.controls.bound_control import DECIMALS, BoundControl
 from mrts.viewer.controls.places import Place, free_axes, moved_by, offset_of
@@ -41,12 +40,16 @@ class EditControls:
     Args:
         gui: Where.
         given: What they change.
+
+    Attributes:
+        place: What the sliders of `add_offsets` move; None hides them.
     """
 
     def __init__(self, gui: viser.GuiApi, given: Given) -> None:
         self._gui, self._given = gui, given
         self._bound: list[BoundControl] = []
-        self._place: Place | None = None
+        self._offsets: list[BoundControl] = []
+        self.place: Place | None = None
         with gui.add_folder("Timing", visible=not given.stands):
             self._add_timing()
         with gui.add_folder("Load"):
@@ -67,7 +70,7 @@ class EditControls:
         for control in self._bound:
             other = control.changed(choices)
             if other is not None:
-                choices, name = other, control.name
+                choices, name = other, str(self.place) if control in self._offsets else control.name
         return (choices, name) if name else None
 
     def show(self, choices: Choices) -> None:
@@ -77,6 +80,43 @@ class EditControls:
         self._rate.visible = choices.profile == "smooth"
         for slider in self._shares:
             slider.visible = choices.shares is not None
+
+    def add_offsets(self) -> None:
+        """Add sliders that move the chosen place from where it was given, for numbers rather than a gizmo."""
+        along, about = free_axes(self._given.cell)
+        first = len(self._bound)
+        for axis in along:
+            handle = self._gui.add_slider(f"along {axis} [mm]", -FARTHEST, FARTHEST, 1.0, 0.0, visible=False)
+            self._bind_offset(handle, "xyz".index(axis), is_turn=False)
+        for axis in about:
+            handle = self._gui.add_slider(f"about {axis} [°]", -TURNED, TURNED, 0.5, 0.0, visible=False)
+            self._bind_offset(handle, "xyz".index(axis), is_turn=True)
+        self._offsets = self._bound[first:]
+
+    def choose(self, place: Place | None, choices: Choices) -> None:
+        """Move another place, or none."""
+        self.place = place
+        for control in self._offsets:
+            control.handle.visible = place is not None
+        self.show(choices)
+
+    def _bind_offset(self, handle: viser.GuiSliderHandle[float], axis: int, *, is_turn: bool) -> None:
+        def read(now: Choices) -> float:
+            if self.place is None:
+                return 0.0
+            shift, turn = offset_of(self.place.pose(now, self._given), self.place.given_pose(self._given))
+            value = degrees(turn[axis]) if is_turn else 1000 * shift[axis]
+            return round(float(np.clip(value, handle.min, handle.max)), DECIMALS)
+
+        def apply(now: Choices, value: float) -> Choices:
+            if self.place is None:
+                return now
+            given = self.place.given_pose(self._given)
+            shift, turn = offset_of(self.place.pose(now, self._given), given)
+            (turn if is_turn else shift)[axis] = radians(value) if is_turn else value / 1000
+            return self.place.with_pose(now, moved_by(given, shift, turn))
+
+        self._bind(handle.label, handle, read, apply)
 
     def _bind(
         self,
@@ -169,67 +209,6 @@ class EditControls:
 
         self._bind("one limit", self._menu, lambda _: self._menu.value, chosen)
         self._bind("of that limit", self._of_single, shown, changed)
-
-
-class OffsetControls:
-    """Sliders that move the chosen place from where it was given, for numbers rather than a gizmo.
-
-    Args:
-        gui: Where.
-        given: What can be moved.
-    """
-
-    def __init__(self, gui: viser.GuiApi, given: Given) -> None:
-        self._given = given
-        self.place: Place | None = None
-        along, about = free_axes(given.cell)
-        self._bound: list[BoundControl] = []
-        for axis in along:
-            handle = gui.add_slider(f"along {axis} [mm]", -FARTHEST, FARTHEST, 1.0, 0.0, visible=False)
-            self._bind(handle, "xyz".index(axis), is_turn=False)
-        for axis in about:
-            handle = gui.add_slider(f"about {axis} [°]", -TURNED, TURNED, 0.5, 0.0, visible=False)
-            self._bind(handle, "xyz".index(axis), is_turn=True)
-
-    def choose(self, place: Place | None, choices: Choices) -> None:
-        """Move another place, or none."""
-        self.place = place
-        for control in self._bound:
-            control.handle.visible = place is not None
-        self.show(choices)
-
-    def changed(self, choices: Choices) -> tuple[Choices, str] | None:
-        """As `EditControls.changed`."""
-        moved = False
-        for control in self._bound:
-            other = control.changed(choices)
-            if other is not None and self.place is not None:
-                choices, moved = other, True
-        return (choices, str(self.place)) if moved else None
-
-    def show(self, choices: Choices) -> None:
-        """Show where the place is."""
-        for control in self._bound:
-            control.show(choices)
-
-    def _bind(self, handle: viser.GuiSliderHandle[float], axis: int, *, is_turn: bool) -> None:
-        def read(now: Choices) -> float:
-            if self.place is None:
-                return 0.0
-            shift, turn = offset_of(self.place.pose(now, self._given), self.place.given_pose(self._given))
-            value = degrees(turn[axis]) if is_turn else 1000 * shift[axis]
-            return round(float(np.clip(value, handle.min, handle.max)), DECIMALS)
-
-        def apply(now: Choices, value: float) -> Choices:
-            if self.place is None:
-                return now
-            given = self.place.given_pose(self._given)
-            shift, turn = offset_of(self.place.pose(now, self._given), given)
-            (turn if is_turn else shift)[axis] = radians(value) if is_turn else value / 1000
-            pose: RigidTransform = moved_by(given, shift, turn)
-            return self.place.with_pose(now, pose)
-
-        self._bound.append(BoundControl(handle.label, handle, read, apply, handle.value))
 
 
 def _limit_text(name: Changed) -> str:

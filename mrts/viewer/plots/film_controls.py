@@ -8,18 +8,21 @@ from importlib.util import find_spec
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from threading import Thread
+from typing import TYPE_CHECKING
 
 import numpy as np
 import viser
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scene.arm_meshes import Urdfs
 from mrts.viewer.panel import error_html, note_html
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.other_result import Others
-from mrts.viewer.scene_arms import Urdfs
 from mrts.viewer.workbench.answer import Answer
+
+if TYPE_CHECKING:
+    from mrts.film.renderer import Clip
 
 PICTURE = "Picture (PNG)"
 FORMATS = {PICTURE: ".png", "Film (GIF)": ".gif", "Film (mp4)": ".mp4"}
@@ -29,7 +32,7 @@ NO_LETTER = re.compile(r"[^A-Za-z0-9_-]+")
 """What of a cell's name, which a saved result may hold as it likes, is not in the name of a file."""
 
 LONGEST_NAME = 60
-NEEDS = ("matplotlib", "PIL")
+NEEDS = ("matplotlib", "mujoco", "PIL", "imageio_ffmpeg")
 
 
 class _AskerLeftError(Exception):
@@ -49,7 +52,7 @@ class FilmControls:
 
     def __init__(self, server: viser.ViserServer, urdfs: Urdfs, others: Others = ()) -> None:
         gui, self._clients, self._urdfs = server.gui, server.get_clients, urdfs
-        self._others = [(name, done) for name, result in others if (done := result.trajectory) is not None]
+        self._others = others
         self._state: PlayerState | None = None
         self._coarse = False
         self._worker: Thread | None = None
@@ -95,17 +98,17 @@ class FilmControls:
         if state is None:
             self._said = error_html("There is no motion to show.")
             return
+        from mrts.film.renderer import Clip  # noqa: PLC0415 (an extra of its own)
+
+        clips = [Clip(f"c = {state.trajectory.c:.4g}", state.trajectory, state.result.range, self._urdfs)]
+        clips += [Clip(name, each.trajectory, each.range) for name, each in self._others if each.trajectory is not None]
         backward = np.asarray(client.camera.position) - np.asarray(client.camera.look_at)
-        done, at = state.trajectory, state.time
-        work = (client, kind, done, at, backward)
+        work = (client, kind, clips, state.time, backward)
         self._worker = Thread(target=self._make, args=work, name="mrts film", daemon=True)
         self._worker.start()
 
-    def _make(self, client: viser.ClientHandle, kind: str, done: ScaledTrajectory, at: float, backward: Array) -> None:
-        from mrts.film.film import picture_bytes, write_film  # noqa: PLC0415 (an extra of its own)
-        from mrts.film.stage import Take  # noqa: PLC0415
-
-        takes = [Take(f"c = {done.c:.4g}", done, self._urdfs), *(Take(name, other) for name, other in self._others)]
+    def _make(self, client: viser.ClientHandle, kind: str, clips: "list[Clip]", at: float, backward: Array) -> None:
+        from mrts.film.film import picture_bytes, write_film  # noqa: PLC0415 (likewise)
 
         def require_asker() -> None:
             if client.client_id not in self._clients():
@@ -117,12 +120,12 @@ class FilmControls:
 
         try:
             self._said = note_html("Drawing …")
-            name = f"{NO_LETTER.sub('_', done.cell.name)[:LONGEST_NAME]}{FORMATS[kind]}"
+            name = f"{NO_LETTER.sub('_', clips[0].scene.cell.name)[:LONGEST_NAME]}{FORMATS[kind]}"
             if kind == PICTURE:
-                content = picture_bytes(takes, at, backward)
+                content = picture_bytes(clips, at, backward)
             else:
                 with tempfile.TemporaryDirectory(prefix="mrts-film-") as folder:
-                    write_film(takes, Path(folder) / name, backward, progress=tell)
+                    write_film(clips, Path(folder) / name, backward, progress=tell)
                     content = (Path(folder) / name).read_bytes()
             require_asker()
             client.send_file_download(name, content, save_immediately=True)

@@ -2,23 +2,22 @@
 """A second result in the scene, beside the first or over it, played by the same clock; needs the extra 'view'."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 import viser
 
 from mrts.base.arrays import Array
-from mrts.drawing.bodies.cell_shapes import body_poses
-from mrts.drawing.bodies.cell_view import look_at_cell
-from mrts.drawing.bodies.held_body import held_body
 from mrts.drawing.labels import shortened
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scene.arm_meshes import drawn_arms
+from mrts.scene.cell_shapes import body_poses
+from mrts.scene.cell_view import look_at_cell
+from mrts.scene.held_body import held_body
+from mrts.scene.scene import OBJECT, Rgb
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene import OBJECT, THICKNESS, ViewerScene
-from mrts.viewer.scene_arms import Rgb, drawn_arm, wxyz
-from mrts.viewer.viewer_part import ViewerPart
+from mrts.viewer.scene import ViewerScene
+from mrts.viewer.scene_arms import DrawnArm, wxyz
 from mrts.viewer.workbench.answer import Answer
 
 Others = Sequence[tuple[str, ScalingResult]]
@@ -32,17 +31,6 @@ APART = 1.9
 
 COLOUR: Rgb = (140, 146, 156)
 """Of its arms."""
-
-
-def other_results(server: viser.ViserServer, scene: ViewerScene, others: Others) -> list[ViewerPart]:
-    """Show the first of some results in the scene; more have no room there.
-
-    Args:
-        server: Where; its control stands in the container that is open.
-        scene: Of the first.
-        others: May be none.
-    """
-    return [OtherResult(server, scene, *other) for other in others[:1]]
 
 
 class OtherResult:
@@ -66,11 +54,11 @@ class OtherResult:
         view = look_at_cell(cell, self._done.q, result.motion.object.position)
         across = np.cross(view.up, view.direction)
         self.offset = APART * view.size * across / np.linalg.norm(across)
-        self._robots = [replace(robot, name=f"{robot.name} of the other") for robot in cell.robots]
-        self._frames = [drawing.add_frame(f"/arms/{robot.name}", show_axes=False) for robot in self._robots]
+        robots = cell.robots
+        self._frames = [drawing.add_frame(f"/arms/{robot.name} of the other", show_axes=False) for robot in robots]
         self._arms = [
-            drawn_arm(drawing, robot, MappingProxyType({}), COLOUR, THICKNESS * view.size, lambda _text: None)
-            for robot in self._robots
+            DrawnArm(drawing, f"{robot.name} of the other", len(robot.joints) + 1, parts, COLOUR)
+            for robot, parts in zip(robots, drawn_arms(cell, {}, lambda _text: None), strict=True)
         ]
         body = held_body(cell)
         mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
@@ -107,9 +95,9 @@ class OtherResult:
         offset = self._offset()
         done, cell = self._done, self._done.cell
         sample = int(np.argmin(np.abs(done.time - self._time)))
-        for arm, robot, joints in zip(self._arms, self._robots, cell.joint_slices.values(), strict=True):
+        for arm, robot, joints in zip(self._arms, cell.robots, cell.joint_slices.values(), strict=True):
             R, p = body_poses(robot, done.q[None, sample, joints])
-            arm.update(robot, R[0], p[0] + offset)
+            arm.update(R[0], p[0] + offset)
         carried = done.motion.object
         self.body.position, self.body.wxyz = carried.position[sample] + offset, wxyz(carried.rotation[sample])
         self._label.position = carried.position[sample] + offset + self._above

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Plots along time as SVG: the range of c², and how much of each limit is used; and the speed along the path.
+"""Plots along time in the viewer's panel: the range of c², the use of each limit, the speed; needs the extra 'view'.
 
-The cursor is a line in every plot that stands where one number says, which a style sheet of a few letters sets: so it
+The cursor is a line over every plot that stands where one number says, which a style sheet of a few letters sets: so it
 follows a motion at any rate, and the plots are sent only when they change.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import isfinite
+from typing import Any
 
 import numpy as np
+import viser
 
 from mrts.base.arrays import Array
 from mrts.base.printable import html_text
@@ -18,24 +19,23 @@ from mrts.drawing.axis_reach import c2_reach
 from mrts.drawing.colours import COLOURS, END_COLOURS
 from mrts.drawing.labels import shortened
 from mrts.drawing.limit_shares import LimitShares, limit_shares
-from mrts.drawing.round_numbers import round_down
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.viewer.player_state import PlayerState
+from mrts.viewer.plots.other_result import Others
+from mrts.viewer.workbench.answer import Answer
 
-WIDTH, HEIGHT = 360, 104
-"""Of a plot, in its own units; it is drawn as wide as the panel."""
-
-LEFT, RIGHT, TOP, BOTTOM = 40, 8, 6, 18
-"""Free around it."""
+HEIGHT = 130
+"""Of a plot [pixels]."""
 
 NAMED = 4
 """Lines with a colour and a name: those that come nearest to their limits."""
 
-HIGHEST = 1.6
-"""Shares of limits beyond are at the upper edge."""
+HIGHEST = 160.0
+"""Shares of limits beyond are at the upper edge [%]."""
 
-ROOM = 1.06
-"""Upper edge of a plot whose shares keep their limits."""
+HEADROOM = 1.06
+"""Upper edge of a plot by the highest value in it."""
 
 MOST_POINTS = 400
 """Of a line: more than pixels are not seen. Of those at one place the largest is kept."""
@@ -43,23 +43,20 @@ MOST_POINTS = 400
 LETTERS = 26
 """Of a line's name."""
 
-OVER = "#F03E3E"
-CURSOR, ALONG = "--mrts-cursor", "--mrts-along"
-"""Where the cursor stands along time, and along the path."""
+RENEWAL = 0.2
+"""Time between new plots while a slider moves [s]: they are some hundred thousand numbers."""
 
-PLOT_STYLE = f"""<style>
-:root {{ {CURSOR}: 0px; {ALONG}: 0px; }}
-[data-plot] svg {{ display: block; width: 100%; height: auto; }}
-[data-plot] text {{ font: 9px sans-serif; fill: currentColor; }}
-[data-plot] .title {{ font-size: 12px; font-weight: bold; padding: 8px 9px 0; }}
-[data-plot] .names, [data-plot].names {{ font-size: 11px; line-height: 15px; padding: 0 9px; overflow-wrap: anywhere; }}
-[data-plot] .cursor {{ stroke: currentColor; stroke-width: 1.2; transform: translateX(var({CURSOR})); }}
-[data-plot] .cursor.along {{ transform: translateX(var({ALONG})); }}
-[data-plot] .grid {{ stroke: #8886; stroke-width: 0.7; }}
-[data-plot] .limit {{ stroke: {OVER}; stroke-width: 0.8; stroke-dasharray: 4 2; }}
-[data-plot] .line {{ fill: none; stroke-width: 1.4; stroke-linejoin: round; }}
-[data-plot] .more {{ stroke: #8889; stroke-width: 0.8; }}
-[data-plot] .other {{ stroke: currentColor; stroke-width: 1.2; stroke-dasharray: 3 3; }}
+OVER, FAINT = "#F03E3E", "#8888"
+
+PLOT_STYLE = """<style>
+:root { --mrts-cursor: 0; --mrts-along: 0; }
+.u-over::after { content: ""; position: absolute; top: 0; bottom: 0; border-left: 1.2px solid currentColor; }
+.u-over::after { left: calc(var(--mrts-cursor) * 100%); }
+.uplot:has(.u-title) .u-over::after { left: calc(var(--mrts-along) * 100%); }
+.uplot .u-title { font: 9px sans-serif; }
+.uplot-container { opacity: var(--mrts-answer, 1); border: none !important; }
+[data-plot].title { font-size: 12px; font-weight: bold; padding: 8px 9px 0; }
+[data-plot].names { font-size: 11px; line-height: 15px; padding: 0 9px; overflow-wrap: anywhere; }
 </style>"""
 
 
@@ -107,18 +104,74 @@ class PlottedMotion:
         return float(self.time[-1])
 
 
-def cursor_html(share: float, along: float) -> str:
-    """Where the cursor stands in all plots.
+@dataclass(frozen=True)
+class Curve:
+    """A line of a plot.
 
-    Args:
-        share: Of the width of a plot along time, 0 at its left edge.
-        along: Of that along the path.
+    Attributes:
+        name: For people.
+        x: Shape (k,).
+        y: Likewise.
+        colour: As a page has it.
+        dashed: Whether it is of the other result.
     """
-    width = WIDTH - LEFT - RIGHT
-    return f"<style>:root {{ {CURSOR}: {share * width:.1f}px; {ALONG}: {along * width:.1f}px; }}</style>"
+
+    name: str
+    x: Array
+    y: Array
+    colour: str
+    dashed: bool = False
 
 
-def plots_html(motion: PlottedMotion, other: PlottedMotion | None = None) -> str:
+@dataclass(frozen=True)
+class TimePlot:
+    """A plot with its caption.
+
+    Attributes:
+        kind: "c2", a kind of limits, or "phase".
+        title: For people.
+        curves: The last are drawn over the others.
+        reach: Upper ends of both axes.
+        low: Lower end of the upright one.
+        names: What the lines are, as HTML.
+        along: What the level axis is where it is no time; empty of time.
+    """
+
+    kind: str
+    title: str
+    curves: Sequence[Curve]
+    reach: tuple[float, float]
+    names: str
+    low: float = 0.0
+    along: str = ""
+
+    @property
+    def data(self) -> tuple[Array, ...]:
+        """All abscissae, and the ordinate of every curve there, NaN beyond its ends."""
+        x = np.unique(np.concatenate([curve.x for curve in self.curves]))
+        clipped = [np.clip(curve.y, self.low, self.reach[1]) for curve in self.curves]
+        values = [
+            np.interp(x, curve.x, y, left=np.nan, right=np.nan) for curve, y in zip(self.curves, clipped, strict=True)
+        ]
+        return (x, *values)
+
+    @property
+    def props(self) -> dict[str, Any]:
+        """Of viser's plot."""
+        lines = [
+            {"label": curve.name, "stroke": curve.colour, "width": 1.5, "points": {"show": False},
+             **({"dash": (4, 4)} if curve.dashed else {})}
+            for curve in self.curves
+        ]  # fmt: skip
+        return {
+            "data": self.data,
+            "series": ({"label": self.along or "time [s]"}, *lines),
+            "scales": {"x": {"time": False, "range": (0.0, self.reach[0])}, "y": {"range": (self.low, self.reach[1])}},
+            "title": self.along or None,
+        }
+
+
+def time_plots(motion: PlottedMotion, other: PlottedMotion | None = None) -> list[TimePlot]:
     """All plots of a motion.
 
     Args:
@@ -126,124 +179,153 @@ def plots_html(motion: PlottedMotion, other: PlottedMotion | None = None) -> str
         other: Another to compare it with: the largest shares of its limits are dashed.
     """
     longest = max(motion.duration, other.duration if other else 0.0)
-    parts = [_range_plot(motion, other, longest)]
     others = {of.kind: of for of in other.shares} if other else {}
+    plots = [_range_plot(motion, other, longest)]
     for of in motion.shares:
         beside = (other, others[of.kind]) if other and of.kind in others else None
-        parts.append(_share_plot(motion, of, beside, longest))
-    parts.append(_phase_plot(motion, other))
-    compared = f'<div data-plot="compared" class="names">{_compared(motion, other)}</div>' if other else ""
-    return f"{compared}{''.join(parts)}"
+        plots.append(_share_plot(motion, of, beside, longest))
+    return [*plots, _phase_plot(motion, other)]
 
 
-def _compared(motion: PlottedMotion, other: PlottedMotion) -> str:
+class PlotPanel:
+    """Plots that follow what is shown, with a cursor at its time.
+
+    Args:
+        gui: Where.
+        tab: Of the panel, which is open.
+        others: Results with their names; the first is compared with what is shown.
+
+    Attributes:
+        cursor: The style sheet that says where it stands.
+    """
+
+    def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle, others: Others = ()) -> None:
+        self._gui, self._tab = gui, tab
+        gui.add_html(PLOT_STYLE)
+        self.cursor, self._compared = gui.add_html(""), gui.add_html("")
+        self._plots: dict[str, tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle, viser.GuiHtmlHandle]] = {}
+        self._other = None
+        for name, result in others[:1]:
+            if (done := result.trajectory) is not None:
+                self._other = PlottedMotion.of(name, done, result.range)
+        self._wanted: PlayerState | None = None
+        self._shown: PlottedMotion | None = None
+        self._since, self._at = RENEWAL, (0.0, 0.0)
+
+    def show_answer(self, answer: Answer) -> None:
+        """Plot an answer as soon as the last plots have been seen."""
+        self._wanted = answer.state
+        if answer.state is None:
+            self._show([])
+
+    def show_moment(self, state: PlayerState) -> None:
+        """Take the chosen sample; the cursor moves with the next step, apart from what the scene sends together."""
+        if (shown := self._shown) is None:
+            return
+        both = (shown, self._other) if self._other else (shown,)
+        longest = max(state.trajectory.duration, *(one.duration for one in both))
+        farthest = max(float(one.way[-1]) for one in both)
+        way = float(np.interp(state.time, shown.time, shown.way))
+        self._at = state.time / longest, way / farthest if farthest > 0 else 0.0
+
+    def step(self, elapsed: float) -> None:
+        """Plot what waits.
+
+        Args:
+            elapsed: Since the last call [s].
+        """
+        self._since += elapsed
+        if self._wanted is not None and self._since >= RENEWAL:
+            state, self._wanted, self._since = self._wanted, None, 0.0
+            self._shown = PlottedMotion.of("shown", state.trajectory, state.result.range)
+            self._show(time_plots(self._shown, self._other))
+            if self._other is not None:
+                self._compared.content = compared_html(self._shown, self._other)
+            self.show_moment(state)
+        style = f"<style>:root {{ --mrts-cursor: {self._at[0]:.4f}; --mrts-along: {self._at[1]:.4f}; }}</style>"
+        if style != self.cursor.content:
+            self.cursor.content = style
+
+    def _show(self, plots: Sequence[TimePlot]) -> None:
+        for handles in self._plots.values():
+            for handle in handles:
+                handle.visible = False
+        for plot in plots:
+            if plot.kind not in self._plots:
+                with self._tab:
+                    self._plots[plot.kind] = (
+                        self._gui.add_html(""),
+                        self._gui.add_uplot(
+                            **plot.props, height=HEIGHT, legend={"show": False}, padding=(6, 10, 0, 0),
+                            cursor={"drag": {"x": False, "y": False}}, axes=({"size": 24}, {"size": 44}),
+                        ),
+                        self._gui.add_html(""),
+                    )  # fmt: skip
+            title, drawn, names = self._plots[plot.kind]
+            title.content = f'<div data-plot="{html_text(plot.kind)}" class="title">{html_text(plot.title)}</div>'
+            names.content = f'<div data-plot="names" class="names">{plot.names}</div>'
+            for name, value in plot.props.items():
+                setattr(drawn, name, value)
+            title.visible = drawn.visible = names.visible = True
+
+
+def compared_html(motion: PlottedMotion, other: PlottedMotion) -> str:
+    """How much faster or slower than the other."""
     ratio = other.duration / motion.duration
     faster = f"{ratio:.3g} × as fast as" if ratio >= 1 else f"{1 / ratio:.3g} × as slow as"
     return (
+        '<div data-plot="compared" class="names">'
         f"Shown: {motion.duration:.4g} s, {faster} <b>{html_text(shortened(other.name))}</b> with "
-        f"{other.duration:.4g} s (dashed)."
+        f"{other.duration:.4g} s (dashed).</div>"
     )
 
 
-def _range_plot(motion: PlottedMotion, other: PlottedMotion | None, longest: float) -> str:
-    found = motion.range
-    ends = _Axes((0.0, longest), c2_reach(found))
-    lines = []
-    for values, side in ((found.samples.upper, "upper"), (found.samples.lower, "lower")):
-        lines.append(ends.line(motion.time, values, f'class="line" stroke="{END_COLOURS[side]}"', f"c² {side} end"))
+def _range_plot(motion: PlottedMotion, other: PlottedMotion | None, longest: float) -> TimePlot:
+    found, (low, high) = motion.range, c2_reach(motion.range)
+    curves = [
+        Curve("at most", *_thinned(motion.time, found.samples.upper), END_COLOURS["upper"]),
+        Curve("at least", *_thinned(motion.time, found.samples.lower), END_COLOURS["lower"]),
+    ]
     if other is not None:
-        lines.append(ends.line(other.time, other.range.samples.upper, 'class="line other"', f"{other.name}: upper end"))
-    if ends.low <= motion.c2 <= ends.high:
-        height = ends.height(motion.c2)
-        lines.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{height:.1f}" y2="{height:.1f}" class="limit"/>')
-    ticks = [(value, f"{value:.3g}") for value in _round_ticks(ends.high)]
+        curves.append(Curve(other.name, *_thinned(other.time, other.range.samples.upper), FAINT, dashed=True))
+    if low <= motion.c2 <= high:
+        curves.append(Curve("chosen c²", np.array([0.0, longest]), np.full(2, motion.c2), OVER))
     names = (
         f'<span style="color:{END_COLOURS["upper"]}">at most</span>, <span style="color:{END_COLOURS["lower"]}">at '
         f'least</span>, and <span style="color:{OVER}">chosen c² = {motion.c2:.4g}</span>'
     )
-    return _plot("c2", "Range of c² of each sample", ends, ticks, lines, names)
+    return TimePlot("c2", "Range of c² of each sample", curves, (longest, high), names, low)
 
 
 def _share_plot(
     motion: PlottedMotion, of: LimitShares, beside: tuple[PlottedMotion, LimitShares] | None, longest: float
-) -> str:
-    used = max([float(np.max(of.share)), *([float(np.max(beside[1].share))] if beside else [])])
-    ends = _Axes((0.0, longest), (0.0, ROOM * min(max(used, 1.0), HIGHEST)))
-    lines, names = [], []
+) -> TimePlot:
+    curves, names = [], []
     for place, line in reversed(list(enumerate(of.ranked))):  # those with a colour above the others
-        most = float(np.max(of.share[:, line]))
-        label = f"{of.labels[line]}: at most {_percent(most)}"
-        colour = COLOURS[place] if place < NAMED else None
-        style = f'class="line" stroke="{colour}"' if colour else 'class="line more"'
-        lines.append(ends.line(motion.time, of.share[:, line], style, label))
-        if colour:
+        most, colour = float(np.max(of.share[:, line])), COLOURS[place] if place < NAMED else FAINT
+        curves.append(Curve(of.labels[line], *_thinned(motion.time, 100 * of.share[:, line]), colour))
+        if place < NAMED:
             dot = f'<span style="color:{colour}">●</span>'
             percent = _percent(most).replace(" ", "&nbsp;")
             names.append(f"{dot}&nbsp;{html_text(shortened(of.labels[line], LETTERS))}&nbsp;{percent}")
     if beside is not None:
-        lines.append(ends.line(beside[0].time, beside[1].largest, 'class="line other"', f"{beside[0].name}: largest"))
-    height = ends.height(1.0)
-    lines.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{height:.1f}" y2="{height:.1f}" class="limit"/>')
+        curves.append(Curve(beside[0].name, *_thinned(beside[0].time, 100 * beside[1].largest), FAINT, dashed=True))
+    curves.append(Curve("limit", np.array([0.0, longest]), np.full(2, 100.0), OVER))
+    used = max(float(np.max(curve.y)) for curve in curves)
     more = len(of.labels) - NAMED
     text = " ".join(f"{name}&ensp;" for name in reversed(names)) + (f"and {more} more" if more > 0 else "")
-    ticks = [(share, f"{100 * share:.0f} %") for share in (0.0, 0.5, 1.0)]
-    return _plot(of.kind, f"{of.title}, share of the limit", ends, ticks, lines, text)
+    return TimePlot(of.kind, f"{of.title}, % of the limit", curves, (longest, HEADROOM * min(used, HIGHEST)), text)
 
 
-def _phase_plot(motion: PlottedMotion, other: PlottedMotion | None) -> str:
+def _phase_plot(motion: PlottedMotion, other: PlottedMotion | None) -> TimePlot:
     """The phase plane: how fast the joints go, where along the path."""
-    both = [motion, other] if other else [motion]
-    reach = max(float(np.max(one.speed)) for one in both) or 1.0
-    ends = _Axes((0.0, max(float(one.way[-1]) for one in both) or 1.0), (0.0, ROOM * reach), "rad or m")
-    lines = [ends.line(motion.way, motion.speed, f'class="line" stroke="{COLOURS[0]}"', "speed along the path")]
+    curves = [Curve("speed along the path", motion.way, motion.speed, COLOURS[0])]
     if other is not None:
-        lines.append(ends.line(other.way, other.speed, 'class="line other"', f"{other.name}: speed along the path"))
-    ticks = [(value, f"{value:.3g}") for value in _round_ticks(reach)]
+        curves.append(Curve(other.name, other.way, other.speed, FAINT, dashed=True))
+    farthest, fastest = (max(float(np.max(getattr(curve, axis))) for curve in curves) or 1.0 for axis in "xy")
     text = "Root mean square of the joints [rad/s or m/s], along the way that it makes"
-    return _plot("phase", "Phase plane: speed along the path", ends, ticks, lines, text)
-
-
-def _plot(
-    name: str, title: str, ends: "_Axes", ticks: Sequence[tuple[float, str]], lines: Sequence[str], names: str
-) -> str:
-    bottom = HEIGHT - BOTTOM
-    drawn = []
-    for value, text in ticks:
-        height = ends.height(value)
-        drawn.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{height:.1f}" y2="{height:.1f}" class="grid"/>')
-        drawn.append(f'<text x="{LEFT - 4}" y="{height + 3:.1f}" text-anchor="end">{text}</text>')
-    for share, anchor in ((0.0, "start"), (0.5, "middle"), (1.0, "end")):
-        across = LEFT + share * (WIDTH - LEFT - RIGHT)
-        text = f"{share * ends.longest:.3g} {ends.unit}"
-        drawn.append(f'<text x="{across:.1f}" y="{HEIGHT - 5}" text-anchor="{anchor}">{text}</text>')
-    kind = "cursor" if ends.unit == "s" else "cursor along"
-    cursor = f'<line x1="{LEFT}" x2="{LEFT}" y1="{TOP}" y2="{bottom}" class="{kind}"/>'
-    svg = f'<svg viewBox="0 0 {WIDTH} {HEIGHT}">{"".join(drawn)}{"".join(lines)}'
-    return (
-        f'<div data-plot="{html_text(name)}"><div class="title">{html_text(title)}</div>{svg}{cursor}</svg>'
-        f'<div class="names">{names}</div></div>'
-    )
-
-
-class _Axes:
-    """Where times, or ways along the path, and values are in a plot."""
-
-    def __init__(self, times: tuple[float, float], values: tuple[float, float], unit: str = "s") -> None:
-        self.longest, self.unit = times[1], unit
-        self.low, self.high = values
-
-    def height(self, value: float) -> float:
-        """From the top."""
-        return HEIGHT - BOTTOM - (HEIGHT - BOTTOM - TOP) * (value - self.low) / (self.high - self.low)
-
-    def line(self, time: Array, values: Array, style: str, title: str) -> str:
-        """A line with what a pointer above it is told; beyond the axis it runs along the edge."""
-        chosen_time, chosen = _thinned(time, np.clip(values, self.low, self.high))
-        across = LEFT + (WIDTH - LEFT - RIGHT) * chosen_time / self.longest
-        points = " ".join(
-            f"{x:.1f},{self.height(float(value)):.1f}" for x, value in zip(across.tolist(), chosen, strict=True)
-        )
-        return f'<polyline {style} points="{points}"><title>{html_text(title)}</title></polyline>'
+    title = "Phase plane: speed along the path"
+    return TimePlot("phase", title, curves, (farthest, HEADROOM * fastest), text, along="way [rad or m]")
 
 
 def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
@@ -252,14 +334,6 @@ def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
         return time, values
     starts = np.unique(np.linspace(0, len(time) - 1, MOST_POINTS).astype(int))
     return time[starts], np.maximum.reduceat(values, starts)
-
-
-def _round_ticks(high: float) -> list[float]:
-    """0 and a round number in the upper half of the axis, and its half."""
-    if not (isfinite(high) and high > 0):
-        return [0.0]
-    top = round_down(high, (1, 2, 4, 5, 8))
-    return [0.0, top / 2, top]
 
 
 def _percent(share: float) -> str:

@@ -9,7 +9,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.workbench.choices import COARSE_SAMPLES, Choices, Given
-from mrts.viewer.workbench.held_poses import HeldPoses, Unreached, find_standing, find_unreached
+from mrts.viewer.workbench.held_poses import HeldPoses, held_poses
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +19,7 @@ class Answer:
     Attributes:
         choices: The choices.
         state: The motion at its first choice of speed, or at the speed that was asked for; None where there is none.
-        held: Where arms are without a motion that can be played: `Unreached`, or where none was given; None else.
+        held: Where arms are without a motion that can be played, or where none was given; None else.
         error: Why there is neither; None else.
         seconds: That it took.
         coarse: Whether it has few samples and keeps the limits at these alone; the whole answer follows.
@@ -35,7 +35,7 @@ class Answer:
     @property
     def message(self) -> str:
         """Why the motion cannot be played; empty if it can, or none was given."""
-        if isinstance(self.held, Unreached):
+        if self.held is not None:
             return self.held.message
         return "" if self.error is None else str(self.error)
 
@@ -55,7 +55,7 @@ def find_answer(given: Given, choices: Choices, speed: float | None, progress: P
     except MrtsError as error:
         return Answer(choices, None, error=error)
     if given.stands and isinstance(motion, ObjectMotion):
-        return Answer(choices, None, held=find_standing(cell, motion))
+        return Answer(choices, None, held=held_poses(cell, motion))
     try:
         state = PlayerState(
             cell,
@@ -72,7 +72,7 @@ def find_answer(given: Given, choices: Choices, speed: float | None, progress: P
     except MotionError as error:
         if not isinstance(motion, ObjectMotion):
             return Answer(choices, None, error=error)
-        return Answer(choices, None, held=find_unreached(cell, motion, str(error)))
+        return Answer(choices, None, held=held_poses(cell, motion, str(error)))
     except MrtsError as error:
         return Answer(choices, None, error=error)
     return Answer(choices, state, coarse=coarse)

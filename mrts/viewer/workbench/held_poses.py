@@ -2,7 +2,6 @@
 """Arms that hold the object or come as near as they can: of a cell that stands, or along a motion out of reach."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +10,10 @@ from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.drawing.bodies.cell_shapes import body_poses
 from mrts.following.grasp_tracking import FURTHER_STEPS, reached, solve_grasps
 from mrts.motion.object_motion import ObjectMotion
+from mrts.scene.cell_shapes import body_poses
+from mrts.scene.scene import Scene
 
 MOST_SAMPLES = 41
 """Samples that are looked at: a picture of where arms end needs no more."""
@@ -31,6 +31,7 @@ class HeldPoses:
         q: Joint positions that come nearest, Shape (k, m) [rad or m].
         gap: What is left between tip and grasp, Shape (k, robots) [m].
         reached: Whether an arm holds its grasp, Shape (k, robots); by itself, perhaps in another branch.
+        message: Why some arm cannot follow the motion, with robot, sample and amount; empty where none was given.
     """
 
     cell: Cell
@@ -40,48 +41,16 @@ class HeldPoses:
     q: Array
     gap: Array
     reached: NDArray[np.bool_]
+    message: str = ""
+
+    @property
+    def scene(self) -> Scene:
+        """What is drawn of it."""
+        return Scene(self.cell, self.q, self.position, self.rotation, ~np.all(self.reached, axis=1))
 
     def nearest(self, time: float) -> int:
         """Index of the sample looked at that is nearest to a time [s]."""
         return int(np.argmin(np.abs(self.time - time)))
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Unreached(HeldPoses):
-    """A motion that some arm cannot follow.
-
-    Attributes:
-        message: Why, with robot, sample and amount.
-    """
-
-    message: str
-
-    @property
-    def first(self) -> int | None:
-        """The first sample looked at where some arm does not reach; None where each could be reached by itself."""
-        lost = np.flatnonzero(~np.all(self.reached, axis=1))
-        return int(lost[0]) if lost.size else None
-
-
-def find_unreached(cell: Cell, motion: ObjectMotion, message: str) -> Unreached:
-    """How near the arms come to their grasps.
-
-    Args:
-        cell: The cell.
-        motion: Motion of the object, which the arms cannot follow.
-        message: Why.
-    """
-    return Unreached(**_held(cell, motion), message=message)
-
-
-def find_standing(cell: Cell, motion: ObjectMotion) -> HeldPoses:
-    """Where the arms are while the object stands still.
-
-    Args:
-        cell: The cell.
-        motion: That rests, as of `still_motion`.
-    """
-    return HeldPoses(**_held(cell, motion))
 
 
 def still_motion(cell: Cell) -> ObjectMotion:
@@ -109,19 +78,26 @@ def tip_pose(robot: Robot, R: Array, p: Array) -> tuple[Array, Array]:
     return R[-1] @ robot.T_base_tip.R, p[-1] + R[-1] @ robot.T_base_tip.p
 
 
-def _held(cell: Cell, motion: ObjectMotion) -> dict[str, Any]:
-    """The fields of `HeldPoses`."""
+def held_poses(cell: Cell, motion: ObjectMotion, message: str = "") -> HeldPoses:
+    """Where the arms are: how near they come to their grasps, or while the object stands still.
+
+    Args:
+        cell: The cell.
+        motion: Of the object, which the arms cannot follow, or that rests, as of `still_motion`.
+        message: Why they cannot.
+    """
     count = min(MOST_SAMPLES, len(motion.time))
     samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
     start = np.concatenate([robot.posture for robot in cell.robots])
     starts = np.tile(start, (len(samples), 1))
     held = solve_grasps(cell, motion, samples, starts, FURTHER_STEPS, near=None)
-    return {
-        "cell": cell,
-        "time": motion.time[samples],
-        "position": motion.position[samples],
-        "rotation": motion.rotation[samples],
-        "q": held.q,
-        "gap": held.gap,
-        "reached": reached(held),
-    }
+    return HeldPoses(
+        cell=cell,
+        time=motion.time[samples],
+        position=motion.position[samples],
+        rotation=motion.rotation[samples],
+        q=held.q,
+        gap=held.gap,
+        reached=reached(held),
+        message=message,
+    )

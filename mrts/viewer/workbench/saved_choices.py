@@ -11,6 +11,7 @@ import yaml
 
 from mrts.base.arrays import Array, without_infinity
 from mrts.base.atomic_file import text_writer, write_together
+from mrts.base.edited_yaml import Key, edited_yaml
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
@@ -21,7 +22,6 @@ from mrts.cell.loading import uncompiled_cell
 from mrts.cell.robot import Robot
 from mrts.motion.motion_file import MotionDescription
 from mrts.viewer.workbench.choices import Choices, Given
-from mrts.viewer.workbench.edited_yaml import Key, edited_yaml
 
 SUFFIXES = {".yaml", ".yml"}
 LONGEST_NAME = 100

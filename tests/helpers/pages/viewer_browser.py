@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from headless_browser import running_chromium
 
-from mrts.drawing.bodies.cell_view import FIELD_OF_VIEW
+from mrts.scene.cell_view import FIELD_OF_VIEW
 
 SECONDS = 60
 SIZE = {"width": 1200, "height": 700}
@@ -67,13 +67,9 @@ def open_page(browser, url):
 
 
 def in_picture(view, points, aspect):
-    """Where points are on the picture, from -1 to 1 to either side; the camera looks along its own z."""
+    """Where points are on the picture, from -1 to 1 to either side."""
     camera = view.camera(aspect)
-    forward = view.target - camera
-    forward = forward / np.linalg.norm(forward)
-    right = np.cross(forward, view.up)
-    right = right / np.linalg.norm(right)
-    away = (points - camera) @ np.stack([right, np.cross(right, forward), forward]).T
+    away = (points - camera.position) @ camera.axes.T
     assert np.min(away[:, 2]) > 0
     edge = np.tan(FIELD_OF_VIEW / 2) * away[:, 2]
     return away[:, 0] / edge / aspect, away[:, 1] / edge

@@ -212,15 +212,6 @@ MRTS_LOCAL void mrts_begin_forms(const double *const *in, const long long *strid
     if (count > 0) mrts_take_inputs(in, stride, 0, count, 1, &forms->inputs);
 }
 
-MRTS_LOCAL void mrts_inputs_by_rate(const double *const *in, const long long *stride, mrts_rate_inputs *rate) {
-    static const double still[MRTS_JOINTS > 6 ? MRTS_JOINTS : 6] = {0};
-    for (int i = 0; i < MRTS_INPUTS; ++i) {
-        const int of = i == MRTS_DDQ ? MRTS_DQ : i == MRTS_ACCELERATION ? MRTS_TWIST : i, stands = i == MRTS_DQ || i == MRTS_TWIST;
-        rate->in[i] = stands ? still : in[of];
-        rate->stride[i] = stands ? 0 : stride[of];
-    }
-}
-
 MRTS_LOCAL void mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg) {
     for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = forms->in[i] + sample * forms->stride[i];
     const int lane = (int)(sample % MRTS_LANES);

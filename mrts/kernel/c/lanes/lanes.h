@@ -123,15 +123,6 @@ typedef struct {
 /* Those of samples 0 .. count - 1. */
 MRTS_LOCAL void mrts_begin_forms(const double *const *in, const long long *stride, long long count, mrts_forms *forms);
 
-/* Inputs of samples at rest with their velocities as accelerations: the form's column of c^2 is then what the rate u of a
- * speed that varies adds, as no term is quadratic in velocities. */
-typedef struct {
-    const double *in[MRTS_INPUTS];
-    long long stride[MRTS_INPUTS];
-} mrts_rate_inputs;
-
-MRTS_LOCAL void mrts_inputs_by_rate(const double *const *in, const long long *stride, mrts_rate_inputs *rate);
-
 /* The next form, that of a sample, which are asked for one after the other from 0 on; arg, (MRTS_INPUTS), then has the
  * sample's inputs. */
 MRTS_LOCAL void mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg);

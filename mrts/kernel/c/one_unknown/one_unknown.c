@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Samples whose wrenches the object's balance fixes, of one arm or by given shares of the load: every row is a line in c^2, or
- * in the acceleration u and the square x of a speed that varies, so there is no program to solve.
+ * Samples whose wrenches the object's balance fixes, of one arm or by given shares of the load: every row is a line in c^2,
+ * so there is no program to solve.
  */
 #include "../lanes/lanes.h"
 #include "../trajectory.h"
@@ -17,35 +17,24 @@ typedef struct {
     const double *const *in;
     const long long *stride;
     const double *arg[MRTS_INPUTS + 2]; /* of the sample that was evaluated last */
-    int by_rate;  /* whether it is to give what u adds, in the place of c^2 */
     int in_forms; /* whether it is the wrench form, which is evaluated for several samples at a time */
-    mrts_rate_inputs rate;
     mrts_forms forms;
 } mrts_known;
 
 /* The samples 0 .. count - 1 of a call; what else a function has for inputs than the wrench form follows those. */
-static void mrts_begin_known(long long count, int by_rate, mrts_known *known) {
-    known->by_rate = by_rate;
+static void mrts_begin_known(long long count, mrts_known *known) {
     known->in_forms = MRTS_UNKNOWNS == 1 && known->run == MRTS_WRENCH_FORM;
-    if (by_rate) mrts_inputs_by_rate(known->in, known->stride, &known->rate);
-    if (!known->in_forms) return;
-    mrts_begin_forms(by_rate ? known->rate.in : known->in, by_rate ? known->rate.stride : known->stride, count, &known->forms);
+    if (known->in_forms) mrts_begin_forms(known->in, known->stride, count, &known->forms);
 }
 
-/* Evaluates the function at a sample, the next one, into column `column` of a form. */
-static void mrts_known_at(mrts_known *known, long long sample, int column, const mrts_form *form) {
-    mrts_form to = *form;
-    to.torque_map += column * MRTS_JOINTS;
-    to.wrench_map += column * MRTS_WRENCHES;
+/* Evaluates the function at a sample, the next one. */
+static void mrts_known_at(mrts_known *known, long long sample, mrts_form *form) {
     if (known->in_forms) {
-        mrts_next_form(&known->forms, sample, &to, known->arg);
+        mrts_next_form(&known->forms, sample, form, known->arg);
         return;
     }
-    for (int i = 0; i < known->inputs; ++i) {
-        const int of_rate = known->by_rate && i < MRTS_INPUTS;
-        known->arg[i] = of_rate ? known->rate.in[i] + sample * known->rate.stride[i] : known->in[i] + sample * known->stride[i];
-    }
-    double *const res[] = {to.torque_map, to.torque_offset, to.wrench_map, to.wrench_offset};
+    for (int i = 0; i < known->inputs; ++i) known->arg[i] = known->in[i] + sample * known->stride[i];
+    double *const res[] = {form->torque_map, form->torque_offset, form->wrench_map, form->wrench_offset};
     known->run(known->arg, res);
 }
 
@@ -106,14 +95,14 @@ MRTS_EXPORT int mrts_known_ranges(long long count, const double *const *in, cons
     mrts_row_ends ends;
     mrts_rows rows;
     if (!mrts_rows_over(1, limits, work, iwork, &rows)) return 1;
-    mrts_begin_known(count, 0, &known);
+    mrts_begin_known(count, &known);
     ends.least = work + MRTS_ROWS_WORK(1, limits->rows);
     ends.most = ends.least + limits->rows;
     ends.least_side = (signed char *)(ends.most + limits->rows);
     ends.most_side = ends.least_side + limits->rows;
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
-        mrts_known_at(&known, n, 0, &form);
+        mrts_known_at(&known, n, &form);
         mrts_add_motors(1, MRTS_JOINTS, &here, &form);
         mrts_turn_wrenches(1, MRTS_ROBOTS, MRTS_SIZE, limits, known.arg[MRTS_ROTATION], 1, 3, turned, &form);
         low[n] = INFINITY;
@@ -130,62 +119,6 @@ MRTS_EXPORT int mrts_known_ranges(long long count, const double *const *in, cons
         }
         mrts_tied(&rows, low[n], ends.least, ends.least_side, low_tied + n * limits->rows);
         mrts_tied(&rows, high[n], ends.most, ends.most_side, high_tied + n * limits->rows);
-    }
-    return 0;
-}
-
-MRTS_EXPORT void mrts_known_planes_work(int rows, long long *reals, long long *ints) {
-    *reals = MRTS_ROWS_WORK(2, rows);
-    *ints = MRTS_ROWS_IWORK(rows);
-}
-
-/* Puts a side of a row, times `sign`, among the half-planes. */
-static double *mrts_put_plane(const mrts_rows *rows, int row, double sign, double limit, double *plane) {
-    plane[0] = sign * rows->A[2 * row];
-    plane[1] = sign * rows->A[2 * row + 1];
-    plane[2] = sign * limit;
-    return plane + 3;
-}
-
-/* The half-planes n_u u + n_x x <= h of samples 0 .. count - 1, in units of limits: of each the upper sides of all rows, then
- * the lower ones, those with a limit alone, each n_u, n_x, h. Of each sample the largest effect of u = 1 and of x = 1 on a row
- * too. `terms` are what is added at every sample with c^2 for x, `rate_terms` what u adds in its place. Arguments and what
- * is returned are as in mrts_known_ranges; it is 2 where one is no number. */
-MRTS_EXPORT int mrts_known_planes(long long count, const double *const *in, const long long *stride,
-                                  const mrts_limits *limits, const mrts_terms *terms, const mrts_terms *rate_terms,
-                                  MRTS_GENERATED((*run)), int inputs,
-                                  double *effect, double *planes, double *work, int *iwork) {
-    mrts_known known = {.run = run, .inputs = inputs, .in = in, .stride = stride};
-    mrts_known rates = known;
-    double memory[MRTS_FORM_WORK(2, MRTS_JOINTS, MRTS_WRENCHES)], turned[MRTS_TURNED_WORK(2, MRTS_WRENCHES)];
-    mrts_form form = mrts_form_in(2, MRTS_JOINTS, MRTS_WRENCHES, memory);
-    mrts_rows rows;
-    if (!mrts_rows_over(2, limits, work, iwork, &rows)) return 1;
-    mrts_begin_known(count, 0, &known);
-    mrts_begin_known(count, 1, &rates);
-    for (long long n = 0; n < count; ++n) {
-        const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
-        const mrts_terms by_rate = mrts_terms_of_sample(rate_terms, n, limits->rows);
-        mrts_known_at(&rates, n, 0, &form);
-        mrts_known_at(&known, n, 1, &form); /* its offsets last */
-        mrts_add_motors(2, MRTS_JOINTS, &here, &form);
-        mrts_add_motors(1, MRTS_JOINTS, &by_rate, &form);
-        mrts_turn_wrenches(2, MRTS_ROBOTS, MRTS_SIZE, limits, known.arg[MRTS_ROTATION], 1, 3, turned, &form);
-        if (!mrts_build_rows(2, MRTS_JOINTS, MRTS_WRENCHES, &form, limits, &here, &rows)) return 2;
-        double *of = effect + 2 * n;
-        of[0] = of[1] = 0;
-        for (int i = 0; i < rows.count; ++i) {
-            double *a = rows.A + 2 * i;
-            if (!(rows.lower[i] <= MRTS_INFINITY && rows.upper[i] >= -MRTS_INFINITY)) return 2;
-            if (by_rate.square) a[0] += by_rate.square[rows.which[i]] / rows.unit[i];
-            for (int j = 0; j < 2; ++j) {
-                if (MRTS_ABS(a[j]) > of[j]) of[j] = MRTS_ABS(a[j]);
-            }
-            if (limits->upper[rows.which[i]] < MRTS_INFINITY) planes = mrts_put_plane(&rows, i, 1, rows.upper[i], planes);
-        }
-        for (int i = 0; i < rows.count; ++i) {
-            if (limits->lower[rows.which[i]] > -MRTS_INFINITY) planes = mrts_put_plane(&rows, i, -1, rows.lower[i], planes);
-        }
     }
     return 0;
 }

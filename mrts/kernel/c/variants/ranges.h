@@ -33,7 +33,7 @@ typedef struct {
     double c2[2];
 } mrts_variant_range;
 
-/* Names the rows that are at their limit in every solution at an end, as mrts/program/end_rows.py does: those with a
+/* Names the rows that are at their limit in every solution at an end, as mrts/program/range_ends.py does: those with a
  * multiplier that cannot be rounding, and of those near their limit in the solution found the ones that no other keeps
  * away from it. */
 MRTS_LOCAL int mrts_name_rows(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end, double c2,

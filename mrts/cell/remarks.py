@@ -1,0 +1,501 @@
+# SPDX-License-Identifier: MIT
+"""What a user should know of a cell: likely mistakes, numbers that look like placeholders, and what is assumed."""
+
+from collections.abc import Callable, Container, Iterator, Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array, median
+from mrts.base.formats.pose import WHOLE_TURN
+from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
+from mrts.cell.motors.joint_source import JointSource
+from mrts.cell.robot import DEGREES_SUSPECTED
+
+if TYPE_CHECKING:
+    from mrts.cell.cell import Cell
+    from mrts.cell.record import ShapeRecord
+    from mrts.cell.robot import Robot
+
+FAR = 10.0
+"""Lengths of an arm from which on nobody puts the arm's object so far away."""
+
+NEAR = 3.0
+"""Lengths of an arm within which a thousandth of a number makes sense instead."""
+
+LONGEST_ARM = 100.0
+"""[m]; a longer one was drawn in millimetres."""
+
+STRONG = 100.0
+"""Times the torque that holds the whole arm stretched out: no motor gives so much."""
+
+HEAVY = 30.0
+"""Times the weight that the motors of all arms together hold at arm's length."""
+
+WIDE = 10.0
+"""Lengths of an arm that no object's radius of gyration has."""
+
+STANDARD_GRAVITY = 9.81
+"""[m/s²]."""
+
+EARTHLY = (9.0, 10.5)
+"""Sizes of a gravity that is meant to be the earth's [m/s²]."""
+
+STRAIGHT = 0.9
+"""Share of gravity along one axis from which on that is the vertical."""
+
+TORQUE_UNIT = "torque-millimetres"
+"""Code of the hint on torques in N mm."""
+
+MOST_INERTIA = 2.0
+"""Times the moment of inertia of a body whose mass is all at the corners of the box around its shape, which no body
+inside exceeds; a drawn shape may leave parts out."""
+
+LEAST_INERTIA = 1 / 300
+"""Of the same: a uniform box has 1/3, so this one has its mass within a tenth of its size."""
+
+WIDEST = 3.0
+"""Radius of gyration as a multiple of the half distance between the two grasps that are farthest apart: a beam that two
+arms hold an eighth of its length from its middle has 2.3."""
+
+NARROWEST = 1 / 30
+"""Of the same: hands hold what they reach around, not what is a thirtieth of it."""
+
+FEWEST_JOINTS = 3
+"""Turning joints of an arm from which on equal efforts are no accident: of two, motors often are alike."""
+
+ANY_JOINT = 1000.0
+"""Effort that no arm has in each of its joints, the last included [N m]: only hips and first axes of heavy arms do."""
+
+LARGE = 50.0
+"""Effort that no small arm has any more [N m]: those of hobby servos and direct drives, whose motors may all be alike,
+stay below."""
+
+UNLIKE = 50.0
+"""Times by which what the first joint holds at full stretch exceeds what the last does, from which on nobody puts the
+same motor into both. Legs of walking robots, with one motor for all joints, have up to 25."""
+
+TENFOLD = 9.99
+"""Ratio of two limits from which on one of them is mistyped: a decimal point that slipped, but for rounding."""
+
+ALIKE = 1e-6
+"""Share by which masses and lengths of arms that are alike may differ: their URDFs may be printed with few digits."""
+
+WEIGHTLESS = "no mass in the URDF, so its links weigh nothing: torques come out too small, and speeds too high"
+"""Said of joints whose links have no mass."""
+
+POINT_MASSES = "a mass but no inertia in the URDF, so it counts as a point: turning it costs too little torque"
+"""Said of links."""
+
+NO_COLLISIONS = "collisions are not looked at: not of arms and hands with each other, the object or the room"
+"""Said wherever somebody could think they were: of cells that are begun, checked, or laid out."""
+
+JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[[JointSource], bool]], ...] = (
+    ("no-velocity-limit", "no velocity limit, so none is kept", lambda joint: joint.velocity is None),
+    ("no-position-limit", "no position limit, so none is kept", lambda joint: joint.position == (-np.inf, np.inf)),
+    (
+        "no-friction",
+        "no friction given, so none counts: 'motors: {friction: …}'",
+        lambda joint: joint.friction_from == "none given",
+    ),
+    (
+        "no-armature",
+        "no rotor inertia given, so none counts: 'motors: {armature: …}'",
+        lambda joint: joint.armature is None,
+    ),
+)
+"""Code, text, and of which joints it is assumed."""
+
+NAMES_SHOWN = 12
+"""Joints or links that a sentence names."""
+
+
+def cell_remarks(cell: "Cell") -> Iterator[Remark]:
+    """All that is to know of a cell: what its files and its numbers as they are now lead to."""
+    joints = joint_sources(cell)
+    placeholders = _placeholder_efforts(cell)
+    units = [*_unit_remarks(cell, placeholders)]
+    codes = {remark.code for remark in units}
+    yield from cell.remarks
+    yield from units
+    if not codes & {"mass-grams", "inertia-unit"}:  # which make it fit
+        yield from _inertia_remarks(cell)
+    if placeholders:
+        said = "; ".join(f"{value:g} N m on every joint of {name}" for name, value in placeholders.items())
+        yield Remark(
+            EFFORT_PLACEHOLDERS,
+            f"the effort limits of the URDF look like placeholders: {said}. c² is as good as they are: give "
+            "the data sheet's as 'torque' in the cell file.",
+        )
+    if TORQUE_UNIT not in codes:
+        yield from _unlike_limits(cell)
+    yield from _missing_masses(joints)
+    yield from _assumptions(cell, joints)
+
+
+def joint_sources(cell: "Cell") -> tuple[JointSource, ...]:
+    """What is known of the joints of all arms in order."""
+    return tuple(_joint_source(robot, j) for robot in cell.robots for j in range(len(robot.joints)))
+
+
+def _joint_source(robot: "Robot", j: int) -> JointSource:
+    velocity, motors = float(robot.velocity_limit[j]), robot.motors
+    some = "URDF" if motors.coulomb[j] or motors.viscous[j] else "none given"
+    return JointSource(
+        robot=robot.name,
+        joint=robot.joints[j],
+        unit=robot.position_units[j],
+        position=(float(robot.position_lower[j]), float(robot.position_upper[j])),
+        velocity=velocity if np.isfinite(velocity) else None,
+        torque=(float(robot.torque_lower[j]), float(robot.torque_upper[j])),
+        torque_from=_torque_source(robot),
+        friction_from=some if robot.has_urdf_friction else "cell file",
+        armature=float(motors.armature[j]) or None,
+        carried_mass=robot.source.carried_mass[j],
+        point_links=robot.source.point_links[j],
+    )
+
+
+def _unit_remarks(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
+    yield from _gravity(cell.gravity)
+    for robot in cell.robots:
+        yield from _angles(robot)
+        yield from urdf_remarks(robot)
+    if any(arm_length(robot) > LONGEST_ARM for robot in cell.robots):
+        return  # the rest compares with that length
+    yield from _lengths(cell)
+    yield from _torques(cell, without_efforts)
+    yield from _load(cell)
+
+
+def urdf_remarks(robot: "Robot") -> Iterator[Remark]:
+    """Remarks on the numbers of a robot's URDF."""
+    length = arm_length(robot)
+    if length > LONGEST_ARM:
+        yield Remark.hint(
+            "urdf-millimetres",
+            f"robot '{robot.name}' is {length:.4g} m long: the lengths of its URDF seem to be in mm, and must be in m.",
+        )
+    lower, upper = robot.position_lower, robot.position_upper
+    stuck = [name for name, least, most in zip(robot.joints, lower, upper, strict=True) if least == most]
+    if stuck:
+        yield Remark.hint(
+            "limits-equal",
+            f"robot '{robot.name}' cannot move {', '.join(stuck)}: the upper position limit is the lower one, as "
+            "exporters write it that were told none. Give the joint's own limits, or the type 'continuous'; the cell "
+            "file's 'fixed' holds a joint on purpose.",
+        )
+    turning = _turning(robot)
+    far = turning & np.isfinite(lower) & np.isfinite(upper) & (np.maximum(-lower, upper) > DEGREES_SUSPECTED)
+    if np.any(far):
+        worst = int(np.argmax(far))
+        yield Remark.hint(
+            "limits-degrees",
+            f"robot '{robot.name}' may turn {robot.joints[worst]} from {lower[worst]:g} to {upper[worst]:g} rad: the "
+            "position limits of its URDF seem to be in degrees.",
+        )
+
+
+def arm_length(robot: "Robot") -> float:
+    """From the first joint to the tip along the links, and what prismatic joints add where they have limits [m]."""
+    length = float(np.sum(_link_lengths(robot)))
+    slides = np.array([kind == "prismatic" for kind in robot.joint_types])
+    stroke = (robot.position_upper - robot.position_lower)[slides]
+    return length + float(np.sum(stroke[np.isfinite(stroke)]))
+
+
+def _turning(robot: "Robot") -> NDArray[np.bool_]:
+    return np.array([kind == "revolute" for kind in robot.joint_types])
+
+
+def _torque_source(robot: "Robot") -> str:
+    return "URDF" if robot.has_urdf_torque else "cell file"
+
+
+def _link_lengths(robot: "Robot") -> Array:
+    corners = np.concatenate([robot.points, robot.T_base_tip.p[None]])
+    return np.asarray(np.linalg.norm(np.diff(corners, axis=0), axis=1))
+
+
+def _gravity(gravity: Array) -> Iterator[Remark]:
+    size = float(np.linalg.norm(gravity))
+    if EARTHLY[0] <= size / 1000 <= EARTHLY[1]:
+        yield Remark.hint("gravity-millimetres", f"gravity is {size:.4g} m/s²: it seems to be in mm/s².")
+    if not EARTHLY[0] <= size <= EARTHLY[1]:
+        return
+    axis = int(np.argmax(np.abs(gravity)))
+    if gravity[axis] > STRAIGHT * size:
+        down = [0.0, 0.0, 0.0]
+        down[axis] = -STANDARD_GRAVITY
+        yield Remark.hint(
+            "gravity-upward",
+            f"gravity points along +{'xyz'[axis]}, so things fall that way. If {'xyz'[axis]} points upward, it must "
+            f"be gravity: [{', '.join(f'{value:g}' for value in down)}].",
+        )
+
+
+def _angles(robot: "Robot") -> Iterator[Remark]:
+    turning = _turning(robot)
+    far = turning & (np.abs(robot.posture) > WHOLE_TURN)
+    if np.any(far):
+        radians = np.where(turning, np.radians(robot.posture), robot.posture)
+        shown = ", ".join(f"{value:.4g}" for value in radians)
+        worst = float(robot.posture[int(np.argmax(np.abs(robot.posture) * far))])
+        yield Remark.hint(
+            "posture-degrees",
+            f"the posture of robot '{robot.name}' has a joint at {worst:g} rad: if degrees are meant, it is "
+            f"posture: [{shown}].",
+        )
+
+
+def _lengths(cell: "Cell") -> Iterator[Remark]:
+    lengths = [arm_length(robot) for robot in cell.robots]
+    longest = max(lengths)
+    if not 0 < longest <= LONGEST_ARM:
+        return
+    for robot in cell.robots:
+        grasp = float(np.linalg.norm(robot.T_object_tip.p))
+        if grasp > FAR * longest and grasp / 1000 < NEAR * longest:
+            yield Remark.hint(
+                "grasp-millimetres",
+                f"robot '{robot.name}' holds the object {grasp:.4g} m from its centre of mass, and the arm is "
+                f"{longest:.3g} m long: the lengths of its grasp seem to be in mm.",
+            )
+    bases = [robot.T_world_base.p for robot in cell.robots]
+    middle = np.mean(bases, axis=0)
+    for robot, base in zip(cell.robots, bases, strict=True):
+        if float(np.linalg.norm(base)) > FAR * longest:  # the farther one of two bases is the wrong one
+            yield from base_remarks(robot, middle, middle / 1000, longest)
+
+
+def base_remarks(robot: "Robot", middle: Array, meant: Array, longest: float) -> Iterator[Remark]:
+    """That the base of an arm is a thousand times too far from where the arms work.
+
+    Args:
+        robot: The arm.
+        middle: Where that is, Shape (3,) [m].
+        meant: Where it would be, were the base in metres, Shape (3,) [m].
+        longest: Length of the longest arm [m].
+    """
+    away = float(np.linalg.norm(robot.T_world_base.p - middle))
+    thousandth = float(np.linalg.norm(robot.T_world_base.p / 1000 - meant))
+    if away > FAR * longest + np.linalg.norm(robot.T_object_tip.p) and thousandth < NEAR * longest:
+        yield Remark.hint(
+            "base-millimetres",
+            f"the base of robot '{robot.name}' is {away:.4g} m from the object, and the arm is {longest:.3g} m "
+            "long: its position seems to be in mm.",
+        )
+
+
+def _torques(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
+    for robot in cell.robots:
+        if robot.name in without_efforts:
+            continue
+        weight = STANDARD_GRAVITY * sum(robot.source.carried_mass) * arm_length(robot)
+        turning = robot.torque_upper[_turning(robot)]
+        if len(turning) and weight > 0 and median(turning) > STRONG * weight:
+            source = _torque_source(robot)
+            yield Remark.hint(
+                TORQUE_UNIT,
+                f"the torque limits of robot '{robot.name}' ({source}) are around {median(turning):.4g} N m, "
+                f"and {weight:.3g} N m hold the whole arm stretched out: they seem to be in N mm, and must be in N m, "
+                "or the links weigh more than their URDF says.",
+            )
+
+
+def _load(cell: "Cell") -> Iterator[Remark]:
+    lengths = [max(arm_length(robot), 1e-3) for robot in cell.robots]
+    forces = [float(np.max(robot.torque_upper)) / length for robot, length in zip(cell.robots, lengths, strict=True)]
+    weight = STANDARD_GRAVITY * cell.mass
+    if weight > HEAVY * sum(forces) > weight / 1000:
+        yield Remark.hint(
+            "mass-grams",
+            f"the object weighs {weight:.4g} N, and the motors hold about {sum(forces):.3g} N at arm's length: its "
+            f"mass, {cell.mass:g} kg, seems to be in g.",
+        )
+    radius = float(np.sqrt(np.max(np.linalg.eigvalsh(cell.inertia)) / cell.mass))
+    if radius > WIDE * max(lengths):
+        yield Remark.hint(
+            "inertia-unit",
+            f"the object's inertia is that of a body {radius:.3g} m wide on each side of its axis (the radius of "
+            "gyration): it must be in kg m², with a mass in kg. 1 kg mm² is 1e-6 kg m², 1 g mm² is 1e-9 kg m².",
+        )
+
+
+def _inertia_remarks(cell: "Cell") -> Iterator[Remark]:
+    if cell.object_shape is not None:
+        ratio = _ratio_to_shape(cell, cell.object_shape)
+        fits, against = LEAST_INERTIA <= ratio <= MOST_INERTIA, "a body of this shape has at most"
+    else:
+        grasps = [robot.T_object_tip.p for robot in cell.robots]
+        reach = max((float(np.linalg.norm(one - other)) for one, other in combinations(grasps, 2)), default=0.0) / 2
+        if reach == 0:
+            return
+        widest = float(np.sqrt(np.max(_moments(cell, cell.inertia)) / cell.mass)) / reach
+        ratio, fits = widest**2, NARROWEST <= widest <= WIDEST
+        against = "the same mass at the distance of its grasps has"
+    if not fits:
+        moments = ", ".join(f"{moment:.4g}" for moment in np.linalg.eigvalsh(cell.inertia))
+        yield Remark.hint(
+            "inertia-unlike-shape",
+            f"the object's inertia, principal moments {moments} kg m², does not fit its mass of {cell.mass:g} kg: it "
+            f"is {ratio:.3g} times what {against}. Without 'inertia', a 'shape' gives that of a uniform body; 1 kg mm² "
+            "is 1e-6 kg m².",
+        )
+
+
+def _moments(cell: "Cell", inertia: Array) -> Array:
+    """Principal moments; in a planar cell that about the normal alone, which is all that counts there."""
+    if cell.plane is None:
+        return np.asarray(np.linalg.eigvalsh(inertia))
+    normal = {"yz": 0, "xz": 1, "xy": 2}[cell.plane]
+    return np.asarray(inertia[normal, normal, None])
+
+
+def _ratio_to_shape(cell: "Cell", shape: "ShapeRecord") -> float:
+    """Of the inertia to that of the mass at the corners of a box around the shape.
+
+    It is the largest about any axis of the shape, or that of the largest moments if that is not too large.
+    """
+    R, p = shape.pose.R, shape.pose.p
+    squares = (np.abs(R.T @ p) + _half_sides(shape)) ** 2
+    corners = cell.mass * (np.sum(squares) - squares)
+    if cell.plane is None:
+        moments = np.diag(R.T @ cell.inertia @ R)
+        most, least = float(np.max(moments / corners)), float(np.max(moments) / np.max(corners))
+    else:
+        most = least = float(_moments(cell, cell.inertia)[0] / _moments(cell, R @ np.diag(corners) @ R.T)[0])
+    return most if most > MOST_INERTIA else least
+
+
+def _half_sides(shape: "ShapeRecord") -> Array:
+    """Of a box around the shape, in its axes, about its frame's origin, Shape (3,) [m]."""
+    if shape.box is not None:
+        return np.array(shape.box) / 2
+    if shape.cylinder is not None:
+        radius = shape.cylinder.radius
+        return np.array([radius, radius, shape.cylinder.length / 2])
+    from mrts.base.formats.surface_text import unpacked_surface  # noqa: PLC0415 (for meshes alone)
+
+    assert shape.mesh is not None  # noqa: S101 (one kind is given)
+    return np.asarray(np.max(np.abs(unpacked_surface(shape.mesh.vertices, shape.mesh.triangles)[0]), axis=0))
+
+
+def _placeholder_efforts(cell: "Cell") -> dict[str, float]:
+    """Names of the arms whose efforts look like placeholders, and the effort [N m]."""
+    found = {}
+    for robot in cell.robots:
+        efforts = robot.torque_upper[_turning(robot)].tolist()
+        if not robot.has_urdf_torque or len(efforts) < FEWEST_JOINTS or len({*efforts}) > 1:
+            continue
+        if efforts[0] >= ANY_JOINT or (efforts[0] >= LARGE and _share_of_load(robot) > UNLIKE):
+            found[robot.name] = efforts[0]
+    return found
+
+
+def _share_of_load(robot: "Robot") -> float:
+    """What the first joint of an arm holds at full stretch, as a multiple of what the last one does."""
+    lengths = _link_lengths(robot)
+    masses = robot.source.carried_mass
+    first, least = sum(masses) * float(np.sum(lengths)), masses[-1] * float(lengths[-1])
+    return first / least if least > 0 else np.inf if first > 0 else 0.0
+
+
+def _unlike_limits(cell: "Cell") -> Iterator[Remark]:
+    """The torque or velocity limits that differ most between arms that are alike, if they differ tenfold."""
+    found: list[tuple[float, str]] = []
+    for pair in combinations(cell.robots, 2):
+        if not _alike(*pair):
+            continue
+        sources = [_torque_source(robot) for robot in pair]
+        for j, units in enumerate(zip(pair[0].torque_units, pair[0].position_units, strict=True)):
+            for kind, limits, named, unit in (
+                (
+                    "torque",
+                    [max(abs(robot.torque_lower[j]), abs(robot.torque_upper[j])) for robot in pair],
+                    sources,
+                    units[0],
+                ),
+                ("velocity", [robot.velocity_limit[j] for robot in pair], ["URDF", "URDF"], f"{units[1]}/s"),
+            ):
+                if not (min(limits) > 0 and max(limits) < np.inf and max(limits) / min(limits) > TENFOLD):
+                    continue
+                one, other = (
+                    f"{robot.joints[j]} of robot '{robot.name}', {limit:.4g} {unit} ({source}),"
+                    for robot, limit, source in zip(pair, limits, named, strict=True)
+                )
+                ratio = max(limits) / min(limits)
+                found.append((ratio, f"the {kind} limits of {one} and of {other} differ {ratio:.3g}-fold"))
+    if found:
+        said = max(found, key=lambda one: one[0])[1]
+        yield Remark.hint("limits-unlike", f"{said}, and the two arms are alike: one of them seems to be mistyped.")
+
+
+def _alike(one: "Robot", other: "Robot") -> bool:
+    if one.joint_types != other.joint_types:
+        return False
+    sizes = (
+        [*robot.source.carried_mass, *np.linalg.norm(np.diff(robot.points, axis=0), axis=1)] for robot in (one, other)
+    )
+    return all(np.isclose(size, same, rtol=ALIKE, atol=ALIKE) for size, same in zip(*sizes, strict=True))
+
+
+def _missing_masses(joints: Sequence[JointSource]) -> Iterator[Remark]:
+    weightless = [joint for joint in joints if joint.carried_mass == 0]
+    if weightless:
+        yield Remark("links-without-mass", f"{WEIGHTLESS} ({_named(weightless, joints)})")
+    points: dict[str, list[str]] = {}
+    for joint in joints:
+        points.setdefault(joint.robot, []).extend(joint.point_links)
+    if any(points.values()):
+        named = (f"{robot}: {first_few(links)}" for robot, links in points.items() if links)
+        yield Remark("links-without-inertia", f"{POINT_MASSES} ({'; '.join(named)})")
+
+
+def _assumptions(cell: "Cell", joints: Sequence[JointSource]) -> Iterator[Remark]:
+    of_urdf = {joint.robot: None for joint in joints if joint.torque_from == "URDF"}
+    if of_urdf:
+        text = f"torque limits: the effort limits of the URDF ({', '.join(of_urdf)}); 'torque' gives others"
+        yield _assumed("torque-of-urdf", text)
+    for code, text, applies in JOINT_ASSUMPTIONS:
+        concerned = [joint for joint in joints if applies(joint)]
+        if concerned:
+            yield _assumed(code, f"{text} ({_named(concerned, joints)})")
+    yield _assumed(
+        "com-at-origin", "the object's centre of mass is the origin of its frame, and its inertia is about that"
+    )
+    if not np.any(np.isfinite(cell.object_velocity_limit)):
+        yield _assumed("no-object-velocity", "the object may move at any speed: no 'object: {velocity: …}'")
+    free = [
+        robot.name
+        for robot in cell.robots
+        if not robot.contacts and not np.any(np.isfinite([robot.wrench_lower, robot.wrench_upper]))
+    ]
+    yield _assumed("no-collisions", NO_COLLISIONS)
+    if free:
+        yield _assumed(
+            "no-wrench-limit", f"hands hold whatever comes: no 'wrench' and no 'contact' ({', '.join(free)})"
+        )
+
+
+def _assumed(code: str, text: str) -> Remark:
+    return Remark(code, text, severity="assumption")
+
+
+def first_few(names: Sequence[str]) -> str:
+    """The first of many names, and how many more there are."""
+    shown = ", ".join(names[:NAMES_SHOWN])
+    return shown if len(names) <= NAMES_SHOWN else f"{shown} and {len(names) - NAMES_SHOWN} more"
+
+
+def _named(concerned: Sequence[JointSource], joints: Sequence[JointSource]) -> str:
+    if len(concerned) == len(joints):
+        return "all joints"
+    parts = []
+    for robot in dict.fromkeys(joint.robot for joint in concerned):
+        own = [joint.joint for joint in concerned if joint.robot == robot]
+        whole = len(own) == sum(joint.robot == robot for joint in joints)
+        parts.append(f"all of {robot}" if whole else f"{robot}: {', '.join(own)}")
+    return "; ".join(parts)

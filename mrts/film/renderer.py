@@ -1,0 +1,306 @@
+# SPDX-License-Identifier: MIT
+"""Pictures of a moving cell by MuJoCo's renderer, which needs libEGL and no display."""
+
+import os
+import sys
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.rigid_transform import quaternions_from_rotations
+from mrts.drawing.round_numbers import round_down
+from mrts.scaling.range import ScalingRange
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
+from mrts.scene.cell_shapes import ContactForces
+from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
+from mrts.scene.held_body import held_body, object_edges
+from mrts.scene.scene import FORCE, OBJECT, OUTLINE, PATH, DecidingLimit, Rgb, Scene, blended, deciding_limit
+
+ARROW_RADIUS, PATH_RADIUS = 0.008, 0.004
+"""As a share of the cell's size."""
+
+HALF_DRAWN = 2.0
+"""MuJoCo draws an arrow half as long as it is connected."""
+
+NEARER = 0.1
+"""Of its distance from the camera, at which an arrow is drawn."""
+
+SHORTEST = 0.01
+"""Forces below this share of the cell's size are not drawn."""
+
+PATH_POINTS = 48
+"""Of the line along which the object moves."""
+
+TILES = 5
+"""Of the floor, in the cell's size; rounded to 1, 2 or 5 times a power of ten."""
+
+OUTLINE_RADIUS = 0.0025
+"""Of the object's edges at the start and the goal, as a share of the cell's size."""
+
+MOST_FACES = 200_000
+"""Of a mesh of MuJoCo's; larger ones become several."""
+
+FEWEST_VERTICES = 4
+"""Of such a mesh."""
+
+LEAST_AREA = 1e-12
+"""Of such a mesh [m²]: MuJoCo refuses what has none, and nobody sees less."""
+
+BACKDROP, FLOOR, GROOVE = (0.96, 0.97, 0.98), (0.93, 0.94, 0.95), (0.80, 0.82, 0.85)
+"""Red, green and blue, 0 to 1."""
+
+Frame = NDArray[np.uint8]
+"""Shape (height, width, 3)."""
+
+
+def silent(_text: str) -> None:
+    """Takes a warning, and does nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """A motion that is played.
+
+    Attributes:
+        title: What it is, for people.
+        trajectory: Motion, speed, torques and wrenches.
+        range: Of the motion.
+        urdfs: URDF and base link by robot, for meshes; robots that are not named are drawn with simple shapes.
+    """
+
+    title: str
+    trajectory: ScaledTrajectory
+    range: ScalingRange
+    urdfs: Urdfs = field(default_factory=dict)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """Where everything is at the trajectory's samples."""
+        carried = self.trajectory.motion.object
+        nothing = np.zeros(len(carried.time), dtype=bool)
+        return Scene(self.trajectory.cell, self.trajectory.q, carried.position, carried.rotation, nothing)
+
+    def place(self, time: float) -> float:
+        """Where a time is among the samples, between two of them too; before the start and after the end it stands.
+
+        Args:
+            time: At the played speed [s].
+        """
+        done = self.trajectory
+        return float(np.interp(time, done.time, np.arange(len(done.time))))
+
+    @cached_property
+    def deciding(self) -> DecidingLimit | None:
+        """The limit that decides how fast the motion may be played."""
+        return deciding_limit(self.trajectory, self.range)
+
+    @property
+    def strongest(self) -> float:
+        """The largest force of one arm on the object [N]."""
+        cell, wrench = self.trajectory.cell, self.trajectory.wrench
+        forces = np.array([unit == "N" for unit in cell.wrench_units])
+        sizes = [np.linalg.norm(wrench[:, part][:, forces], axis=1) for part in cell.wrench_slices.values()]
+        return float(np.max(sizes, initial=0.0))
+
+
+def require_renderer() -> Any:
+    """MuJoCo, once it is known to draw without a display.
+
+    Raises:
+        InputError: If it, or the library that it draws by, is not installed.
+    """
+    if sys.platform == "linux" and "mujoco" not in sys.modules:  # it looks once, when it is imported
+        os.environ.setdefault("MUJOCO_GL", "egl")
+    try:
+        import mujoco  # noqa: PLC0415 (an extra, and a quarter of a second)
+
+        mujoco.GLContext(8, 8).free()
+    except ImportError as error:
+        if error.name == "mujoco":
+            raise InputError("mujoco", "pictures and films need it: pip install 'mrts[film]'.") from None
+        raise _no_renderer(error) from None
+    except Exception as error:  # noqa: BLE001 (each way to draw raises its own)
+        raise _no_renderer(error) from None
+    return mujoco
+
+
+def _no_renderer(error: Exception) -> InputError:
+    way = os.environ.get("MUJOCO_GL", "")
+    rule = "pictures and films are drawn by libEGL, which lacks or does not work: on Debian, apt install libegl1 "
+    rule += "libgl1-mesa-dri; or apt install libosmesa6 and set MUJOCO_GL=osmesa; set it before mujoco is imported "
+    rule += f"({type(error).__name__}: {error})."
+    return InputError("MUJOCO_GL", rule, value=way)
+
+
+class SceneRenderer:
+    """Draws moments of one clip; it is closed by the thread that made it.
+
+    Args:
+        clip: What is played.
+        view: What there is to see.
+        camera: From where.
+        size: Width and height [pixels].
+        metres_per_newton: Length of a force's arrow for 1 N [m].
+        warn: Told which arm is drawn without its meshes, and why.
+    """
+
+    def __init__(
+        self, clip: Clip, view: CellView, camera: Camera, size: tuple[int, int], metres_per_newton: float, warn: Warn
+    ) -> None:
+        self._mujoco = mujoco = require_renderer()
+        self._clip, self._view, self._camera, self._metres_per_newton = clip, view, camera, metres_per_newton
+        cell, scene = clip.trajectory.cell, clip.scene
+        self._spec = mujoco.MjSpec()
+        self._add_surroundings(size)
+        self._body = held_body(cell)
+        corners = self._body.vertices[self._body.faces]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+        held = self._spec.worldbody.add_body(name="object", mocap=True)
+        flat = np.arange(3 * len(corners)).reshape(-1, 3)
+        self._add_mesh(held, "object", corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), flat, OBJECT)
+        for number, parts in enumerate(drawn_arms(cell, clip.urdfs, warn)):
+            robot, found = cell.robots[number], clip.deciding
+            deciding = None if found is None else found.body(robot)
+            bodies = [
+                self._spec.worldbody.add_body(name=f"{number}/{index}", mocap=True)
+                for index in range(len(robot.joints) + 1)
+            ]
+            for place, part in enumerate(parts):
+                mesh = part.mesh
+                for start in range(0, len(mesh.faces), MOST_FACES):
+                    faces, name = mesh.faces[start : start + MOST_FACES], f"{number}/{place}/{start}"
+                    self._add_mesh(
+                        bodies[part.body], name, mesh.vertices, mesh.vertex_normals, faces, part.colour(deciding)
+                    )
+        self._model = self._spec.compile()
+        self._data = mujoco.MjData(self._model)
+        self._renderer = mujoco.Renderer(self._model, size[1], size[0])
+        edges = object_edges(self._body.vertices, self._body.faces)
+        self._edges = self._body.vertices[edges if len(edges) else self._body.faces[:, :2]]  # a ball has no edges
+        chosen = np.unique(np.linspace(0, len(scene.position) - 1, PATH_POINTS).astype(int))
+        self._path = scene.position[chosen]
+
+    def close(self) -> None:
+        """Free what the renderer holds."""
+        self._renderer.close()
+
+    def picture(self, time: float) -> Frame:
+        """A picture of a moment.
+
+        Args:
+            time: At the played speed [s].
+        """
+        place = self._clip.place(time)
+        moment = self._clip.scene.moment(place)
+        self._move("object", moment.rotation, moment.position)
+        for number, (R, p) in enumerate(moment.bodies):
+            for index in range(len(R)):
+                self._move(f"{number}/{index}", R[index], p[index])
+        self._mujoco.mj_kinematics(self._model, self._data)
+        self._mujoco.mj_camlight(self._model, self._data)
+        self._renderer.update_scene(self._data, camera="camera")
+        self._add_path()
+        self._add_forces(moment.contacts(blended(self._clip.trajectory.wrench, place)))
+        drawn: Frame = self._renderer.render()
+        return drawn
+
+    def _add_path(self) -> None:
+        """The line along which the object moves, and the object's edges at its ends."""
+        capsule, size, scene = self._mujoco.mjtGeom.mjGEOM_CAPSULE, self._view.size, self._clip.scene
+        for start, end in pairwise(self._path):
+            self._connect(capsule, start, end, PATH_RADIUS * size, PATH)
+        for sample in (0, -1):
+            for start, end in scene.position[sample] + self._edges @ scene.rotation[sample].T:
+                self._connect(capsule, start, end, OUTLINE_RADIUS * size, OUTLINE)
+
+    def _add_forces(self, contacts: ContactForces) -> None:
+        """Arrows, seen over all else, because most begin inside a hand or the object: drawn smaller, but nearer."""
+        arrow, eye, size = self._mujoco.mjtGeom.mjGEOM_ARROW, self._camera.position, self._view.size
+        for point, force in zip(contacts.point, self._metres_per_newton * contacts.force, strict=True):
+            if np.linalg.norm(force) > SHORTEST * size:
+                start, step = eye + NEARER * (point - eye), NEARER * HALF_DRAWN * force
+                self._connect(arrow, start, start + step, NEARER * ARROW_RADIUS * size, FORCE)
+
+    def _add_surroundings(self, size: tuple[int, int]) -> None:
+        mujoco, spec, view, camera = self._mujoco, self._spec, self._view, self._camera
+        spec.visual.global_.offwidth, spec.visual.global_.offheight = size
+        spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 2048, 4
+        spec.visual.headlight.ambient, spec.visual.headlight.diffuse = (0.5,) * 3, (0.35,) * 3
+        spec.visual.headlight.specular = (0.1,) * 3
+        spec.visual.rgba.haze = (*BACKDROP, 1)
+        spec.visual.map.znear, spec.visual.map.zfar, spec.visual.map.haze = 0.02, 30, 0.8
+        spec.visual.map.shadowclip = 2
+        spec.stat.extent, spec.stat.center = view.size, camera.target
+        world, right, up, forward = spec.worldbody, *camera.axes
+        world.add_camera(
+            name="camera", pos=camera.position, quat=_wxyz(np.stack([right, up, -forward], axis=1)),
+            fovy=np.rad2deg(FIELD_OF_VIEW),
+        )  # fmt: skip
+        lamp = 0.9 * view.up - 0.45 * forward - 0.35 * right + 0.2 * up
+        world.add_light(
+            type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, pos=camera.target + 3 * view.size * lamp, dir=-lamp,
+            diffuse=(0.35,) * 3, specular=(0.1,) * 3, castshadow=True,
+        )  # fmt: skip
+        spec.add_texture(
+            name="sky", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
+            rgb1=BACKDROP, rgb2=BACKDROP, width=8, height=48,
+        )  # fmt: skip
+        spec.add_texture(
+            name="tiles", type=mujoco.mjtTexture.mjTEXTURE_2D, builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
+            mark=mujoco.mjtMark.mjMARK_EDGE, rgb1=FLOOR, rgb2=FLOOR, markrgb=GROOVE, width=96, height=96,
+        )  # fmt: skip
+        tile = round_down(view.size / TILES)
+        floor = spec.add_material(name="floor", texrepeat=(1 / tile, 1 / tile), texuniform=True, specular=0.0)
+        floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
+        across = np.cross(view.up, np.eye(3)[np.argmin(np.abs(view.up))])
+        across /= np.linalg.norm(across)
+        world.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 0.1), pos=view.floor, material="floor",
+            quat=_wxyz(np.stack([across, np.cross(view.up, across), view.up], axis=1)),
+        )  # fmt: skip
+
+    def _add_mesh(
+        self, body: Any, name: str, vertices: Array, normals: Array, faces: NDArray[np.integer], colour: Rgb
+    ) -> None:
+        corners = np.asarray(vertices)[faces]
+        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        if len(vertices) < FEWEST_VERTICES or np.sum(area) < LEAST_AREA:
+            return
+        mesh = self._spec.add_mesh(name=name, inertia=self._mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
+        mesh.uservert, mesh.usernormal = np.ravel(vertices).tolist(), np.ravel(normals).tolist()
+        mesh.userface = mesh.userfacenormal = np.ravel(faces).tolist()
+        body.add_geom(
+            type=self._mujoco.mjtGeom.mjGEOM_MESH, meshname=name, rgba=_rgba(colour), contype=0, conaffinity=0
+        )
+
+    def _move(self, name: str, R: Array, p: Array) -> None:
+        body = self._model.body(name).mocapid[0]
+        self._data.mocap_pos[body], self._data.mocap_quat[body] = p, _wxyz(R)
+
+    def _connect(self, shape: Any, start: Array, end: Array, radius: float, colour: Rgb) -> None:
+        """Add a shape from one point to another; it casts no shadow."""
+        mujoco, scene = self._mujoco, self._renderer.scene
+        if scene.ngeom >= scene.maxgeom or np.linalg.norm(end - start) == 0:
+            return
+        geom = scene.geoms[scene.ngeom]
+        scene.ngeom += 1
+        mujoco.mjv_initGeom(geom, shape, np.full(3, radius), start, np.eye(3).ravel(), np.array(_rgba(colour)))
+        mujoco.mjv_connector(geom, shape, radius, start, end)
+        geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+
+
+def _rgba(colour: Rgb) -> tuple[float, float, float, float]:
+    red, green, blue = (part / 255 for part in colour)
+    return red, green, blue, 1.0
+
+
+def _wxyz(R: Array) -> Array:
+    return np.roll(quaternions_from_rotations(R), 1)

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: MIT
+"""Arms as meshes, each with the body that carries it: the visuals of a URDF, or bars from joint to joint."""
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mrts.base.errors import InputError, MrtsError
+from mrts.base.formats.package_uri import file_of_uri, is_uri
+from mrts.base.regular_file import is_file
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+from mrts.scene.cell_shapes import shares_base
+from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, Rgb, arm_colour
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
+
+
+BASE_RADIUS, TIP_RADIUS = 0.036, 0.02
+"""Radius of an arm of bars at its base and its tip, as a share of its length when it is straight."""
+
+LINK, AXIS_LENGTH = 0.8, 1.25
+"""Radius of a bar, and half length of the cylinder along a joint's axis, as shares of that radius."""
+
+JOINT = (62, 70, 82)
+"""Colour of the joints of such an arm."""
+
+AROUND = 32
+"""Corners of a cylinder's circle."""
+
+SHARP = 0.6
+"""Angle between faces from which the side between them is an edge [rad]."""
+
+Urdfs = Mapping[str, tuple[Path, str | None]]
+"""URDF and base link of arms, by name; an arm that is not there is drawn with bars."""
+
+Warn = Callable[[str], None]
+"""Told which arm is drawn with bars, though it has a URDF, and why."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArmMesh:
+    """A part of an arm that one body carries.
+
+    Attributes:
+        body: 0 stands with the base, k is moved by the first k joints (`mrts.scene.cell_shapes.body_poses`).
+        mesh: In base axes with every joint of the chain at zero [m].
+        own: Its colour.
+        marks: Whether it shows that its body's joint decides how fast the motion may be played.
+    """
+
+    body: int
+    mesh: "Trimesh"
+    own: Rgb
+    marks: bool
+
+    def colour(self, deciding: int | None = None) -> Rgb:
+        """Its colour where a body of the arm decides, or none does."""
+        return OVER_LIMIT if self.marks and self.body == deciding else self.own
+
+
+def drawn_arms(cell: Cell, urdfs: Urdfs, warn: Warn) -> list[list[ArmMesh]]:
+    """The parts of each arm of a cell.
+
+    Args:
+        cell: The cell.
+        urdfs: As far as there are any.
+        warn: Told why an arm is drawn without its meshes.
+    """
+    found = []
+    for index, robot in enumerate(cell.robots):
+        meshes = []
+        if robot.name in urdfs:
+            try:
+                meshes = arm_meshes(*urdfs[robot.name], robot.joints, robot.held)
+            except InputError as error:
+                warn(f"robot '{robot.name}' is drawn with simple shapes: {error}")
+        colour = arm_colour(index)
+        base = SHARED_BASE if shares_base(cell, robot) else colour
+        parts = [ArmMesh(body, mesh, colour if body else base, marks=True) for body, mesh in meshes]
+        found.append(parts or bars(robot, colour))
+    return found
+
+
+def bars(robot: Robot, colour: Rgb) -> list[ArmMesh]:
+    """An arm as bars from joint to joint, with a cylinder along every joint's axis.
+
+    Args:
+        robot: The arm.
+        colour: Of the bars.
+    """
+    from trimesh.creation import cylinder, icosphere  # noqa: PLC0415 (half a second, for what is drawn)
+    from trimesh.graph import smooth_shade  # noqa: PLC0415
+
+    points = np.concatenate([np.zeros((1, 3)), robot.points, robot.T_base_tip.p[None]])
+    length = float(np.sum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    radii = length * np.linspace(BASE_RADIUS, TIP_RADIUS, len(points))
+    ends = [(body, icosphere(subdivisions=2, radius=radii[body])) for body in (0, len(robot.joints))]
+    ends[0][1].apply_translation(points[0])
+    ends[1][1].apply_translation(points[-1])
+    parts = [ArmMesh(body, mesh, colour, marks=body > 0) for body, mesh in ends]
+
+    def add(body: int, start: np.ndarray, end: np.ndarray, radius: float, own: Rgb, *, marks: bool) -> None:
+        if np.linalg.norm(end - start) > radius / 2:
+            mesh = cylinder(radius, segment=np.stack([start, end]), sections=AROUND)
+            parts.append(ArmMesh(body, smooth_shade(mesh, angle=SHARP), own, marks))
+
+    for body, (start, end) in enumerate(pairwise(points)):
+        add(body, start, end, LINK * radii[body + 1], colour, marks=False)
+    for body, (kind, axis) in enumerate(zip(robot.joint_types, robot.axes, strict=True), start=1):
+        point, radius = points[body], radii[body]
+        if kind == "prismatic":  # a rod that slides
+            add(body, point - length * axis, point, LINK * radius, JOINT, marks=True)
+        along = AXIS_LENGTH * radius * axis
+        add(body, point - along, point + along, radius, JOINT, marks=True)
+    return parts
+
+
+def arm_meshes(
+    path: Path, base_link: str | None, joints: tuple[str, ...], held: Mapping[str, float] | None = None
+) -> "list[tuple[int, Trimesh]]":
+    """Body and mesh, as in `ArmMesh`, of every visual of an arm.
+
+    Other joints stand where they are held, else at zero; what they could still move and no joint of the chain carries,
+    such as the other arm of a torso, is left out.
+
+    Args:
+        path: The URDF.
+        base_link: First link of the chain; None takes the URDF's root.
+        joints: Moving joints of the chain, base to tip.
+        held: Positions of joints that are held still [rad or m].
+
+    Raises:
+        InputError: If the file or one of its meshes cannot be read.
+    """
+    from trimesh import Trimesh  # noqa: PLC0415 (half a second, for cells that have meshes to show)
+    from yourdfpy import URDF  # noqa: PLC0415
+
+    try:
+        model = URDF.load(str(path), filename_handler=partial(mesh_file, path))
+        still = {name: value for name, value in (held or {}).items() if name in model.actuated_joint_names}
+        model.update_cfg(still)  # what mimics them follows
+        body = _bodies(model.robot.joints, base_link or model.base_link, joints, held or {})
+        graph, found = model.scene.graph, []
+        for node in graph.nodes_geometry:
+            link = graph.transforms.parents[node]
+            pose, name = graph.get(node, base_link or model.base_link)
+            shape = model.scene.geometry[name]
+            if link in body and isinstance(shape, Trimesh) and len(shape.faces):
+                found.append((body[link], shape.copy().apply_transform(pose)))
+    except MrtsError:
+        raise
+    except Exception as error:  # noqa: BLE001 (the readers of a dozen formats raise what they like)
+        raise InputError(path, f"its meshes cannot be read ({type(error).__name__}: {error}).") from None
+    return found
+
+
+def _bodies(joints: list[Any], base_link: str, chain: tuple[str, ...], held: Mapping[str, float]) -> dict[str, int]:
+    """The body that each link belongs to, for the links that stand with the base or hang from the chain."""
+    body, pending = {base_link: 0}, deque([base_link])
+    while pending:
+        link = pending.popleft()
+        for joint in joints:
+            stands = joint.type == "fixed" or joint.name in held
+            if joint.parent == link:
+                other, moved = joint.child, not stands
+            elif joint.child == link and stands:
+                other, moved = joint.parent, False
+            else:
+                continue
+            if other in body or (moved and joint.name not in chain and body[link] == 0):
+                continue
+            body[other] = chain.index(joint.name) + 1 if joint.name in chain else body[link]
+            pending.append(other)
+    return body
+
+
+def mesh_file(urdf: Path, fname: str) -> str:
+    """Path of a mesh: of a package, relative to the URDF, or in a package that stands there under another name.
+
+    Args:
+        urdf: The file that names it.
+        fname: How.
+
+    Raises:
+        InputError: If it is not there.
+    """
+    inside = fname.removeprefix("file://")
+    if is_uri(fname):
+        inside = fname.partition("://")[2].partition("/")[2]
+        try:
+            return str(file_of_uri(urdf, fname, urdf))
+        except InputError as error:
+            for above in urdf.resolve().parents:
+                if is_file(above / inside):
+                    return str(above / inside)
+            raise InputError(urdf, f"its mesh '{fname}' is not found: {error.rule}") from None
+    file = urdf.resolve().parent / inside
+    if is_file(file):
+        return str(file)
+    raise InputError(urdf, f"its mesh '{fname}' is not found.")

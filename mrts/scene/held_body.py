@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: MIT
+"""The carried object as triangles in its own frame: its shape, or a box with about its inertia that hands hold."""
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, unpacked_surface
+from mrts.cell.cell import Cell
+from mrts.scene.cell_shapes import object_box
+
+CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
+"""Of a box with sides of 1."""
+
+TRIANGLES = np.array(
+    [
+        (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+        (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+    ]
+)  # fmt: skip
+"""Of a box, counterclockwise from outside."""
+
+AROUND = 32
+"""Corners of the circle that stands for a cylinder's end."""
+
+FLAT = np.deg2rad(30.0)
+"""Least angle between two triangles whose common side is drawn as an edge [rad]."""
+
+WAIST = 0.4
+"""A side of the box is drawn as short as this share of what its inertia gives it, so that a hand is at its surface."""
+
+REACHED = 0.02
+"""A contact this near to the box, as a share of the box's diagonal, is at its surface."""
+
+HANDLE = 0.04
+"""Half width of a bar from the box to a contact beside it, as a share of the box's diagonal."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeldBody:
+    """Triangles in the object's frame.
+
+    Attributes:
+        vertices: Shape (V, 3) [m].
+        faces: Indices of vertices, Shape (F, 3).
+    """
+
+    vertices: Array
+    faces: NDArray[np.int_]
+
+    def __add__(self, other: "HeldBody") -> "HeldBody":
+        return HeldBody(
+            np.concatenate([self.vertices, other.vertices]),
+            np.concatenate([self.faces, other.faces + len(self.vertices)]),
+        )
+
+
+def held_body(cell: Cell, most: int = MOST_DRAWN) -> HeldBody:
+    """The object as it is drawn: its shape, or a box with about its inertia that its hands touch, or hold by handles.
+
+    Such a box that reaches beyond a contact is drawn narrower, so that the hand is at its surface; a contact beside it
+    is joined to it by a bar.
+
+    Args:
+        cell: The cell.
+        most: Triangles of a mesh, which is drawn coarser than it is known where it has more.
+    """
+    if cell.object_shape is not None:
+        return HeldBody(*object_surface(cell, most))
+    contacts = np.array([robot.T_object_tip.p for robot in cell.robots])
+    half = _narrowed(object_box(cell) / 2, contacts)
+    size = 2 * float(np.linalg.norm(half))
+    body = HeldBody(CORNERS * 2 * half, TRIANGLES)
+    for contact in contacts:
+        nearest = np.clip(contact, -half, half)
+        if np.linalg.norm(contact - nearest) > REACHED * size:
+            body = body + _bar(nearest, contact, HANDLE * size)
+    return body
+
+
+def _narrowed(half: Array, contacts: Array) -> Array:
+    """Half sides of a box with no contact deep inside, unless that took more than `WAIST` leaves."""
+    half = half.copy()
+    for contact in contacts:
+        depth = half - np.abs(contact)
+        if np.all(depth > 0):
+            axis = int(np.argmin(depth / half))
+            half[axis] = max(abs(contact[axis]), WAIST * half[axis])
+    return half
+
+
+def _bar(start: Array, end: Array, half_width: float) -> HeldBody:
+    """A square bar from a point to another, which differ."""
+    along = (end - start) / np.linalg.norm(end - start)
+    across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+    across = across / np.linalg.norm(across)
+    axes = np.stack([2 * half_width * across, 2 * half_width * np.cross(along, across), end - start])
+    return HeldBody((start + end) / 2 + CORNERS @ axes, TRIANGLES)
+
+
+def object_surface(cell: Cell, most: int = MOST_DRAWN) -> tuple[Array, NDArray[np.int64]]:
+    """Vertices in the object frame, Shape (V, 3) [m], and triangles between them, Shape (T, 3).
+
+    Args:
+        cell: The cell.
+        most: Triangles of a mesh, which is drawn coarser than it is known where it has more.
+    """
+    shape = cell.object_shape
+    if shape is None:
+        return CORNERS * object_box(cell), TRIANGLES
+    if shape.box is not None:
+        vertices, triangles = CORNERS * np.array(shape.box), TRIANGLES
+    elif shape.cylinder is not None:
+        vertices, triangles = _cylinder(shape.cylinder.radius, shape.cylinder.length)
+    else:
+        assert shape.mesh is not None  # noqa: S101 (the record has one of the three)
+        vertices, triangles = coarser_surface(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles), most)
+    return vertices @ shape.pose.R.T + shape.pose.p, triangles
+
+
+def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Sides of triangles at which a surface bends, or ends, as pairs of vertices, Shape (E, 2).
+
+    Args:
+        vertices: Shape (V, 3) [m].
+        triangles: Shape (T, 3).
+    """
+    corners = vertices[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = normals / np.where(lengths > 0, lengths, 1.0)
+    beside: dict[tuple[int, int], list[int]] = {}
+    for index, (a, b, c) in enumerate(triangles.tolist()):
+        for one, other in ((a, b), (b, c), (c, a)):
+            beside.setdefault((min(one, other), max(one, other)), []).append(index)
+    bent = [
+        side
+        for side, around in beside.items()
+        if len(around) != 2 or normals[around[0]] @ normals[around[1]] < np.cos(FLAT)  # noqa: PLR2004 (both sides)
+    ]
+    return np.array(bent, dtype=np.int64).reshape(-1, 2)
+
+
+def _cylinder(radius: float, length: float) -> tuple[Array, NDArray[np.int64]]:
+    """About the z axis: two circles, and the middle of each."""
+    angle = 2 * np.pi * np.arange(AROUND) / AROUND
+    circle = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
+    ends = [np.column_stack([circle, np.full(AROUND, side * length / 2)]) for side in (-1, 1)]
+    vertices = np.concatenate([*ends, [[0, 0, -length / 2], [0, 0, length / 2]]])
+    low = np.arange(AROUND)
+    following, high = np.roll(low, -1), low + AROUND
+    above = np.roll(high, -1)
+    bottom, top = np.full(AROUND, 2 * AROUND), np.full(AROUND, 2 * AROUND + 1)
+    parts = [(low, following, above), (low, above, high), (bottom, following, low), (top, high, above)]
+    return vertices, np.concatenate([np.stack(part, axis=1) for part in parts])

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: MIT
+"""What is drawn of a motion, whoever draws it: where everything is, in which colours, and how fast it plays."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.cell.robot import Robot
+from mrts.drawing.colours import COLOURS
+from mrts.limits.rows import RowName
+from mrts.scaling.limit_use import used_shares
+from mrts.scaling.range import ScalingRange
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.scene.cell_shapes import ContactForces, body_poses, contact_forces, points_on_bodies
+
+Rgb = tuple[int, int, int]
+"""0 to 255."""
+
+OBJECT, OUTLINE = (236, 178, 60), (196, 138, 24)
+"""Of the object, and of its edges at the start and the goal: seen on a light page and on a dark one."""
+
+PATH, OVER_LIMIT = (70, 70, 80), (212, 0, 0)
+"""Of the object's path where limits are kept, and of what passes or decides a limit."""
+
+FORCE, MOMENT = (190, 50, 0), (0, 110, 80)
+
+SHARED_BASE = (156, 163, 172)
+"""Of what two arms of one machine stand on."""
+
+PACES = {1.0: "real time", 0.5: "1/2", 0.2: "1/5", 0.1: "1/10", 0.05: "1/20", 0.02: "1/50", 0.01: "1/100"}
+"""Seconds of the motion in a second of its playing, and what that is called."""
+
+SHORTEST_PLAY = 3.0
+"""A motion is played at least this long, at one of `PACES` [s]."""
+
+
+def arm_hex(index: int) -> str:
+    """The colour of the arm with this number, as "#0072B2"; after six they begin again."""
+    return COLOURS[index % (len(COLOURS) - 1)]
+
+
+def arm_colour(index: int) -> Rgb:
+    """The colour of `arm_hex` as numbers."""
+    colour = arm_hex(index)
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:], 16)
+
+
+def suited_pace(duration: float) -> float:
+    """The fastest of `PACES` at which a motion plays for `SHORTEST_PLAY`.
+
+    Args:
+        duration: Of the motion [s].
+    """
+    return next((pace for pace in PACES if duration >= SHORTEST_PLAY * pace), min(PACES))
+
+
+@dataclass(frozen=True, eq=False)
+class DecidingLimit:
+    """The limit that decides how fast a motion may be played; where no speed is admissible, that which is passed most.
+
+    Attributes:
+        name: What it limits.
+        share: Of it that is used there, 1 at the limit.
+        sample: Where it decides.
+    """
+
+    name: RowName
+    share: float
+    sample: int
+
+    def body(self, robot: Robot) -> int | None:
+        """The body of an arm that it is about: that of the joint, else the hand; None of another arm."""
+        if self.name.robot != robot.name:
+            return None
+        joint = self.name.element
+        return robot.joints.index(joint) + 1 if joint in robot.joints else len(robot.joints)
+
+
+def deciding_limit(done: ScaledTrajectory, found: ScalingRange) -> DecidingLimit | None:
+    """The limit that decides; None where nothing does.
+
+    Args:
+        done: A motion as it is played.
+        found: Its range.
+    """
+    names, share = used_shares(done)
+    end = found.upper
+    if end is not None and end.sample is not None:
+        row = next((names.index(each.name) for each in end.rows if each.name in names), None)
+        return None if row is None else DecidingLimit(names[row], float(share[end.sample, row]), end.sample)
+    if not found.status.admits_motion and names:
+        sample, row = (int(place) for place in np.unravel_index(np.argmax(share), share.shape))
+        return DecidingLimit(names[row], float(share[sample, row]), sample)
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Arms and object along a motion, at k samples.
+
+    Attributes:
+        cell: The cell.
+        q: Joint positions, Shape (k, m) [rad or m].
+        position: Of the object, Shape (k, 3) [m].
+        rotation: Of the object, Shape (k, 3, 3).
+        passed: Where a limit is passed, or an arm does not reach, Shape (k,).
+    """
+
+    cell: Cell
+    q: Array
+    position: Array
+    rotation: Array
+    passed: NDArray[np.bool_]
+
+    @cached_property
+    def bodies(self) -> tuple[tuple[Array, Array], ...]:
+        """By arm, where its bodies are: Shape (k, n_i + 1, 3, 3), and Shape (k, n_i + 1, 3) [m]."""
+        return tuple(
+            body_poses(robot, self.q[:, joints])
+            for robot, joints in zip(self.cell.robots, self.cell.joint_slices.values(), strict=True)
+        )
+
+    def moment(self, place: float) -> "Moment":
+        """Where everything is.
+
+        Args:
+            place: A sample, or between two of them: every point of a body is then on the line between where it is at
+                both, so that hands stay at their grasps.
+        """
+        return Moment(
+            cell=self.cell,
+            position=blended(self.position, place),
+            rotation=blended(self.rotation, place),
+            bodies=tuple((blended(R, place), blended(p, place)) for R, p in self.bodies),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """Poses at one moment; between samples rotations are so only to the square of the step.
+
+    Attributes:
+        cell: The cell.
+        position: Of the object, Shape (3,) [m].
+        rotation: Of the object, Shape (3, 3).
+        bodies: By arm, Shape (n_i + 1, 3, 3), and Shape (n_i + 1, 3) [m].
+    """
+
+    cell: Cell
+    position: Array
+    rotation: Array
+    bodies: tuple[tuple[Array, Array], ...]
+
+    @cached_property
+    def lines(self) -> list[Array]:
+        """Each arm as a line through its base, its joints and its tip, Shape (n_i + 2, 3) [m]."""
+        return [
+            points_on_bodies(robot, R[None], p[None])[0]
+            for robot, (R, p) in zip(self.cell.robots, self.bodies, strict=True)
+        ]
+
+    def contacts(self, wrench: Array) -> ContactForces:
+        """Forces and moments on the object, an arm each.
+
+        Args:
+            wrench: Of all arms, in their base axes, Shape (n w,) [N, N m].
+        """
+        each = [
+            contact_forces(self.cell, robot, self.position[None], self.rotation[None], wrench[None, part])
+            for robot, part in zip(self.cell.robots, self.cell.wrench_slices.values(), strict=True)
+        ]
+        return ContactForces(
+            *(np.concatenate([getattr(one, name) for one in each]) for name in ("point", "force", "moment"))
+        )
+
+
+def blended(values: Array, place: float) -> Array:
+    """Values at a sample, or linear between two.
+
+    Args:
+        values: Of every sample, Shape (k, …).
+        place: Index of a sample, or between two.
+    """
+    first = min(int(place), len(values) - 1)
+    share = place - first
+    here: Array = values[first]
+    return here if share == 0 else here + share * (values[first + 1] - here)

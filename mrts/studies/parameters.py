@@ -1,0 +1,373 @@
+# SPDX-License-Identifier: MIT
+"""`vary` of the study file: each parameter of a study is a distribution and the numbers that its value moves."""
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+
+from mrts.base.argument_types import is_number
+from mrts.base.errors import InputError
+from mrts.base.formats.pose import Finite, Positive
+from mrts.base.formats.record import Record, Rule
+from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME
+from mrts.cell.cell import Cell
+from mrts.studies.distributions import Distribution
+from mrts.studies.number_paths import (
+    Keys,
+    PathError,
+    find_keys,
+    number_unit,
+    numbers_below,
+    path_text,
+    value_at,
+    with_place,
+)
+from mrts.studies.sampling import MAX_STEPS, SampleName
+
+RESERVED_NAMES = (
+    "variant", "status", "reason", "c2_lower", "c2_upper", "lower_limit", "upper_limit", "duration", "energy",
+)  # fmt: skip
+"""Columns of a study's table beside those of its parameters."""
+
+MOVES = ("sets", "shifts", "scales")
+"""What a parameter can do to a number: be it, be added to it, multiply it."""
+
+FORMS = "a list such as [1, 2, 3], a range such as {from: 1, to: 3, steps: 5}, or {normal: {mean: 2, std: 0.1}}"
+
+PATHS_SHOWN = 3
+"""Of what a parameter moves."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A number that a parameter sets to offset + factor × its own value.
+
+    Attributes:
+        path: Of the number: `robots.left.base.xyz[0]`.
+        keys: The same as keys and indices, from "cell" or "motion" inward.
+        unit: Of the number; empty if it has none.
+        factor: Of the parameter's value.
+        offset: Added to it.
+        whole: Whether it is a whole number.
+    """
+
+    path: str
+    keys: Keys
+    unit: str
+    factor: float = 1.0
+    offset: float = 0.0
+    whole: bool = False
+
+    def value(self, at: float) -> float | int:
+        """The number where the parameter has a value."""
+        number = self.offset + self.factor * at
+        return round(number) if self.whole else number
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What a study varies: one number, or several that move together.
+
+    Attributes:
+        path: Of the number, or the name of what moves several; heads its column in the table.
+        unit: Empty if it has none.
+        distribution: Of its values.
+        targets: The numbers that it sets.
+    """
+
+    path: str
+    unit: str
+    distribution: Distribution
+    targets: tuple[Target, ...]
+
+    def __str__(self) -> str:
+        paths = [target.path for target in self.targets]
+        more = f" and {len(paths) - PATHS_SHOWN} more" if len(paths) > PATHS_SHOWN else ""
+        moved = "" if paths == [self.path] else f" ({', '.join(paths[:PATHS_SHOWN])}{more})"
+        return f"{self.path}{moved}: {self.distribution.text(self.unit)}"
+
+
+def _reversed(low: float, high: float) -> str:
+    return "" if low < high else f"'from' must be below 'to'; here are {low:g} and {high:g}"
+
+
+class NormalDescription(Record):
+    """A normal distribution."""
+
+    mean: Finite
+    std: Positive
+
+
+class LognormalDescription(Record):
+    """A distribution of which the logarithm is normal, with the standard deviation `log_std`."""
+
+    median: Positive
+    log_std: Annotated[float, Rule(gt=0, le=10, allow_inf_nan=False)]
+
+
+class UniformDescription(Record):
+    """Every value from one to another, one as likely as another."""
+
+    from_: Finite
+    to: Finite
+
+    def problem(self) -> str:
+        """The rule that its ends break with each other; empty if none."""
+        return _reversed(self.from_, self.to)
+
+
+class TriangularDescription(UniformDescription):
+    """A distribution that rises to its likeliest value and falls from there."""
+
+    peak: Finite
+
+    def problem(self) -> str:
+        """The rule that its numbers break with each other; empty if none."""
+        if self.from_ <= self.peak <= self.to:
+            return super().problem()
+        return super().problem() or f"'peak', {self.peak:g}, must lie between 'from' and 'to'"
+
+
+class ParameterDescription(Record):
+    """An entry of `vary` that is no list; see docs/study_file.md.
+
+    Attributes:
+        from_: Where a range begins.
+        to: Where it ends.
+        steps: Of a range, in a grid.
+        values: Some values.
+        normal, lognormal, uniform, triangular: Distributions.
+        sets, shifts, scales: Numbers that it moves; an entry without them, (), is itself the path to one.
+    """
+
+    from_: Finite | None = None
+    to: Finite | None = None
+    steps: Annotated[int, Rule(ge=2, le=MAX_STEPS)] | None = None
+    values: Annotated[list[Finite], Rule(min_length=1)] | None = None
+    normal: NormalDescription | None = None
+    lognormal: LognormalDescription | None = None
+    uniform: UniformDescription | None = None
+    triangular: TriangularDescription | None = None
+    sets: Any = ()
+    shifts: Any = ()
+    scales: Any = ()
+
+    def problem(self) -> str:
+        """The rule that its keys break with each other; empty if none."""
+        ends = [name for name, value in (("from", self.from_), ("to", self.to)) if value is not None]
+        forms = ["a range"] if ends or self.steps is not None else []
+        kinds = ("values", "normal", "lognormal", "uniform", "triangular")
+        forms += [name for name in kinds if getattr(self, name) is not None]
+        if len(forms) != 1:
+            given = f"here are {', '.join(forms)}" if forms else "here is none of them"
+            return f"one way to vary it belongs here: {FORMS}; {given}"
+        if self.from_ is not None and self.to is not None:
+            return _reversed(self.from_, self.to)
+        if forms == ["a range"]:
+            return f"a range needs 'from' and 'to'; here is {ends[0] if ends else 'steps alone'}"
+        repeated = [value for value, count in Counter(self.values or []).items() if count > 1]
+        return f"{repeated[0]:g} stands twice; each value belongs here once" if repeated else ""
+
+    def distribution(self, sample: SampleName) -> Distribution:
+        """How it is distributed.
+
+        Args:
+            sample: How the points of the study are chosen.
+
+        Raises:
+            InputError: If the two do not go together.
+        """
+        found = self._distribution()
+        if sample != "grid" and self.steps is not None:
+            rule = f"steps are those of a grid; sample: {sample} draws from the whole range. Leave this out"
+            raise InputError("", f"{rule}.", key="steps", value=self.steps)
+        if sample == "grid" and found.levels is None:
+            rule = "a grid needs to know in how many steps, such as steps: 5"
+            if found.kind != "uniform":
+                rule = f"a {found.kind} distribution has no steps to make a grid of"
+            raise InputError("", f"{rule}. Take sample: sobol or lhs with a count.")
+        return found
+
+    def _distribution(self) -> Distribution:
+        if self.values is not None:
+            return Distribution("values", tuple(self.values))
+        if self.normal is not None:
+            return Distribution("normal", (self.normal.mean, self.normal.std))
+        if self.lognormal is not None:
+            return Distribution("lognormal", (self.lognormal.median, self.lognormal.log_std))
+        if self.triangular is not None:
+            return Distribution("triangular", (self.triangular.from_, self.triangular.peak, self.triangular.to))
+        ends = self.uniform or self
+        assert ends.from_ is not None and ends.to is not None  # noqa: S101, PT018 (checked by `problem`)
+        if self.steps is None:
+            return Distribution("uniform", (ends.from_, ends.to))
+        return Distribution("steps", tuple(np.linspace(ends.from_, ends.to, self.steps).tolist()))
+
+    @property
+    def moves(self) -> list[str]:
+        """Those of `MOVES` that it says."""
+        return [move for move in MOVES if getattr(self, move) != ()]
+
+
+def read_parameters(
+    path: Path,
+    vary: Mapping[str, Any],
+    sample: SampleName,
+    given: dict[str, Any],
+    filled: dict[str, Any],
+    cell: Cell,
+) -> tuple[Parameter, ...]:
+    """The parameters of a study.
+
+    Args:
+        path: The study file, for messages.
+        vary: Its key of that name.
+        sample: How points are chosen.
+        given: Keys and values of the "cell" and the "motion" file; what they leave out on the way to a number that
+            varies is written into them.
+        filled: The same with all that they leave out.
+        cell: The cell.
+
+    Raises:
+        InputError: If an entry breaks a rule, leads to no number, or to one that another entry moves.
+    """
+    if not vary:
+        raise InputError(path, "names nothing to vary, such as object.mass: [2, 3, 4].", key="vary")
+    parameters = []
+    moved: dict[Keys, str] = {}
+    above: dict[Keys, str] = {}
+    for name, value in vary.items():
+        try:
+            parameter = _parameter(name, value, sample, filled, cell)
+            _check_apart(name, parameter, moved, above)
+        except InputError as error:
+            raise error.inside(path, f"vary.{name}") from None
+        parameters.append(parameter)
+    for target in (target for parameter in parameters for target in parameter.targets):
+        with_place(given, filled, target.keys)
+    return tuple(parameters)
+
+
+def _parameter(name: str, value: object, sample: SampleName, files: dict[str, Any], cell: Cell) -> Parameter:
+    if isinstance(value, list):
+        value = {"values": value}
+    if not isinstance(value, dict):
+        raise InputError("", f"must say how it varies: {FORMS}.", value=value)
+    entry = ParameterDescription.model_validate(value)
+    distribution = entry.distribution(sample)
+    if entry.moves:
+        _check_name(name)
+        targets = tuple(_targets(entry, files, cell))
+    else:
+        targets = (_target(files, cell, name),)
+    for target in targets:
+        if target.whole and not (
+            distribution.levels and all((target.offset + target.factor * at).is_integer() for at in distribution.levels)
+        ):
+            raise InputError("", f"{target.path} is a whole number: list the values that it takes.")
+    units = {target.unit for target in targets}
+    unit = units.pop() if len(units) == 1 and "scales" not in entry.moves else ""  # a factor has none
+    return Parameter(name if entry.moves else targets[0].path, unit, distribution, targets)
+
+
+def _check_name(name: str) -> None:
+    if not re.fullmatch(IDENTIFIER, name) or len(name) > LONGEST_NAME or name in RESERVED_NAMES:
+        rule = (
+            "is the name of a parameter that moves several numbers, and heads a column: letters, digits and single "
+            f"underscores, at most {LONGEST_NAME}, and none of {', '.join(RESERVED_NAMES)}"
+        )
+        raise InputError("", f"{rule}.")
+
+
+def _targets(entry: ParameterDescription, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
+    for move in entry.moves:
+        try:
+            yield from _moved(move, getattr(entry, move), files, cell)
+        except InputError as error:
+            raise error.inside("", move) from None
+
+
+def _moved(move: str, listed: object, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
+    for path, factor, offset in _listed(listed):
+        if move == "scales" and (factor, offset) != (1, 0):
+            rule = "a parameter that scales takes a list of paths: it is itself the factor of each"
+            raise InputError("", f"{rule}.", value=listed)
+        if move == "shifts" and offset != 0:
+            raise InputError("", "an offset belongs to 'sets'.", value=offset)
+        if move == "sets":
+            yield _target(files, cell, path, factor, offset)
+            continue
+        numbers = list(numbers_below(files, _keys(files, cell, path)))
+        own = [float(value_at(files, number)) for number in numbers]
+        if not own:
+            rule = f"the cell and motion files give no number at {path}, so there is none to move. Write it there first"
+            raise InputError("", f"{rule}.")
+        if move == "scales" and not any(own):
+            rule = f"what is at {path} is 0, and stays 0 however it is scaled. Use 'sets' or 'shifts'"
+            raise InputError("", f"{rule}.")
+        for number, value in zip(numbers, own, strict=True):
+            yield _target(files, cell, number, *((value, 0.0) if move == "scales" else (factor, value)))
+
+
+def _listed(given: object) -> Iterator[tuple[str, float, float]]:
+    form = (
+        "must be a list of paths, or paths with the factor of each, such as robots.left.base.xyz[0]: -1, or with "
+        "{factor: -1, offset: 0.1}"
+    )
+    if isinstance(given, list) and given and all(isinstance(path, str) for path in given):
+        yield from ((path, 1.0, 0.0) for path in given)
+        return
+    if not isinstance(given, dict) or not given or not all(isinstance(path, str) for path in given):
+        raise InputError("", f"{form}.", value=given)
+    for path, line in given.items():
+        parts = line if isinstance(line, dict) else {"factor": line}
+        numbers = {"factor": 1.0, "offset": 0.0} | parts
+        sound = all(is_number(one, -LARGEST_NUMBER, LARGEST_NUMBER) for one in numbers.values())
+        if not parts or len(numbers) > 2 or not sound or numbers["factor"] == 0:  # noqa: PLR2004 (the two)
+            raise InputError("", f"{form}; a factor is not 0.", key=path, value=line)
+        yield path, float(numbers["factor"]), float(numbers["offset"])
+
+
+def _keys(files: dict[str, Any], cell: Cell, path: str) -> Keys:
+    try:
+        return find_keys(files, [len(robot.joints) for robot in cell.robots], path)
+    except PathError as error:
+        raise InputError("", str(error), value=path) from None
+
+
+def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float = 1.0, offset: float = 0.0) -> Target:
+    """One number; a place that holds none, but may, is one."""
+    keys = _keys(files, cell, place) if isinstance(place, str) else place
+    text, value = path_text(files, keys), value_at(files, keys)
+    if isinstance(value, dict | list):
+        inside = next(numbers_below(files, keys), None)
+        advice = "" if inside is None else f": name one of its numbers, such as {path_text(files, inside)}"
+        raise InputError("", f"{text} is no number{advice}.")
+    if isinstance(value, str | bool):
+        raise InputError("", f"{text} is '{value}', which is no number; numbers vary.")
+    unit = number_unit(keys, cell.robots, cell.wrench_units)
+    return Target(text, keys, unit, factor, offset, whole=keys == ("motion", "samples"))
+
+
+def _check_apart(mover: str, parameter: Parameter, moved: dict[Keys, str], above: dict[Keys, str]) -> None:
+    """Check that no number is moved twice, nor a part of what another moves.
+
+    Args:
+        mover: Name of the parameter.
+        parameter: The parameter.
+        moved: What moves each number so far; its own join them.
+        above: Likewise of the lists and mappings that the numbers are in.
+    """
+    for target in parameter.targets:
+        parents = [target.keys[:size] for size in range(1, len(target.keys))]
+        other = next(filter(None, map(moved.get, [target.keys, *parents])), above.get(target.keys))
+        if other is not None:
+            by = f", by '{other}' and '{mover}'" if other != mover else ""
+            raise InputError("", f"{target.path} is moved twice{by}. Each number has one mover.")
+        moved[target.keys] = mover
+        above |= dict.fromkeys(parents, mover)
