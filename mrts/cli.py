@@ -1,29 +1,26 @@
 # SPDX-License-Identifier: MIT
-# PYTHON_ARGCOMPLETE_OK
-"""The command line `mrts`; its verbs are in mrts/commands, its exit codes in mrts/console/exit_codes.py."""
+"""The command line `mrts`; its commands are in mrts/commands, its exit codes in mrts/console/exit_codes.py."""
 
-import argparse
 import atexit
 import gc
 import logging
 import os
-import re
-import shlex
 import signal
 import sys
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 from importlib import import_module
-from pathlib import Path
-from typing import Any, NoReturn
 
-from mrts.base.errors import MotionError, MrtsError
+import click
+
+from mrts.base.errors import MrtsError
 from mrts.base.printable import message_text
 from mrts.base.version import __version__
-from mrts.commands.completion import complete, is_completing
+from mrts.commands.options import EVERYWHERE, printing
 from mrts.console.defect import describe_defect, trace
 from mrts.console.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
 from mrts.console.signals import EndedBySignal, persistent_interrupt
 from mrts.console.terminal import (
+    DEBUG,
     QUIET,
     RemarkHandler,
     encode_anything,
@@ -34,7 +31,7 @@ from mrts.console.terminal import (
     warn,
 )
 
-VERBS = {
+COMMANDS = {
     "demo": "run the paper's examples",
     "new": "begin a cell from URDFs alone: hands, bases, a motion that can be played",
     "check": "all that is wrong, assumed, or out of reach in a cell and a motion, at once, without a compiler",
@@ -48,35 +45,60 @@ VERBS = {
     "report": "write a saved result or a study as an HTML page that opens offline",
     "export": "write a self-contained C library of a cell for a controller",
 }
-"""In the order of `--help`, with what it says of each; its module in mrts/commands is imported if it is the one."""
-
-MAY_STAND_ALONE = {"--rates"}
-"""Options with or without a value."""
-
-NEGATIVE = re.compile(r"-[.\d]")
-"""How a value begins that is no option."""
+"""In the order of `--help`, with what it says of each; the module in mrts/commands is imported if it is the one."""
 
 ENDINGS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "the terminal is gone"}
 """What is said when a signal ends the work."""
 
-QUIET_HELP = "print nothing but errors and what an option '-' asks for; files are written all the same"
-
 EPILOG = """\
+\b
 examples:
   mrts demo                                       the paper's examples, with files to start from
   mrts new lift --robot arm.urdf                  a cell and a motion of your own robots, to start from
   mrts check cell.yaml motion.yaml                what is wrong with files, or out of reach?
   mrts scale cell.yaml motion.yaml                how fast may this motion be played?
   mrts view cell.yaml motion.yaml                 the same in the browser, at any speed
-  mrts VERB --help                                options and examples of a verb
+  mrts COMMAND --help                             options and examples of a command
 
+\b
 exit code: 0 feasible, 1 a named infeasible outcome, 2 bad input or an output that cannot be written,
   70 a defect of mrts, 130 Ctrl-C, 141 the reader of the output went away, 129 and 143 other signals"""
 
 THREADS_OF_BLAS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "GOTO_NUM_THREADS")
 """Where none is set, numpy's BLAS starts a thread a core, which waits in a loop for matrices larger than any here."""
 
-DEBUG_HELP = "print the traceback of a defect of mrts, for a report of it"
+COMPLETION = "_MRTS_COMPLETE"
+"""Set by a shell that asks how a line goes on."""
+
+
+class _Commands(click.Group):
+    """The line; of its commands only the one that it names is imported."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002 (Click's)
+        """In the order of `COMMANDS`."""
+        return list(COMMANDS)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that the line names."""
+        name, command, rest = super().resolve_command(ctx, args)
+        return name, command and import_module(f"mrts.commands.{name}").run, rest
+
+
+LINE = _Commands(
+    commands=[click.Command(name, short_help=meaning) for name, meaning in COMMANDS.items()],
+    help="How fast may several robot arms carry one object, and with which torques?",
+    epilog=EPILOG,
+    params=[
+        *EVERYWHERE,
+        click.Option(["--version"], is_flag=True, is_eager=True, expose_value=False,
+                     callback=printing(lambda _: f"mrts {__version__}"), help="show the version and end"),
+    ],
+    add_help_option=False,
+    no_args_is_help=False,
+    context_settings={"max_content_width": 120},
+)  # fmt: skip
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -93,19 +115,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     atexit.register(gc.freeze)  # what is there at the end goes with the process: nothing is to be searched for garbage
     open_closed_streams()
     encode_anything()
-    options: argparse.Namespace | None = None
+    logging.basicConfig(handlers=[RemarkHandler()], level=logging.WARNING, force=True)
+    QUIET.set(False)
+    DEBUG.set(False)
     try:
-        try:
-            options = _options(arguments)
-        finally:
-            flush_answer()  # of --help
         with persistent_interrupt():
-            code: int = options.run(options)
+            code = _run([*(sys.argv[1:] if arguments is None else arguments)])
             flush_answer()
-    except MrtsError as error:
-        fail(f"error: {error}")
-        if isinstance(error, MotionError) and options is not None:
-            _advise_check(options)
+    except (MrtsError, click.UsageError) as error:
+        fail(f"error: {_usage(error) if isinstance(error, click.UsageError) else error}")
+        for note in getattr(error, "__notes__", ()):
+            warn(note)
         return BAD_INPUT
     except BrokenPipeError:
         return PIPE_CLOSED
@@ -117,133 +137,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
         number = error.number if isinstance(error, EndedBySignal) else signal.SIGINT
         fail(ENDINGS[signal.Signals(number)])
         return SIGNALLED + number
-    except (Exception, SystemExit) as error:
-        if options is None and isinstance(error, SystemExit):
-            raise  # argparse has answered
-        if options is not None and options.debug:
+    except (Exception, SystemExit) as error:  # noqa: BLE001 (told as a defect)
+        if DEBUG.get():
             fail_raw(trace(error))
         fail(describe_defect(error))
         return DEFECT
     return code
 
 
-def _advise_check(options: argparse.Namespace) -> None:
-    """Say what tells more of a motion that the arms do not follow."""
-    cell, motion = getattr(options, "cell", None), getattr(options, "motion", None)
-    if cell is not None and motion is not None:
-        files = f"{shlex.quote(str(cell))} {shlex.quote(str(motion))}"
-        warn(f"how near each arm comes, and what would work: mrts check {files}")
+def _usage(error: click.UsageError) -> str:
+    """What is wrong with the line, in one line: a usage of twenty would hide it."""
+    command = "mrts" if error.ctx is None else error.ctx.command_path
+    text = message_text(error.format_message()).rstrip(".")
+    return f"{text} ('{command} --help' has the options, and examples)"
 
 
-def _options(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """What the line asks for.
+def _run(words: list[str]) -> int:
+    """Run what the line names, or answer the shell that completes it."""
+    if COMPLETION in os.environ:
+        from click.shell_completion import shell_complete  # noqa: PLC0415 (for the shell only)
 
-    Raises:
-        SystemExit: If argparse has answered by itself.
-    """
-    logging.basicConfig(handlers=[RemarkHandler()], level=logging.WARNING)
-    words = sys.argv[1:] if arguments is None else arguments
-    verb = next((word for word in words if not word.startswith("-")), None)
-    parser = _parser(VERBS if is_completing() else {verb})
-    complete(parser)
-    _check_verb(parser, verb)
-    options = parser.parse_args(files_apart(negatives_attached(words), MAY_STAND_ALONE))
-    QUIET.set(options.quiet)
-    return options
-
-
-class _Parser(argparse.ArgumentParser):
-    """Its messages quote what was typed, and names of files are not empty."""
-
-    def __init__(self, **settings: Any) -> None:
-        super().__init__(**settings)
-        self.register("type", Path, _named)
-
-    def error(self, message: str) -> NoReturn:
-        """Print the message and where the options stand, and leave; a usage of twenty lines would hide it."""
-        fail(f"error: {message_text(message)} ('{self.prog} --help' has the options, and examples)")
-        raise SystemExit(BAD_INPUT)
-
-
-def _named(text: str) -> Path:
-    """The file or folder of a name: an empty one would be the folder that the caller is in."""
-    if not text:
-        raise argparse.ArgumentTypeError("must not be empty: name a file or a folder")
-    return Path(text)
-
-
-def negatives_attached(words: Sequence[str]) -> list[str]:
-    """The words of a line with each value that begins with a minus sign attached to its option: --base=-0.5,0,0.
-
-    argparse takes it for an option where it is not a single number.
-
-    Args:
-        words: Of the line.
-    """
-    attached: list[str] = []
-    for word in words:
-        option = attached[-1] if attached else ""
-        if NEGATIVE.match(word) and option.startswith("--") and option != "--" and "=" not in option:
-            attached[-1] = f"{option}={word}"
-        else:
-            attached.append(word)
-    return attached
-
-
-def files_apart(words: Sequence[str], may_stand_alone: set[str]) -> list[str]:
-    """The words of a line with each option that is followed by a file put last, where it stands alone.
-
-    Args:
-        words: Of the line.
-        may_stand_alone: Options with or without a value.
-    """
-    kept: list[str] = []
-    alone: list[str] = []
-    for word, following in zip(words, [*words, ""][1:], strict=True):
-        is_option = word.startswith("--") and any(name.startswith(word) for name in may_stand_alone) and word != "--"
-        (alone if is_option and _is_file(following) else kept).append(word)
-    end = kept.index("--") if "--" in kept else len(kept)
-    return [*kept[:end], *alone, *kept[end:]]
-
-
-def _is_file(word: str) -> bool:
-    """Whether a word is meant for a file or a folder: no number, but there, or with a folder or an ending."""
+        return shell_complete(LINE, {}, "mrts", COMPLETION, os.environ[COMPLETION])
     try:
-        float(word)
-    except ValueError:
-        path = Path(word)
-        return bool(word) and not word.startswith("-") and (path.suffix != "" or len(path.parts) > 1 or path.exists())
-    return False
-
-
-def _parser(wanted: Container[str | None]) -> argparse.ArgumentParser:
-    """The parser of the whole line, with the arguments of some verbs."""
-    parser = _Parser(
-        prog="mrts",
-        description="How fast may several robot arms carry one object, and with which torques?",
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("--version", action="version", version=f"mrts {__version__}")
-    parser.add_argument("-q", "--quiet", action="store_true", help=QUIET_HELP)
-    parser.add_argument("--debug", action="store_true", help=DEBUG_HELP)
-    verbs = parser.add_subparsers(required=True, metavar="VERB")
-    for name, meaning in VERBS.items():
-        verb = verbs.add_parser(name, help=meaning, formatter_class=argparse.RawDescriptionHelpFormatter)
-        if name in wanted:
-            module = import_module(f"mrts.commands.{name}")
-            verb.epilog = module.EXAMPLES
-            module.add(verb)
-            verb.add_argument("-q", "--quiet", action="store_true", default=argparse.SUPPRESS, help=QUIET_HELP)
-            verb.add_argument("--debug", action="store_true", default=argparse.SUPPRESS, help=DEBUG_HELP)
-    return parser
-
-
-def _check_verb(parser: argparse.ArgumentParser, verb: str | None) -> None:
-    """Guess what a misspelt verb was to be; argparse only lists what there is."""
-    if verb is not None and verb not in VERBS:
-        import difflib  # noqa: PLC0415 (for this message only)
-
-        close = difflib.get_close_matches(verb, VERBS, n=1)
-        hint = f"did you mean '{close[0]}'?" if close else f"there are {', '.join(VERBS)}."
-        parser.error(f"there is no verb '{verb}': {hint}")
+        with LINE.make_context("mrts", words) as context:
+            code: int = LINE.invoke(context)
+    except click.exceptions.Exit as ended:  # --help, --version
+        code = ended.exit_code
+    return code

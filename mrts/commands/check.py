@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: MIT
 """`mrts check`."""
 
-import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrts.base.atomic_file import write_text_atomically
+from click import argument
+
 from mrts.base.errors import InputError
-from mrts.commands.options.common import add_xacro_arg, xacro_arguments
+from mrts.commands import options
+from mrts.commands.options import Named
 from mrts.console.exit_codes import BAD_INPUT, FEASIBLE, INFEASIBLE
-from mrts.console.output_files import Outputs, check_outputs
+from mrts.console.output_files import Outputs
 from mrts.console.progress import working
-from mrts.console.terminal import fail, put, say
+from mrts.console.terminal import QUIET, fail
 
 if TYPE_CHECKING:
     from mrts.diagnosis.cell_check import CellCheck
@@ -28,40 +29,25 @@ examples:
   mrts check arm.urdf                             a URDF or xacro by itself, before there is a cell"""
 
 
-def add(check: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
-    check.add_argument("cell", type=Path, metavar="CELL", help="cell file, or a URDF or xacro by itself")
-    check.add_argument("motion", type=Path, metavar="MOTION", nargs="?",
-                       help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
-    check.add_argument("--json", type=Path, metavar="FILE", help="write all of it ('-' is standard output)")
-    add_xacro_arg(check, "a xacro by itself")
-    check.set_defaults(run=run)
-
-
-def run(options: argparse.Namespace) -> int:
-    """Check a cell and a motion, or a URDF."""
-    check_outputs({"--json": options.json}, {})
-    found = _found(options)
+@options.command(EXAMPLES)
+@argument("cell", type=Named(), metavar="CELL", help="cell file, or a URDF or xacro by itself")
+@argument("motion", type=Named(), required=False, metavar="[MOTION]",
+          help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
+@options.json
+@options.xacro_arg
+def run(cell: Path, motion: Path | None = None, json: Path | None = None, xacro_arg: tuple[str, ...] = ()) -> int:
+    """What is wrong, assumed, or out of reach in a cell and a motion, all at once, without a compiler."""
+    found = _found(cell, motion, options.xacro_arguments(xacro_arg))
     outputs = Outputs()
-    if options.json is not None and str(options.json) != "-":
-        with outputs.attempt(options.json):
-            write_text_atomically(options.json, found.json_text() + "\n")
-    if str(options.json) == "-":
-        put(found.json_text())
-    else:
-        outcome, *details = found.lines()
-        say(outcome, "strong" if found.status == "fine" else "bad")
-        for line in details:
-            say(line, "note" if line.startswith(("hint:", "warning:")) else "plain")
-        for line in outputs.lines():
-            say(line)
-    if found.status == "wrong-input" and (options.json is not None or options.quiet):
-        place = "" if options.json is None else f" (all of it: {options.json})"
+    outputs.write(json, found.write_json)
+    code = outputs.answer(found.lines(), CODES[found.status], json, found)
+    if found.status == "wrong-input" and (json is not None or QUIET.get()):
+        place = "" if json is None else f" (all of it: {json})"
         fail(f"error: {found.outcome()}{place}")
-    return outputs.code(CODES[found.status])
+    return code
 
 
-def _found(options: argparse.Namespace) -> "CellCheck | UrdfCheck":
+def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "CellCheck | UrdfCheck":
     """What is found of what the line names.
 
     Raises:
@@ -70,14 +56,11 @@ def _found(options: argparse.Namespace) -> "CellCheck | UrdfCheck":
     from mrts.diagnosis.check import check
     from mrts.starting.urdf_check import check_urdf, is_urdf
 
-    args = xacro_arguments(options.xacro_arg)
-    if is_urdf(options.cell):
-        if options.motion is not None:
-            raise InputError(
-                "MOTION", "does not go with a URDF, which is checked by itself.", value=str(options.motion)
-            )
-        return check_urdf(options.cell, args)
-    if args:
-        raise InputError("--xacro-arg", "a cell file gives its own: 'xacro_args' of each robot.")
-    with working(f"checking {options.cell}") as progress:
-        return check(options.cell, options.motion, progress=progress)
+    if is_urdf(cell):
+        if motion is not None:
+            raise InputError("MOTION", "does not go with a URDF, which is checked by itself.", value=str(motion))
+        return check_urdf(cell, xacro_args)
+    if xacro_args:
+        raise InputError("xacro_arg", "a cell file gives its own: 'xacro_args' of each robot.")
+    with working(f"checking {cell}") as progress:
+        return check(cell, motion, progress=progress)

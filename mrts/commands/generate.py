@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: MIT
 """`mrts generate`."""
 
-import argparse
 from pathlib import Path
 
+from click import argument, option
+
 from mrts.base.errors import InputError
+from mrts.commands import options
+from mrts.commands.options import Named, Written
 from mrts.console.exit_codes import FEASIBLE
-from mrts.console.output_files import check_outputs
 from mrts.console.progress import working
 from mrts.console.terminal import say
 
@@ -17,26 +19,21 @@ examples:
   mrts generate cell.yaml -o generated/my_cell --bake       bases, grasps and gravity as numbers in the C"""
 
 
-def add(generate: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
-    generate.add_argument("cell", type=Path, metavar="CELL", help="cell file")
-    generate.add_argument("-o", "--output", type=Path, metavar="DIR",
-                          help="folder for the C file and manifest.json (default: the user's cache)")  # fmt: skip
-    generate.add_argument("--bake", action="store_true",
-                          help="fold gravity, bases, grasps and held joints into the C as numbers: fewer instructions, "
-                          "but each cell file has C of its own; needs -o")  # fmt: skip
-    generate.set_defaults(run=run)
-
-
-def run(options: argparse.Namespace) -> int:
+@options.command(EXAMPLES)
+@argument("cell", type=Named(), metavar="CELL", help="cell file")
+@option("-o", "--output", type=Written(folder=True), metavar="DIR",
+        help="folder for the C file and manifest.json (default: the user's cache)")  # fmt: skip
+@option("--bake", is_flag=True,
+        help="fold gravity, bases, grasps and held joints into the C as numbers: fewer instructions, but each cell "
+        "file has C of its own; needs -o")  # fmt: skip
+def run(cell: Path, output: Path | None = None, *, bake: bool = False) -> int:
     """Generate the C of a cell."""
     from mrts.cell.generation import generate_to
 
-    if options.bake and options.output is None:
-        raise InputError("--bake", "needs -o DIR: the cache holds what all cells with the same chains share.")
-    check_outputs({}, {"--output": options.output})
-    with working(f"generating {options.cell}"):
-        manifest, source = generate_to(options.cell, options.output, bake=options.bake)
+    if bake and output is None:
+        raise InputError("bake", "needs -o DIR: the cache holds what all cells with the same chains share.")
+    with working(f"generating {cell}"):
+        manifest, source = generate_to(cell, output, bake=bake)
     say(f"{manifest.name}: {len(manifest.functions)} functions in {source}")
     for function in manifest.functions.values():
         say(f"  {function.symbol:<40} {function.instructions:>6} instructions")

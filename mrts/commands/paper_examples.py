@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass
 from importlib.resources import as_file, files
+from math import nan
 from pathlib import Path
 from typing import Annotated
 
@@ -17,7 +18,6 @@ from mrts.motion.motion_file import load_motion
 from mrts.plots.labels import row_labels
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 
@@ -64,31 +64,19 @@ class DemoRow:
     Attributes:
         case: The example.
         result: Of the shipped cell.
-        identified_range: Of the cell whose contacts were identified from the paper's values.
+        c2: c²⁺ of it.
+        identified_c2: c²⁺ of the cell whose contacts were identified from the paper's values.
     """
 
     case: PaperCase
     result: ScalingResult
-    identified_range: ScalingRange
-
-    @property
-    def c2(self) -> float:
-        """c²⁺ found."""
-        return _largest(self.result.range)
+    c2: float
+    identified_c2: float
 
     @property
     def deviation(self) -> float:
         """Relative difference from the paper's c²⁺."""
         return self.c2 / self.case.paper - 1
-
-    @property
-    def identified_c2(self) -> float:
-        """c²⁺ of the identified cell."""
-        return _largest(self.identified_range)
-
-
-def _largest(found: ScalingRange) -> float:
-    return found.upper.c2 if found.upper else float("nan")
 
 
 def run_demo(solver: str = DEFAULT_SOLVER, progress: Progress = lambda _done, _total: None) -> list[DemoRow]:
@@ -112,7 +100,8 @@ def run_demo(solver: str = DEFAULT_SOLVER, progress: Progress = lambda _done, _t
             shipped, identified = (
                 scale(_variant(cell, case), motion, sharing=sharing, solver=solver, between=None) for cell in cells
             )
-            rows.append(DemoRow(case, shipped, identified.range))
+            c2, identified_c2 = (each.range.upper.c2 if each.range.upper else nan for each in (shipped, identified))
+            rows.append(DemoRow(case, shipped, c2, identified_c2))
         return rows
 
 

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: MIT
 """`mrts report`."""
 
-import argparse
 from pathlib import Path
 
-from mrts.base.errors import InputError
+from click import argument, option
+
 from mrts.base.regular_file import is_folder
-from mrts.commands.options.common import require
+from mrts.commands import options
+from mrts.commands.options import HTML, Named
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.output_files import check_outputs
 from mrts.console.terminal import say
 
 EXAMPLES = """\
@@ -18,29 +18,20 @@ examples:
   mrts scale cell.yaml motion.yaml --report report.html     without saving the result"""
 
 
-def add(report: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
-    report.add_argument("result", type=Path, metavar="RESULT", help="saved result (.npz), or the folder of a study")
-    report.add_argument("-o", "--output", type=Path, default=Path("report.html"), metavar="FILE",
-                        help="HTML file to write (default: %(default)s)")  # fmt: skip
-    report.set_defaults(run=run)
-
-
-def run(options: argparse.Namespace) -> int:
-    """Write the report."""
-    require("plotly", "mrts report", "report", wanted=True)
+@options.command(EXAMPLES)
+@argument("result", type=Named(), metavar="RESULT", help="saved result (.npz), or the folder of a study")
+@option("-o", "--output", type=HTML, default="report.html", show_default=True, metavar="FILE", help="page to write")
+def run(result: Path, output: Path) -> int:
+    """Write a saved result or a study as an HTML page that opens offline."""
     from mrts.output.saved_result import load_result
     from mrts.report import write_report
 
-    if options.output.suffix not in {".html", ".htm"}:
-        raise InputError("--output", "writes a file that ends in .html.", value=str(options.output))
-    check_outputs({"--output": options.output}, {})
-    if is_folder(options.result):
-        return _report_study(options.result, options.output)
-    result = load_result(options.result)
-    write_report(result, options.output)
-    say(f"{result.cell.name}: {result.status.value}; the report is {options.output}")
-    return FEASIBLE if result.status.admits_motion else INFEASIBLE
+    if is_folder(result):
+        return _report_study(result, output)
+    found = load_result(result)
+    write_report(found, output)
+    say(f"{found.cell.name}: {found.status.value}; the report is {output}")
+    return FEASIBLE if found.status.admits_motion else INFEASIBLE
 
 
 def _report_study(folder: Path, output: Path) -> int:

@@ -1,32 +1,27 @@
 # SPDX-License-Identifier: MIT
 """`mrts view`."""
 
-import argparse
 import os
 import signal
 import sys
 import webbrowser
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from mrts.commands.options.common import (
-    add_closure,
-    add_reserve,
-    cell_option,
-    closure_option,
-    limited_cell_option,
-    require,
-    sharing_option,
-)
-from mrts.commands.showing.films import add_films, write_films, writes_films
-from mrts.commands.showing.shown import add_shown, is_saved, played, shown_files, shown_urdfs
+from click import argument, option
+
+from mrts.commands import options
+from mrts.commands.options import Named, require, take
+from mrts.commands.showing.films import OF_FILMS, check_films, film_options, played_sides, saved_clip, write_films
+from mrts.commands.showing.shown import is_saved, played, shown_files, shown_urdfs
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.progress import working
 from mrts.console.terminal import say, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
+    from collections.abc import Callable, Iterator
 
     from mrts.viewer.guard import GuardedServer
     from mrts.viewer.plots.other_result import Others
@@ -46,113 +41,141 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
 
 
-def add(view: argparse.ArgumentParser) -> None:
-    """Add the arguments of the verb."""
-    add_shown(view)
-    add_closure(view)
-    add_reserve(view)
-    view.add_argument("--share", metavar="equal|A,B,…", help="fixed distribution of the load")
-    view.add_argument("--no-wrench-limits", action="store_true", help="ignore the limits on the contact wrenches")
-    view.add_argument("--no-velocity-limits", action="store_true", help="report velocity limits only")
-    add_films(view)
-    view.add_argument("--host", default=LOCAL[0], help="address to listen at (default: %(default)s, this machine only)")
-    view.add_argument("--port", type=int, default=8080, help="port; 0 takes any free one (default: %(default)s)")
-    view.add_argument("--no-open", action="store_true", help="do not open a browser")
-    view.set_defaults(run=run)
+@options.command(EXAMPLES)
+@argument("cell", type=Named(), metavar="CELL",
+          help="cell file, folder that `mrts generate` wrote, RESULT.npz of `mrts scale --save`, or, with --variant, a "
+          "study file or the folder of its sweep")  # fmt: skip
+@argument("motion", type=Named(), required=False, metavar="[MOTION]",
+          help="motion file, CSV table, or ROS 2 bag with joint trajectories; without one the cell stands at its "
+          "posture, and no compiler is needed")  # fmt: skip
+@option("--with", "others", type=Named(), multiple=True, metavar="RESULT.npz",
+        help="a saved result to show beside it; may be given again")  # fmt: skip
+@option("--variant", type=int, metavar="N", help="of the study: its cell and its motion")
+@options.closure
+@options.share
+@options.limits
+@film_options
+@option("--host", default=LOCAL[0], show_default=True, help="address to listen at; the default is this machine only")
+@option("--port", type=int, default=8080, show_default=True, help="port; 0 clips any free one")
+@option("--no-open", is_flag=True, help="do not open a browser")
+def run(
+    cell: Path,
+    host: str,
+    motion: Path | None = None,
+    variant: int | None = None,
+    others: tuple[Path, ...] = (),
+    png: Path | None = None,
+    video: Path | None = None,
+    port: int = 0,
+    *,
+    no_open: bool = False,
+    **given: Any,
+) -> int:
+    """A cell in the browser, its motion at any speed against all limits, until Ctrl-C; or as a picture or a film."""
+    of_films = take(given, OF_FILMS)
+    check_films(cell, png, video, of_films)
+    needing = [name for name, value in (("png", png), ("video", video), ("others", others)) if value]
+    with shown_files(cell, motion, variant, given, needing) as (cell_file, motion_file):
+        if png is None and video is None:
+            require("mrts view", "view", "viser")
+            beside = [(path.stem, played(path)) for path in others]
+            follow = partial(_follow, host=host, opens=not no_open)
+            if is_saved(cell):
+                return _serve_saved(cell, beside, host, port, follow)
+            cell_path = None if variant is not None else cell_file
+            return _serve(cell_file, motion_file, cell_path, given, beside, host, port, follow)
+        if motion_file is None:
+            clips, within = [saved_clip(cell)], True
+        else:
+            sides, rates = of_films.get("side_by_side", ["fastest"]), of_films.get("rates", True)
+            clips, within = played_sides(cell_file, motion_file, sides, rates, given)
+        return write_films([*clips, *map(saved_clip, others)], png, video, of_films.get("at"), within=within)
 
 
-def run(options: argparse.Namespace) -> int:
-    """Show the viewer until Ctrl-C, or write what it shows; the exit code is that of the outcome."""
-    films = writes_films(options)
-    with shown_files(options):
-        return write_films(options) if films else _serve(options)
-
-
-def _serve(options: argparse.Namespace) -> int:
-    require("viser", "mrts view", "view", wanted=True)
-    others = [(path.stem, played(path)) for path in options.others]
-    if is_saved(options):
-        return _serve_saved(options, others)
+def _serve(
+    cell: Path,
+    motion: Path | None,
+    cell_path: Path | None,
+    given: dict[str, Any],
+    others: "Others",
+    host: str,
+    port: int,
+    follow: "Callable[..., None]",
+) -> int:
     from mrts.viewer.viewer import Viewer
     from mrts.viewer.workbench.workbench import Workbench
 
-    urdfs = shown_urdfs(options)
-    cell_path = options.cell if urdfs and options.variant is None else None
-    given = _given_cell(options, cell_path) if options.motion is None else _given(options, cell_path)
-    name = given.cell.name
-    with _server(options, name) as server:
-        with working("looking at the cell" if given.stands else f"scaling {options.motion}") as progress:
-            bench = Workbench(given, progress)
+    urdfs = shown_urdfs(cell)
+    start = _start(cell, motion, cell_path if urdfs else None, given)
+    name = start.cell.name
+    with _server(host, port, name) as server:
+        with working("looking at the cell" if start.stands else f"scaling {motion}") as progress:
+            bench = Workbench(start, progress)
         first = bench.answer
         viewer = Viewer(server, bench, urdfs, warn, others)
-        if given.stands and first.held is not None:
-            _follow(options, server, viewer, f"{name}: no motion was given, the cell stands at its posture")
+        if start.stands and first.held is not None:
+            follow(server, viewer, f"{name}: no motion was given, the cell stands at its posture")
             return FEASIBLE if first.held.reached.all() else INFEASIBLE
         outcome = first.message if first.state is None else first.state.result.summary()
-        _follow(options, server, viewer, f"{name}: {outcome}")
+        follow(server, viewer, f"{name}: {outcome}")
     return FEASIBLE if first.state is not None and first.state.result.status.admits_motion else INFEASIBLE
 
 
-def _given(options: argparse.Namespace, cell_path: "Path | None") -> "Given":
-    """The cell and the motion that are named."""
-    from mrts.motion.motion_file import described_motion, load_motion
+def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[str, Any]) -> "Given":
+    """What the workbench starts from; without a motion the arms hold the object still."""
     from mrts.viewer.workbench.choices import Given
 
-    motion = load_motion(options.motion)
-    sharing, closure = sharing_option(options.share), closure_option(options.closure)
+    if motion is None:
+        from mrts.cell.loading import cell_to_compile
+        from mrts.viewer.workbench.held_poses import still_motion
+
+        alone = cell_to_compile(cell) or options.compiled_cell(cell)
+        return Given(cell=alone, motion=still_motion(alone), cell_path=cell_path, stands=True)
+    from mrts.motion.motion_file import described_motion, load_motion
+
+    played_motion = load_motion(motion)
     return Given(
-        cell=limited_cell_option(options),
-        motion=motion,
-        description=described_motion(options.motion),
+        cell=options.limited_cell(cell, **take(given, options.LIMITS)),
+        motion=played_motion,
+        description=described_motion(motion),
         cell_path=cell_path,
-        motion_path=options.motion,
-        sharing=sharing,
-        closure=closure,
+        motion_path=motion,
+        **given,
     )
 
 
-def _given_cell(options: argparse.Namespace, cell_path: "Path | None") -> "Given":
-    """The cell alone, whose arms hold the object still."""
-    from mrts.cell.loading import cell_to_compile
-    from mrts.viewer.workbench.choices import Given
-    from mrts.viewer.workbench.held_poses import still_motion
-
-    cell = cell_to_compile(options.cell) or cell_option(options.cell)
-    return Given(cell=cell, motion=still_motion(cell), cell_path=cell_path, stands=True)
-
-
-def _serve_saved(options: argparse.Namespace, others: "Others") -> int:
-    """Show a saved result, which takes neither its cell's files nor a compiler."""
+def _serve_saved(path: Path, others: "Others", host: str, port: int, follow: "Callable[..., None]") -> int:
+    """Show a saved result, which clips neither its cell's files nor a compiler."""
     from mrts.viewer.player_state import PlayerState
     from mrts.viewer.viewer import Viewer
 
-    result = played(options.cell)
-    with _server(options, result.cell.name) as server:
+    result = played(path)
+    with _server(host, port, result.cell.name) as server:
         viewer = Viewer(server, PlayerState.saved(result), {}, warn, others)
-        _follow(options, server, viewer, f"{result.cell.name}: {result.summary()}")
+        follow(server, viewer, f"{result.cell.name}: {result.summary()}")
     return FEASIBLE
 
 
 @contextmanager
-def _server(options: argparse.Namespace, name: str) -> "Iterator[GuardedServer]":
-    """A server where the options want it, as long as it is needed."""
+def _server(host: str, port: int, name: str) -> "Iterator[GuardedServer]":
+    """A server as long as it is needed."""
     from mrts.viewer.server import close_server, open_server
 
-    server = open_server(options.host, options.port, f"mrts: {name}")
+    server = open_server(host, port, f"mrts: {name}")
     try:
         yield server
     finally:
         close_server(server)
 
 
-def _follow(options: argparse.Namespace, server: "GuardedServer", viewer: "Viewer", outcome: str) -> None:
+def _follow(server: "GuardedServer", viewer: "Viewer", outcome: str, *, host: str, opens: bool) -> None:
     """Say where the viewer is, and follow its controls until Ctrl-C."""
-    if options.host not in LOCAL:
-        warn(f"everyone who reaches {options.host} and knows the address can watch and steer this viewer")
+    if host not in LOCAL:
+        warn(f"everyone who reaches {host} and knows the address can watch and steer this viewer")
     say(outcome)
     say(f"viewer at {server.url} (Ctrl-C ends it)")
     sys.stdout.flush()
-    if not options.no_open and _has_display():
+    if opens and _has_display():
         with suppress(webbrowser.Error):
             webbrowser.open(server.url)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # here Ctrl-C is how one leaves

@@ -1,63 +1,24 @@
 # SPDX-License-Identifier: MIT
-"""The files that a verb is asked for: tried before the work, and each written whatever becomes of the others."""
+"""The files that a command is asked for, each written whatever becomes of the others, and its answer."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import Protocol
 
-from mrts.base.atomic_file import check_writable
-from mrts.base.errors import InputError, MrtsError
-from mrts.console.exit_codes import BAD_INPUT
-from mrts.console.terminal import fail
+from mrts.base.errors import MrtsError
+from mrts.console.exit_codes import BAD_INPUT, FEASIBLE
+from mrts.console.terminal import Style, fail, put, say
 
-PROBE = "mrts-probe"
-"""A file that is tried, but not left, in a folder that is to be written."""
-
-
-def check_outputs(
-    files: Mapping[str, Path | None],
-    folders: Mapping[str, Path | None] = MappingProxyType({}),
-    new_folders: Mapping[str, Path | None] = MappingProxyType({}),
-) -> None:
-    """Fail before any work if an output cannot be written, or two are one.
-
-    Args:
-        files: Files by option; None is not asked for.
-        folders: Likewise, folders that get files.
-        new_folders: Likewise, folders that must not exist.
-
-    Raises:
-        InputError: Names the option, or the file and why it cannot be written.
-    """
-    given: dict[str, Path] = {}
-    for option, path in (*files.items(), *folders.items(), *new_folders.items()):
-        if path is None or (str(path) == "-" and option == "--json"):
-            continue
-        if str(path) == "-":
-            raise InputError(option, "writes a file; only --json takes '-' for standard output.", value="-")
-        if same := [other for other in given if given[other] == path]:
-            raise InputError(option, f"names the same file as {same[0]}.", value=str(path))
-        given[option] = path
-    for option, path in given.items():
-        if option in folders and path.exists() and not path.is_dir():
-            raise InputError(option, "names a file, but writes a folder.", value=str(path))
-        if option in new_folders and path.exists():
-            raise InputError(path, "exists already: a bag is written into a new folder. Remove it, or name another.")
-        _check_writable(path, PROBE if option not in files else "")
+NOTES = ("note:", "warning:", "hint:")
+"""How a line of an answer begins that is a note."""
 
 
-def _check_writable(path: Path, inside: str) -> None:
-    """Raise if an output cannot be written, in its own name.
+class JsonAnswer(Protocol):
+    """An answer that has a JSON text."""
 
-    Args:
-        path: As the user named it.
-        inside: A file in it that is tried, where it is a folder.
-    """
-    try:
-        check_writable(path / inside)
-    except InputError as error:
-        raise InputError(path, error.rule) from None
+    def json_text(self) -> str:
+        """The text."""
 
 
 class Outputs:
@@ -68,16 +29,18 @@ class Outputs:
         self.written: list[Path] = []
         self.defect: Exception | None = None
 
-    @contextmanager
-    def attempt(self, path: Path) -> Iterator[None]:
-        """Write one output; if that fails, say so and go on.
+    def write(self, path: Path | None, write: Callable[[Path], object]) -> None:
+        """Write one output, if it is asked for; if that fails, say so and go on.
 
         Args:
             path: The file, or the folder that gets files.
+            write: Writes it.
         """
+        if path is None or str(path) == "-":
+            return
         before = _files(path)
         try:
-            yield
+            write(path)
             self.written += sorted(file for file, state in _files(path).items() if before.get(file) != state)
         except MrtsError as error:
             self.failed = True
@@ -85,23 +48,36 @@ class Outputs:
         except Exception as error:  # noqa: BLE001 (raised again by `raise_defect`)
             self.defect = self.defect or error
 
-    def lines(self) -> Iterator[str]:
-        """What was written, a line a file."""
-        if self.written:
-            yield "\nwritten:"
-            yield from (f"  {path}" for path in self.written)
-
     def raise_defect(self) -> None:
         """Raise what no writer should have raised, if one did."""
         if self.defect is not None:
             raise self.defect
 
-    def code(self, outcome: int) -> int:
-        """The exit code, once the answer has been printed.
+    def answer(
+        self,
+        lines: Iterable[str],
+        outcome: int,
+        json: Path | None = None,
+        found: JsonAnswer | None = None,
+        styles: Mapping[str, Style] = MappingProxyType({}),
+    ) -> int:
+        """Print the answer in words with what was written, or as JSON where '-' asks for that; the exit code.
 
         Args:
-            outcome: What it is if all outputs were written.
+            lines: In words, the outcome first.
+            outcome: The exit code if all outputs were written.
+            json: What `--json` names.
+            found: The answer.
+            styles: Of lines that have one of their own.
         """
+        if found is not None and str(json) == "-":
+            put(found.json_text())
+        else:
+            first: Style = "strong" if outcome == FEASIBLE else "bad"
+            for number, line in enumerate(lines):
+                say(line, first if number == 0 else "note" if line.startswith(NOTES) else styles.get(line, "plain"))
+            if self.written:
+                say("\n".join(["\nwritten:", *(f"  {path}" for path in self.written)]))
         self.raise_defect()
         return BAD_INPUT if self.failed else outcome
 

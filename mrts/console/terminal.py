@@ -54,6 +54,9 @@ HANGING = "  "
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
 """Whether only errors are printed, and what was asked for by `-`."""
 
+DEBUG: ContextVar[bool] = ContextVar("debug", default=False)
+"""Whether the traceback of a defect is printed."""
+
 
 def open_closed_streams() -> None:
     """Give a process that was started without standard streams (`>&-`) ones again, in order.
@@ -145,12 +148,18 @@ def fail(text: str) -> None:
 
 
 class RemarkHandler(logging.Handler):
-    """Prints what the library logs as remarks."""
+    """Prints what the library logs as remarks, each once: a cell that is not compiled yet is read twice."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.said: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print a record; not of the reader of meshes, which tells how it parses a URDF that mrts has read already."""
-        if not record.name.startswith("yourdfpy"):
-            warn(record.getMessage())
+        text = record.getMessage()
+        if not record.name.startswith("yourdfpy") and text not in self.said:
+            self.said.add(text)
+            warn(text)
 
 
 def fail_raw(text: str) -> None:

@@ -83,11 +83,11 @@ class LoadSharing(EqualByNumbers, InNotebooks):
         """
         shares = np.full(robots, 1 / robots) if self.shares is None else as_array("shares", self.shares)
         if shares.shape != (robots,) or not np.all(shares >= 0) or not np.isfinite(shares).all():
-            raise InputError(
-                "shares", f"must be {robots} finite numbers >= 0, one for each robot.", value=shares.tolist()
-            )
+            rule = f"must be {robots} finite numbers >= 0, one for each robot."
+            raise InputError("sharing", rule, key="shares", value=shares.tolist())
         if abs(np.sum(shares) - 1) > SHARE_TOLERANCE:
-            raise InputError("shares", f"must sum to 1; they sum to {np.sum(shares):.12g}.", value=shares.tolist())
+            rule = f"must sum to 1; they sum to {np.sum(shares):.12g}."
+            raise InputError("sharing", rule, key="shares", value=shares.tolist())
         return shares
 
 

@@ -175,8 +175,8 @@ def _fast_rates(result: ScalingResult) -> tuple[Remark, ...]:
     also = f"; {len(others)} more pass theirs" if others else ""
     text = (
         f"{worst.name} reaches {worst.size:.4g} {worst.name.unit} at t = {worst.time:.4g} s, "
-        f"{100 * worst.share:.0f} % of its limit{also}. Rates are reported only; --rates keeps them, at a speed that "
-        "varies --profile smooth (in Python rates=True)."
+        f"{100 * worst.share:.0f} % of its limit{also}. Rates are reported only; --rates cell keeps them, at a speed "
+        "that varies --profile smooth (in Python rates=True)."
     )
     return (Remark(EXCEEDS_RATE_LIMIT, text),)
 

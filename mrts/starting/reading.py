@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: MIT
 """From the names of URDFs to a request: which chains are arms, what they are called, and what goes together."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from os.path import relpath
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 
+from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri, is_xacro
 from mrts.base.formats.urdf_tree import UrdfTree
+from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.remarks import urdf_remarks
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
@@ -37,11 +40,8 @@ HOPELESS = ("urdf-millimetres", "limits-equal")
 ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
 """Whose values they are, for messages."""
 
-Choose = Callable[[str, UrdfTree, list[Hand]], list[str]]
-"""Asks which tips of a URDF are the arms', where names do not say it."""
 
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Given:
     """What a user says of a cell that is begun.
 
@@ -59,13 +59,17 @@ class Given:
 
     name: str
     robots: Sequence[str]
-    tips: Sequence[str]
-    bases: Sequence[RigidTransform]
-    postures: Sequence[Array]
-    mass: float | None
-    gravity: Array
+    tips: Sequence[str] = ()
+    bases: Sequence[RigidTransform] = ()
+    postures: Sequence[Array] = ()
+    mass: float | None = None
+    gravity: Array = field(default_factory=lambda: np.array([0, 0, -9.81]))
     degrees: bool = False
     xacro_args: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.mass is not None and not (is_number(self.mass, 0, LARGEST_NUMBER) and self.mass > 0):
+            raise InputError("mass", "must be a number > 0, in kg.", value=self.mass)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,8 +85,8 @@ class _Chosen:
     why: str
 
 
-def refuse(name: str, tree: UrdfTree, found: list[Hand]) -> list[str]:
-    """Ask nobody: say which tips there are.
+def _refuse(name: str, tree: UrdfTree, found: list[Hand]) -> NoReturn:
+    """Say which tips there are, where names do not say which are the arms'.
 
     Args:
         name: Of the URDF.
@@ -101,18 +105,17 @@ def refuse(name: str, tree: UrdfTree, found: list[Hand]) -> list[str]:
     raise InputError(name, f"{seems}: choose with --tip, once an arm. There are {listed}.")
 
 
-def request_of(given: Given, folder: Path, choose: Choose = refuse) -> Request:
+def request_of(given: Given, folder: Path) -> Request:
     """The request that a user's words are.
 
     Args:
         given: What the user says.
         folder: Where the cell file will stand.
-        choose: Asks for tips.
 
     Raises:
         InputError: If a URDF or a value breaks a rule.
     """
-    chosen = _chosen(given, choose)
+    chosen = _chosen(given)
     standing = 1 + max(arm.robot for arm in chosen)
     if given.bases and len(given.bases) != standing:
         rule = f"give it once for each robot, in their order: {standing} times, or not at all."
@@ -167,7 +170,7 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
         raise InputError(path, f"{lacking} Choose another tip or robot.")
 
 
-def _chosen(given: Given, choose: Choose) -> list[_Chosen]:
+def _chosen(given: Given) -> list[_Chosen]:
     """The arms, in the order of the robots."""
     files = {robot: surveyed_urdf(Path(ROBOT), Path.cwd(), robot, given.xacro_args) for robot in given.robots}
     if given.xacro_args and not any(is_xacro(path) for path, _, _ in files.values()):
@@ -190,10 +193,8 @@ def _chosen(given: Given, choose: Choose) -> list[_Chosen]:
         for at, (_, tree, _) in enumerate(read):
             seen = sorted(hands(tree), key=lambda hand: hand.side)
             if not 1 <= len(seen) <= MOST_HANDS or (len(seen) == MOST_HANDS and len({h.joints for h in seen}) > 1):
-                tips = [(tip, "") for tip in choose(given.robots[at], tree, seen)]
-            else:
-                tips = [(hand.link, hand.why) for hand in seen]
-            found += [_Chosen(at, given.robots[at], *read[at], *tip) for tip in tips]
+                _refuse(given.robots[at], tree, seen)
+            found += [_Chosen(at, given.robots[at], *read[at], hand.link, hand.why) for hand in seen]
     return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
 
 

@@ -83,7 +83,7 @@ def test_a_defect_is_one_paragraph_with_an_exit_code_of_its_own(error, said, mon
         ("mrts scale none.yaml none.yaml 2>&-", 2, ""),
         ("mrts scale none.yaml none.yaml 2>/dev/full", 2, ""),
         ("mrts --help >/dev/full", 2, "mrts: error: standard output: cannot be written: No space left on device"),
-        ("mrts scael >&-", 2, "mrts: error: there is no verb"),
+        ("mrts scael >&-", 2, "mrts: error: No such command"),
         ("(mrts scale $FILES --json -; echo $? >code) | true; exit $(cat code)", 141, ""),
     ],
 )

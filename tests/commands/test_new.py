@@ -1,19 +1,16 @@
-"""`mrts new`: files that run, questions at a terminal, nothing overwritten, nothing left behind."""
+"""`mrts new`: files that run, nothing overwritten, nothing left behind."""
 
 import re
 import shutil
-import sys
 
 import pytest
 import yaml
 from command_line import mrts_command
 from conftest import DATA
-from terminal_session import at_terminal
 
 from mrts.cell.remarks import NO_COLLISIONS
 
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
-MRTS = (sys.executable, "-m", "mrts")
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +88,7 @@ def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
     [
         ([], "DIR: is missing"),
         (["x"], "--robot: is missing: the URDF of a robot"),
-        ([UR5], "is a file, and the folder for the new files belongs here; robots follow --robot"),
+        ([UR5], "DIR = '"),
         (["x", "--robot", UR5, "--base", "-1,2"], "--base = '-1,2': must be 3 or 6 numbers"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,nan"], "--base = '0,0,nan': must be numbers with commas"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,0"], "--base: two arms stand in one place"),
@@ -102,8 +99,8 @@ def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
         (["x", "--robot", UR5, "--gravity", "9.81"], "--gravity = '9.81': must be 3 numbers"),
         (["x", "--robot", UR5, "--name", "a b"], "--name = 'a b': must be letters, digits and single underscores"),
         (["x", "--robot", DATA / "lift.yaml"], "is not well-formed XML"),
-        (["x", "--hold", DATA / "cell.yaml", DATA / "lift.yaml"], "--hold: takes a cell that is there"),
-        (["--hold", DATA / "cell.yaml", DATA / "lift.yaml", "--mass", "0"], "--mass does not go with it"),
+        (["x", "--hold", DATA / "cell.yaml", DATA / "lift.yaml"], "DIR: does not go with --hold"),
+        (["--hold", DATA / "cell.yaml", DATA / "lift.yaml", "--mass", "0"], "--mass: does not go with --hold"),
         (["--hold", DATA, DATA / "lift.yaml"], "is a folder; --hold takes a cell file"),
     ],
 )
@@ -111,19 +108,4 @@ def test_bad_input_is_named_and_nothing_is_made(words, said, tmp_path):
     done = mrts_command("new", *words, cwd=tmp_path)
     assert done.returncode == 2
     assert said in done.stderr
-    assert [*tmp_path.iterdir()] == []
-
-
-def test_at_a_terminal_it_asks(begun, tmp_path):
-    folder, _ = begun
-    answers = [("Folder", f"{tmp_path / 'asked'}\r"), ("first robot", f"{folder / 'my arm.urdf'}\r"), ("another", "\r")]
-    done = at_terminal([*MRTS, "new"], keys=answers)
-    assert done.code == 0, done.shown
-    assert (tmp_path / "asked" / "cell.yaml").is_file()
-
-
-def test_ctrl_c_at_a_question_leaves_nothing(tmp_path):
-    done = at_terminal([*MRTS, "new"], keys=[("Folder", f"{tmp_path / 'asked'}\r"), ("first robot", "\x03")])
-    assert done.code == 130
-    assert "interrupted" in done.shown
     assert [*tmp_path.iterdir()] == []

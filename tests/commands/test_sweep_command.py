@@ -1,8 +1,8 @@
 """`mrts sweep` as a user runs it."""
 
-import importlib.util
 import re
 import sys
+from importlib.util import find_spec
 
 import pytest
 from command_line import mrts_command
@@ -54,10 +54,11 @@ def test_a_study_without_a_feasible_variant_says_so_by_its_exit_code(tmp_path):
 
 
 def test_a_missing_joblib_is_named_before_any_work(tmp_path, monkeypatch, capsys):
-    found = importlib.util.find_spec
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "joblib" else found(name))
+    monkeypatch.setattr(
+        "mrts.sweeps.worker_pools.find_spec", lambda name: None if name == "joblib" else find_spec(name)
+    )
     assert main(["sweep", str(study_file(tmp_path)), "-o", str(tmp_path / "out")]) == 2
-    assert "mrts sweep: needs joblib: pip install 'mrts[study]'" in capsys.readouterr().err
+    assert "--workers: needs joblib: pip install 'mrts[study]'" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
@@ -77,7 +78,7 @@ def test_a_dry_run_writes_nothing(tmp_path):
         ((), "--output: is missing: name a folder for the table, or ask for --dry-run."),
         (("-o", "out", "--workers", 0), "--workers = 0: must be at least 1."),
         (("-o", "out", "--workers", 2, "--scheduler", "tcp://h:1"), "--workers = 2: goes with processes of this"),
-        (("-o", "out", "--top", -1), "--top = -1: must be at least 0."),
+        (("-o", "out", "--top", -1), "'--top': -1 is not in the range"),
         (("-o", "study.yaml"), "--output = 'study.yaml': names a file, but writes a folder."),
         (("-o", "."), "holds no study, but study.yaml: name a new or empty folder."),
     ],

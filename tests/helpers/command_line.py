@@ -27,10 +27,7 @@ def mrts_command(*arguments, cwd="."):
     """What the command line answers; what a library in C writes to its streams is caught as well."""
     with tempfile.TemporaryFile("w+b") as out, tempfile.TemporaryFile("w+b") as err:
         with contextlib.chdir(cwd), _fresh_log(), _into(out, "stdout"), _into(err, "stderr"):
-            try:
-                code = main([*map(str, arguments)])
-            except SystemExit as ended:  # of argparse
-                code = ended.code
+            code = main([*map(str, arguments)])
         return Answer(code, *(_text(file) for file in (out, err)))
 
 

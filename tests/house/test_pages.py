@@ -10,7 +10,7 @@ from conftest import ROOT
 from page_runner import Page, matches
 
 import mrts
-from mrts.cli import VERBS
+from mrts.cli import COMMANDS
 
 DOCS = ROOT / "docs"
 
@@ -56,7 +56,7 @@ def test_every_public_name_is_in_the_reference():
 
 def test_every_verb_is_on_the_page_of_the_command_line():
     page = (DOCS / "command_line.md").read_text(encoding="utf-8")
-    for verb in VERBS:
+    for verb in COMMANDS:
         assert f"| `mrts {verb}" in page, verb
 
 

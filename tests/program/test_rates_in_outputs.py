@@ -63,7 +63,7 @@ def test_rates_are_reported_and_bind_nothing(reported, lifted):
     assert worst.share > 1
     assert f"{worst.name} reaches {worst.size:.4g} {worst.name.unit}" in warning.text
     assert f"{100 * worst.share:.0f} % of its limit" in warning.text
-    assert "--rates keeps them, at a speed that varies --profile smooth" in warning.text
+    assert "--rates cell keeps them, at a speed that varies --profile smooth" in warning.text
     assert any(
         line.startswith(f"{worst.name}: {100 * worst.share:.3g} % of its limit") for line in scaling_lines(reported)
     )
@@ -124,12 +124,12 @@ def test_the_command_line_keeps_rates(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--rates"], "the cell 'planar_dual_arm' limits no rate"),
-        (["--rates", "0"], "--rates = '0': must be a number > 0"),
+        (["--rates", "cell"], "the cell 'planar_dual_arm' limits no rate"),
+        (["--rates", "0"], "--rates = '0': must be 'cell', or a number > 0"),
         (["--rates", "-2"], "--rates = '-2'"),
         (["--rates", "nan"], "--rates = 'nan'"),
-        (["--rates", "3", "--distribute", "reserve"], "--distribute = 'reserve': does not go with limits of rates"),
-        (["--rates", "3", "--formulation", "torque"], "--formulation = 'torque': the constant profile within rates"),
+        (["--rates", "3", "--distribute", "reserve"], "--distribute = 'reserve': with rates it must be"),
+        (["--rates", "3", "--formulation", "torque"], "--formulation = 'torque': with rates it must be"),
         (["--rates", "3", "--profile", "optimal"], "--rates"),
     ],
 )

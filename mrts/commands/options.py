@@ -1,0 +1,442 @@
+# SPDX-License-Identifier: MIT
+"""What a command is, and the options that several commands share.
+
+An option has the name of the argument of the Python API that it gives, which checks it; an error of that argument is
+told of the option. Options that are not given are left to the defaults of the API.
+"""
+
+import importlib.util
+import shlex
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from math import isfinite, nan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from click import argument, option
+from click.core import ParameterSource
+
+from mrts.base.atomic_file import check_writable
+from mrts.base.errors import InputError, MotionError
+from mrts.base.formats.figure_formats import FIGURE_FORMATS
+from mrts.console.progress import working
+from mrts.console.terminal import DEBUG, QUIET, put
+
+if TYPE_CHECKING:
+    from mrts.base.arrays import Array
+    from mrts.cell.cell import Cell
+    from mrts.following.grasp_closure import ClosureBound
+    from mrts.motion.joint_table import JointTable
+    from mrts.motion.object_motion import ObjectMotion
+    from mrts.program.load_sharing import LoadSharing
+
+PROBE = "mrts-probe"
+"""A file that is tried, but not left, in a folder that is to be written."""
+
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+
+class Named(click.Path):
+    """A file or a folder."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; an empty name would be the folder that the caller is in."""
+        if not str(value):
+            self.fail("must not be empty: name a file or a folder", param, ctx)
+        return Path(value)
+
+
+class Written(Named):
+    """A file or a folder that a command writes.
+
+    Attributes:
+        suffixes: That a file may have; none for any.
+        is_folder: Whether it is one.
+        is_new: Whether it must not exist.
+        dash: Whether `-` stands for standard output.
+        needs: Packages that write it.
+        extra: That brings them.
+    """
+
+    def __init__(
+        self, *suffixes: str, folder: bool = False, new: bool = False, dash: bool = False,
+        needs: tuple[str, ...] = (), extra: str = "",
+    ) -> None:  # fmt: skip
+        super().__init__(file_okay=not folder, dir_okay=folder)
+        self.suffixes, self.is_folder, self.is_new, self.dash = suffixes, folder, new, dash
+        self.needs, self.extra = needs, extra
+
+    def check(self, option: str, path: Path) -> None:
+        """Fail before any work if it cannot be written.
+
+        Raises:
+            InputError: Names the option, or the file and why it cannot be written.
+        """
+        require(option, self.extra, *self.needs)
+        if self.suffixes and path.suffix.lower() not in self.suffixes:
+            raise InputError(option, f"writes a file that ends in {' or '.join(self.suffixes)}.", value=str(path))
+        is_file = path.suffix[1:] in FIGURE_FORMATS if not path.exists() else not path.is_dir()
+        if self.is_new and path.exists():
+            raise InputError(path, "exists already: a bag is written into a new folder. Remove it, or name another.")
+        if self.is_folder and is_file:
+            raise InputError(option, "names a file, but writes a folder.", value=str(path))
+        try:
+            check_writable(path / PROBE if self.is_folder and not self.is_new else path)
+        except InputError as error:
+            raise InputError(path, error.rule) from None
+
+
+class Command(click.Command):
+    """A command of the line, whose function is given what the line gives."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings, add_help_option=False)
+        self.params += EVERYWHERE
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the words of the line."""
+        with self._errors_of_options(ctx):
+            return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Try the outputs, and run the command."""
+        given = ParameterSource.COMMANDLINE
+        ctx.params = {name: v for name, v in ctx.params.items() if ctx.get_parameter_source(name) is given or v}
+        self._check_outputs(ctx.params)
+        try:
+            with self._errors_of_options(ctx):
+                return super().invoke(ctx)
+        except MotionError as error:
+            if {"cell", "motion"} <= ctx.params.keys():
+                files = shlex.join(str(ctx.params[name]) for name in ("cell", "motion"))
+                error.add_note(f"how near each arm comes, and what would work: mrts check {files}")
+            raise
+
+    @contextmanager
+    def _errors_of_options(self, ctx: click.Context) -> Iterator[None]:
+        """What is wrong with an argument of Python is told of the option that gives it."""
+        try:
+            yield
+        except InputError as error:
+            options = {each.name: _shown(each) for each in self.params}
+            if error.where not in options or error.where in map(str, ctx.params.values()):  # a file of that name
+                raise
+            value = None if error.value is True else error.value
+            raise InputError(options[error.where], error.rule, key=error.key, value=value) from None
+
+    def _check_outputs(self, given: Mapping[str, Any]) -> None:
+        written: dict[Path, str] = {}
+        kinds = [(_shown(each), each.type, given[each.name]) for each in self.params if each.name in given]
+        for name, kind, path in kinds:
+            if not isinstance(kind, Written) or (str(path) == "-" and kind.dash):
+                continue
+            if str(path) == "-":
+                raise InputError(name, "writes a file; only --json takes '-' for standard output.", value="-")
+            if path in written:
+                raise InputError(name, f"names the same file as {written[path]}.", value=str(path))
+            written[path] = name
+            kind.check(name, path)
+
+
+def _shown(param: click.Parameter) -> str:
+    """How the line names a parameter: --output, or DIR."""
+    return param.opts[-1] if isinstance(param, click.Option) else param.human_readable_name.strip("[]")
+
+
+def require(option: str, extra: str, *packages: str) -> None:
+    """Fail before any work if a package of an option is missing.
+
+    Args:
+        option: Of the line.
+        extra: That brings the packages.
+        *packages: By the names that they are imported by.
+
+    Raises:
+        InputError: If one is missing.
+    """
+    for package in packages:
+        if importlib.util.find_spec(package) is None:
+            raise InputError(option, f"needs {package}: pip install 'mrts[{extra}]'.")
+
+
+def printing(text: Callable[[click.Context], str]) -> Callable[[click.Context, click.Parameter, bool], None]:
+    """What an option does that prints a text and ends the program."""
+
+    def show(ctx: click.Context, _param: click.Parameter, asked: bool) -> None:  # noqa: FBT001 (Click's)
+        if asked and not ctx.resilient_parsing:
+            put(text(ctx))
+            ctx.exit()
+
+    return show
+
+
+def _switch(variable: Any) -> Callable[[click.Context, click.Parameter, bool], None]:
+    def switch(_ctx: click.Context, _param: click.Parameter, asked: bool) -> None:  # noqa: FBT001 (Click's)
+        if asked:
+            variable.set(True)
+
+    return switch
+
+
+def _flag(*names: str, callback: Any, help: str) -> click.Option:  # noqa: A002 (Click's)
+    return click.Option(names, is_flag=True, is_eager=True, expose_value=False, callback=callback, help=help)
+
+
+EVERYWHERE = [
+    _flag("-q", "--quiet", callback=_switch(QUIET),
+          help="print nothing but errors and what an option '-' asks for; files are written all the same"),
+    _flag("--debug", callback=_switch(DEBUG), help="print the traceback of a defect of mrts, for a report of it"),
+    _flag("-h", "--help", callback=printing(click.Context.get_help), help="show this message and end"),
+]  # fmt: skip
+"""Options of every command, and of the line before it."""
+
+
+def command(examples: str) -> Callable[[Callable[..., int]], Command]:
+    """Make a command of a function, whose docstring its help begins with.
+
+    Args:
+        examples: That its help ends with.
+    """
+    return click.command(cls=Command, epilog=f"\b\n{examples}", context_settings={"max_content_width": 120})
+
+
+def take(given: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:
+    """Those of the arguments given that have some names; they are taken out of the others."""
+    return {name: given.pop(name) for name in names if name in given}
+
+
+def numbers(where: str, text: str, rule: str) -> list[float]:
+    """Finite numbers with commas between them.
+
+    Args:
+        where: Name of the argument that they are of.
+        text: That was given.
+        rule: What it must be, with an example.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    try:
+        found = [float(word) for word in text.split(",")]
+    except ValueError:
+        found = [nan]
+    if not all(map(isfinite, found)):
+        raise InputError(where, rule, value=text)
+    return found
+
+
+def named_numbers(
+    where: str, text: str, example: str, units: Mapping[str, tuple[str, float]] | None = None
+) -> dict[str, float]:
+    """Numbers as KEY=NUMBER, with commas between them.
+
+    Args:
+        where: Name of the argument that they are of.
+        text: That was given.
+        example: Of what is right.
+        units: By key a unit that may stand behind its number, and what 1 of its number is in that unit.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    found: dict[str, float] = {}
+    for part in text.split(","):
+        name, number = (word.strip() for word in part.partition("=")[::2])
+        if name in found:
+            raise InputError(where, f"gives {name} twice.", value=text)
+        unit, one = (units or {}).get(name, ("", 1.0))
+        try:
+            if unit and number.endswith(unit):
+                found[name] = float(f"{float(number.removesuffix(unit)) / one:.12g}")  # an end of a range stays one
+            else:
+                found[name] = float(number)
+        except ValueError:
+            raise InputError(where, f"must be KEY=NUMBER, such as {example}.", value=text) from None
+    return found
+
+
+def _sharing(text: str) -> "LoadSharing":
+    import numpy as np
+
+    from mrts.program.load_sharing import LoadSharing
+
+    if text == "equal":
+        return LoadSharing()
+    return LoadSharing(np.array(numbers("sharing", text, "must be 'equal' or numbers such as 0.6,0.4.")))
+
+
+def _between(text: str) -> float | None:
+    from mrts.program.excess import checked_tolerance
+
+    if text == "off":
+        return None
+    share, *more = numbers("between", text, "must be a number such as 1e-4, or off.")
+    try:
+        return checked_tolerance(nan if more else share)
+    except InputError as error:
+        raise InputError("between", error.rule.replace("None", "off"), value=text) from None
+
+
+def _closure(text: str) -> "ClosureBound":
+    from mrts.following.grasp_closure import ClosureBound
+
+    position, *rotation = numbers("closure", text, "must be a number in m, or m and rad, such as 0.002,0.005.")
+    if len(rotation) > 1:
+        raise InputError("closure", "takes at most two numbers, m and rad.", value=text)
+    return ClosureBound(position, *rotation)
+
+
+def _weights(text: str) -> "float | Array":
+    import numpy as np
+
+    given = numbers("weights", text, "must be a number, or numbers such as 1,1,4.")
+    return given[0] if len(given) == 1 else np.array(given)
+
+
+def _rates(text: str) -> bool | float:
+    """What `--rates` asks for: `cell`, or a number > 0."""
+    from mrts.base.argument_types import is_number
+    from mrts.base.input_file import LARGEST_NUMBER
+
+    if text == "cell":
+        return True
+    rule = f"must be 'cell', or a number > 0 and at most {LARGEST_NUMBER:.0e}, a multiple of torque limits per second."
+    share, *more = numbers("rates", text, rule)
+    if more or not is_number(share, 0, LARGEST_NUMBER) or share == 0:
+        raise InputError("rates", rule, value=text)
+    return share
+
+
+HTML = Written(".html", ".htm", needs=("plotly",), extra="report")
+
+cell = argument("cell", type=Named(), metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
+motion = argument(
+    "motion", type=Named(), metavar="MOTION", help="motion file, CSV table, or ROS 2 bag with joint trajectories"
+)
+share = option(
+    "--share", "sharing", type=_sharing, metavar="equal|A,B,…",
+    help="fixed distribution of the load: equal, or one share an arm",
+)  # fmt: skip
+closure = option(
+    "--closure", type=_closure, metavar="M[,RAD]",
+    help="of joint motion: how far hands may be off their grasps, onto which they are then moved; 2.5 rad per m where "
+    "only m is given (default: 0.002,0.005)",
+)  # fmt: skip
+between = option(
+    "--between", type=_between, metavar="SHARE|off",
+    help="share of a limit by which it may be overstepped between the samples; samples are added where it takes them "
+    "(default: 1e-4; off looks at the given samples alone)",
+)  # fmt: skip
+weights = option(
+    "--weights", type=_weights, metavar="W|A,B,…",
+    help="what the squares of torques weigh: 1 for all alike (as in the paper), or one a joint (default: 1 / limit² of "
+    "each)",
+)  # fmt: skip
+rates = option(
+    "--rates", type=_rates, metavar="cell|SHARE",
+    help="keep limits of rates: those of the cell file (torque_rate, contact_rate and jerk); with a number, such as "
+    "11.5, joints without a torque_rate get that multiple of their torque limit per second",
+)  # fmt: skip
+solver = option("--solver", help="solver of the registry (default: kernel)")
+json = option("--json", type=Written(dash=True), metavar="FILE", help="write all of it ('-' is standard output)")
+xacro_arg = option("--xacro-arg", multiple=True, metavar="NAME=VALUE", help="argument of a xacro; once for each")
+
+
+LIMITS = ("reserve", "no_wrench_limits", "no_velocity_limits")
+"""Arguments of `limited_cell` that `limits` gives."""
+
+
+def limits(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The options that change limits of the cell, as `limited_cell` takes them."""
+    for decorator in (
+        option("--no-velocity-limits", is_flag=True, help="report velocity limits, but let them bound nothing"),
+        option("--no-wrench-limits", is_flag=True, help="ignore the limits on the contact wrenches"),
+        option("--reserve", type=float, metavar="SHARE",
+               help="share of every limit that is kept free, such as 0.1 (default: 0)"),
+    ):  # fmt: skip
+        function = decorator(function)
+    return function
+
+
+def plot(what: str) -> Decorator:
+    """The options of a command that plots.
+
+    Args:
+        what: Which figures, for its help.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        folder, form = Written(folder=True, needs=("matplotlib",), extra="plot"), click.Choice(FIGURE_FORMATS)
+        for decorator in (
+            option("--plot-format", type=form, default=FIGURE_FORMATS[0], show_default=True, callback=_of_plot,
+                   help="of --plot"),
+            option("--plot", type=folder, is_eager=True, metavar="DIR", help=f"write {what} (needs the extra 'plot')"),
+        ):  # fmt: skip
+            function = decorator(function)
+        return function
+
+    return decorate
+
+
+def _of_plot(ctx: click.Context, _param: click.Parameter, form: str) -> str:
+    if ctx.get_parameter_source("plot_format") is ParameterSource.COMMANDLINE and ctx.params.get("plot") is None:
+        raise InputError("plot_format", "says how --plot writes figures: give --plot DIR too.", value=form)
+    return form
+
+
+def compiled_cell(path: Path) -> "Cell":
+    """The cell of a file or folder; on first use generated and compiled, which a terminal sees."""
+    from mrts.cell.loading import load_cell
+
+    with working(f"generating and compiling {path}"):
+        return load_cell(path)
+
+
+def limited_cell(
+    path: Path,
+    motion: "ObjectMotion | JointTable | None" = None,
+    closure: "ClosureBound | None" = None,
+    *,
+    reserve: float = 0.0,
+    no_wrench_limits: bool = False,
+    no_velocity_limits: bool = False,
+) -> "Cell":
+    """The cell of a file or folder with its limits as the options change them.
+
+    Args:
+        path: Of the cell.
+        motion: That the arms must follow: where they cannot, nothing is compiled first.
+        closure: Of a motion of joints.
+        reserve: Share of every limit that is kept free.
+        no_wrench_limits: Whether contact wrenches are unlimited.
+        no_velocity_limits: Whether velocities are.
+    """
+    from mrts.cell.loading import cell_to_compile
+
+    uncompiled = None if motion is None else cell_to_compile(path)
+    if uncompiled is not None and motion is not None:
+        from mrts.following.coordinate import coordinate
+
+        coordinate(uncompiled, motion, closure)
+    cell = compiled_cell(path).with_reserve(reserve)
+    cell = cell.without_wrench_limits() if no_wrench_limits else cell
+    return cell.without_velocity_limits() if no_velocity_limits else cell
+
+
+def xacro_arguments(given: tuple[str, ...]) -> dict[str, str]:
+    """Values of a xacro's arguments by name.
+
+    Args:
+        given: Of each `--xacro-arg`.
+
+    Raises:
+        InputError: If one has no name, or no value, or stands twice.
+    """
+    arguments: dict[str, str] = {}
+    for text in given:
+        name, sign, value = text.partition("=")
+        if not name or not sign or name in arguments:
+            raise InputError("xacro_arg", "must be NAME=VALUE, each name once.", value=text)
+        arguments[name] = value
+    return arguments
