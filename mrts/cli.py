@@ -115,7 +115,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     atexit.register(gc.freeze)  # what is there at the end goes with the process: nothing is to be searched for garbage
     open_closed_streams()
     encode_anything()
-    logging.basicConfig(handlers=[RemarkHandler()], level=logging.WARNING, force=True)
+    logging.basicConfig(handlers=[RemarkHandler()], level=logging.WARNING)
     QUIET.set(False)
     DEBUG.set(False)
     try:

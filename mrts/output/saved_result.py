@@ -44,7 +44,7 @@ They shrink to about a sixth where many samples are infeasible."""
 FOUND: dict[str, tuple[str, ...]] = {
     "ScalingResult": ("reserve",),
     "ScaledTrajectory": ("internal_wrench",),
-    "RetimingResult": ("limits",),
+    "RetimingResult": ("segment_limits",),
     "ConstantFactor": ("factor",),
 }
 """What is found once and kept: finding it again takes the cell's functions."""

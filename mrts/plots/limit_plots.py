@@ -272,7 +272,7 @@ def _of_timing(timing: "RetimingResult", names: Sequence[RowName]) -> tuple[NDAr
     return np.vstack([binds[:1], binds]) | np.vstack([binds, binds[-1:]]), setting
 
 
-def _binds(name: RowName, told: set[str]) -> bool:
+def _binds(name: RowName, told: Sequence[str]) -> bool:
     """Whether a row is among limits as a timing tells them: `rate of left/elbow torque` for its torque rate."""
     text, kind = str(name), name.kind.split()[-1]
     rate = f"{kind} of {text.removesuffix(f' {kind}')}" if kind in {"rate", "jerk"} else text

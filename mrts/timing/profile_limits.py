@@ -19,8 +19,8 @@ BINDING = 1e-6
 
 def segment_limits(
     cell: Cell, pieces: Sequence[TimedPiece], sharing: LoadSharing | None, loads: Sequence[Array]
-) -> list[tuple[set[str], float]]:
-    """The limits that bind on every segment of the path, and its share of the duration.
+) -> list[tuple[tuple[str, ...], float]]:
+    """The limits that bind on every segment of the path, by name, and its share of the duration.
 
     Args:
         cell: The cell.
@@ -32,10 +32,11 @@ def segment_limits(
         SolverError: If no solver answers.
     """
     duration = float(new_times(pieces)[-1])
-    found: list[tuple[set[str], float]] = []
+    found: list[tuple[tuple[str, ...], float]] = []
     for part in pieces:
         binding = part.binding if isinstance(part, SmoothPiece) else _binding(cell, part, sharing, loads)
-        found += zip(binding, (part.segment_times / duration).tolist(), strict=True)
+        shares = (part.segment_times / duration).tolist()
+        found += [(tuple(sorted(names)), share) for names, share in zip(binding, shares, strict=True)]
     return found
 
 

@@ -184,7 +184,7 @@ class RetimingResult(Result):
         return sorted(shares.items(), key=lambda entry: (-entry[1], entry[0]))
 
     @cached_property
-    def segment_limits(self) -> list[tuple[set[str], float]]:
+    def segment_limits(self) -> list[tuple[tuple[str, ...], float]]:
         """What limits the speed on every segment between two samples, and the segment's share of the duration."""
         return segment_limits(self.cell, self.pieces, self.options.sharing, self.loads)
 

@@ -15,7 +15,7 @@ import mrts
 from mrts.cli import main
 from mrts.program.solvers import SOLVERS
 
-PICTURES = ["c2_range.png", "power_and_energy.png", "torques_and_wrenches.png"]
+PICTURES = ["c2_range.png", "limits.png", "power_and_energy.png", "torques_and_wrenches.png"]
 
 
 @pytest.mark.quick

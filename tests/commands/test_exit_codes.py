@@ -239,7 +239,7 @@ def test_missing_folders_are_made_for_every_output(tmp_path, planar_cell):
     done = mrts_command("scale", *FILES, *options, "--plot", "i/j", "--report", "k/l/r.html", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "c", "e", "g", "i", "k"]
-    assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 4 + 2 + 3
+    assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == 4 + 2 + 4
 
 
 def test_a_defect_in_one_output_keeps_the_others(tmp_path, planar_cell):

@@ -109,7 +109,7 @@ def test_numbers_of_a_urdf_that_no_arm_has_are_named(wrong, code, tmp_path):
     urdf = tmp_path / "arm.urdf"
     urdf.write_text(wrong((UR5 / "ur5_class_arm.urdf").read_text(encoding="utf-8")), encoding="utf-8")
     assert [hint.code for hint in mrts.check(single_arm_cell(tmp_path, str(urdf), "tool0", 6)).hints] == [code]
-    given = Given("cell", [str(urdf)], [], [], [], None, np.array([0, 0, -9.81]))
+    given = Given(name="cell", robots=[str(urdf)])
     if code in HOPELESS:
         with pytest.raises(mrts.InputError, match=r"seem to be in mm|cannot move shoulder_pan: the upper"):
             request_of(given, tmp_path)
@@ -282,7 +282,7 @@ def test_links_without_mass_and_points_are_told_in_the_same_words_as_for_a_new_c
         "links-without-mass": f"{WEIGHTLESS} (left: elbow)",
         "links-without-inertia": f"{POINT_MASSES} (left: hand)",
     }
-    given = Given("cell", [str(tmp_path / "arm.urdf")], [], [], [], None, np.array([0, -9.81, 0]))
+    given = Given(name="cell", robots=[str(tmp_path / "arm.urdf")], gravity=np.array([0, -9.81, 0]))
     told = missing_bodies(request_of(given, tmp_path).arms[0].arm)
     assert [*told] == [f"{WEIGHTLESS} (elbow)", f"{POINT_MASSES} (hand)"]
     assert mrts.check(DATA / "cell.yaml").warnings == ()

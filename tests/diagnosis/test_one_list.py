@@ -121,7 +121,7 @@ NEW = {
 
 
 def arm_of(reference, tips):
-    return Given("cell", [str(ROBOTS / reference)], tips, [], [], None, np.array([0, 0, -9.81]))
+    return Given(name="cell", robots=[str(ROBOTS / reference)], tips=tips)
 
 
 @pytest.mark.parametrize("name", NEW)
@@ -140,7 +140,7 @@ def test_placeholders_make_a_short_motion_and_no_absurd_factor(dual_ur5, tmp_pat
     assert dual_ur5.library
     text = re.sub('effort="[^"]*"', 'effort="50000"', URDF.read_text(encoding="utf-8"))
     (tmp_path / "arm.urdf").write_text(re.sub('velocity="[^"]*"', 'velocity="1e6"', text), encoding="utf-8")
-    given = Given("cell", [str(tmp_path / "arm.urdf")], ["tool0"] * 2, [], [], None, np.array([0, 0, -9.81]))
+    given = Given(name="cell", robots=[str(tmp_path / "arm.urdf")], tips=["tool0"] * 2)
     proposal = propose(request_of(given, tmp_path))
     assert 1.5 <= proposal.result.range.upper.c2**0.5 <= 3
     assert {remark.code for remark in proposal.result.warnings} == {"effort-placeholders"}

@@ -148,8 +148,8 @@ def test_the_bound_on_the_gap_is_an_option(tmp_path, dual_ur5, exact, capsys):
         ("much", "--closure = 'much': must be a number in m, or m and rad"),
         ("1,2,3", "--closure = '1,2,3'"),
         ("-1", "--closure: position = -1.0: must be > 0"),
-        ("nan", "must be > 0 and at most 0.1"),
-        ("0.01,inf", "--closure: rotation = inf"),
+        ("nan", "--closure = 'nan'"),
+        ("0.01,inf", "--closure = '0.01,inf'"),
     ):
         assert main([*command, f"--closure={text}"]) == 2
         assert words in capsys.readouterr().err

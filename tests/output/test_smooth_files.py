@@ -148,7 +148,7 @@ def test_the_command_line_writes_all_files_with_the_torques_of_one_load(tmp_path
     assert main([*line, "--carry", "mass=1.7", *outputs]) == 0
     assert "torques for a load of 0.85 kg" in capsys.readouterr().out
     assert all(path.exists() for path in files.values())
-    assert {"phase_plane.png", "rates.png"} <= {path.name for path in files["plot"].iterdir()}
+    assert {"phase_plane.png", "limits.png"} <= {path.name for path in files["plot"].iterdir()}
     saved = mrts.load_result(files["save"]).retimed
     assert saved.cell.mass == pytest.approx(0.85)
     check_rates(saved, saved.options.rates)
