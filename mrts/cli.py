@@ -118,12 +118,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.basicConfig(handlers=[RemarkHandler()], level=logging.WARNING)
     QUIET.set(False)
     DEBUG.set(False)
+    words = [*(sys.argv[1:] if arguments is None else arguments)]
     try:
         with persistent_interrupt():
-            code = _run([*(sys.argv[1:] if arguments is None else arguments)])
+            code = _run(words)
             flush_answer()
     except (MrtsError, click.UsageError) as error:
-        fail(f"error: {_usage(error) if isinstance(error, click.UsageError) else error}")
+        fail(f"error: {_usage(error, words) if isinstance(error, click.UsageError) else error}")
         for note in getattr(error, "__notes__", ()):
             warn(note)
         return BAD_INPUT
@@ -145,9 +146,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
-def _usage(error: click.UsageError) -> str:
+def _usage(error: click.UsageError, words: list[str]) -> str:
     """What is wrong with the line, in one line: a usage of twenty would hide it."""
-    command = "mrts" if error.ctx is None else error.ctx.command_path
+    named = [word for word in words if word in COMMANDS][:1]  # Click does not know it where an option lacks its value
+    command = " ".join(["mrts", *named]) if error.ctx is None else error.ctx.command_path
     text = message_text(error.format_message()).rstrip(".")
     return f"{text} ('{command} --help' has the options, and examples)"
 

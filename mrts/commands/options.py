@@ -6,6 +6,7 @@ told of the option. Options that are not given are left to the defaults of the A
 """
 
 import importlib.util
+import os
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -126,16 +127,20 @@ class Command(click.Command):
             raise InputError(options[error.where], error.rule, key=error.key, value=value) from None
 
     def _check_outputs(self, given: Mapping[str, Any]) -> None:
-        written: dict[Path, str] = {}
+        inputs = [each for each in self.params if not isinstance(each.type, Written)]
+        named = {
+            os.path.realpath(file): _shown(each) for each in inputs if isinstance(file := given.get(each.name), Path)
+        }
         kinds = [(_shown(each), each.type, given[each.name]) for each in self.params if each.name in given]
         for name, kind, path in kinds:
             if not isinstance(kind, Written) or (str(path) == "-" and kind.dash):
                 continue
             if str(path) == "-":
                 raise InputError(name, "writes a file; only --json takes '-' for standard output.", value="-")
-            if path in written:
-                raise InputError(name, f"names the same file as {written[path]}.", value=str(path))
-            written[path] = name
+            place = os.path.realpath(path)
+            if place in named:
+                raise InputError(name, f"names the same file as {named[place]}.", value=str(path))
+            named[place] = name
             kind.check(name, path)
 
 

@@ -56,7 +56,7 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 @options.limits
 @film_options
 @option("--host", default=LOCAL[0], show_default=True, help="address to listen at; the default is this machine only")
-@option("--port", type=int, default=8080, show_default=True, help="port; 0 clips any free one")
+@option("--port", type=int, default=8080, show_default=True, help="port; 0 takes any free one")
 @option("--no-open", is_flag=True, help="do not open a browser")
 def run(
     cell: Path,
@@ -145,7 +145,7 @@ def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[
 
 
 def _serve_saved(path: Path, others: "Others", host: str, port: int, follow: "Callable[..., None]") -> int:
-    """Show a saved result, which clips neither its cell's files nor a compiler."""
+    """Show a saved result, which takes neither its cell's files nor a compiler."""
     from mrts.viewer.player_state import PlayerState
     from mrts.viewer.viewer import Viewer
 

@@ -77,7 +77,7 @@ class Composition:
         self, clips: Sequence[Clip], pace: str = "", backward: Array | None = None, warn: Warn = silent
     ) -> None:
         if len(clips) not in WIDTHS:
-            raise InputError("takes", f"must be one to {max(WIDTHS)}: more have no room.", value=len(clips))
+            raise InputError("clips", f"must be one to {max(WIDTHS)}: more have no room.", value=len(clips))
         self._clips = tuple(clips)
         self.duration = max(clip.trajectory.duration for clip in clips)
         width = WIDTHS[len(clips)]

@@ -56,7 +56,7 @@
     if (Math.abs(height - layout.height) < 2) return;
     layout.height = height;
     place.style.height = `${height}px`;
-    Plotly.relayout(place, { height });
+    Plotly.relayout(place, { height, autosize: true }); // a height alone would end its following the page's width
   }
   for (const plot of plots) {
     plot.layout.uirevision = "kept";

@@ -180,6 +180,8 @@ def test_a_file_of_nearly_that_name_is_asked_for(tmp_path, monkeypatch, capsys):
         (["--report", "r.pdf"], "ends in .html"),
         (["--plot", "r.png"], "names a file, but writes a folder"),
         (["--json", "same.x", "--csv", "same.x"], "names the same file as --json"),
+        (["--json", "same.x", "--csv", "./none/../same.x"], "names the same file as --json"),
+        (["--csv", str(DATA / "lift.yaml")], "names the same file as MOTION"),
     ],
 )
 def test_outputs_that_make_no_sense_are_refused_before_any_work(options, message, tmp_path, monkeypatch, capsys):
