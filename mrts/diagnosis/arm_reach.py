@@ -8,7 +8,6 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.diagnosis.nearest_hold import NearestHold, nearest_hold
 from mrts.following.branches import branches_at_start
@@ -47,7 +46,7 @@ SHIFT_DIGITS = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class ArmMargin(InNotebooks):
+class ArmMargin:
     """What an arm that follows keeps free.
 
     Attributes:
@@ -66,7 +65,7 @@ class ArmMargin(InNotebooks):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ArmReach(InNotebooks):
+class ArmReach:
     """How far one arm follows the motion.
 
     Attributes:

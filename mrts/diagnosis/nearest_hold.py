@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, apply
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.rigid_transform import vectors_from_rotations
 from mrts.cell.cell import Cell
 from mrts.motion.object_motion import ObjectMotion
@@ -29,7 +28,7 @@ LEAST_GAIN = 1e-7
 
 
 @dataclass(frozen=True)
-class NearestHold(InNotebooks):
+class NearestHold:
     """The nearest that a hand comes.
 
     Attributes:

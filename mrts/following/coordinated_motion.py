@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, cross, freeze
 from mrts.base.errors import InputError, MotionError, as_array
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
@@ -47,7 +46,7 @@ class JointCourse:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class CoordinatedMotion(InNotebooks):
+class CoordinatedMotion:
     """N samples of a given motion of the object and the m joints that carry it; nobody can write to its arrays.
 
     Attributes:

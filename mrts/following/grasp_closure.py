@@ -8,7 +8,6 @@ import numpy as np
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array, rotated, row_products
 from mrts.base.errors import InputError, MotionError
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.rigid_transform import angles_of_rotations
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
@@ -45,7 +44,7 @@ ROUNDED_SLIP = 1e-3
 
 
 @dataclass(frozen=True)
-class ClosureBound(InNotebooks):
+class ClosureBound:
     """How far hands may be off their grasps in joint motion that is given; they are then moved onto them.
 
     Attributes:

@@ -33,7 +33,7 @@ UNITS = {
 
 
 @dataclass(frozen=True, eq=False)
-class MotorParameter(InNotebooks):
+class MotorParameter:
     """One parameter of every joint of an arm.
 
     Attributes:
@@ -59,7 +59,7 @@ class MotorParameter(InNotebooks):
 
 
 @dataclass(frozen=True, eq=False)
-class ArmMotors(InNotebooks):
+class ArmMotors:
     """The motors of one arm, joint side of their gears, and what they leave unexplained.
 
     Attributes:

@@ -34,7 +34,7 @@ WORTH_TELLING = 1e-3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PlayedLayout(InNotebooks):
+class PlayedLayout:
     """One layout and what the cell does in it.
 
     Attributes:

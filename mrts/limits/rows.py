@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.kernel.cell_library import SparseLimits
 from mrts.limits.object_axes import ObjectAxes
@@ -22,7 +21,7 @@ TORQUE_SPEED = "torque-speed"
 
 
 @dataclass(frozen=True)
-class RowName(InNotebooks):
+class RowName:
     """What a row limits.
 
     Attributes:
@@ -89,7 +88,7 @@ STANDSTILL = RowName("c2")
 
 
 @dataclass(frozen=True)
-class ActiveRow(InNotebooks):
+class ActiveRow:
     """A row at one of its limits.
 
     Attributes:

@@ -12,7 +12,6 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array, freeze
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.motion.csv_motion import read_joint_columns
 from mrts.motion.ros_messages import NANOSECONDS, bag_messages, is_bag, joint_column
 
@@ -20,7 +19,7 @@ KIND = "sensor_msgs/msg/JointState"
 
 
 @dataclass(frozen=True, eq=False)
-class RecordedJoint(InNotebooks):
+class RecordedJoint:
     """What was measured of one joint.
 
     Attributes:
@@ -48,7 +47,7 @@ class RecordedJoint(InNotebooks):
 
 
 @dataclass(frozen=True, repr=False)
-class JointRecording(InNotebooks):
+class JointRecording:
     """Recorded joints by column name; which joint of a cell a column is, `mrts.identify` finds.
 
     Attributes:

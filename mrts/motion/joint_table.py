@@ -10,7 +10,6 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.base.remark import Remark
 from mrts.motion.object_courses import smoothing_remark
 from mrts.motion.object_motion import check_derivatives, noise_allowed
@@ -44,7 +43,7 @@ class JointSplines:
 
 
 @dataclass(frozen=True, repr=False)
-class JointTable(InNotebooks):
+class JointTable:
     """N samples of joint motion by column name; which joint a column is of, the cell tells.
 
     Attributes:

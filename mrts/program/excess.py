@@ -8,7 +8,6 @@ from typing import Any
 
 from mrts.base.argument_types import is_number
 from mrts.base.errors import InputError
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.limits.rows import ActiveRow
 
 BETWEEN = 1e-4
@@ -22,7 +21,7 @@ LARGEST_BETWEEN = 1.0
 
 
 @dataclass(frozen=True)
-class Excess(InNotebooks):
+class Excess:
     """The worst excess over a limit between samples, with the best distribution of the torques there.
 
     Attributes:

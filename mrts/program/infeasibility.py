@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow
 from mrts.program.range_ends import highest_intervals, speed_unit
@@ -37,7 +36,7 @@ SEARCHED = 100.0
 
 
 @dataclass(frozen=True)
-class Conflict(InNotebooks):
+class Conflict:
     """Limits that cannot hold together at one sample, whatever c² >= 0.
 
     With the multipliers y of these rows, Σ yᵢ (row i) is a combination of limits that no torque satisfies

@@ -8,7 +8,6 @@ import numpy as np
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.formulation import DISTRIBUTIONS
@@ -21,7 +20,7 @@ BALANCE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class LoadSharing(EqualByNumbers, InNotebooks):
+class LoadSharing(EqualByNumbers):
     """Arm i carries the share α_i of the load, plus a prescribed internal wrench.
 
     Attributes:

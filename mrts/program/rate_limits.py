@@ -10,7 +10,6 @@ from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array, EqualByNumbers, freeze, without_infinity
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.limits.rows import RowName
@@ -26,7 +25,7 @@ WHAT_TO_GIVE = (
 
 
 @dataclass(frozen=True, eq=False)
-class RateLimits(EqualByNumbers, InNotebooks):
+class RateLimits(EqualByNumbers):
     """Largest rates of change of a cell with m joints and n w wrench components; infinity where there is none.
 
     Attributes:

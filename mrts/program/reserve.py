@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, LimitRows, side_size
@@ -82,7 +81,7 @@ def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProb
 
 
 @dataclass(frozen=True)
-class Reserve(InNotebooks):
+class Reserve:
     """By how much limits may shrink before a plan at its c² has no torques within them.
 
     Attributes:
@@ -113,7 +112,7 @@ class Reserve(InNotebooks):
 
 
 @dataclass(frozen=True)
-class PlanReserve(InNotebooks):
+class PlanReserve:
     """What is left of the limits of a plan.
 
     Attributes:

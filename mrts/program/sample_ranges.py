@@ -11,7 +11,6 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow, Side
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
@@ -44,7 +43,7 @@ that sets the end, so that it does not depend on the solver."""
 
 
 @dataclass(frozen=True)
-class SampleRanges(InNotebooks):
+class SampleRanges:
     """The least and the largest c² of each of N samples: of the highest interval where a sample admits several.
 
     Attributes:

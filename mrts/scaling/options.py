@@ -12,7 +12,6 @@ from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadBox
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import LimitRows
@@ -30,7 +29,7 @@ Selection = Literal["auto", "fastest", "nominal"] | float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Options(EqualByNumbers, InNotebooks):
+class Options(EqualByNumbers):
     """What was asked of a motion, as `mrts.scale` documents its arguments.
 
     A saved result keeps neither `select`, as it has the c², nor `solver` and `between`.

@@ -47,7 +47,7 @@ BLOCK = 4096
 
 
 @dataclass(frozen=True)
-class Residuals(InNotebooks):
+class Residuals:
     """How far a trajectory is from what it promises: rounding, and at most 1e-9 of a limit.
 
     Attributes:

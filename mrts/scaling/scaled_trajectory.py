@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.cell.cell import Cell
 from mrts.cell.motors.joint_duty import JointDuty, joint_duty
 from mrts.following.coordinated_motion import CoordinatedMotion
@@ -18,7 +17,7 @@ from mrts.program.motor_terms import motor_terms
 
 
 @dataclass(frozen=True)
-class Holding(InNotebooks):
+class Holding:
     """What a controller needs before the first and after the last sample, at both ends of a motion.
 
     Attributes:
@@ -34,7 +33,7 @@ class Holding(InNotebooks):
 
 
 @dataclass(frozen=True, repr=False)
-class ScaledTrajectory(InNotebooks):
+class ScaledTrajectory:
     """Eqs. (9), (10), (19): q̃(t) = q(c t), with joint torques and contact wrenches, at N samples.
 
     Attributes:

@@ -39,7 +39,7 @@ MOST_NAMED = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpeedAnswer(InNotebooks):
+class SpeedAnswer:
     """How fast a motion may be played with a cell.
 
     Attributes:
@@ -69,7 +69,7 @@ class SpeedAnswer(InNotebooks):
 
 
 @dataclass(frozen=True)
-class ChangedAnswer(InNotebooks):
+class ChangedAnswer:
     """A change, and what the answer is with it.
 
     Attributes:

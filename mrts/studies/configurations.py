@@ -33,7 +33,7 @@ DEFAULT_CAP = 1024
 
 
 @dataclass(frozen=True)
-class Branch(InNotebooks):
+class Branch:
     """One way in which an arm can hold its grasp at t = 0, followed along the motion.
 
     Attributes:
@@ -50,7 +50,7 @@ class Branch(InNotebooks):
 
 
 @dataclass(frozen=True)
-class Configuration(InNotebooks):
+class Configuration:
     """One branch for each arm.
 
     Attributes:

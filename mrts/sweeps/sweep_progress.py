@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.studies.dry_run import time_text
 from mrts.studies.ranking import fastest_first
 
@@ -22,7 +21,7 @@ TALLIED = ("variant", "status", "duration")
 
 
 @dataclass(frozen=True)
-class SweepProgress(InNotebooks):
+class SweepProgress:
     """How far a sweep is.
 
     Attributes:

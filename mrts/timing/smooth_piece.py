@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.notebook.in_notebooks import InNotebooks
 from mrts.program.rate_limits import RateLimits
 from mrts.program.smooth_program import Goal, SmoothProgram
 from mrts.program.successive_steps import CONVERGED, StepsTaken
@@ -67,7 +66,7 @@ class SmoothPiece(TimedPiece):
 
 
 @dataclass(frozen=True)
-class SmoothAnswer(InNotebooks):
+class SmoothAnswer:
     """What a smooth timing is beside its profile.
 
     Attributes:
