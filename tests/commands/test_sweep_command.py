@@ -79,7 +79,7 @@ def test_a_dry_run_writes_nothing(tmp_path):
         (("-o", "out", "--workers", 0), "--workers = 0: must be at least 1."),
         (("-o", "out", "--workers", 2, "--scheduler", "tcp://h:1"), "--workers = 2: goes with processes of this"),
         (("-o", "out", "--top", -1), "'--top': -1 is not in the range"),
-        (("-o", "study.yaml"), "--output = 'study.yaml': names a file, but writes a folder."),
+        (("-o", "study.yaml"), "--output = 'study.yaml': names the same file as STUDY."),
         (("-o", "."), "holds no study, but study.yaml: name a new or empty folder."),
     ],
 )
