@@ -60,9 +60,7 @@ def test_a_second_of_playing_is_thirty_frames_each_whole(viewer):
                 clock += FRAME
                 parts = frame_after(opened)
                 frames += moving <= {part.get("name") for part in parts}
-                assert (
-                    sum("position" in part or "wxyz" in part for part in parts) <= MOST_PARTS
-                )
+                assert sum("position" in part or "wxyz" in part for part in parts) <= MOST_PARTS
                 position = next(part["position"] for part in parts if part.get("name") == "/object")
                 seen.add(tuple(position))
             viewer.playback.toggle()
