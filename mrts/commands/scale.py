@@ -167,14 +167,14 @@ def run(
             outputs.raise_defect()
         raise
     with working("comparing with a constant factor"):
-        if isinstance(found, ScalingResult):
-            lines = list(scaling_lines(found, whole=verbose))
-        else:
-            lines = list(retiming_lines(found, whole=verbose))
+        card = None if verbose else answer_card(found)
+        worded = scaling_lines(found, card) if isinstance(found, ScalingResult) else retiming_lines(found, card)
+        lines = list(worded)
     with working("writing"):  # files first: whoever reads the lines may go away
         outputs = _written(found, files, plot_format)
-    outcome, card = FEASIBLE if found.status.admits_motion else INFEASIBLE, answer_card(found)
-    styles = {line: STYLES[bar.nearness] for line, bar in zip(card.lines(), card.bars, strict=True)}
+    outcome = FEASIBLE if found.status.admits_motion else INFEASIBLE
+    bars = () if card is None else zip(card.lines(), card.bars, strict=True)
+    styles = {line: STYLES[bar.nearness] for line, bar in bars}
     code = outputs.answer(lines, outcome, files.get("json"), found, styles)
     if isinstance(found, ScalingResult) and found.fallbacks and str(files.get("json")) != "-":
         warn(fallbacks_text(found.fallbacks))

@@ -15,7 +15,7 @@ from mrts.base.errors import InputError
 from mrts.base.printable import cut, printable
 from mrts.film.renderer import Clip, Frame, SceneRenderer, silent
 from mrts.plots.colours import COLOURS
-from mrts.plots.limit_plots import limit_shares
+from mrts.plots.limit_shares import limit_shares
 from mrts.scene.arm_meshes import Warn
 from mrts.scene.cell_view import look_at_cell
 from mrts.scene.scene import OVER_LIMIT, arm_colour

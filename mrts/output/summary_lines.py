@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from mrts.cell.hands.kinds import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.limit_table import limit_table, next_limits_line
-from mrts.plots.card import answer_card
-from mrts.plots.range_plots import range_text
+from mrts.plots.card import Card
+from mrts.plots.labels import range_text
 from mrts.scaling.limit_use import largest_step, limit_uses, rate_uses
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
@@ -25,35 +25,35 @@ LIMITS_SHOWN = 4
 """Limits that are printed of a timing."""
 
 
-def scaling_lines(result: ScalingResult, *, whole: bool = False) -> Iterator[str]:
-    """What the command line says of a result, with the whole table of limits or the nearest ones as bars."""
+def scaling_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
+    """What the command line says of a result, with the nearest limits of its card as bars; without one, all."""
     yield f"{result.cell.name}: {result.sentence()}"
     yield from map(str, result.warnings)
     if result.load is not None:
         yield from _load_lines(result.load)
-    yield from _plan_lines(result, whole=whole)
+    yield from _plan_lines(result, card)
     yield from _what_if_lines(result.changes)
 
 
-def _plan_lines(result: ScalingResult, *, whole: bool) -> Iterator[str]:
+def _plan_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
     """What the plan at the chosen c² asks of arms and hands; nothing where none was chosen."""
     done = result.trajectory
     if done is None:
         return
     given = result.motion.object.time[-1]
     yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
-    yield from _reserve_lines(result, whole=whole)
+    yield from _reserve_lines(result, card)
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
-    yield from _limit_lines(result, whole=whole)
+    yield from _limit_lines(result, card)
     for note in result.too_fast():
         yield f"note: {note}"
 
 
-def retiming_lines(found: "RetimingResult", *, whole: bool = False) -> Iterator[str]:
-    """What the command line says of a timing, with the whole table of limits or the nearest ones as bars."""
+def retiming_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
+    """What the command line says of a timing; `card` as in `scaling_lines`."""
     yield f"{found.cell.name}: {found.sentence()}"
     yield from map(str, found.warnings)
-    yield from _timing_lines(found, whole=whole)
+    yield from _timing_lines(found, card)
     yield from _what_if_lines(found.changes)
 
 
@@ -64,7 +64,7 @@ def _what_if_lines(changes: "WhatIf | None") -> Iterator[str]:
         yield from changes.lines()
 
 
-def _timing_lines(found: "RetimingResult", *, whole: bool) -> Iterator[str]:
+def _timing_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
     """What limits the timing, and what it asks of the arms; nothing without one."""
     if found.retimed is None or found.retimed.trajectory is None or found.excess is None:
         return
@@ -79,13 +79,13 @@ def _timing_lines(found: "RetimingResult", *, whole: bool) -> Iterator[str]:
     effort = "" if found.smooth is None else f", ∫ τᵀWτ dt = {found.effort:.4g}"
     energy = f"{found.retimed.trajectory.energy:.4g} J{effort}"
     yield f"energy {energy}; torques for a load of {found.retimed.cell.mass:.4g} kg\n"
-    yield from _limit_lines(found.retimed, whole=whole)
+    yield from _limit_lines(found.retimed, card)
 
 
-def _reserve_lines(result: ScalingResult, *, whole: bool) -> Iterator[str]:
+def _reserve_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
     """What is left of the limits, and how far torques and wrenches go at a time."""
     yield f"reserve: {result.reserve}"
-    yield from next_limits_line(result) if whole else ()
+    yield from next_limits_line(result) if card is None else ()
     yield from _step_lines(result)
 
 
@@ -102,9 +102,9 @@ def _step_lines(result: ScalingResult) -> Iterator[str]:
     yield f"largest step between samples: {told or 'none has a limit'}"
 
 
-def _limit_lines(result: ScalingResult, *, whole: bool) -> Iterator[str]:
+def _limit_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
     """The table of limits, or the nearest ones as bars, and what it leaves to other lines."""
-    yield from limit_table(result) if whole else answer_card(result).lines()
+    yield from limit_table(result) if card is None else card.lines()
     yield from _rate_lines(result)
     yield from _motor_lines(result)
     yield from _contact_lines(result)

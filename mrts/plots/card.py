@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from mrts.plots.labels import row_text, short_name
-from mrts.plots.limit_plots import AT_END, all_shares, limiting_rows
-from mrts.plots.range_plots import range_facts
+from mrts.plots.labels import range_facts, row_text, short_name
+from mrts.plots.limit_shares import AT_END, limiting_rows
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 
@@ -96,8 +95,8 @@ def _nearest(result: ScalingResult, timing: "RetimingResult | None") -> tuple[Li
     Velocities count only where their limits are kept.
     """
     assert result.trajectory is not None  # noqa: S101 (checked by its caller)
-    names, shares = all_shares(result)
-    first = {name: place for place, name in enumerate(limiting_rows(result, timing).setting)}
+    limiting = limiting_rows(result, timing)
+    names, shares, first = limiting.names, limiting.shares, {name: at for at, name in enumerate(limiting.setting)}
     most = np.minimum(np.max(shares, axis=0), REACHED)  # beyond that they are alike
     bars: dict[str, LimitBar] = {}
     for place in sorted(range(len(names)), key=lambda place: (first.get(names[place], len(first)), -most[place])):

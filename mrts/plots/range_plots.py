@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.plots.colours import ADMISSIBLE, COLOURS, CONFLICT, END_COLOURS
-from mrts.plots.labels import row_label, row_labels
+from mrts.plots.labels import range_facts, range_text, row_label
 from mrts.plots.plot import MARGIN, Axis, Band, Bars, Item, Line, Panel, Plot, Points, Rule, Spans, look, one_panel
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import SampleRanges
 from mrts.scaling.loads import LoadStudy
-from mrts.scaling.range import RangeEnd, ScalingRange
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
 MOST_LANES = 14
@@ -130,34 +130,6 @@ def c2_ends(found: ScalingRange) -> tuple[float, float]:
     highest = max([*upper.tolist(), *lower.tolist(), 0.0])
     top = (min(highest, ABOVE_THE_RANGE * wanted) if wanted > 0 else highest) or 1.0
     return -MARGIN * top, (1 + MARGIN) * top
-
-
-def range_text(found: ScalingRange) -> str:
-    """Both ends; where no c² is admissible, the outcome, and where the ends of an empty range are."""
-    low, high = found.lower, found.upper
-    if low is None or high is None:
-        return str(found.status.value)
-    if found.status.admits_motion or low.time is None or high.time is None:
-        return found.text()
-    return f"empty (at least {low.c2:.4g} at t = {low.time:.4g} s, but at most {high.c2:.4g} at t = {high.time:.4g} s)"
-
-
-def range_facts(found: ScalingRange) -> list[str]:
-    """What sets the range over the motion, or leaves none, a sentence for each end."""
-    facts = []
-    if found.samples.conflicts:
-        worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)
-        load = f" with {worst.load}" if worst.load is not None else ""
-        facts.append(f"worst conflict at t = {worst.time:.4g} s{load}: {row_labels(worst.rows)}")
-    for name, end in (("c²⁺", found.upper), ("c²⁻", found.lower)):
-        if end is not None and end.time is not None and (name == "c²⁺" or end.c2 > 0):
-            facts.append(f"{name} = {end.c2:.4g} is {_set_by(end)}")
-    return facts
-
-
-def _set_by(end: RangeEnd) -> str:
-    load = f" with {end.load}" if end.load is not None else ""
-    return f"set at t = {end.time:.4g} s{load} by {row_labels(end.rows)}"
 
 
 def binding_lanes(found: ScalingRange) -> list[Lane]:

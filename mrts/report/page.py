@@ -8,7 +8,8 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
 from mrts.cell.cell import Cell
 from mrts.plots.card import Card, answer_card
-from mrts.plots.limit_plots import LimitingRows, limit_map, limiting_rows, limits_plot
+from mrts.plots.limit_plots import limit_map, limits_plot
+from mrts.plots.limit_shares import LimitingRows, limiting_rows
 from mrts.plots.phase_plane import phase_plane_plot, played_way
 from mrts.plots.plot import Plot, one_panel
 from mrts.plots.range_plots import load_study_plot, range_plot

@@ -10,9 +10,9 @@ from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import JOINT_HEAD
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.plots.labels import contact_failure, row_text, short_name
-from mrts.plots.limit_plots import LimitingRows
-from mrts.plots.range_plots import range_facts, range_text, ranked_loads
+from mrts.plots.labels import contact_failure, range_facts, range_text, row_text, short_name
+from mrts.plots.limit_shares import LimitingRows
+from mrts.plots.range_plots import ranked_loads
 from mrts.plots.what_if_plot import MOST_BARS, changed_shares
 from mrts.program.infeasibility import Conflict
 from mrts.report.markup import Html, bar, element, html, joined, table

@@ -14,6 +14,7 @@ import mrts
 from mrts.cell.motors.joint_duty import joint_duty
 from mrts.output.summary_lines import scaling_lines
 from mrts.output.trajectory_table import trajectory_columns, trajectory_csv
+from mrts.plots.card import answer_card
 from mrts.report import write_report
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
@@ -104,7 +105,7 @@ def test_motors_above_their_rating_are_a_warning_until_the_motion_is_slow_enough
     assert worst[0] > worst[2] or "left/wrist:" in said.text
     assert f"{100 * max(worst):.0f} % of what its motor bears" in said.text
     assert "to play the motion slower saves only what its accelerations take" in said.text
-    last = list(scaling_lines(result))[-1]
+    last = list(scaling_lines(result, answer_card(result)))[-1]
     assert last.startswith(f"root mean square torques: at most {100 * max(worst):.3g} % of what motors bear")
     relaxed = replace(cell.robots[0].motors, rated=np.full(3, 1e4))
     easy = mrts.scale(replace(cell, robots=(replace(cell.robots[0], motors=relaxed), cell.robots[1])), lift)

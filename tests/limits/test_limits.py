@@ -198,7 +198,7 @@ def test_it_is_shown_wherever_limits_are(kind, limit, planar_cell, lift):
     use = next(use for use in limit_uses(result) if use.name.kind == kind)
     assert use.share == pytest.approx(largest(kind, result) / limit, rel=1e-9)
     assert f"left/mine {kind}" in report_html(result)
-    assert any(line.strip().startswith(f"left/mine {kind}") for line in scaling_lines(result, whole=True))
+    assert any(line.strip().startswith(f"left/mine {kind}") for line in scaling_lines(result, None))
     state = PlayerState(cell, lift)
     state.sample = 50
     (bar,) = state.further_bars()[kind]["left"]

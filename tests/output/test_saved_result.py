@@ -21,6 +21,7 @@ from mrts.limits.row_check import limit_name
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.output.trajectory_table import trajectory_csv
 from mrts.plots import range_plot, trajectory_plot, write_plot
+from mrts.plots.card import answer_card
 from mrts.report import report_html
 
 UR5 = DATA.parent / "dual_ur5"
@@ -132,7 +133,7 @@ def test_everything_comes_back(result, tmp_path):
     assert differences(result, again) == []
     assert again.json_text() == result.json_text()
     assert again.to_json() == result.to_json()
-    assert list(scaling_lines(again)) == list(scaling_lines(result))
+    assert list(scaling_lines(again, answer_card(again))) == list(scaling_lines(result, answer_card(result)))
     mrts.save_result(again, tmp_path / "again.npz")
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "result.npz").read_bytes()
 
@@ -275,7 +276,7 @@ def test_the_command_line_saves(tmp_path, capsys):
     assert main(command) == 0
     again = mrts.load_result(tmp_path / "deep" / "r.npz")
     written = ["", "written:", f"  {tmp_path / 'deep' / 'r.npz'}", ""]
-    assert capsys.readouterr().out == "\n".join([*scaling_lines(again), *written])
+    assert capsys.readouterr().out == "\n".join([*scaling_lines(again, answer_card(again)), *written])
     assert main([*command, "--c2", "99"]) == 2  # the range is saved all the same
     assert mrts.load_result(tmp_path / "deep" / "r.npz").trajectory is None
 
@@ -322,7 +323,7 @@ def test_a_timing_comes_back_whole(timing, planar_cell, lift, tmp_path):
     again = mrts.load_result(tmp_path / "timing.npz")
     assert type(again) is mrts.RetimingResult
     assert again.json_text() == found.json_text()
-    assert list(retiming_lines(again)) == list(retiming_lines(found))
+    assert list(retiming_lines(again, answer_card(again))) == list(retiming_lines(found, answer_card(found)))
     assert report_html(again) == report_html(found)
     assert again.options == found.options
     mrts.save_result(again, tmp_path / "again.npz")

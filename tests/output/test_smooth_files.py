@@ -16,6 +16,7 @@ import mrts
 from mrts.cli import main
 from mrts.output.summary_lines import retiming_lines
 from mrts.output.trajectory_table import played_rows
+from mrts.plots.card import answer_card
 from mrts.scaling.limit_use import rate_uses
 from mrts.viewer.player_state import PlayerState
 
@@ -157,7 +158,7 @@ def test_the_command_line_writes_all_files_with_the_torques_of_one_load(tmp_path
 
 
 def test_lines_tell_what_changes_nearest_to_its_limit(smooth):
-    lines = list(retiming_lines(smooth))
+    lines = list(retiming_lines(smooth, answer_card(smooth)))
     for kind in ("torque rate", "wrench rate", "jerk"):
         use = next(one for one in rate_uses(smooth.retimed) if one.name.kind == kind)
         (line,) = (line for line in lines if line.startswith(f"{use.name}: "))

@@ -7,7 +7,7 @@ from conftest import DATA
 import mrts
 from mrts.cli import main
 from mrts.plots.card import MOST_BARS, answer_card
-from mrts.plots.limit_plots import all_shares
+from mrts.plots.limit_shares import all_shares
 
 pytestmark = pytest.mark.quick
 

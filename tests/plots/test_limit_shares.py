@@ -5,7 +5,7 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.plots.limit_plots import limit_shares
+from mrts.plots.limit_shares import limit_shares
 
 ROUNDING = 1e-9
 """Rows and their limits are the same numbers, divided in another order."""

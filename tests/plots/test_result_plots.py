@@ -24,7 +24,7 @@ from mrts.plots import (
 )
 from mrts.plots.figure_files import result_plots
 from mrts.plots.labels import LANE_LETTERS
-from mrts.plots.limit_plots import all_shares
+from mrts.plots.limit_shares import all_shares
 from mrts.plots.plot import Axis, Band, Bars, Line, Panel, Plot, Points, Rule, Spans
 from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.range_plots import binding_lanes

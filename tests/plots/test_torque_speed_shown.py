@@ -10,8 +10,9 @@ import mrts
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
 from mrts.plots import matplotlib_figure, trajectory_plot, write_result_plots
+from mrts.plots.card import answer_card
 from mrts.plots.labels import short_name
-from mrts.plots.limit_plots import limiting_rows
+from mrts.plots.limit_shares import limiting_rows
 from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.trajectory_plots import torque_plots
 from mrts.report.tables import inputs_table, margins_table, motors_table
@@ -90,7 +91,7 @@ def test_moving_limits_are_drawn_as_lines_over_time(result):
 def test_tables_and_lines_name_the_curve_once(result):
     assert "left/shoulder torque-speed" in margins_table(result, limiting_rows(result, None))
     assert "left/elbow motor speed" in margins_table(result, limiting_rows(result, None))
-    lines = list(scaling_lines(result))
+    lines = list(scaling_lines(result, answer_card(result)))
     said = [line for line in lines if line.startswith("torque-speed curves: at most")]
     worst = max(use.share for use in limit_uses(result) if use.name.kind == TORQUE_SPEED)
     assert len(said) == 1
@@ -161,7 +162,7 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     mrts.write_report(result, tmp_path / "report.html")
     mrts.save_result(result, tmp_path / "result.npz")
     again = mrts.load_result(tmp_path / "result.npz")
-    assert list(scaling_lines(again)) == list(scaling_lines(result))
+    assert list(scaling_lines(again, answer_card(again))) == list(scaling_lines(result, answer_card(result)))
     np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
     table = margins_table(result, limiting_rows(result, None))
     for use in limit_uses(result):

@@ -11,7 +11,8 @@ import mrts
 from mrts.cell.motors.joint_motors import JointMotors
 from mrts.cli import main
 from mrts.output.summary_lines import scaling_lines
-from mrts.plots.limit_plots import limiting_rows
+from mrts.plots.card import answer_card
+from mrts.plots.limit_shares import limiting_rows
 from mrts.report.tables import rates_table
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.result import fallbacks_text
@@ -65,7 +66,8 @@ def test_rates_are_reported_and_bind_nothing(reported, lifted):
     assert f"{100 * worst.share:.0f} % of its limit" in warning.text
     assert "--rates cell keeps them, at a speed that varies --profile smooth" in warning.text
     assert any(
-        line.startswith(f"{worst.name}: {100 * worst.share:.3g} % of its limit") for line in scaling_lines(reported)
+        line.startswith(f"{worst.name}: {100 * worst.share:.3g} % of its limit")
+        for line in scaling_lines(reported, answer_card(reported))
     )
 
 
@@ -89,7 +91,7 @@ def test_a_cell_without_rates_says_nothing_of_them(lifted, kept):
     assert lifted.to_json()["rates"] == []
     assert lifted.to_json()["kept_rates"] is None
     assert rates_table(lifted, limiting_rows(lifted, None)) == []
-    assert not any("rate" in line for line in scaling_lines(lifted))
+    assert not any("rate" in line for line in scaling_lines(lifted, answer_card(lifted)))
     assert not any(one.code == "rate-passed" for one in lifted.warnings)
     assert "torque rate" in json.dumps(kept.to_json()["binding"]) or "jerk" in json.dumps(kept.to_json()["binding"])
 

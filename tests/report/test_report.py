@@ -16,7 +16,7 @@ from shown_results import AWKWARD, KINDS, UGLY_JOINTS, result_of, with_awkward_n
 
 import mrts
 from mrts.cli import main
-from mrts.plots.limit_plots import all_shares
+from mrts.plots.limit_shares import all_shares
 from mrts.plots.plotly_drawer import MOST_SAMPLES, plotly_figure, shown_samples
 from mrts.plots.trajectory_plots import torque_plots
 from mrts.report import report_html

@@ -6,7 +6,7 @@ from report_pages import data_of
 from shown_results import with_all_rates
 
 import mrts
-from mrts.plots.limit_plots import AT_LIMIT, all_shares, limiting_rows
+from mrts.plots.limit_shares import AT_LIMIT, all_shares, limiting_rows
 from mrts.report import report_html
 from mrts.report.tables import rates_table
 

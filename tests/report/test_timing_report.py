@@ -10,7 +10,8 @@ from headless_browser import NARROW, browser, page  # noqa: F401 (fixtures)
 from report_pages import data_of
 
 import mrts
-from mrts.plots.limit_plots import limit_map, limiting_rows
+from mrts.plots.limit_plots import limit_map
+from mrts.plots.limit_shares import limiting_rows
 from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import Cells, Line
 from mrts.report import report_html

@@ -13,6 +13,7 @@ import mrts.output.limit_table
 from mrts.base.interval_text import interval_text
 from mrts.output.limit_table import limit_table
 from mrts.output.summary_lines import scaling_lines
+from mrts.plots.card import answer_card
 from mrts.scaling.result import _speed_advice
 
 pytestmark = pytest.mark.quick
@@ -133,7 +134,10 @@ def test_an_interval(low, high, text):
 def test_no_crossed_and_no_infinite_interval_is_shown(planar_cell, lift, tmp_path):
     kinds = ("planar", "infeasible", "empty", "unbounded", "guaranteed", "infeasible load", "fixed rule")
     results = {kind: result_of(kind, planar_cell, None, lift, tmp_path) for kind in kinds}
-    lines = {kind: "\n".join([*scaling_lines(result), repr(result.range)]) for kind, result in results.items()}
+    lines = {
+        kind: "\n".join([*scaling_lines(result, answer_card(result)), repr(result.range)])
+        for kind, result in results.items()
+    }
     assert all("inf]" not in text and ", inf" not in text for text in lines.values())
     assert "c² ∈ [0, ∞)" in lines["unbounded"]
     for text in lines.values():
@@ -152,7 +156,7 @@ def test_columns_of_names_that_are_longer_stay_aligned(planar_cell, lift, monkey
 def test_a_load_without_a_common_speed_is_said_with_both_samples(planar_cell, lift):
     slow = braking_only(planar_cell, lift, 53)
     result = mrts.scale(slow.cell.with_variation(mass=(0.9, 1.1)), slow.motion)
-    lines = list(scaling_lines(result))
+    lines = list(scaling_lines(result, answer_card(result)))
     empty = [line for line in lines if line.startswith("  empty (at least")]
     assert len(empty) > 0
     found = result.load.ranges[0]

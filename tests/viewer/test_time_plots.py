@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import mrts
-from mrts.plots.limit_plots import LimitShares, limit_shares
+from mrts.plots.limit_shares import LimitShares, limit_shares
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.plots.time_plots import MOST_POINTS, PlottedMotion, compared_html, time_plots
 from mrts.viewer.server import close_server, open_server

@@ -17,7 +17,7 @@ from mrts.base.arrays import Array
 from mrts.base.printable import html_text
 from mrts.plots.colours import COLOURS, END_COLOURS
 from mrts.plots.labels import shortened
-from mrts.plots.limit_plots import LimitShares, limit_shares
+from mrts.plots.limit_shares import LimitShares, limit_shares
 from mrts.plots.range_plots import c2_ends
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
