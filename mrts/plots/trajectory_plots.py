@@ -8,7 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.plots.labels import shortened
 from mrts.plots.plot import Axis, Line, Panel, Plot, look, one_panel, value_ends
-from mrts.scaling.limit_use import limited_quantities
+from mrts.scaling.limit_use import LimitedQuantities, limited_quantities
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory, accumulated_energy
 
@@ -36,9 +36,7 @@ def torque_plots(result: ScalingResult) -> list[Plot]:
     plots = []
     for number, robot in enumerate(result.cell.robots):
         drawn = limited_quantities(result, "torque", robot.name)
-        names, limits = list(zip(drawn.names, drawn.units, strict=True)), np.stack([drawn.lower, drawn.upper])
-        title = f"{robot.name}: joint torques"
-        plots.append(_limited(result, f"torque-{number}", title, "torque", drawn.values, names, limits))
+        plots.append(_quantities(result, f"torque-{number}", f"{robot.name}: joint torques", "torque", drawn))
     return plots
 
 
@@ -53,9 +51,8 @@ def wrench_plots(result: ScalingResult) -> list[Plot]:
         wrenches = limited_quantities(result, "wrench", robot.name)
         for first, what in (("f", "force"), ("n", "moment")):
             part = wrenches.only([name.startswith(first) for name in wrenches.names])
-            names, limits = list(zip(part.names, part.units, strict=True)), np.stack([part.lower, part.upper])
             title = f"{robot.name}: contact {what} on the object"
-            plots.append(_limited(result, f"{what}-{number}", title, what, part.values, names, limits))
+            plots.append(_quantities(result, f"{what}-{number}", title, what, part))
     return plots
 
 
@@ -153,6 +150,11 @@ def _trajectory(result: ScalingResult) -> ScaledTrajectory:
 
 def _time(done: ScaledTrajectory) -> Axis:
     return Axis(label="time [s]", ends=(float(done.time[0]), float(done.time[-1])), hover="t = {} s")
+
+
+def _quantities(result: ScalingResult, name: str, title: str, label: str, drawn: LimitedQuantities) -> Plot:
+    names, limits = list(zip(drawn.names, drawn.units, strict=True)), np.stack([drawn.lower, drawn.upper])
+    return _limited(result, name, title, label, drawn.values, names, limits)
 
 
 def _limited(result: ScalingResult, name: str, title: str, label: str, values: Array, names: Sequence[tuple[str, str]],

@@ -1,12 +1,11 @@
 """A xacro in the place of a URDF: it is expanded, with all that it includes, whenever a cell is read."""
 
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 import yaml
+from command_line import mrts_without
 from conftest import DATA
 from mrts_codegen.urdf import xacro_file
 from same_cells import same_cell
@@ -182,12 +181,6 @@ def test_an_expression_without_end_is_ended(limit, value, expression, rule, cell
 
 
 def test_a_missing_extra_is_named(cell):
-    script = (
-        "import importlib.util, sys; found = importlib.util.find_spec;"
-        "importlib.util.find_spec = lambda name, *rest: None if name == 'xacrodoc' else found(name, *rest);"
-        "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
-    )
-    command = [sys.executable, "-c", script, "scale", cell, DATA / "lift.yaml"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = mrts_without("xacrodoc", "scale", cell, DATA / "lift.yaml")
     assert (done.returncode, done.stdout) == (2, "")
     assert "pip install 'mrts[xacro]'" in done.stderr

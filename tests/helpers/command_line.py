@@ -37,6 +37,17 @@ def mrts_process(*arguments, **options):
     return subprocess.run(command, capture_output=True, text=True, check=False, **options)
 
 
+def mrts_without(package, *arguments):
+    """The command line in a process that lacks a package."""
+    script = (
+        "import importlib.util, sys; found = importlib.util.find_spec;"
+        f"importlib.util.find_spec = lambda name, *rest: None if name == '{package}' else found(name, *rest);"
+        "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
+    )
+    command = [sys.executable, "-c", script, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
 @contextlib.contextmanager
 def _fresh_log():
     """As in a new process, where the command line has not yet said who prints remarks."""

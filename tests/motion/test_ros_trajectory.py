@@ -1,13 +1,12 @@
 """Motions from files that people have: tables by themselves, and ROS 2 bags of joint trajectories."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 import yaml
 from cell_bank import random_planar_cell
+from command_line import mrts_without
 from conftest import DATA
 from mcap_ros2.writer import Writer as IndependentWriter
 from motion_tables import joint_table, object_table
@@ -260,12 +259,6 @@ def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path, ca
 
 def test_a_missing_extra_is_named(given, tmp_path):
     write_bag(tmp_path / "bag", [("/left/joint_trajectory", message(*given["left"]))])
-    script = (
-        "import importlib.util, sys; found = importlib.util.find_spec;"
-        "importlib.util.find_spec = lambda name, *rest: None if name == 'rosbags' else found(name, *rest);"
-        "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
-    )
-    command = [sys.executable, "-c", script, "scale", UR5 / "cell.yaml", tmp_path / "bag"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = mrts_without("rosbags", "scale", UR5 / "cell.yaml", tmp_path / "bag")
     assert (done.returncode, done.stdout) == (2, "")
     assert "pip install 'mrts[ros]'" in done.stderr

@@ -1,13 +1,12 @@
 """Files that planners hand on: CSV tables and ROS 2 bags, read back by independent readers."""
 
 import csv
-import subprocess
-import sys
 from itertools import pairwise
 
 import numpy as np
 import pytest
 import yaml
+from command_line import mrts_without
 from conftest import DATA
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -123,13 +122,8 @@ def test_the_command_line_writes_both(tmp_path):
 
 
 def test_a_missing_extra_is_named_before_any_work(tmp_path):
-    script = (
-        "import importlib.util, sys; found = importlib.util.find_spec;"
-        "importlib.util.find_spec = lambda name, *rest: None if name == 'rosbags' else found(name, *rest);"
-        "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
-    )
     command = ["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--ros-bag", str(tmp_path / "bag")]
-    done = subprocess.run([sys.executable, "-c", script, *command], capture_output=True, text=True, check=False)
+    done = mrts_without("rosbags", *command)
     assert done.returncode == 2
     assert "pip install 'mrts[ros]'" in done.stderr
     assert done.stdout == ""

@@ -1,11 +1,10 @@
 """Plots of a result: they hold its numbers, both drawers draw them, and nothing hides anything."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from command_line import mrts_without
 from conftest import DATA
 from legible_figures import boxes_of_texts, check_legible, lines_of
 from shown_results import KINDS, renamed, result_of
@@ -253,13 +252,8 @@ def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, 
 
 
 def test_a_missing_matplotlib_is_named_before_any_work(tmp_path):
-    script = (
-        "import importlib.util, sys; found = importlib.util.find_spec;"
-        "importlib.util.find_spec = lambda name, *rest: None if name == 'matplotlib' else found(name, *rest);"
-        "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
-    )
     command = ["configurations", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--plot", str(tmp_path / "out")]
-    done = subprocess.run([sys.executable, "-c", script, *command], capture_output=True, text=True, check=False)
+    done = mrts_without("matplotlib", *command)
     assert done.returncode == 2
     assert "pip install 'mrts[plot]'" in done.stderr
     assert done.stdout == ""

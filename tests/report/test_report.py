@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from command_line import mrts_without
 from conftest import DATA
 from headless_browser import NARROW, browser, page  # noqa: F401 (fixtures)
 from playwright.sync_api import expect
@@ -315,12 +316,7 @@ def test_a_saved_result_is_reported(result, tmp_path, capsys):
 
 @pytest.mark.parametrize("arguments", [["scale", *FILES, "--report", "r.html"], ["report", "result.npz"]])
 def test_a_missing_plotly_is_named_before_any_work(arguments):
-    script = (
-        "import importlib.util, sys; found = importlib.util.find_spec;"
-        "importlib.util.find_spec = lambda name, *rest: None if name == 'plotly' else found(name, *rest);"
-        "from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
-    )
-    done = subprocess.run([sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=False)
+    done = mrts_without("plotly", *arguments)
     assert done.returncode == 2
     assert "pip install 'mrts[report]'" in done.stderr
     assert done.stdout == ""

@@ -1,8 +1,6 @@
 """The viewer: arms where they are, all of them in the picture, and the real page in a real browser."""
 
 import socket
-import subprocess
-import sys
 from functools import partial
 
 import numpy as np
@@ -12,6 +10,7 @@ import yaml
 import yourdfpy
 from casadi_cells import casadi_cell
 from cell_bank import random_planar_cell, random_spatial_cell
+from command_line import mrts_without
 from conftest import DATA, ROOT
 from published_robots import ROBOTS
 from scipy.spatial.transform import Rotation
@@ -300,12 +299,7 @@ def test_bad_input_ends_before_any_server(tmp_path, capsys):
 
 
 def test_a_missing_viser_is_named_before_any_work():
-    script = (
-        "import importlib.util, sys; found = importlib.util.find_spec;"
-        "importlib.util.find_spec = lambda name, *rest: None if name == 'viser' else found(name, *rest);"
-        "from mrts.cli import main; sys.exit(main(['view', 'no.yaml', 'no.yaml']))"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    done = mrts_without("viser", "view", "no.yaml", "no.yaml")
     assert done.returncode == 2
     assert "pip install 'mrts[view]'" in done.stderr
 
