@@ -81,6 +81,10 @@ class StudyFolder(InNotebooks):
     path: Path
     record: Mapping[str, Any]
 
+    def notebook_words(self) -> list[str]:
+        """What it is; the table says the rest."""
+        return [type(self).__name__]
+
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """How far it is, and its columns."""
         parts = len(self.parts())

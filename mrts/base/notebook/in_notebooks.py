@@ -26,7 +26,7 @@ class NotebookTable:
 class InNotebooks:
     """What Jupyter shows: what `notebook_words` says, and the tables of `notebook_tables`.
 
-    Without more, these are the object in words, and no table.
+    Without more, these are what Python shows of it, and no table.
     """
 
     def _repr_html_(self) -> str:
@@ -34,8 +34,7 @@ class InNotebooks:
 
     def notebook_words(self) -> list[str]:
         """The answer, a paragraph each."""
-        name, words = type(self).__name__, _own_words(self)
-        return [words if words.startswith(name) else ": ".join(filter(None, [name, words]))]
+        return [repr(self).removeprefix("<").removesuffix(">")]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Tables below it."""
@@ -61,13 +60,3 @@ def _row(tag: str, texts: Sequence[str]) -> str:
     left = "style='text-align:left'"
     cells = "".join(f"<{tag} {left}>{html_text(text)}</{tag}>" for text in others)
     return f"<tr><th {left}>{html_text(first)}</th>{cells}</tr>"
-
-
-def _own_words(value: object) -> str:
-    """What a class writes of its values in its own words, not as Python or as an address; empty without such words."""
-    kind = type(value)
-    if any("__str__" in vars(one) for one in kind.__mro__[:-1]):
-        return str(value)
-    made = getattr(kind, "__dataclass_params__", None)
-    own = made is not None and not made.repr and any("__repr__" in vars(one) for one in kind.__mro__[:-1])
-    return repr(value).removeprefix("<").removesuffix(">") if own else ""
