@@ -189,7 +189,7 @@ def test_numbers_keep_the_point_that_is_typed(chromium):
         page.get_by_role("tab", name="Change").click()
         pick(page, "move", "left base")
         for label, number in (
-            ("along x [mm]", "1.5"), ("left torques [%]", "87.5"), ("speed c", "1.5"), ("time [s]", "0.15"),
+            ("time [s]", "0.15"), ("speed c", "1.5"), ("along x [mm]", "1.5"), ("left torques [%]", "87.5"),
         ):  # fmt: skip
             slider = row(page, label)
             field = (
