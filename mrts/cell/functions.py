@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The generated functions of a cell, bound once, called for all samples of a motion at once."""
 
-from functools import cached_property, partial
+from collections.abc import Callable
+from functools import cache, partial
 from pathlib import Path
-from typing import Any, Self
-
-import numpy as np
+from typing import Any, NoReturn, Self
 
 from mrts.base.arrays import Array
 from mrts.base.errors import CompilerError, InputError, MrtsError
@@ -22,17 +21,17 @@ class CellFunctions:
     """Callable by short name; see the manifest for inputs, outputs and shapes.
 
     They pickle as what they are bound from, never as an address: another process binds a library of its own.
+
+    Args:
+        manifest: What they are.
+        bind: Gives the library, which may be compiled then, or raises why there is none.
+        origin: The generated C; of functions of the motion alone those of CasADi, of a saved result its path.
     """
 
     def __init__(
-        self,
-        manifest: CellManifest,
-        bound: "CellLibrary | CasadiFunctions | MrtsError",
-        origin: str | dict[str, Any] | Path,
+        self, manifest: CellManifest, bind: Callable[[], MotionLibrary], origin: str | dict[str, Any] | Path
     ) -> None:
-        self.manifest = manifest
-        self.bound = bound
-        self.origin = origin
+        self.manifest, self.bind, self.origin = manifest, bind, origin
         self._geometry: Array | None = None
 
     def __contains__(self, name: str) -> bool:
@@ -50,30 +49,27 @@ class CellFunctions:
         Returns:
             By output name, Shape (N, rows, columns); (N, rows) for a column.
         """
-        if isinstance(self.bound, MrtsError):
-            raise self.bound.with_traceback(None)
         if self._geometry is not None:
             inputs = {GEOMETRY: self._geometry} | inputs
-        return self.bound.map(name, samples, inputs)
+        return self.bind().map(name, samples, inputs)
 
     @property
     def compiled(self) -> CellLibrary | None:
         """The cell's library; None where a motion is only followed, before anything is compiled."""
-        return self.bound if isinstance(self.bound, CellLibrary) else None
+        return self.library if isinstance(self.origin, str) else None
 
     @property
     def library(self) -> CellLibrary:
         """The cell's library."""
-        if isinstance(self.bound, CellLibrary):
-            return self.bound
-        if isinstance(self.bound, MrtsError):
-            raise self.bound.with_traceback(None)
-        raise CompilerError(f"cell '{self.manifest.name}' is not compiled: load it with mrts.load_cell.")
+        library = None if isinstance(self.origin, dict) else self.bind()
+        if not isinstance(library, CellLibrary):
+            raise CompilerError(f"cell '{self.manifest.name}' is not compiled: load it with mrts.load_cell.")
+        return library
 
     @property
     def motion_library(self) -> MotionLibrary:
         """What follows: the cell's library, or, where nothing else was compiled, one that does only that."""
-        return self.bound.library if isinstance(self.bound, CasadiFunctions) else self.library
+        return self.bind()
 
     def placed(self, geometry: Array) -> Self:
         """The same functions for a cell of this geometry, Shape (3 + 24 n + h,)."""
@@ -88,44 +84,6 @@ class CellFunctions:
         return self  # nothing of them changes
 
 
-class CasadiFunctions:
-    """CasADi's functions, mapped over all samples: what evaluates a cell before it is compiled."""
-
-    def __init__(self, manifest: CellManifest, functions: dict[str, Any]) -> None:
-        self._manifest, self._functions = manifest, functions
-        self._maps: dict[tuple[str, int], Any] = {}
-
-    @cached_property
-    def library(self) -> MotionLibrary:
-        """A library of those that following takes, compiled with the first motion, in a tenth of the time."""
-        text = motion_source(self._manifest, emitted(self._functions))
-        return library_or_rebuilt(find_compiler(), "motion", text, partial(MotionLibrary, self._manifest))
-
-    def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
-        """Evaluate a function at all samples; see `CellFunctions`."""
-        import casadi as ca  # noqa: PLC0415 (a compiled cell does without)
-
-        record = self._manifest.functions[name]
-        function = self._maps.get((name, samples))
-        if function is None:
-            function = self._maps[name, samples] = self._functions[name].map(samples)
-        arguments = []
-        for argument in record.inputs:
-            rows, columns = argument.shape
-            value = np.asarray(inputs[argument.name], dtype=float)
-            if value.shape == (rows,):
-                value = np.broadcast_to(value, (samples, rows))
-            stacked = value.reshape(samples, rows, columns).transpose(1, 0, 2)
-            arguments.append(stacked.reshape(rows, samples * columns))
-        results = function.call([ca.DM(argument) for argument in arguments])
-        outputs = {}
-        for argument, result in zip(record.outputs, results, strict=True):
-            rows, columns = argument.shape
-            value = result.full().reshape(rows, samples, columns).transpose(1, 0, 2)
-            outputs[argument.name] = np.ascontiguousarray(value[:, :, 0] if columns == 1 else value)
-        return outputs
-
-
 def compiled_functions(manifest: CellManifest, source: Path) -> CellFunctions:
     """The functions of a library that is compiled unless the cache holds it."""
     return _compiled(source.with_name(MANIFEST_NAME), manifest, source.read_text(encoding="utf-8"))
@@ -135,12 +93,18 @@ def _compiled(where: Path | str, manifest: CellManifest, generated: str) -> Cell
     text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
     library = library_or_rebuilt(find_compiler(), name, text, partial(CellLibrary, manifest))
     check_shapes(where, manifest, library.opened)
-    return CellFunctions(manifest, library, generated)
+    return CellFunctions(manifest, lambda: library, generated)
 
 
 def uncompiled_functions(manifest: CellManifest, functions: dict[str, Any]) -> CellFunctions:
-    """CasADi's functions."""
-    return CellFunctions(manifest, CasadiFunctions(manifest, functions), functions)
+    """CasADi's functions of a motion: a library of them is compiled when one is asked for, in a tenth of the time."""
+
+    @cache
+    def bind() -> MotionLibrary:
+        text = motion_source(manifest, emitted(functions))
+        return library_or_rebuilt(find_compiler(), "motion", text, partial(MotionLibrary, manifest))
+
+    return CellFunctions(manifest, bind, functions)
 
 
 def saved_functions(manifest: CellManifest, path: Path) -> CellFunctions:
@@ -151,7 +115,11 @@ def saved_functions(manifest: CellManifest, path: Path) -> CellFunctions:
         "with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
         key="functions",
     )
-    return CellFunctions(manifest, missing, path)
+    return CellFunctions(manifest, partial(_fail, missing), path)
+
+
+def _fail(error: MrtsError) -> NoReturn:
+    raise error.with_traceback(None)
 
 
 def _bound_again(manifest_text: str, origin: str | dict[str, Any] | Path) -> CellFunctions:
@@ -169,4 +137,4 @@ def _bound_again(manifest_text: str, origin: str | dict[str, Any] | Path) -> Cel
     try:
         return _compiled(where, manifest, origin)
     except CompilerError as error:
-        return CellFunctions(manifest, error, origin)
+        return CellFunctions(manifest, partial(_fail, error), origin)

@@ -15,7 +15,10 @@ PROGRAM_FILES = (
 )
 """The programs, which need no cell."""
 
-TRACKING_FILES = tuple(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path", "follow"))
+TRACKING_FILES = (
+    "map.c",
+    *(f"tracking/{name}.c" for name in ("null_space", "tracking", "quick_sample", "path", "follow")),
+)
 """Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
 
 CELL_FILES = (

@@ -126,6 +126,27 @@ class MotionLibrary:
         self.robots = len(manifest.robots)
         self.joints = sum(len(robot.joints) for robot in manifest.robots)
 
+    def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
+        """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
+        record = self.records[name]
+        given, strides = sample_inputs(record, samples, inputs)
+        outputs = {item.name: np.empty((samples, item.shape[1], item.shape[0])) for item in record.outputs}
+        self.opened.mrts_map(
+            self.address(name),
+            samples,
+            len(given),
+            pointers(given),
+            strides,
+            len(outputs),
+            pointers(list(outputs.values())),
+            (ctypes.c_longlong * len(outputs))(*(item.shape[0] * item.shape[1] for item in record.outputs)),
+        )
+        return {name: _by_rows(value) for name, value in outputs.items()}
+
+    def address(self, function: str) -> ctypes.c_void_p:
+        """Of a generated function, by its short name."""
+        return ctypes.cast(getattr(self.opened, self.records[function].symbol), ctypes.c_void_p)
+
 
 class CellLibrary(MotionLibrary):
     """The library of one cell.
@@ -153,23 +174,6 @@ class CellLibrary(MotionLibrary):
         self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
         self.wrenches = len(manifest.wrench_components) * len(manifest.robots)
         offer_programs(self.programs)
-
-    def map(self, name: str, samples: int, inputs: dict[str, Array]) -> dict[str, Array]:
-        """Evaluate a generated function at all samples; see `mrts.cell.functions.CellFunctions`."""
-        record = self.records[name]
-        given, strides = sample_inputs(record, samples, inputs)
-        outputs = {item.name: np.empty((samples, item.shape[1], item.shape[0])) for item in record.outputs}
-        self.opened.mrts_map(
-            self.address(name),
-            samples,
-            len(given),
-            pointers(given),
-            strides,
-            len(outputs),
-            pointers(list(outputs.values())),
-            (ctypes.c_longlong * len(outputs))(*(item.shape[0] * item.shape[1] for item in record.outputs)),
-        )
-        return {name: _by_rows(value) for name, value in outputs.items()}
 
     def ranges(
         self,
@@ -267,10 +271,6 @@ class CellLibrary(MotionLibrary):
         where = samples, pointers(given), strides, limits.structure, terms.structure()
         failed = getattr(self.opened, name)(*where, *each, *for_all, *outputs, *work)
         assert not failed  # noqa: S101 (`SparseLimits` has looked at the limits)
-
-    def address(self, function: str) -> ctypes.c_void_p:
-        """Of a generated function, by its short name."""
-        return ctypes.cast(getattr(self.opened, self.records[function].symbol), ctypes.c_void_p)
 
 
 def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]) -> tuple[list[Array], Any]:

@@ -1,12 +1,35 @@
 """Cells whose functions CasADi evaluates itself: generated, and not compiled, which takes seconds."""
 
+import casadi as ca
+import numpy as np
 from mrts_codegen.generate import generate_cell
 
-from mrts.cell.functions import uncompiled_functions
+from mrts.cell.functions import CellFunctions, uncompiled_functions
 from mrts.cell.loading import cell_from_manifest
+
+
+class CasadiFunctions(CellFunctions):
+    """What CasADi gives at all samples; following takes a compiled library."""
+
+    def __call__(self, name, samples, inputs):
+        record, arguments = self.manifest.functions[name], []
+        given = {"geometry": self._geometry} | inputs
+        for argument in record.inputs:
+            rows, columns = argument.shape
+            value = np.asarray(given[argument.name], dtype=float)
+            value = np.broadcast_to(value, (samples, rows)) if value.shape == (rows,) else value
+            stacked = value.reshape(samples, rows, columns).transpose(1, 0, 2)
+            arguments.append(ca.DM(stacked.reshape(rows, samples * columns)))
+        outputs = {}
+        for argument, result in zip(record.outputs, self.origin[name].map(samples).call(arguments), strict=True):
+            rows, columns = argument.shape
+            value = result.full().reshape(rows, samples, columns).transpose(1, 0, 2)
+            outputs[argument.name] = value[:, :, 0] if columns == 1 else value
+        return outputs
 
 
 def casadi_cell(path):
     """The cell of a file."""
     made = generate_cell(path)
-    return cell_from_manifest(made.record, uncompiled_functions(made.record, made.functions), path.resolve().parent)
+    bound = uncompiled_functions(made.record, made.functions).bind
+    return cell_from_manifest(made.record, CasadiFunctions(made.record, bound, made.functions), path.resolve().parent)

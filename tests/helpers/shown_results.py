@@ -30,7 +30,7 @@ def as_if_generated(cell, **changes):
     """The cell with other entries in its manifest, its functions as they are."""
     functions = cell.functions
     manifest = functions.manifest.model_copy(update=changes).sealed()
-    return cell_from_manifest(manifest, CellFunctions(manifest, functions.bound, functions.origin))
+    return cell_from_manifest(manifest, CellFunctions(manifest, functions.bind, functions.origin))
 
 
 def renamed(cell, name, robots, joints):
