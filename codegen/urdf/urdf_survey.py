@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What is in a URDF, for somebody who has not yet written a cell file."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +69,7 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> t
     model = build_robot_model(path, urdf, base_link, tip_link)
     efforts = [joint.effort or np.inf for joint in model.joints]
     effort = np.array([value if 0 < value < NO_LIMIT else np.inf for value in efforts])
+    friction = {name: tuple(getattr(joint, name) for joint in model.joints) for name in ("coulomb", "viscous")}
     robot = Robot(
         name=tip_link,
         **model.of_robot(),
@@ -88,11 +90,15 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> t
             T_base_root=root_in_base(path, urdf, model.base_link, {}),
             carried_mass=tuple(joint.body.mass for joint in model.joints),
             point_links=tuple(joint.point_links for joint in model.joints),
-            effort=None,
-            friction=None,
+            effort=(*effort.tolist(),),
+            friction=(friction["coulomb"], friction["viscous"]),
         ),
         held={},
-        motors=JointMotors.unknown(len(effort)),
+        motors=replace(
+            JointMotors.unknown(len(effort)),
+            coulomb=np.array(friction["coulomb"]),
+            viscous=np.array(friction["viscous"]),
+        ),
         contacts=(),
         contact_rate=np.full(6, np.inf),
     )

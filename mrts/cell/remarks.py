@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a user should know of a cell: likely mistakes, numbers that look like placeholders, and what is assumed."""
 
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -93,6 +93,11 @@ NO_COLLISIONS = "collisions are not looked at: not of arms and hands with each o
 """Said wherever somebody could think they were: of cells that are begun, checked, or laid out."""
 
 JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[[JointSource], bool]], ...] = (
+    (
+        "no-effort-limit",
+        "no effort limit, which a cell takes unless it says 'torque': mrts new assumes some",
+        lambda joint: joint.torque[1] == np.inf,
+    ),
     ("no-velocity-limit", "no velocity limit, so none is kept", lambda joint: joint.velocity is None),
     ("no-position-limit", "no position limit, so none is kept", lambda joint: joint.position == (-np.inf, np.inf)),
     (
@@ -114,7 +119,7 @@ NAMES_SHOWN = 12
 
 def cell_remarks(cell: "Cell") -> Iterator[Remark]:
     """All that is to know of a cell: what its files and its numbers as they are now lead to."""
-    joints = joint_sources(cell)
+    joints = joint_sources(cell.robots)
     placeholders = _placeholder_efforts(cell)
     units = [*_unit_remarks(cell, placeholders)]
     codes = {remark.code for remark in units}
@@ -131,13 +136,18 @@ def cell_remarks(cell: "Cell") -> Iterator[Remark]:
         )
     if TORQUE_UNIT not in codes:
         yield from _unlike_limits(cell)
-    yield from _missing_masses(joints)
-    yield from _assumptions(cell, joints)
+    yield from missing_masses(joints)
+    of_urdf = {joint.robot: None for joint in joints if joint.torque_from == "URDF"}
+    if of_urdf:
+        text = f"torque limits: the effort limits of the URDF ({', '.join(of_urdf)}); 'torque' gives others"
+        yield _assumed("torque-of-urdf", text)
+    yield from joint_assumptions(joints)
+    yield from _assumptions(cell)
 
 
-def joint_sources(cell: "Cell") -> tuple[JointSource, ...]:
+def joint_sources(robots: "Iterable[Robot]") -> tuple[JointSource, ...]:
     """What is known of the joints of all arms in order."""
-    return tuple(_joint_source(robot, j) for robot in cell.robots for j in range(len(robot.joints)))
+    return tuple(_joint_source(robot, j) for robot in robots for j in range(len(robot.joints)))
 
 
 def _joint_source(robot: "Robot", j: int) -> JointSource:
@@ -442,7 +452,8 @@ def _alike(one: "Robot", other: "Robot") -> bool:
     return all(np.isclose(size, same, rtol=ALIKE, atol=ALIKE) for size, same in zip(*sizes, strict=True))
 
 
-def _missing_masses(joints: Sequence[JointSource]) -> Iterator[Remark]:
+def missing_masses(joints: Sequence[JointSource]) -> Iterator[Remark]:
+    """Warnings on links without a mass or an inertia."""
     weightless = [joint for joint in joints if joint.carried_mass == 0]
     if weightless:
         yield Remark("links-without-mass", f"{WEIGHTLESS} ({_named(weightless, joints)})")
@@ -454,15 +465,15 @@ def _missing_masses(joints: Sequence[JointSource]) -> Iterator[Remark]:
         yield Remark("links-without-inertia", f"{POINT_MASSES} ({'; '.join(named)})")
 
 
-def _assumptions(cell: "Cell", joints: Sequence[JointSource]) -> Iterator[Remark]:
-    of_urdf = {joint.robot: None for joint in joints if joint.torque_from == "URDF"}
-    if of_urdf:
-        text = f"torque limits: the effort limits of the URDF ({', '.join(of_urdf)}); 'torque' gives others"
-        yield _assumed("torque-of-urdf", text)
+def joint_assumptions(joints: Sequence[JointSource]) -> Iterator[Remark]:
+    """What is taken for granted of joints of which neither URDF nor cell file says it."""
     for code, text, applies in JOINT_ASSUMPTIONS:
         concerned = [joint for joint in joints if applies(joint)]
         if concerned:
             yield _assumed(code, f"{text} ({_named(concerned, joints)})")
+
+
+def _assumptions(cell: "Cell") -> Iterator[Remark]:
     yield _assumed(
         "com-at-origin", "the object's centre of mass is the origin of its frame, and its inertia is about that"
     )

@@ -16,7 +16,6 @@ from mrts.console.terminal import QUIET, fail
 
 if TYPE_CHECKING:
     from mrts.diagnosis.cell_check import CellCheck
-    from mrts.starting.urdf_check import UrdfCheck
 
 CODES = {"fine": FEASIBLE, "impossible": INFEASIBLE, "wrong-input": BAD_INPUT}
 """Exit code by what came of the check."""
@@ -47,14 +46,15 @@ def run(cell: Path, motion: Path | None = None, json: Path | None = None, xacro_
     return code
 
 
-def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "CellCheck | UrdfCheck":
+def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "CellCheck":
     """What is found of what the line names.
 
     Raises:
         InputError: If it takes more than goes with that.
     """
+    from mrts.diagnosis.cell_check import is_urdf
     from mrts.diagnosis.check import check
-    from mrts.starting.urdf_check import check_urdf, is_urdf
+    from mrts.starting.urdf_check import check_urdf
 
     if is_urdf(cell):
         if motion is not None:

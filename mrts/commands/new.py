@@ -153,8 +153,8 @@ def _name(given: str | None, folder: Path) -> str:
 
 def _tell_arms(request: "Request") -> None:
     """What was read: the chain of each arm, its joints and limits, and what is missing."""
-    from mrts.starting.cell_writing import missing
-    from mrts.starting.urdf_check import joint_lines
+    from mrts.cell.remarks import joint_assumptions, joint_sources
+    from mrts.diagnosis.cell_check import joint_table
 
     chains: dict[int, ArmRequest] = {}
     for each in request.arms:  # two of a kind have one chain, told under the name of the first
@@ -164,10 +164,11 @@ def _tell_arms(request: "Request") -> None:
         proposed = f" (proposed: {each.why})" if each.why else ""
         names = " and ".join(other.arm.name for other in request.arms if other.arm.chain is chain)
         say(f"{names}: {each.urdf}, {chain.source.base_link} to {chain.source.tip_link}{proposed}", "strong")
-        for line in joint_lines(chain):
+        joints = joint_sources([each.arm.robot])
+        for line in joint_table(joints):
             say(line)
-        for sentence in missing(each.arm):
-            say(f"  missing: {sentence}", "note")
+        for remark in joint_assumptions(joints):
+            say(f"  {remark.text}", "note")
     say("")
 
 

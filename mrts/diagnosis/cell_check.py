@@ -2,7 +2,7 @@
 """What a check found, as text and as JSON."""
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -24,6 +24,8 @@ CheckStatus = Literal["fine", "impossible", "wrong-input"]
 DIRECTIONS = 0.05
 """Share of a move along an axis below which it is not named."""
 
+URDF_ENDINGS = (".urdf", ".xacro", ".xml")
+"""Of names of files that are checked as URDFs."""
 
 ANGLE_SHOWN = 0.01
 """[rad]: an angle that is missed beside a distance is named from here on."""
@@ -31,10 +33,10 @@ ANGLE_SHOWN = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class CellCheck(InNotebooks, JsonOutput):
-    """What `mrts.check` found.
+    """What `mrts.check` found, or `mrts check` of a URDF by itself.
 
     Attributes:
-        cell: The cell file.
+        cell: The cell file, or the URDF.
         motion: The motion; None if none was given.
         mistakes: All that breaks a rule, in both files and the URDFs.
         joints: What is known of every joint, and where it is from; empty if something breaks a rule.
@@ -116,8 +118,8 @@ class CellCheck(InNotebooks, JsonOutput):
             yield from (f"  {remark.text}" for remark in self.assumed)
         if self.status == "fine":
             yield ""
-            motion = "MOTION" if self.motion is None else shlex.quote(str(self.motion))
-            yield f"next: mrts scale {shlex.quote(str(self.cell))} {motion}"
+            file, motion = shlex.quote(str(self.cell)), shlex.quote(str(self.motion or "MOTION"))
+            yield f"next: mrts new DIR --robot {file}" if is_urdf(self.cell) else f"next: mrts scale {file} {motion}"
 
     def outcome(self) -> str:
         """What came of it, in a line."""
@@ -128,10 +130,8 @@ class CellCheck(InNotebooks, JsonOutput):
             lost = [arm.robot for arm in self.arms if not arm.follows]
             who = f" {', '.join(lost)} do{'es' if len(lost) == 1 else ''} not follow it" if lost else ""
             return f"{self.cell.name}: the files are sound, but the motion is impossible{':' if who else ''}{who}"
-        reach = ""
-        if self.motion is not None:
-            reach = ", and the arms follow the motion"
-        return f"{self.cell.name}: the files are sound{reach}"
+        sound = "the URDF is sound" if is_urdf(self.cell) else "the files are sound"
+        return f"{self.cell.name}: {sound}{', and the arms follow the motion' * (self.motion is not None)}"
 
     def to_json(self) -> dict[str, Any]:
         """All of it as values of JSON."""
@@ -139,14 +139,22 @@ class CellCheck(InNotebooks, JsonOutput):
             "status": self.status,
             "cell": str(self.cell),
             "motion": None if self.motion is None else str(self.motion),
-            "mistakes": mistakes_json(self.mistakes),
+            "mistakes": [
+                {"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)}
+                for each in self.mistakes
+            ],
             "hints": [remark.to_json() for remark in self.hints],
             "problem": self.problem or None,
             "arms": [_arm_json(arm) for arm in self.arms],
-            "joints": [finite_json(asdict(joint)) for joint in self.joints],
+            "joints": [_finite_json(asdict(joint)) for joint in self.joints],
             "assumed": [remark.to_json() for remark in self.assumed],
             "warnings": [remark.to_json() for remark in self.warnings],
         }
+
+
+def is_urdf(path: Path) -> bool:
+    """Whether a file is a URDF or a xacro, by its name."""
+    return path.suffix.lower() in URDF_ENDINGS
 
 
 def arm_lines(arm: ArmReach) -> Iterator[str]:
@@ -241,7 +249,7 @@ def joint_rows(joints: tuple[JointSource, ...]) -> list[tuple[str, ...]]:
             (
                 joint.robot,
                 joint.joint,
-                position_range(*joint.position, joint.unit),
+                _position_range(*joint.position, joint.unit),
                 "no limit" if joint.velocity is None else f"{joint.velocity:.4g} {speed}",
                 f"{limits} {force}",
                 joint.torque_from,
@@ -264,7 +272,7 @@ def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
-def position_range(lower: float, upper: float, unit: str) -> str:
+def _position_range(lower: float, upper: float, unit: str) -> str:
     """Position limits in words.
 
     Args:
@@ -290,16 +298,11 @@ def _arm_json(arm: ArmReach) -> dict[str, Any]:
         "shift": None if arm.shift is None else arm.shift.tolist(),
         "machine": list(arm.machine),
         "posture": None if arm.posture is None else arm.posture.tolist(),
-        "margin": margin and finite_json(asdict(margin)),
+        "margin": margin and _finite_json(asdict(margin)),
     }
 
 
-def mistakes_json(mistakes: Sequence[InputError]) -> list[dict[str, str | None]]:
-    """Mistakes as values of JSON."""
-    return [{"where": each.where, "key": each.key or None, "rule": each.rule, "text": str(each)} for each in mistakes]
-
-
-def finite_json(values: dict[str, Any]) -> dict[str, Any]:
+def _finite_json(values: dict[str, Any]) -> dict[str, Any]:
     """Values with None for what is unlimited: JSON has no infinity."""
 
     def finite(value: Any) -> Any:

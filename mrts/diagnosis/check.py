@@ -65,7 +65,7 @@ def check(
     if model is None:
         return found
     whole = uncompiled_cell(model, path.resolve().parent)
-    found = replace(found, joints=joint_sources(whole), remarks=whole.all_remarks)
+    found = replace(found, joints=joint_sources(whole.robots), remarks=whole.all_remarks)
     return found if given is None else _with_reach(found, model, whole, given, progress)
 
 

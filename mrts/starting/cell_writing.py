@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The files of a proposal: a cell file and a motion file whose comments say what was read, proposed and assumed."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from mrts.base.edited_yaml import flow
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.base.yaml_parser import parse_yaml
-from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS, first_few
+from mrts.cell.remarks import joint_sources, missing_masses
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal
 from mrts.starting.request import ArmRequest
@@ -110,43 +110,8 @@ def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
         yield _line(f"    # torque: {flow(efforts)}", "the URDF's efforts, which count; remove the # to set your own")
     speeds = ", ".join("none" if each == np.inf else f"{each:.4g}" for each in chain.velocity_limit)
     yield f"    # the URDF's velocity limits: {speeds}"
-    for sentence in missing_bodies(arm):
-        yield f"    # {printable(sentence)}"
-
-
-def missing(arm: Arm) -> list[str]:
-    """What a URDF does not say of limits, in sentences.
-
-    Args:
-        arm: The arm.
-    """
-    chain, told = arm.chain, []
-    if arm.without_effort:
-        without = _some(arm.without_effort, chain.joints)
-        told.append(f"no effort limit of {without}: its torque is assumed in the cell file")
-    unbounded = [name for name, limit in zip(chain.joints, chain.velocity_limit, strict=True) if limit == np.inf]
-    if unbounded:
-        told.append(f"no velocity limit of {_some(unbounded, chain.joints)}: nothing bounds its speed but torques")
-    return told
-
-
-def missing_bodies(arm: Arm) -> Iterator[str]:
-    """What a URDF does not say of masses and inertias.
-
-    Args:
-        arm: The arm.
-    """
-    chain = arm.chain
-    weightless = [name for name, mass in zip(chain.joints, chain.source.carried_mass, strict=True) if mass == 0]
-    if weightless:
-        yield f"{WEIGHTLESS} ({'all joints' if len(weightless) == len(chain.joints) else first_few(weightless)})"
-    points = [link for links in chain.source.point_links for link in links]
-    if points:
-        yield f"{POINT_MASSES} ({first_few(points)})"
-
-
-def _some(names: Sequence[str], of: Sequence[str]) -> str:
-    return "any joint" if len(names) == len(of) else first_few(names)
+    for remark in missing_masses(joint_sources([arm.robot])):
+        yield f"    # {printable(remark.text)}"
 
 
 def _read_back(text: str, keys: dict[str, Any]) -> str:

@@ -13,7 +13,8 @@ from published_robots import ROBOTS
 import mrts
 from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
-from mrts.starting.cell_writing import cell_file, missing, motion_file
+from mrts.cell.remarks import joint_assumptions, joint_sources
+from mrts.starting.cell_writing import cell_file, motion_file
 from mrts.starting.layouts import layouts
 from mrts.starting.proposal import propose
 from mrts.starting.reading import Given, request_of
@@ -104,7 +105,8 @@ def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
     proposal = propose(request)
     text = cell_file(proposal)
     assert "# assumed: the URDF has no effort. Put the data sheet's here" in text
-    assert any("no effort limit of" in sentence for sentence in missing(request.arms[0].arm))
+    assumed = {remark.code for remark in joint_assumptions(joint_sources([request.arms[0].arm.robot]))}
+    assert "no-effort-limit" in assumed
     assert [each.arm.without_effort for each in request.arms] == [request.arms[0].arm.chain.joints] * 2
     assert proposal.result.range.upper.c2 >= 4
     sides = [robot["grasp"]["xyz"][0] for robot in proposal.cell["robots"]]
