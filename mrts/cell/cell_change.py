@@ -248,11 +248,7 @@ def _outward(owner: Robot | Contact, name: str, step: Array) -> Array:
 
 
 def with_machine_at(cell: Cell, name: str, base: RigidTransform) -> Cell:
-    """The same cell with a robot's base elsewhere in the world; the other arms of its machine move along.
-
-    Raises:
-        InputError: If a number breaks a rule of the cell, or the functions hold the bases as numbers.
-    """
+    """The same cell with a robot's base elsewhere in the world; the other arms of its machine move along."""
     bases = {robot.name: robot.T_world_base for robot in cell.robots}
     step = base @ bases[name].inverse()
     moved = {one: base if one == name else step @ bases[one] for one in machine_of(cell, name)}

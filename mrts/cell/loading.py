@@ -34,12 +34,7 @@ def load_cell(path: Path | str) -> Cell:
 
 
 def described_cell(description: object, folder: Path | str | None) -> Cell:
-    """A cell from a dictionary; see `mrts.Cell.from_description`.
-
-    Raises:
-        InputError: If the description or a URDF breaks a rule.
-        CompilerError: If there is no C compiler, or it fails.
-    """
+    """A cell from a dictionary; see `mrts.Cell.from_description`."""
     check_type("folder", folder, str, PathLike, NoneType)
     here = (Path() if folder is None else as_path("folder", folder)).absolute()
     manifest, source = described_in_cache(description, here)
@@ -74,9 +69,6 @@ def cell_to_compile(path: Path | str) -> Cell | None:
 
     Args:
         path: A cell file, or a folder that `mrts generate` wrote.
-
-    Raises:
-        InputError: If the cell file or a URDF breaks a rule.
     """
     path = as_path("path", path)
     if is_generated(path):

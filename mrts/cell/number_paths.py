@@ -73,9 +73,6 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
         joints: Number of joints of each robot.
         path: As a user writes it; `robots.left` and `robots[0]` are the same, and so are `duration` and
             `motion.duration`.
-
-    Raises:
-        PathError: If it names nothing that is there.
     """
     first = re.match(r"[^.\[]*", path)
     top = first.group() if first else ""
@@ -134,13 +131,7 @@ def numbers_below(files: Mapping[str, Any], keys: Keys) -> Iterator[Keys]:
 
 
 def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]) -> str:
-    """Unit of the number at a place; empty if it has none, or its file does not say.
-
-    Args:
-        keys: The place.
-        robots: Of the cell.
-        wrench_units: Of the cell's contact wrenches.
-    """
+    """Unit of the number at a place; empty if it has none, or its file does not say."""
     words = [key for key in keys if isinstance(key, str)]
     if "variation" in words:
         key = words[words.index("variation") + 1]
@@ -169,13 +160,7 @@ def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Seque
 
 
 def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> None:
-    """Write into a file what it leaves out on the way to a place, so that the place is there.
-
-    Args:
-        file: Keys and values as they were given; changed.
-        filled: The same with all that they leave out.
-        keys: The place, from the file's own keys inward.
-    """
+    """Write into a file what it leaves out on the way to a place, so that the place is there."""
     here: Any = file
     full: Any = filled
     for key in keys[:-1]:

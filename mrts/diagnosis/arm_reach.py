@@ -108,10 +108,6 @@ def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
         arm: A cell of one arm.
         motion: Motion of the object.
         seek: Whether to look for a move of the base with which it follows.
-
-    Raises:
-        InputError: If it has too few joints.
-        MotionError: If the object leaves the plane of a planar cell.
     """
     try:
         return following(arm, follow_object(arm, motion))
@@ -139,13 +135,7 @@ def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
 
 
 def of_machine(reach: ArmReach, fellows: Sequence[Cell], motion: ObjectMotion) -> ArmReach:
-    """The same of an arm whose base others share: it moves only where they still follow.
-
-    Args:
-        reach: Of the arm by itself.
-        fellows: A cell of each other arm of its machine.
-        motion: Motion of the object.
-    """
+    """The same of an arm whose base others share: it moves only where they still follow."""
     shift = reach.shift
     if shift is not None and not all(follows(_moved(fellow, shift), motion) for fellow in fellows):
         shift = None
@@ -153,12 +143,7 @@ def of_machine(reach: ArmReach, fellows: Sequence[Cell], motion: ObjectMotion) -
 
 
 def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:
-    """An arm that follows, with its margins.
-
-    Args:
-        arm: A cell of one arm.
-        motion: Of the object and the arm.
-    """
+    """An arm that follows, with its margins."""
     (robot,) = arm.robots
     room = np.minimum(motion.q - robot.position_lower, robot.position_upper - motion.q)
     sample, joint = np.unravel_index(int(np.argmin(room)), room.shape)

@@ -158,11 +158,7 @@ def is_urdf(path: Path) -> bool:
 
 
 def arm_lines(arm: ArmReach) -> Iterator[str]:
-    """How far one arm follows, for people.
-
-    Args:
-        arm: What was found of it.
-    """
+    """How far one arm follows, for people."""
     if arm.follows:
         yield f"robot '{arm.robot}' follows the whole motion: {_margin(arm.margin)}."
         return
@@ -235,11 +231,7 @@ def _margin(margin: ArmMargin | None) -> str:
 
 
 def joint_rows(joints: tuple[JointSource, ...]) -> list[tuple[str, ...]]:
-    """What is known of every joint, the titles of the columns first.
-
-    Args:
-        joints: Of all arms in order.
-    """
+    """What is known of every joint, the titles of the columns first."""
     rows: list[tuple[str, ...]] = [("arm", "joint", "position", "velocity", "torque", "from", "friction", "armature")]
     for joint in joints:
         force, speed = ("N", "m/s") if joint.unit == "m" else ("N m", "rad/s")
@@ -261,11 +253,7 @@ def joint_rows(joints: tuple[JointSource, ...]) -> list[tuple[str, ...]]:
 
 
 def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
-    """What is known of every joint, as aligned lines.
-
-    Args:
-        joints: Of all arms in order.
-    """
+    """What is known of every joint, as aligned lines."""
     rows = joint_rows(joints)
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:

@@ -12,12 +12,7 @@ from mrts.motion.object_motion import ObjectMotion
 
 
 def motion_units(cell: Cell, motion: ObjectMotion) -> Iterator[Remark]:
-    """Remarks on lengths of a motion, or of bases beside it, that are likely in mm.
-
-    Args:
-        cell: The cell.
-        motion: Of its object.
-    """
+    """Remarks on lengths of a motion, or of bases beside it, that are likely in mm."""
     longest = max(arm_length(robot) for robot in cell.robots)
     if not 0 < longest <= LONGEST_ARM:
         return

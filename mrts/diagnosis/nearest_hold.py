@@ -88,14 +88,7 @@ def nearest_hold(arm: Cell, motion: ObjectMotion, sample: int, starts: Array) ->
 
 
 def _pose_error(arm: Cell, motion: ObjectMotion, sample: int, poses: dict[str, Array]) -> tuple[Array, Array]:
-    """Error in base axes and cell components, Shape (T, w), and its sizes [m, rad], Shape (T, 2).
-
-    Args:
-        arm: A cell of one arm.
-        motion: Motion of the object.
-        sample: Of the motion.
-        poses: What "kinematics" gives at T joint positions.
-    """
+    """Error in base axes and cell components, Shape (T, w), and its sizes [m, rad], Shape (T, 2)."""
     (robot,) = arm.robots
     grasp, R = robot.T_object_tip, robot.T_world_base.R
     off = motion.position[sample] + motion.rotation[sample] @ grasp.p - poses["position"]

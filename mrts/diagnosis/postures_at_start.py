@@ -18,12 +18,7 @@ ELSEWHERE = (0.1, 0.5)
 
 
 def posture_hints(arms: Sequence[Cell], motion: ObjectMotion) -> Iterator[Remark]:
-    """A hint where the postures of all arms hold the object together, but elsewhere than the motion starts.
-
-    Args:
-        arms: A cell of each arm.
-        motion: Of the object.
-    """
+    """A hint where the postures of all arms hold the object together, but elsewhere than the motion starts."""
     held = [_held(arm) for arm in arms]
     if len(held) < 2 or any(_beyond(held[0], other, AGREE) for other in held[1:]):  # noqa: PLR2004 (one agrees always)
         return
@@ -37,12 +32,7 @@ def posture_hints(arms: Sequence[Cell], motion: ObjectMotion) -> Iterator[Remark
 
 
 def posture_off(arm: Cell, motion: ObjectMotion) -> float:
-    """How far from its start the posture of an arm holds the object [m].
-
-    Args:
-        arm: A cell of one arm.
-        motion: Of the object.
-    """
+    """How far from its start the posture of an arm holds the object [m]."""
     return float(np.linalg.norm(_held(arm).p - motion.position[0]))
 
 

@@ -72,12 +72,7 @@ def what_would_work(
 
 
 def swapped_columns(cell: Cell, table: JointTable) -> Iterator[Remark]:
-    """A hint where given joints would hold the grasps if two arms had each other's columns.
-
-    Args:
-        cell: The cell.
-        table: Its joints, which do not hold them.
-    """
+    """A hint where given joints would hold the grasps if two arms had each other's columns."""
     columns = columns_by_joint(cell, table.path, [*table.positions])
     for one, other in combinations(cell.robots, 2):
         ours, theirs = ([columns[f"{robot.name}/{joint}"] for joint in robot.joints] for robot in (one, other))

@@ -131,11 +131,7 @@ def _approach(chain: Robot) -> Array:
 
 
 def plane_of(arms: Sequence[Arm]) -> str | None:
-    """The plane in which all arms move; None if there is none, or it is no coordinate plane of the base.
-
-    Args:
-        arms: The arms.
-    """
+    """The plane in which all arms move; None if there is none, or it is no coordinate plane of the base."""
     for plane, normal in (("xz", 1), ("xy", 2), ("yz", 0)):
         flat = all(
             (abs(abs(axis[normal]) - 1) if kind == "revolute" else abs(axis[normal])) <= PLANE_TOLERANCE

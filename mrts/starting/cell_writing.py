@@ -20,14 +20,7 @@ COMMENT_AT = 50
 
 
 def cell_file(proposal: Proposal) -> str:
-    """Text of the cell file; it reads back to the keys that were tried.
-
-    Args:
-        proposal: The proposal.
-
-    Raises:
-        InputError: If YAML cannot hold a path.
-    """
+    """Text of the cell file; it reads back to the keys that were tried."""
     request, cell = proposal.request, proposal.cell
     lines = [
         f"# {len(request.arms)} arms carry a box: begun by mrts new.",
@@ -51,11 +44,7 @@ def cell_file(proposal: Proposal) -> str:
 
 
 def motion_file(proposal: Proposal) -> str:
-    """Text of the motion file.
-
-    Args:
-        proposal: The proposal.
-    """
+    """Text of the motion file."""
     motion, lift = proposal.motion, float(np.linalg.norm(proposal.layout.lift))
     lines = [
         f"# The object goes up by {lift:g} m, from rest to rest: begun by mrts new.",

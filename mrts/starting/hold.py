@@ -47,11 +47,7 @@ def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | A
 
 
 def grasp_lines(cell: Cell) -> dict[str, str]:
-    """The `grasp` of each robot as a cell file has it, by its name.
-
-    Args:
-        cell: The cell.
-    """
+    """The `grasp` of each robot as a cell file has it, by its name."""
     return {robot.name: flow(pose_keys(robot.T_object_tip)) for robot in cell.robots}
 
 
@@ -62,10 +58,6 @@ def with_grasps(path: Path, text: str, grasps: dict[str, str]) -> str:
         path: The cell file, for messages.
         text: Of a file that was read as a cell.
         grasps: From `grasp_lines`.
-
-    Raises:
-        InputError: If a robot is repeated by an alias, so that two grasps stand in one place, or the file would not say
-            the same with other grasps.
     """
     wanted = parse_yaml(text)
     edits: dict[tuple[Key, ...], Any] = {}

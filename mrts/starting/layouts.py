@@ -47,10 +47,6 @@ def layouts(request: Request, mass: float, share: float = 1.0) -> list[Layout]:
         request: What is asked.
         mass: Of the object [kg].
         share: Of the usual lift.
-
-    Raises:
-        InputError: If arms that stand already stand in one place.
-        MotionError: If there is none.
     """
     lift, force = request.length(share * LIFT) * request.up, request.force(mass)
     if all(each.posture is not None for each in request.arms):
@@ -171,11 +167,7 @@ def _along_axes(directions: Array) -> Array:
 
 
 def _between(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, Array]:
-    """The middle of arms that stand, Shape (3,) [m], and from there the level direction to each, Shape (arms, 3).
-
-    Raises:
-        InputError: If two stand in one place.
-    """
+    """The middle of arms that stand, Shape (3,) [m], and from there the level direction to each, Shape (arms, 3)."""
     chains = [each.arm.chain for each in request.arms]
     for joint in range(min(len(chain.joints) for chain in chains)):  # shoulders may begin in one breastbone
         anchors = np.array([T.p + T.R @ chain.points[joint] for T, chain in zip(bases, chains, strict=True)])

@@ -99,12 +99,7 @@ class Spot:
 
 
 def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
-    """The best posture of each kind of place and direction.
-
-    Args:
-        arm: The arm.
-        wanted: Where it may hold.
-    """
+    """The best posture of each kind of place and direction."""
     q = drawn_postures(arm)
     state = arm.at(q)
     nearness = np.einsum("nij,kij->nk", state.R, wanted.rotations)  # the trace of Rᵀ R_k: 1 + 2 cos of the angle
@@ -177,11 +172,7 @@ def _half_range(arm: Arm) -> Array:
 
 
 def drawn_postures(arm: Arm) -> Array:
-    """Random postures, the same for the same arm, Shape (SAMPLES, n) [rad or m].
-
-    Args:
-        arm: The arm.
-    """
+    """Random postures, the same for the same arm, Shape (SAMPLES, n) [rad or m]."""
     shares = np.random.default_rng(SEED).uniform(-1, 1, (SAMPLES, len(arm.chain.joints)))
     drawn: Array = arm.middle() + (1 - EDGE) * shares * _half_range(arm)
     return drawn

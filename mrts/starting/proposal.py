@@ -79,16 +79,7 @@ class Proposal:
 
 
 def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) -> Proposal:
-    """A cell and a motion that can be played.
-
-    Args:
-        request: What is asked.
-        tell: Is told of each try.
-
-    Raises:
-        InputError: If two arms stand in one place.
-        MotionError: If nothing that was tried can be played: why the last could not.
-    """
+    """A cell and a motion that can be played."""
     first = _first_mass(request) if request.mass is None else request.mass
     reason = ""
     total = len(LIFTS) * len(LOADS)
@@ -208,11 +199,7 @@ def _up_to_two_digits(number: float) -> float:
 
 
 def pose_keys(T: RigidTransform) -> dict[str, list[float]]:
-    """A pose as a cell file has it: `rpy` only where it turns.
-
-    Args:
-        T: The pose.
-    """
+    """A pose as a cell file has it: `rpy` only where it turns."""
     xyz = (np.round(T.p, 9) + 0.0).tolist()
     if np.array_equal(T.R, np.eye(3)):
         return {"xyz": xyz}
@@ -220,11 +207,6 @@ def pose_keys(T: RigidTransform) -> dict[str, list[float]]:
 
 
 def renamed(proposal: Proposal, urdfs: list[str]) -> Proposal:
-    """The same with other names of the URDFs in the cell file.
-
-    Args:
-        proposal: The proposal.
-        urdfs: By arm.
-    """
+    """The same with other names of the URDFs in the cell file."""
     robots = [robot | {"urdf": urdf} for robot, urdf in zip(proposal.cell["robots"], urdfs, strict=True)]
     return replace(proposal, cell=proposal.cell | {"robots": robots})

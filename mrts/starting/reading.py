@@ -86,16 +86,7 @@ class _Chosen:
 
 
 def _refuse(name: str, tree: UrdfTree, found: list[Hand]) -> NoReturn:
-    """Say which tips there are, where names do not say which are the arms'.
-
-    Args:
-        name: Of the URDF.
-        tree: What is in it.
-        found: The hands that it seems to have.
-
-    Raises:
-        InputError: Always.
-    """
+    """Say which tips there are, where names do not say which are the arms'."""
     ends = possible_tips(tree, found)
     if not ends:
         rule = f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."
@@ -106,15 +97,7 @@ def _refuse(name: str, tree: UrdfTree, found: list[Hand]) -> NoReturn:
 
 
 def request_of(given: Given, folder: Path) -> Request:
-    """The request that a user's words are.
-
-    Args:
-        given: What the user says.
-        folder: Where the cell file will stand.
-
-    Raises:
-        InputError: If a URDF or a value breaks a rule.
-    """
+    """The request that a user's words are."""
     chosen = _chosen(given)
     standing = 1 + max(arm.robot for arm in chosen)
     if given.bases and len(given.bases) != standing:
@@ -150,9 +133,6 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
         arm: The arm.
         path: Of its URDF, for messages.
         plane: In which all arms of the cell move; None in space.
-
-    Raises:
-        InputError: If its joints are too few, cannot move its hand in all directions, or have no sound numbers.
     """
     count, needed = len(arm.chain.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
     if count < needed:

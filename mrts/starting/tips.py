@@ -87,11 +87,7 @@ def first_link(tree: UrdfTree, tips: Sequence[str]) -> str:
 
 
 def hands(tree: UrdfTree) -> list[Hand]:
-    """The hands that a URDF seems to have, one an arm; none where it says nothing.
-
-    Args:
-        tree: The URDF.
-    """
+    """The hands that a URDF seems to have, one an arm; none where it says nothing."""
     candidates = _candidates(tree)
     named = [(link, rank) for link in candidates if (rank := _rank(link)) is not None]
     if not named:

@@ -17,15 +17,7 @@ from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
 
 
 def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
-    """Check one URDF: its XML, joints and masses, the chains to its hands, and whether its meshes are there.
-
-    Args:
-        path: The file.
-        args: Of a xacro, by name.
-
-    Raises:
-        InputError: If arguments are given to what is no xacro.
-    """
+    """Check one URDF: its XML, joints and masses, the chains to its hands, and whether its meshes are there."""
     if args and not is_xacro(path):
         raise InputError("--xacro-arg", f"{path.name} is no xacro, whose name ends in .xacro.")
     read, mistakes = urdf_with_mistakes(path, args), Mistakes()

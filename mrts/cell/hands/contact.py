@@ -108,11 +108,7 @@ def holds(values: object, count: int) -> TypeGuard[Sequence[Any]]:
 
 
 def check_components(components: object) -> None:
-    """Refuse what does not name the components of a wrench.
-
-    Raises:
-        InputError: Unless it is all six names, or three of them for a plane.
-    """
+    """Refuse what does not name the components of a wrench."""
     known = isinstance(components, list | tuple) and {*map(str, components)} <= {*WRENCH_COMPONENTS}
     if not known or not any(holds(components, count) for count in (3, len(WRENCH_COMPONENTS))):
         rule = f"must be {', '.join(WRENCH_COMPONENTS)}, or in a plane three of them."
@@ -178,9 +174,6 @@ def contact_axes(key: str, direction: object, components: Sequence[str]) -> Arra
 
     Returns:
         Shape (3, 3).
-
-    Raises:
-        InputError: If the direction is none, or leaves the plane.
     """
     check_components(components)
     given = as_array(key, direction)
@@ -213,9 +206,6 @@ def in_object_axes(rows: Array, R_object_tip: Array, components: Sequence[str]) 
         rows: Shape (r, w).
         R_object_tip: Rotation of the grasp, Shape (3, 3).
         components: Of the cell's wrenches.
-
-    Raises:
-        InputError: If a planar cell's tip link has no axis along the plane's normal.
     """
     there = tip_components(components, R_object_tip)
     if there is None:

@@ -39,9 +39,6 @@ def wrench_bounds(
         lower: As given.
         upper: As given.
         components: Of the wrench.
-
-    Raises:
-        InputError: If one side has another length, or a lower bound exceeds the upper one.
     """
     size, sides = len(components), []
     for side, given, unbounded in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
@@ -304,11 +301,7 @@ KINDS: dict[str, Callable[..., Contact]] = {
 
 
 def _positive(key: str, value: object) -> float:
-    """A number that a hand needs.
-
-    Raises:
-        InputError: Unless it is at least `SMALLEST` and finite.
-    """
+    """A number that a hand needs."""
     if not is_number(value, SMALLEST, LARGEST_NUMBER):
         raise InputError("contact", f"must be a number > 0, at least {SMALLEST:g}.", key=key, value=value)
     return float(value)  # type: ignore[arg-type]  # is_number has seen to it
@@ -319,24 +312,13 @@ def _pyramid(friction: object, components: Sequence[str]) -> float:
 
     In space the pyramid is the one inside Coulomb's round cone, friction / √2 along each axis, so that a surface which
     keeps it keeps the cone. In a plane there is one direction, and both are the same.
-
-    Args:
-        friction: Coefficient of friction.
-        components: Of the wrench.
-
-    Raises:
-        InputError: Unless it is a number > 0.
     """
     given = _positive("friction", friction)
     return given / np.sqrt(2) if len(components) == len(WRENCH_COMPONENTS) else given
 
 
 def _half_widths(key: str, values: object, components: Sequence[str]) -> list[float]:
-    """Half widths of a surface along its axes a and b; in a planar cell along a alone.
-
-    Raises:
-        InputError: If they are others, or not > 0.
-    """
+    """Half widths of a surface along its axes a and b; in a planar cell along a alone."""
     count = 2 if len(components) == len(WRENCH_COMPONENTS) else 1
     if not holds(values, count):
         what = "[a, b], both half widths" if count > 1 else "[a]: in a planar cell the contact is a line"

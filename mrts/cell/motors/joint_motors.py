@@ -160,9 +160,6 @@ def given_torque_limits(
         lower: None where they are symmetric, which is then -upper.
         upper: Largest torques.
         joints: Their names.
-
-    Raises:
-        InputError: If one side has another length, or a lower limit is not below the upper one.
     """
     sides = {key: upper} if lower is None else {f"{key}.lower": lower, f"{key}.upper": upper}
     for name, values in sides.items():
