@@ -210,7 +210,7 @@ def urdf_remarks(robot: "Robot") -> Iterator[Remark]:
 
 def arm_length(robot: "Robot") -> float:
     """From the first joint to the tip along the links, and what prismatic joints add where they have limits [m]."""
-    length = float(np.sum(_link_lengths(robot)))
+    length = float(np.sum(link_lengths(robot)))
     slides = np.array([kind == "prismatic" for kind in robot.joint_types])
     stroke = (robot.position_upper - robot.position_lower)[slides]
     return length + float(np.sum(stroke[np.isfinite(stroke)]))
@@ -224,7 +224,8 @@ def _torque_source(robot: "Robot") -> str:
     return "URDF" if robot.has_urdf_torque else "cell file"
 
 
-def _link_lengths(robot: "Robot") -> Array:
+def link_lengths(robot: "Robot") -> Array:
+    """From joint to joint and to the tip, Shape (n,) [m]."""
     corners = np.concatenate([robot.points, robot.T_base_tip.p[None]])
     return np.asarray(np.linalg.norm(np.diff(corners, axis=0), axis=1))
 
@@ -407,7 +408,7 @@ def _placeholder_efforts(cell: "Cell") -> dict[str, float]:
 
 def _share_of_load(robot: "Robot") -> float:
     """What the first joint of an arm holds at full stretch, as a multiple of what the last one does."""
-    lengths = _link_lengths(robot)
+    lengths = link_lengths(robot)
     masses = robot.source.carried_mass
     first, least = sum(masses) * float(np.sum(lengths)), masses[-1] * float(lengths[-1])
     return first / least if least > 0 else np.inf if first > 0 else 0.0

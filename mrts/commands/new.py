@@ -80,7 +80,7 @@ def run(
     **given: Any,
 ) -> int:
     """Begin a cell from URDFs alone: hands, bases, a motion that can be played; or compute the grasps of a cell."""
-    from mrts.starting.reading import Given, request_of
+    from mrts.starting.reading import request_of
 
     if hold is not None:
         for other in get_current_context().params.keys() - {"hold", "force"}:
@@ -93,13 +93,14 @@ def run(
     for path in (folder / "cell.yaml", folder / "motion.yaml"):
         if path.exists() and not force:
             raise InputError(path, "is there already; --force overwrites it, another DIR leaves it.")
-    asked = Given(
+    request = request_of(
+        folder,
         name=_name(name, folder),
         bases=[_base(base, degrees=given.get("degrees", False)) for base in bases],
         xacro_args=options.xacro_arguments(xacro_arg),
         **given,
     )
-    return _begin(folder, request_of(asked, folder), copy=copy, force=force)
+    return _begin(folder, request, copy=copy, force=force)
 
 
 def _base(numbers: "Array", *, degrees: bool) -> "RigidTransform":
@@ -158,11 +159,11 @@ def _tell_arms(request: "Request") -> None:
 
     chains: dict[int, ArmRequest] = {}
     for each in request.arms:  # two of a kind have one chain, told under the name of the first
-        chains.setdefault(id(each.arm.chain), each)
+        chains.setdefault(id(each.arm.robot.source), each)
     for each in chains.values():
-        chain = each.arm.chain
+        chain = each.arm.robot
         proposed = f" (proposed: {each.why})" if each.why else ""
-        names = " and ".join(other.arm.name for other in request.arms if other.arm.chain is chain)
+        names = " and ".join(other.arm.robot.name for other in request.arms if other.arm.robot.source is chain.source)
         say(f"{names}: {each.urdf}, {chain.source.base_link} to {chain.source.tip_link}{proposed}", "strong")
         joints = joint_sources([each.arm.robot])
         for line in joint_table(joints):

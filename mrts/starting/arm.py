@@ -2,13 +2,15 @@
 """An arm before its cell: where its joints and its hand are, what gravity asks of it, with nothing compiled."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, cross
 from mrts.base.rigid_transform import PLANE_TOLERANCE, plane_normal
+from mrts.cell.remarks import link_lengths
 from mrts.cell.robot import Robot
 from mrts.scene.cell_shapes import body_poses
 
@@ -42,34 +44,51 @@ class Arm:
     """One arm and what its URDF says of it.
 
     Attributes:
-        name: In the cell.
-        chain: From the URDF: base and grasp are the identity, efforts that are missing are infinite.
+        robot: Base and grasp are the identity, efforts that are missing are infinite.
         com: Centre of mass of what each joint carries, base frame with every joint at zero, Shape (n, 3) [m].
-        robot: The chain with that name.
-        approach: Where its hand points: unit vector in tip axes, Shape (3,).
-        reach: Length of the chain from the first joint to the tip [m].
     """
 
-    name: str
-    chain: Robot
-    com: Array
     robot: Robot
-    approach: Array
-    reach: float
+    com: Array
+
+    @cached_property
+    def reach(self) -> float:
+        """Length of the chain from the first joint to the tip [m]."""
+        return float(np.sum(link_lengths(self.robot)))
+
+    @cached_property
+    def approach(self) -> Array:
+        """Where its hand points, a unit vector in tip axes, Shape (3,).
+
+        The axis of the tip frame that points away from the last joint; where the two coincide, from the one before.
+        """
+        T = self.robot.T_base_tip
+        for point in self.robot.points[::-1]:
+            away = T.R.T @ (T.p - point)
+            if np.linalg.norm(away) > NO_LEVER:
+                axis = int(np.argmax(np.abs(away)))
+                direction = np.zeros(3)
+                direction[axis] = np.sign(away[axis])
+                return direction
+        return np.array([0.0, 0.0, 1.0])
+
+    @cached_property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which joints turn, Shape (n,)."""
+        return np.array([kind == "revolute" for kind in self.robot.joint_types])
 
     def at(self, q: Array) -> ArmState:
         """The arm at joint positions, Shape (N, n) [rad or m]."""
         R, p = body_poses(self.robot, q)
-        chain = self.chain
-        axes = np.einsum("nkij,kj->nki", R[:, :-1], chain.axes)
-        points = np.einsum("nkij,kj->nki", R[:, :-1], chain.points) + p[:, :-1]
+        axes = np.einsum("nkij,kj->nki", R[:, :-1], self.robot.axes)
+        points = np.einsum("nkij,kj->nki", R[:, :-1], self.robot.points) + p[:, :-1]
         com = np.einsum("nkij,kj->nki", R[:, 1:], self.com) + p[:, 1:]
-        tip = p[:, -1] + R[:, -1] @ chain.T_base_tip.p
-        turns = np.array([kind == "revolute" for kind in chain.joint_types])[:, None]
+        tip = p[:, -1] + R[:, -1] @ self.robot.T_base_tip.p
+        turns = self.turns[:, None]
         linear = np.where(turns, cross(axes, tip[:, None] - points), axes)
         angular = np.where(turns, axes, 0.0)
         jacobian = np.concatenate([linear, angular], axis=2).transpose(0, 2, 1)
-        return ArmState(R[:, -1] @ chain.T_base_tip.R, tip, axes, points, jacobian, com)
+        return ArmState(R[:, -1] @ self.robot.T_base_tip.R, tip, axes, points, jacobian, com)
 
     def torque(self, state: ArmState, gravity: Array, force: Array) -> Array:
         """Torques that hold the arm still while its hand exerts a force, Shape (N, n) [N m or N].
@@ -79,13 +98,12 @@ class Arm:
             gravity: Base axes, Shape (3,) [m/s²].
             force: On the object at the tip, base axes, Shape (3,) [N].
         """
-        mass: Array = np.array(self.chain.source.carried_mass)
+        mass: Array = np.array(self.robot.source.carried_mass)
         held = np.cumsum(mass[::-1])[::-1]
         moments = np.cumsum((mass[:, None] * state.com)[:, ::-1], axis=1)[:, ::-1]  # Σ m c of all behind a joint
         arms = moments - held[:, None] * state.points
-        turns = np.array([kind == "revolute" for kind in self.chain.joint_types])
         own = np.where(
-            turns,
+            self.turns,
             np.einsum("nki,nki->nk", state.axes, cross(arms, np.broadcast_to(gravity, arms.shape))),
             (state.axes @ gravity) * held,
         )
@@ -95,39 +113,13 @@ class Arm:
     @property
     def without_effort(self) -> tuple[str, ...]:
         """Joints of which the URDF says no torque limit."""
-        return tuple(np.array(self.chain.joints)[np.isinf(self.chain.torque_upper)].tolist())
+        return tuple(np.array(self.robot.joints)[np.isinf(self.robot.torque_upper)].tolist())
 
     def middle(self) -> Array:
         """The middle of the joint limits, 0 where there are none, Shape (n,) [rad or m]."""
-        lower, upper = self.chain.position_lower, self.chain.position_upper
+        lower, upper = self.robot.position_lower, self.robot.position_upper
         both = np.isfinite(lower) & np.isfinite(upper)
         return np.where(both, (np.where(both, lower, 0) + np.where(both, upper, 0)) / 2, 0.0)
-
-
-def make_arm(name: str, chain: Robot, com: Array) -> Arm:
-    """An arm of a chain.
-
-    Args:
-        name: In the cell.
-        chain: From a URDF.
-        com: As in `Arm`.
-    """
-    corners = [*chain.points, chain.T_base_tip.p]
-    reach = float(sum(np.linalg.norm(b - a) for a, b in pairwise(corners)))
-    return Arm(name, chain, com, replace(chain, name=name), _approach(chain), reach)
-
-
-def _approach(chain: Robot) -> Array:
-    """The axis of the tip frame that points away from the last joint; where the two coincide, from the one before."""
-    T = chain.T_base_tip
-    for point in chain.points[::-1]:
-        away = T.R.T @ (T.p - point)
-        if np.linalg.norm(away) > NO_LEVER:
-            axis = int(np.argmax(np.abs(away)))
-            direction = np.zeros(3)
-            direction[axis] = np.sign(away[axis])
-            return direction
-    return np.array([0.0, 0.0, 1.0])
 
 
 def plane_of(arms: Sequence[Arm]) -> str | None:
@@ -136,7 +128,7 @@ def plane_of(arms: Sequence[Arm]) -> str | None:
         flat = all(
             (abs(abs(axis[normal]) - 1) if kind == "revolute" else abs(axis[normal])) <= PLANE_TOLERANCE
             for arm in arms
-            for kind, axis in zip(arm.chain.joint_types, arm.chain.axes, strict=True)
+            for kind, axis in zip(arm.robot.joint_types, arm.robot.axes, strict=True)
         )
         if flat:
             return plane

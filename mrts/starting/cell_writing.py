@@ -69,7 +69,7 @@ def _line(text: str, comment: str, proposal: Proposal | None = None) -> str:
 
 
 def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Iterator[str]:
-    chain, standing = each.arm.chain, each.base is not None
+    chain, standing = each.arm.robot, each.base is not None
     machine = proposal.request.one_machine
     yield f"  - name: {flow(robot['name'])}"
     yield f"    urdf: {flow(robot['urdf'])}"
@@ -88,7 +88,7 @@ def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Itera
 
 def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
     """What the URDF says of motors, or what stands in for it."""
-    chain, assumed = arm.chain, arm.without_effort
+    chain, assumed = arm.robot, arm.without_effort
     if assumed:
         whose = "assumed" if len(assumed) == len(chain.joints) else f"assumed for {', '.join(assumed)}"
         yield _line(

@@ -95,7 +95,7 @@ def _around(request: Request, lift: Array, force: Array) -> list[Layout]:
             facings = np.array([east, north, -east, -north])
         else:
             facings = -direction[None]
-        key = (id(arm.chain), *facings.ravel())
+        key = (id(arm.robot.source), *facings.ravel())
         if key not in known:
             known[key] = find_spots(
                 arm, _wanted(request, arm, facings, np.zeros(len(facings), dtype=np.intp), lift, force)
@@ -168,7 +168,7 @@ def _along_axes(directions: Array) -> Array:
 
 def _between(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, Array]:
     """The middle of arms that stand, Shape (3,) [m], and from there the level direction to each, Shape (arms, 3)."""
-    chains = [each.arm.chain for each in request.arms]
+    chains = [each.arm.robot for each in request.arms]
     for joint in range(min(len(chain.joints) for chain in chains)):  # shoulders may begin in one breastbone
         anchors = np.array([T.p + T.R @ chain.points[joint] for T, chain in zip(bases, chains, strict=True)])
         middle = np.round(anchors.mean(axis=0), METRES - 1)
@@ -254,7 +254,7 @@ def _wanted(
 def _rolls(request: Request, arm: Arm, facing: Array, up: Array) -> list[Array]:
     """Rotations of the tip that point the hand somewhere: four about the direction; in a plane there is one."""
     if request.plane is not None:
-        at_zero = arm.chain.T_base_tip.R
+        at_zero = arm.robot.T_base_tip.R
         normal = plane_normal(request.plane)
         return [_turn(normal, at_zero @ arm.approach, facing) @ at_zero]
     second = np.roll(np.abs(arm.approach), 1)

@@ -149,7 +149,7 @@ def settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int) 
         q += step * np.minimum(1.0, LONGEST_STEP / np.maximum(longest, LONGEST_STEP))
     near = np.max(np.abs(_error(arm.at(q), R, p)[:, rows]), axis=1) <= REACHED
     q = _unwound(arm, q)
-    inside = np.all((q >= arm.chain.position_lower) & (q <= arm.chain.position_upper), axis=1)
+    inside = np.all((q >= arm.robot.position_lower) & (q <= arm.robot.position_upper), axis=1)
     return q, near & inside
 
 
@@ -159,28 +159,28 @@ def _error(state: ArmState, R: Array, p: Array) -> Array:
 
 def _unwound(arm: Arm, q: Array) -> Array:
     """The same positions of turning joints, as near to the middle as whole turns bring them."""
-    turns = np.array([kind == "revolute" for kind in arm.chain.joint_types])
+    turns = arm.turns
     middle = arm.middle()
     return np.asarray(np.where(turns, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q), dtype=np.float64)
 
 
 def _half_range(arm: Arm) -> Array:
-    free = np.array([FREE_TURN if kind == "revolute" else FREE_SLIDE for kind in arm.chain.joint_types])
-    span = arm.chain.position_upper - arm.chain.position_lower
+    free = np.where(arm.turns, FREE_TURN, FREE_SLIDE)
+    span = arm.robot.position_upper - arm.robot.position_lower
     half: Array = np.minimum(np.where(np.isfinite(span), span / 2, free), free)
     return half
 
 
 def drawn_postures(arm: Arm) -> Array:
     """Random postures, the same for the same arm, Shape (SAMPLES, n) [rad or m]."""
-    shares = np.random.default_rng(SEED).uniform(-1, 1, (SAMPLES, len(arm.chain.joints)))
+    shares = np.random.default_rng(SEED).uniform(-1, 1, (SAMPLES, len(arm.robot.joints)))
     drawn: Array = arm.middle() + (1 - EDGE) * shares * _half_range(arm)
     return drawn
 
 
 def _ease(arm: Arm, q: Array, state: ArmState, wanted: Wanted, facing: Array) -> Array:
     """How far from limits and singularities arms are, from 0 to 1, Shape (N,)."""
-    to_limit = np.minimum(q - arm.chain.position_lower, arm.chain.position_upper - q) / _half_range(arm)
+    to_limit = np.minimum(q - arm.robot.position_lower, arm.robot.position_upper - q) / _half_range(arm)
     margin = np.min(to_limit, axis=1, initial=1.0)
     scale = np.array([1 / arm.reach] * 3 + [1.0] * 3)[wanted.rows]
     values = np.linalg.svd(scale[:, None] * state.jacobian[:, wanted.rows], compute_uv=False)

@@ -103,7 +103,7 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
 
 
 def _first_mass(request: Request) -> float:
-    total = sum(float(np.sum(each.arm.chain.source.carried_mass)) for each in request.arms)
+    total = sum(float(np.sum(each.arm.robot.source.carried_mass)) for each in request.arms)
     return _two_digits(LOAD_SHARE * total) if total > 0 else 1.0
 
 
@@ -171,9 +171,9 @@ def _cell_keys(request: Request, layout: Layout, mass: float) -> dict[str, Any]:
 
 
 def _robot_keys(request: Request, each: ArmRequest, stand: Stand, layout: Layout, mass: float) -> dict[str, Any]:
-    chain = each.arm.chain
+    chain = each.arm.robot
     T = RigidTransform(stand.T_world_tip.R, stand.T_world_tip.p - layout.position)
-    robot: dict[str, Any] = {"name": each.arm.name, "urdf": each.urdf}
+    robot: dict[str, Any] = {"name": each.arm.robot.name, "urdf": each.urdf}
     if each.xacro_args:
         robot["xacro_args"] = dict(each.xacro_args)
     robot |= {"base_link": chain.source.base_link, "tip_link": chain.source.tip_link}

@@ -2,7 +2,7 @@
 """From the names of URDFs to a request: which chains are arms, what they are called, and what goes together."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from os.path import relpath
 from pathlib import Path
@@ -21,7 +21,7 @@ from mrts.cell.remarks import urdf_remarks
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.cell.source_files import Survey, surveyed_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
-from mrts.starting.arm import Arm, make_arm, plane_of, twist_rows
+from mrts.starting.arm import Arm, plane_of, twist_rows
 from mrts.starting.request import ArmRequest, Request
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, Hand, first_link, hands, moved_by, possible_tips
 
@@ -37,39 +37,11 @@ MOST_STEPS_UP = 3
 HOPELESS = ("urdf-millimetres", "limits-equal")
 """Codes of remarks on URDFs of which no cell can be made."""
 
+STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
+"""World axes [m/s²]."""
+
 ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
 """Whose values they are, for messages."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Given:
-    """What a user says of a cell that is begun.
-
-    Attributes:
-        name: Of the cell.
-        robots: URDFs, as in a cell file or relative to the current folder.
-        tips: Of each robot, or several of a single one; none where they are to be found.
-        bases: Of each robot: where the root of its URDF is in the world; none where they are to be proposed.
-        postures: Of each arm [rad or m]; none where they are to be found.
-        mass: Of the object [kg].
-        gravity: World, Shape (3,) [m/s²].
-        degrees: Whether the postures of joints that turn are in degrees.
-        xacro_args: Of all robots that are xacros, by name.
-    """
-
-    name: str
-    robots: Sequence[str]
-    tips: Sequence[str] = ()
-    bases: Sequence[RigidTransform] = ()
-    postures: Sequence[Array] = ()
-    mass: float | None = None
-    gravity: Array = field(default_factory=lambda: np.array([0, 0, -9.81]))
-    degrees: bool = False
-    xacro_args: Mapping[str, str] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        if self.mass is not None and not (is_number(self.mass, 0, LARGEST_NUMBER) and self.mass > 0):
-            raise InputError("mass", "must be a number > 0, in kg.", value=self.mass)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,34 +68,75 @@ def _refuse(name: str, tree: UrdfTree, found: list[Hand]) -> NoReturn:
     raise InputError(name, f"{seems}: choose with --tip, once an arm. There are {listed}.")
 
 
-def request_of(given: Given, folder: Path) -> Request:
-    """The request that a user's words are."""
-    chosen = _chosen(given)
+def request_of(
+    folder: Path,
+    *,
+    name: str,
+    robots: Sequence[str],
+    tips: Sequence[str] = (),
+    bases: Sequence[RigidTransform] = (),
+    postures: Sequence[Array] = (),
+    mass: float | None = None,
+    gravity: Array = STANDARD_GRAVITY,
+    degrees: bool = False,
+    xacro_args: Mapping[str, str] | None = None,
+) -> Request:
+    """The request that a user's words are.
+
+    Args:
+        folder: Where the cell file will stand.
+        name: Of the cell.
+        robots: URDFs, as in a cell file or relative to the current folder.
+        tips: Of each robot, or several of a single one; none where they are to be found.
+        bases: Of each robot: where the root of its URDF is in the world; none where they are to be proposed.
+        postures: Of each arm [rad or m]; none where they are to be found.
+        mass: Of the object [kg].
+        gravity: World, Shape (3,) [m/s²].
+        degrees: Whether the postures of joints that turn are in degrees.
+        xacro_args: Of all robots that are xacros, by name.
+
+    Raises:
+        InputError: If a URDF or a value breaks a rule.
+    """
+    if mass is not None and not (is_number(mass, 0, LARGEST_NUMBER) and mass > 0):
+        raise InputError("mass", "must be a number > 0, in kg.", value=mass)
+    chosen = _chosen(robots, tips, xacro_args or {})
     standing = 1 + max(arm.robot for arm in chosen)
-    if given.bases and len(given.bases) != standing:
+    if bases and len(bases) != standing:
         rule = f"give it once for each robot, in their order: {standing} times, or not at all."
-        raise InputError(BASE, rule, value=len(given.bases))
-    if given.postures and len(given.postures) != len(chosen):
+        raise InputError(BASE, rule, value=len(bases))
+    if postures and len(postures) != len(chosen):
         rule = f"give it once for each arm, in their order: {len(chosen)} times, or not at all."
-        raise InputError(POSTURE, rule, value=len(given.postures))
+        raise InputError(POSTURE, rule, value=len(postures))
     machines = {arm.path: fellows for arm in chosen if len(fellows := _machine(chosen, arm)) > 1}
     alone = len(machines) == 1 and all(arm.path in machines for arm in chosen)
-    if machines and not alone and not given.bases:
+    if machines and not alone and not bases:
         rule = "is needed for each robot where one has several arms: they cannot be moved about by themselves."
         raise InputError(BASE, rule)
-    names = _names([arm.tip for arm in chosen])
     survey = cache(lambda read, base_link, tip: read(base_link, tip))  # two of a kind have one chain
     arms = []
-    for index, arm in enumerate(chosen):
+    for index, (arm, called) in enumerate(zip(chosen, _names([arm.tip for arm in chosen]), strict=True)):
         fellows = _machine(chosen, arm)
-        chain = survey(arm.survey, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
-        arms.append(_arm_request(given, index, arm, make_arm(names[index], *chain), folder, fixed=len(fellows) > 1))
+        chain, com = survey(arm.survey, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
+        T_root_base = chain.source.T_base_root.inverse()
+        in_place = T_root_base if len(fellows) > 1 else None
+        arms.append(
+            ArmRequest(
+                arm=Arm(replace(chain, name=called), com),
+                urdf=_reference(arm.reference, arm.path, folder),
+                path=arm.path.absolute(),
+                why=arm.why,
+                base=bases[arm.robot] @ T_root_base if bases else in_place,
+                posture=_posture(postures[index], chain, degrees=degrees) if postures else None,
+                xacro_args=xacro_args or {} if is_xacro(arm.path) else {},
+            )
+        )
     plane = plane_of([each.arm for each in arms])
-    if plane is not None and len(arms) > len(SIDES) and not given.bases:
+    if plane is not None and len(arms) > len(SIDES) and not bases:
         raise InputError(BASE, "is needed for each of more than two arms that move in one plane.")
     for each in arms:
         check_movable(each.arm, each.path, plane)
-    return Request(given.name, tuple(arms), alone and not given.bases, plane, given.gravity, given.mass)
+    return Request(name, tuple(arms), alone and not bases, plane, np.asarray(gravity), mass)
 
 
 def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
@@ -134,10 +147,10 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
         path: Of its URDF, for messages.
         plane: In which all arms of the cell move; None in space.
     """
-    count, needed = len(arm.chain.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
+    count, needed = len(arm.robot.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
     if count < needed:
         rule = (
-            f"the chain to '{arm.chain.source.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
+            f"the chain to '{arm.robot.source.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
             f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
         )
         raise InputError(path, rule)
@@ -146,22 +159,22 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
             raise InputError(path, remark.text)
     rows = twist_rows(plane)
     q = postures_for_rank(arm.middle())
-    if lacking := lacking_freedom(arm.chain.joints, q, arm.at(q).jacobian[:, rows], rows):
+    if lacking := lacking_freedom(arm.robot.joints, q, arm.at(q).jacobian[:, rows], rows):
         raise InputError(path, f"{lacking} Choose another tip or robot.")
 
 
-def _chosen(given: Given) -> list[_Chosen]:
+def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str, str]) -> list[_Chosen]:
     """The arms, in the order of the robots."""
-    files = {robot: surveyed_urdf(Path(ROBOT), Path.cwd(), robot, given.xacro_args) for robot in given.robots}
-    if given.xacro_args and not any(is_xacro(path) for path, _, _ in files.values()):
+    files = {robot: surveyed_urdf(Path(ROBOT), Path.cwd(), robot, xacro_args) for robot in robots}
+    if xacro_args and not any(is_xacro(path) for path, _, _ in files.values()):
         raise InputError(XACRO_ARG, "no --robot is a xacro, whose name ends in .xacro.")
-    read = [files[robot] for robot in given.robots]  # two of a kind have one survey
-    if given.tips:
-        places = [0] * len(given.tips) if len(read) == 1 else list(range(len(read)))
-        if len(places) != len(given.tips):
+    read = [files[robot] for robot in robots]  # two of a kind have one survey
+    if tips:
+        places = [0] * len(tips) if len(read) == 1 else list(range(len(read)))
+        if len(places) != len(tips):
             rule = f"give it once for each --robot, in their order: {len(read)} times, or not at all."
-            raise InputError(TIP, rule, value=list(given.tips))
-        found = [_Chosen(at, given.robots[at], *read[at], tip, "") for at, tip in zip(places, given.tips, strict=True)]
+            raise InputError(TIP, rule, value=list(tips))
+        found = [_Chosen(at, robots[at], *read[at], tip, "") for at, tip in zip(places, tips, strict=True)]
         for arm in found:
             if arm.tip not in arm.tree.links:
                 rule = f"there is no such link in {arm.path.name}; its links are {', '.join(arm.tree.links)}."
@@ -173,8 +186,8 @@ def _chosen(given: Given) -> list[_Chosen]:
         for at, (_, tree, _) in enumerate(read):
             seen = sorted(hands(tree), key=lambda hand: hand.side)
             if not 1 <= len(seen) <= MOST_HANDS or (len(seen) == MOST_HANDS and len({h.joints for h in seen}) > 1):
-                _refuse(given.robots[at], tree, seen)
-            found += [_Chosen(at, given.robots[at], *read[at], hand.link, hand.why) for hand in seen]
+                _refuse(robots[at], tree, seen)
+            found += [_Chosen(at, robots[at], *read[at], hand.link, hand.why) for hand in seen]
     return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
 
 
@@ -196,30 +209,13 @@ def _names(tips: list[str]) -> list[str]:
     return sides if {*sides} == {*SIDES} else list(SIDES)[: len(tips)]
 
 
-def _arm_request(given: Given, index: int, chosen: _Chosen, arm: Arm, folder: Path, *, fixed: bool) -> ArmRequest:
-    """One arm with what was said of it."""
-    chain = arm.chain
-    T_root_base = chain.source.T_base_root.inverse()
-    base = given.bases[chosen.robot] @ T_root_base if given.bases else T_root_base if fixed else None
-    posture = _posture(given, given.postures[index], chain) if given.postures else None
-    return ArmRequest(
-        arm=arm,
-        urdf=_reference(chosen.reference, chosen.path, folder),
-        path=chosen.path.absolute(),
-        why=chosen.why,
-        base=base,
-        posture=posture,
-        xacro_args=given.xacro_args if is_xacro(chosen.path) else {},
-    )
-
-
-def _posture(given: Given, posture: Array, chain: Robot) -> Array:
+def _posture(posture: Array, chain: Robot, *, degrees: bool) -> Array:
     """A posture in rad and m, inside the joint limits."""
     if len(posture) != len(chain.joints):
         rule = f"must have {len(chain.joints)} values, one for each of {', '.join(chain.joints)}."
         raise InputError(POSTURE, rule, value=posture.tolist())
     turns = np.array([kind == "revolute" for kind in chain.joint_types])
-    if given.degrees:
+    if degrees:
         posture = np.where(turns, np.radians(posture), posture)
     elif np.any(np.abs(posture[turns]) > DEGREES_SUSPECTED):
         rule = "is more than two turns: these seem to be degrees. Say --degrees, or give radians."

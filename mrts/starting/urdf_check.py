@@ -11,7 +11,7 @@ from mrts.cell.remarks import first_few, joint_assumptions, joint_sources, missi
 from mrts.cell.source_files import UrdfReading, urdf_with_mistakes
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.scene.arm_meshes import mesh_file
-from mrts.starting.arm import Arm, make_arm, plane_of
+from mrts.starting.arm import Arm, plane_of
 from mrts.starting.reading import check_movable
 from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
 
@@ -41,7 +41,7 @@ def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
     base = first_link(read.tree, tips)
     for tip in tips:
         with mistakes.noted():
-            arms.append(make_arm(tip, *read.survey(base, tip)))
+            arms.append(Arm(*read.survey(base, tip)))
     return arms
 
 
@@ -52,7 +52,7 @@ def _hints(arm: Arm, path: Path) -> Iterator[Remark]:
         check_movable(arm, path, plane_of([arm]))
     except InputError as error:
         if error.rule not in {hint.text for hint in likely}:
-            yield Remark.hint("cannot-hold", f"{arm.chain.source.tip_link}: {error.rule}")
+            yield Remark.hint("cannot-hold", f"{arm.robot.source.tip_link}: {error.rule}")
 
 
 def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:

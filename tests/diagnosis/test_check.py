@@ -14,7 +14,7 @@ from published_robots import CASES, single_arm_cell
 
 import mrts
 from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS, joint_sources, missing_masses
-from mrts.starting.reading import HOPELESS, Given, request_of
+from mrts.starting.reading import HOPELESS, request_of
 
 UR5 = DATA.parent / "dual_ur5"
 SHIPPED = [
@@ -108,12 +108,12 @@ def test_numbers_of_a_urdf_that_no_arm_has_are_named(wrong, code, tmp_path):
     urdf = tmp_path / "arm.urdf"
     urdf.write_text(wrong((UR5 / "ur5_class_arm.urdf").read_text(encoding="utf-8")), encoding="utf-8")
     assert [hint.code for hint in mrts.check(single_arm_cell(tmp_path, str(urdf), "tool0", 6)).hints] == [code]
-    given = Given(name="cell", robots=[str(urdf)])
+    given = {"name": "cell", "robots": [str(urdf)]}
     if code in HOPELESS:
         with pytest.raises(mrts.InputError, match=r"seem to be in mm|cannot move shoulder_pan: the upper"):
-            request_of(given, tmp_path)
+            request_of(tmp_path, **given)
     else:
-        assert request_of(given, tmp_path).arms
+        assert request_of(tmp_path, **given).arms
 
 
 @pytest.mark.quick
@@ -283,8 +283,8 @@ def test_links_without_mass_and_points_are_told_in_the_same_words_as_for_a_new_c
         "links-without-mass": f"{WEIGHTLESS} (left: elbow)",
         "links-without-inertia": f"{POINT_MASSES} (left: hand)",
     }
-    given = Given(name="cell", robots=[str(tmp_path / "arm.urdf")], gravity=np.array([0, -9.81, 0]))
-    arm = request_of(given, tmp_path).arms[0].arm.robot
+    given = {"name": "cell", "robots": [str(tmp_path / "arm.urdf")], "gravity": np.array([0, -9.81, 0])}
+    arm = request_of(tmp_path, **given).arms[0].arm.robot
     told = [remark.text for remark in missing_masses(joint_sources([arm]))]
     assert told == [f"{WEIGHTLESS} (left: elbow)", f"{POINT_MASSES} (left: hand)"]
     assert mrts.check(DATA / "cell.yaml").warnings == ()

@@ -13,7 +13,7 @@ from published_robots import ROBOTS
 import mrts
 from mrts.cli import main
 from mrts.starting.proposal import propose
-from mrts.starting.reading import Given, request_of
+from mrts.starting.reading import request_of
 
 
 def of_urdf(change):
@@ -121,13 +121,13 @@ NEW = {
 
 
 def arm_of(reference, tips):
-    return Given(name="cell", robots=[str(ROBOTS / reference)], tips=tips)
+    return {"name": "cell", "robots": [str(ROBOTS / reference)], "tips": tips}
 
 
 @pytest.mark.parametrize("name", NEW)
 def test_what_is_proposed_is_played_near_its_limit(name, tmp_path):
     reference, tips, code = NEW[name]
-    proposal = propose(request_of(arm_of(reference, tips), tmp_path))
+    proposal = propose(request_of(tmp_path, **arm_of(reference, tips)))
     factor = proposal.result.range.upper.c2**0.5
     assert 1.5 <= factor <= 3
     codes = {remark.code for remark in proposal.result.warnings}
@@ -140,8 +140,8 @@ def test_placeholders_make_a_short_motion_and_no_absurd_factor(dual_ur5, tmp_pat
     assert dual_ur5.library
     text = re.sub('effort="[^"]*"', 'effort="50000"', URDF.read_text(encoding="utf-8"))
     (tmp_path / "arm.urdf").write_text(re.sub('velocity="[^"]*"', 'velocity="1e6"', text), encoding="utf-8")
-    given = Given(name="cell", robots=[str(tmp_path / "arm.urdf")], tips=["tool0"] * 2)
-    proposal = propose(request_of(given, tmp_path))
+    given = {"name": "cell", "robots": [str(tmp_path / "arm.urdf")], "tips": ["tool0"] * 2}
+    proposal = propose(request_of(tmp_path, **given))
     assert 1.5 <= proposal.result.range.upper.c2**0.5 <= 3
     assert {remark.code for remark in proposal.result.warnings} == {"effort-placeholders"}
 

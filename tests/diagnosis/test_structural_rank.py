@@ -1,13 +1,12 @@
 """Arms with joints enough that do not move their hands in all directions: refused with the rank that geometry gives."""
 
-import numpy as np
 import pytest
 from damaged_cells import sound, written
 
 import mrts
 from mrts.base.errors import InputError
 from mrts.cell.loading import cell_to_compile
-from mrts.starting.reading import Given, request_of
+from mrts.starting.reading import request_of
 
 Y, Z = "0 1 0", "0 0 1"
 LINK = (
@@ -54,11 +53,10 @@ def test_the_rank_and_what_is_lost_are_told(name, tmp_path):
     with pytest.raises(InputError) as refused:
         mrts.follow_object(cell_to_compile(tmp_path / "cell.yaml"), mrts.load_motion(tmp_path / "motion.yaml"))
     assert refused.value.rule == mistake.rule
-    given = Given(name="cell", robots=[str(urdf)], tips=[f"l{len(axes)}"], bases=[], postures=[], mass=None,
-                  gravity=np.array([0, 0, -9.81]))  # fmt: skip
+    given = {"name": "cell", "robots": [str(urdf)], "tips": [f"l{len(axes)}"]}
     if rank == 5:  # the others move in a plane to `mrts new`
         with pytest.raises(InputError) as refused:
-            request_of(given, tmp_path)
+            request_of(tmp_path, **given)
         assert f"in {rank} independent directions" in refused.value.rule
         assert refused.value.where == str(urdf)
 

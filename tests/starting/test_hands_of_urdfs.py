@@ -10,7 +10,7 @@ from conftest import DATA
 from published_robots import ROBOTS
 
 from mrts.cell.source_files import surveyed_urdf
-from mrts.starting.arm import make_arm, plane_of
+from mrts.starting.arm import Arm, plane_of
 from mrts.starting.tips import first_link, hands, words
 
 EXACT = 1e-12
@@ -41,7 +41,7 @@ def tree_of(path):
 
 
 def arm_of(path, tip):
-    return make_arm("arm", *surveyed_urdf(Path("here"), Path("/"), str(path), {})[2](None, tip))
+    return Arm(*surveyed_urdf(Path("here"), Path("/"), str(path), {})[2](None, tip))
 
 
 @pytest.mark.parametrize("urdf", FOUND)
@@ -105,14 +105,14 @@ def test_places_jacobians_and_torques_at_rest_are_those_of_pinocchio(urdf, tip):
     arm = arm_of(path, tip)
     model = pin.buildModelFromUrdf(str(path))
     data, frame = model.createData(), model.getFrameId(tip)
-    places = [model.joints[model.getJointId(name)].idx_v for name in arm.chain.joints]
+    places = [model.joints[model.getJointId(name)].idx_v for name in arm.robot.joints]
     q = np.random.default_rng(3).uniform(-1, 1, (3, len(places)))
     state = arm.at(q)
     force = np.array([3.0, -2.0, 5.0])
     torque = arm.torque(state, np.array([0, 0, -9.81]), force)
     for sample, joints in enumerate(q):
         whole = pin.neutral(model)
-        for name, position in zip(arm.chain.joints, joints, strict=True):
+        for name, position in zip(arm.robot.joints, joints, strict=True):
             whole[model.joints[model.getJointId(name)].idx_q] = position
         pin.framesForwardKinematics(model, data, whole)
         jacobian = pin.computeFrameJacobian(model, data, whole, frame, pin.LOCAL_WORLD_ALIGNED)[:, places]

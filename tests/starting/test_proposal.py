@@ -17,7 +17,7 @@ from mrts.cell.remarks import joint_assumptions, joint_sources
 from mrts.starting.cell_writing import cell_file, motion_file
 from mrts.starting.layouts import layouts
 from mrts.starting.proposal import propose
-from mrts.starting.reading import Given, request_of
+from mrts.starting.reading import request_of
 
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
 PLANAR = DATA / "planar_arm.urdf"
@@ -29,13 +29,8 @@ PLACED = 1e-5
 GRAVITY = np.array([0, 0, -9.81])
 
 
-def given(*robots, **others):
-    said = {"name": "cell", "tips": [], "bases": [], "postures": [], "mass": None, "gravity": GRAVITY} | others
-    return Given(robots=[str(robot) for robot in robots], **said)
-
-
 def requested(*robots, folder=DATA, **others):
-    return request_of(given(*robots, **others), folder)
+    return request_of(folder, robots=[str(robot) for robot in robots], **{"name": "cell"} | others)
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +102,7 @@ def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
     assert "# assumed: the URDF has no effort. Put the data sheet's here" in text
     assumed = {remark.code for remark in joint_assumptions(joint_sources([request.arms[0].arm.robot]))}
     assert "no-effort-limit" in assumed
-    assert [each.arm.without_effort for each in request.arms] == [request.arms[0].arm.chain.joints] * 2
+    assert [each.arm.without_effort for each in request.arms] == [request.arms[0].arm.robot.joints] * 2
     assert proposal.result.range.upper.c2 >= 4
     sides = [robot["grasp"]["xyz"][0] for robot in proposal.cell["robots"]]
     assert sides[0] == -sides[1] != 0
@@ -153,14 +148,14 @@ def test_arms_of_one_machine_hold_in_front_of_it():
     model = pin.buildModelFromUrdf(str(BAXTER))
     data, whole = model.createData(), pin.neutral(model)
     for each, stand in zip(request.arms, best.stands, strict=True):
-        for joint, position in zip(each.arm.chain.joints, stand.posture, strict=True):
+        for joint, position in zip(each.arm.robot.joints, stand.posture, strict=True):
             whole[model.joints[model.getJointId(joint)].idx_q] = position
         assert np.all(
-            (stand.posture >= each.arm.chain.position_lower) & (stand.posture <= each.arm.chain.position_upper)
+            (stand.posture >= each.arm.robot.position_lower) & (stand.posture <= each.arm.robot.position_upper)
         )
     pin.framesForwardKinematics(model, data, whole)
     for each, stand in zip(request.arms, best.stands, strict=True):
-        tip = data.oMf[model.getFrameId(each.arm.chain.source.tip_link)]
+        tip = data.oMf[model.getFrameId(each.arm.robot.source.tip_link)]
         assert tip.translation == pytest.approx(stand.T_world_tip.p, abs=PLACED)
         assert tip.rotation == pytest.approx(stand.T_world_tip.R, abs=PLACED)
 
