@@ -58,13 +58,11 @@ class CellModel:
         description: The validated cell file.
         record: What it comes to.
         models: The chain of each arm.
-        machines: Names of each two that are arms of one machine.
     """
 
     description: CellDescription
     record: CellRecord
     models: tuple[RobotModel, ...]
-    machines: tuple[tuple[str, str], ...]
 
     @property
     def components(self) -> tuple[int, ...]:
@@ -74,7 +72,7 @@ class CellModel:
     def arms_alone(self) -> "tuple[CellModel, ...]":
         """A cell of each arm by itself."""
         return tuple(
-            replace(self, record=self.record.model_copy(update={"robots": (robot,)}), models=(model,), machines=())
+            replace(self, record=replace(self.record, robots=(robot,), machines=()), models=(model,))
             for robot, model in zip(self.record.robots, self.models, strict=True)
         )
 
@@ -121,18 +119,18 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         object_velocity_limit=np.array([np.inf if speed is None else speed for speed in speeds]),
         object_shape=shape,
         robots=tuple(arm.robot for arm in built),
+        machines=check_machines(path, built),
         remarks=tuple(dict.fromkeys(remarks)),
     )
     models = tuple(arm.model for arm in built)
-    return CellModel(description, record, models, check_machines(path, built))
+    return CellModel(description, record, models)
 
 
 def cell_manifest(cell: CellModel, chains: ChainsRecord) -> CellManifest:
     """The manifest of a cell."""
     return CellManifest(
         **dict(chains),
-        **dict(cell.record),
-        machines=cell.machines,
+        cell=cell.record,
         notice=NOTICE,
         content_sha256="",
         format=FORMAT,

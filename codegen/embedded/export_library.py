@@ -15,7 +15,7 @@ from mrts_codegen.model_c import model_c
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError
-from mrts.cell.record import CellManifest
+from mrts.cell.record import CellRecord
 
 PARTS = ("terms", "range", "share", "torques")
 """What `--functions` chooses from."""
@@ -40,7 +40,7 @@ OURS = "exported/"
 
 
 def export_library(
-    manifest: CellManifest,
+    cell: CellRecord,
     functions: dict[str, ca.Function],
     *,
     limits: EmbeddedLimits,
@@ -53,7 +53,7 @@ def export_library(
     """Texts of all files of the library, by path inside its folder.
 
     Args:
-        manifest: Of the cell; its name is that of the library.
+        cell: The cell; its name is that of the library.
         functions: Its generated functions, as CasADi has them.
         limits: What the cell must keep.
         vectors: Test vectors.
@@ -73,11 +73,11 @@ def export_library(
         raise InputError("--functions", f"choose at least one of {', '.join(PARTS)}.")
     if precision not in WIDTH:
         raise InputError("--precision", "must be double or float.", value=precision)
-    check_library_name(manifest.name)
+    check_library_name(cell.name)
     holds = conditions(limits, precision, parts)
-    name = manifest.name
+    name = cell.name
     model = {f"{name}_model_{short}": functions[short] for short, wanted in MODEL_FUNCTIONS.items() if holds[wanted]}
-    words = cell_words(manifest, limits, precision) | memory_words(manifest, limits, precision)
+    words = cell_words(cell, limits, precision) | memory_words(cell, limits, precision)
     words |= vector_words(vectors, path_samples, precision, limits.motors, name.upper())
     words |= {"NOTICE": NOTICE, "MODEL": model_c(model)}
 

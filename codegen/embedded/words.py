@@ -11,24 +11,24 @@ from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors, EmbeddedVector
 from mrts.base.manifest import LOAD_ENTRIES
 from mrts.base.torque_weights import weights_by_limits
-from mrts.cell.record import CellManifest
+from mrts.cell.record import CellRecord
 
 
-def cell_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
+def cell_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
     """What stands for each @WORD@ that is about the cell."""
-    size, robots = len(manifest.wrench_components), len(manifest.robots)
-    joints = sum(len(robot.joints) for robot in manifest.robots)
-    corners, load = _loads(manifest)
-    torque_limits = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in manifest.robots], axis=1)
+    size, robots = len(cell.wrench_components), len(cell.robots)
+    joints = sum(len(robot.joints) for robot in cell.robots)
+    corners, load = _loads(cell)
+    torque_limits = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in cell.robots], axis=1)
     row, column = np.nonzero(limits.matrix)
     start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(limits.lower)))])
     words = {
-        "NAME": manifest.name,
+        "NAME": cell.name,
         "REAL": precision,
         "ROBOTS": str(robots),
         "JOINTS": str(joints),
         "SIZE": str(size),
-        "COMPONENTS": ", ".join(manifest.wrench_components),
+        "COMPONENTS": ", ".join(cell.wrench_components),
         "WRENCHES": str(size * robots),
         "UNKNOWNS": str(size * (robots - 1) + 1),
         "UNLIMITED": UNLIMITED[precision],
@@ -36,7 +36,7 @@ def cell_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precis
         "LOAD_CORNERS": "\n".join(f"    {{{c_numbers(corner, precision)}}}," for corner in corners),
         "LOAD": c_numbers(load, precision),
         "WEIGHT": c_numbers(weights_by_limits(*torque_limits), precision),
-        "CELL": _cell_lines(manifest),
+        "CELL": _cell_lines(cell),
         "ROWS": str(len(limits.lower)),
         "ENTRIES": str(len(row)),
         "ROW_START": _integers(start),
@@ -68,10 +68,10 @@ def _motor_words(motors: EmbeddedMotors, precision: Precision) -> dict[str, str]
     }
 
 
-def memory_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
+def memory_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
     """Bytes of the structures and tables, as the header lays them out."""
-    size, robots, width = len(manifest.wrench_components), len(manifest.robots), WIDTH[precision]
-    joints = sum(len(robot.joints) for robot in manifest.robots)
+    size, robots, width = len(cell.wrench_components), len(cell.robots), WIDTH[precision]
+    joints = sum(len(robot.joints) for robot in cell.robots)
     rows, velocities = len(limits.lower), len(limits.velocity)
     k = size * (robots - 1) + 1
     reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 3 * k + 3 * k * k + 7 * k
@@ -84,7 +84,7 @@ def memory_words(manifest: CellManifest, limits: EmbeddedLimits, precision: Prec
         integers += 3 * (k + 1) + rows + 7 + 6 * k
     texts = (*limits.texts, *limits.velocity_texts)
     entries = int(np.count_nonzero(limits.matrix))
-    tables = width * (len(LOAD_ENTRIES) * len(_loads(manifest)[0]) + settings + entries)
+    tables = width * (len(LOAD_ENTRIES) * len(_loads(cell)[0]) + settings + entries)
     tables += 4 * (2 * rows + 1 + entries) + sum(len(text.encode()) + 9 for text in texts)
     tables += 0 if limits.base is None else width * limits.base.size + 4 * len(limits.axes)
     return {
@@ -134,16 +134,16 @@ def _vector_row(vector: EmbeddedVector, precision: Precision, macro: str | None)
     )
 
 
-def _loads(manifest: CellManifest) -> tuple[list[Array], Array]:
+def _loads(cell: CellRecord) -> tuple[list[Array], Array]:
     """Corners of the load variation (the load itself if it is known), and the load."""
-    box = manifest.load_box
-    return [manifest.load] if box is None else [corner.load for corner in box.corners()], manifest.load
+    box = cell.load_box
+    return [cell.load] if box is None else [corner.load for corner in box.corners()], cell.load
 
 
-def _cell_lines(manifest: CellManifest) -> str:
+def _cell_lines(cell: CellRecord) -> str:
     # text from a URDF without what Markdown or HTML would read as markup
     return "\n".join(
-        re.sub(r"[^\w .,:/+\-]", "?", f"- {robot.name}: joints {', '.join(robot.joints)}") for robot in manifest.robots
+        re.sub(r"[^\w .,:/+\-]", "?", f"- {robot.name}: joints {', '.join(robot.joints)}") for robot in cell.robots
     )
 
 

@@ -15,7 +15,7 @@ MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
 """Name of the last input of functions that hold no numbers of a cell file."""
 
-FORMAT = 11
+FORMAT = 12
 """Version of the manifest's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -124,8 +124,17 @@ class ChainsRecord(Record):
 class Manifest(ChainsRecord):
     """What the kernel takes of the manifest of a cell; `mrts.cell.record.CellManifest` is the whole."""
 
-    wrench_components: tuple[str, ...]
-    robots: tuple[Any, ...]
+    cell: Any
+
+    @property
+    def wrench_components(self) -> tuple[str, ...]:
+        """Names of the components of a contact wrench."""
+        return tuple(self.cell.wrench_components)
+
+    @property
+    def robots(self) -> tuple[Any, ...]:
+        """The arms."""
+        return tuple(self.cell.robots)
 
 
 def check_source(where: Path | str, manifest: ChainsRecord, text: str) -> None:

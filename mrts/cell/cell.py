@@ -6,12 +6,12 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from types import NoneType
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_callable, check_list, check_type, is_number
-from mrts.base.arrays import Array, freeze_array
+from mrts.base.argument_types import check_callable, check_type, is_number
+from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox
@@ -20,32 +20,21 @@ from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
 from mrts.cell.cell_check import check_generated, check_placement
 from mrts.cell.functions import CellFunctions
-from mrts.cell.record import ShapeRecord
-from mrts.cell.robot import JOINT_HEAD, Robot
+from mrts.cell.record import CellRecord
+from mrts.cell.robot import JOINT_HEAD
 from mrts.kernel.cell_library import CellLibrary
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Cell(InNotebooks):
-    """n arms and the object that they hold; m joints in all.
+class Cell(InNotebooks, CellRecord):
+    """A record of n arms and the object that they hold, ready to be asked; m joints in all.
 
     Attributes:
-        name: Name in the cell file.
-        plane: World plane of a planar cell, None for a spatial one.
-        wrench_components: Names of the w components of a contact wrench.
-        gravity: Downward, world axes, Shape (3,) [m/s²].
-        load: Load vector of the object (`mrts.base.manifest.LOAD_ENTRIES`), Shape (10,) [kg, kg m, kg m²].
-        load_box: What is uncertain of the load, None if it is known.
-        object_velocity_limit: Of the object's frame, linear and angular, infinity where there is none, Shape (2,)
-            [m/s, rad/s].
-        robots: The arms in the order of the cell file.
         functions: The generated functions.
         enforces_velocity_limits: Whether velocity limits bound the speed, or are reported only.
-        remarks: What was noticed as its files were read.
         reserve: Share of every limit that is kept free, 0 or more and below 1.
         limits: Functions of a cell and its motion that give further limits; docs/extending.md.
         folder: That the URDFs of its cell file are relative to; None where that is not known.
-        object_shape: What the object looks like, None where that is not known; for pictures alone.
 
     All but names, joints and plane can be changed in Python, by methods of this class or `dataclasses.replace`. Where
     the functions are baked (`mrts generate --bake`), they hold gravity, bases and grasps as numbers, and these cannot.
@@ -54,51 +43,25 @@ class Cell(InNotebooks):
         InputError: If a value breaks a rule, or is not what the functions were generated with.
     """
 
-    name: str
-    plane: Literal["xy", "xz", "yz"] | None
-    wrench_components: tuple[str, ...]
-    gravity: Array
-    load: Array
-    load_box: LoadBox | None
-    object_velocity_limit: Array
-    robots: tuple[Robot, ...]
     functions: CellFunctions
     enforces_velocity_limits: bool = True
-    remarks: tuple[Remark, ...] = ()
     reserve: float = 0.0
     limits: tuple[Callable[..., Any], ...] = ()
     folder: Path | None = None
-    object_shape: ShapeRecord | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_type("cell: functions", self.functions, CellFunctions)
-        check_type("cell: load_box", self.load_box, LoadBox, NoneType)
         check_type("cell: folder", self.folder, Path, NoneType)
-        check_type("cell: object_shape", self.object_shape, ShapeRecord, NoneType)
         check_type("cell: enforces_velocity_limits", self.enforces_velocity_limits, bool)
         check_type("cell: limits", self.limits, list, tuple)
         for limit in self.limits:
             check_callable("cell: limits", limit)
         object.__setattr__(self, "limits", tuple(self.limits))
-        for key, kind in (("wrench_components", str), ("robots", Robot), ("remarks", Remark)):
-            check_list(f"cell: {key}", getattr(self, key), kind)
-            object.__setattr__(self, key, tuple(getattr(self, key)))
-        freeze_array(self, "gravity", "cell", (3,), finite=True)
-        freeze_array(self, "load", "cell", (len(LOAD_ENTRIES),), finite=True)
-        freeze_array(self, "object_velocity_limit", "cell", (2,), finite=False)
-        if not self.load[0] > 0:
-            raise InputError("cell", "its mass must be > 0.", key="load", value=self.load.tolist())
-        if np.any(self.object_velocity_limit <= 0):
-            rule = "must be > 0; infinity where there is none."
-            raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
         _check_reserve(self.reserve)
         check_generated(self)
         check_placement(self)
         object.__setattr__(self, "functions", self.functions.placed(self.geometry))
-        for robot in self.robots:
-            if len(robot.wrench_lower) != len(self.wrench_components):
-                rule = f"must have Shape ({len(self.wrench_components)},): {', '.join(self.wrench_components)}."
-                raise InputError(f"robot '{robot.name}'", rule, key="wrench_lower", value=robot.wrench_lower.tolist())
 
     @classmethod
     def from_description(cls, description: Mapping[str, Any], *, folder: Path | str | None = None) -> "Cell":

@@ -257,5 +257,5 @@ def with_machine_at(cell: Cell, name: str, base: RigidTransform) -> Cell:
 
 def machine_of(cell: Cell, name: str) -> list[str]:
     """Arms of the machine that a robot is an arm of, in the order of the cell; of most robots itself alone."""
-    fellows = {one for pair in cell.functions.manifest.machines if name in pair for one in pair} | {name}
+    fellows = {one for pair in cell.machines if name in pair for one in pair} | {name}
     return [robot.name for robot in cell.robots if robot.name in fellows]

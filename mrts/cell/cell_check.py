@@ -35,18 +35,20 @@ IN_BAKED = (
 
 def check_generated(cell: "Cell") -> None:
     """Check that what the generated functions hold is what they were generated with."""
-    made = cell.functions.manifest
+    manifest = cell.functions.manifest
+    made = manifest.cell
     _refuse_change(
         [
             ("name", cell.name, made.name),
             ("plane", cell.plane, made.plane),
             ("wrench_components", cell.wrench_components, made.wrench_components),
+            ("machines", cell.machines, made.machines),
             ("robots", [robot.name for robot in cell.robots], [robot.name for robot in made.robots]),
             *_of_robots(cell, OF_CHAINS),
         ],
         IN_CHAINS,
     )
-    if made.is_baked:
+    if manifest.is_baked:
         gravity = ("gravity", cell.gravity, made.gravity)
         _refuse_change([gravity, *_of_robots(cell, OF_GEOMETRY)], IN_BAKED)
 
@@ -70,14 +72,13 @@ def check_placement(cell: "Cell") -> None:
 
 def _check_machines(cell: "Cell") -> None:
     """Arms of one machine stay where they are on it, and no two copies of one machine stand in one place."""
-    made = cell.functions.manifest
-    arms = zip(cell.robots, made.robots, strict=True)
+    arms = zip(cell.robots, cell.functions.manifest.robots, strict=True)
     for (one, one_made), (other, other_made) in combinations(arms, 2):
         first, second = one_made.source, other_made.source
         if first.sha256 != second.sha256:
             continue
         names = f"robots '{one.name}' and '{other.name}'"
-        if (one.name, other.name) in made.machines:
+        if (one.name, other.name) in cell.machines:
             kept = one_made.T_world_base.inverse() @ other_made.T_world_base
             if not in_one_place(one.T_world_base.inverse() @ other.T_world_base, kept):
                 raise InputError(

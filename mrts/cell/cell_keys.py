@@ -15,7 +15,7 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri
 from mrts.base.formats.pose import Angle, Finite, Pose, Positive, Vector3
-from mrts.base.formats.record import checked
+from mrts.base.formats.record import checked, dumped
 from mrts.base.input_file import plain
 from mrts.base.load_box import load_vector
 from mrts.base.remark import NEAREST_INERTIA
@@ -179,7 +179,7 @@ def cell_text(cell: Cell, path: Path | str | None) -> str:
     text = yaml_text(_written(cell, cell.folder, beside))
     read = described_model(parse_yaml(text), beside or cell.folder, str(where)).record
     robots = tuple(replace(robot, source=_source_now(robot)) for robot in cell.robots)
-    _check_same(where, manifest_of(replace(cell, robots=robots)), read)
+    _check_same(where, replace(cell, robots=robots), read)
     if target is not None:
         write_text_atomically(target, text)
     return text
@@ -263,16 +263,10 @@ def _refuse_what_no_file_holds(where: Path, cell: Cell) -> None:
 
 def manifest_of(cell: Cell) -> CellManifest:
     """The manifest of a cell as it is now."""
-    ours = {name: getattr(cell, name) for name in CellRecord.model_fields}
-    try:
-        CellRecord(**ours)
-    except InputError:
-        raise InputError(
-            "cell",
-            "its name and its robots' names must be letters, digits and single underscores to be saved.",
-            value=cell.name,
-        ) from None
-    return cell.functions.manifest.model_copy(update=ours).sealed()
+    manifest = cell.functions.manifest.model_copy(update={"cell": CellRecord(**cell.record())})
+    if problem := manifest.problem():
+        raise InputError("cell", f"{problem}, to be saved.", value=cell.name)
+    return manifest.sealed()
 
 
 def _source_now(robot: Robot) -> RobotSource:
@@ -285,10 +279,9 @@ def _source_now(robot: Robot) -> RobotSource:
     )
 
 
-def _check_same(where: Path, ours: CellManifest, read: CellRecord) -> None:
+def _check_same(where: Path, ours: CellRecord, read: CellRecord) -> None:
     """Refuse what a cell file cannot hold: what it reads back to is another cell."""
-    said = {*CellRecord.model_fields} - {"remarks"}
-    different = _difference(ours.model_dump(include=said), read.model_dump(include=said))
+    different = _difference(dumped(ours.record() | {"remarks": ()}), dumped(read.record() | {"remarks": ()}))
     if different is None:
         return
     key, value, found = different

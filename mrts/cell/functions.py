@@ -63,7 +63,7 @@ class CellFunctions:
         """The cell's library."""
         library = None if isinstance(self.origin, dict) else self.bind()
         if not isinstance(library, CellLibrary):
-            raise CompilerError(f"cell '{self.manifest.name}' is not compiled: load it with mrts.load_cell.")
+            raise CompilerError(f"cell '{self.manifest.cell.name}' is not compiled: load it with mrts.load_cell.")
         return library
 
     @property
@@ -111,8 +111,8 @@ def saved_functions(manifest: CellManifest, path: Path) -> CellFunctions:
     """What stands for the functions of a cell that was read from a saved result: it says what is missing."""
     missing = InputError(
         path,
-        f"this takes the compiled functions of cell '{manifest.name}', which a saved result does not hold: read it "
-        "with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
+        f"this takes the compiled functions of cell '{manifest.cell.name}', which a saved result does not hold: read "
+        "it with mrts.load_result(path, cell=mrts.load_cell(CELL)).",
         key="functions",
     )
     return CellFunctions(manifest, partial(_fail, missing), path)

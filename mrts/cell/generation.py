@@ -5,6 +5,7 @@ Here and in `source_files.py` beside it, and nowhere else, the run time calls th
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
@@ -37,7 +38,7 @@ def generated_in_cache(path: Path) -> tuple[CellManifest, Path]:
     manifest = _manifest_as_made(path, described)
     if manifest is None:
         manifest = _manifest(cell_model(path))
-        if text_key(path) == text and is_as_made(path, manifest):  # else a file was written meanwhile
+        if text_key(path) == text and is_as_made(path, manifest.cell):  # else a file was written meanwhile
             write_text_atomically(described, manifest.to_json(), private=True)
     return manifest, _source_in_cache(manifest)
 
@@ -47,8 +48,9 @@ def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     from mrts_codegen.content_key import is_as_made  # noqa: PLC0415 (build time, on demand)
 
     manifest = _if_sound(described, partial(verified_manifest, described))
-    sound = manifest is not None and is_as_made(path, manifest) and _is_source(_source_in_cache(manifest), manifest)
-    return manifest if sound else None
+    if manifest is None or not is_as_made(path, manifest.cell):
+        return None
+    return manifest if _is_source(_source_in_cache(manifest), manifest) else None
 
 
 def described_in_cache(description: object, folder: Path) -> tuple[CellManifest, Path]:
@@ -163,7 +165,7 @@ def export_to(
 
     cell = generate_cell(path, bake=True)
     texts = export_library(
-        cell.record if name is None else cell.record.model_copy(update={"name": name}),
+        cell.record.cell if name is None else replace(cell.record.cell, name=name),
         cell.functions,
         limits=limits,
         vectors=vectors,

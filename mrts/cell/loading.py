@@ -11,7 +11,7 @@ from mrts.base.regular_file import is_folder
 from mrts.cell.cell import Cell
 from mrts.cell.functions import CellFunctions, compiled_functions, uncompiled_functions
 from mrts.cell.generation import described_in_cache, generated_in_cache, motion_functions_of, read_to_generate
-from mrts.cell.record import CellManifest, CellRecord, read_generated
+from mrts.cell.record import CellManifest, read_generated
 from mrts.cell.source_files import is_generated
 
 
@@ -49,8 +49,7 @@ def cell_from_manifest(manifest: CellManifest, functions: CellFunctions, folder:
         functions: The generated functions.
         folder: That its URDFs are relative to; None where that is not known.
     """
-    record = {name: getattr(manifest, name) for name in CellRecord.model_fields}
-    return Cell(**record, functions=functions, folder=folder)
+    return Cell(**manifest.cell.record(), functions=functions, folder=folder)
 
 
 def uncompiled_cell(model: Any, folder: Path) -> Cell:

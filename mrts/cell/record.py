@@ -4,10 +4,15 @@
 import hashlib
 import json
 import re
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from types import NoneType
+from typing import Annotated, Any, Literal, Self
 
-from mrts.base.arrays import Array
+import numpy as np
+
+from mrts.base.argument_types import check_list, check_type
+from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Name, Positive
 from mrts.base.formats.record import Record, Rule, read_json
@@ -18,6 +23,7 @@ from mrts.base.manifest import (
     ALWAYS_GENERATED,
     FOR_REDUNDANT_ARMS,
     FORMAT,
+    LOAD_ENTRIES,
     MANIFEST_NAME,
     MOST,
     WRENCH_COMPONENTS,
@@ -87,8 +93,27 @@ class ShapeRecord(Record):
         return "" if len(given) == 1 else "it must be one of box, cylinder, mesh"
 
 
-class CellRecord(Record):
-    """All of a cell but its functions; see `mrts.Cell` for the meaning of each, and docs/generated_files.md."""
+@dataclass(frozen=True, eq=False)
+class CellRecord:
+    """All of a cell but its functions and what is asked of it: n arms and the object that they hold.
+
+    Attributes:
+        name: Name in the cell file.
+        plane: World plane of a planar cell, None for a spatial one.
+        wrench_components: Names of the w components of a contact wrench.
+        gravity: Downward, world axes, Shape (3,) [m/s²].
+        load: Load vector of the object (`mrts.base.manifest.LOAD_ENTRIES`), Shape (10,) [kg, kg m, kg m²].
+        load_box: What is uncertain of the load, None if it is known.
+        object_velocity_limit: Of the object's frame, linear and angular, infinity where there is none, Shape (2,)
+            [m/s, rad/s].
+        object_shape: What the object looks like, None where that is not known; for pictures alone.
+        robots: The arms in the order of the cell file.
+        machines: Names of each two robots that are arms of one machine.
+        remarks: What was noticed as its files were read.
+
+    Raises:
+        InputError: If a value breaks a rule.
+    """
 
     name: Name
     plane: Literal["xy", "xz", "yz"] | None
@@ -99,38 +124,54 @@ class CellRecord(Record):
     object_velocity_limit: Array
     object_shape: ShapeRecord | None
     robots: Annotated[tuple[Robot, ...], Rule(min_length=1, max_length=MOST)]
+    machines: Annotated[tuple[tuple[str, str], ...], Rule(max_length=MOST)]
     remarks: Annotated[tuple[Remark, ...], Rule(max_length=MOST)]
 
-    def problem(self) -> str:
-        """The rule that names or sizes break; empty if none."""
-        names = [robot.name for robot in self.robots]
-        if len({*names}) < len(names):
-            return "two robots have the same name"
-        if not all(re.fullmatch(IDENTIFIER, name) and len(name) <= LONGEST_NAME for name in names):
-            return f"its robots' names must be letters, digits and single underscores, at most {LONGEST_NAME} of them"
-        size = len(self.wrench_components)
-        known = len({*self.wrench_components} & {*WRENCH_COMPONENTS})
-        if not known == size == (len(WRENCH_COMPONENTS) if self.plane is None else 3):
-            return f"its wrench components must be of {', '.join(WRENCH_COMPONENTS)}: three for a plane, else all six"
-        return ""
+    def __post_init__(self) -> None:
+        check_type("cell: load_box", self.load_box, LoadBox, NoneType)
+        check_type("cell: object_shape", self.object_shape, ShapeRecord, NoneType)
+        for key, kind in (("wrench_components", str), ("robots", Robot), ("remarks", Remark), ("machines", tuple)):
+            check_list(f"cell: {key}", getattr(self, key), kind)
+            object.__setattr__(self, key, tuple(getattr(self, key)))
+        freeze_array(self, "gravity", "cell", (3,), finite=True)
+        freeze_array(self, "load", "cell", (len(LOAD_ENTRIES),), finite=True)
+        freeze_array(self, "object_velocity_limit", "cell", (2,), finite=False)
+        if not self.load[0] > 0:
+            raise InputError("cell", "its mass must be > 0.", key="load", value=self.load.tolist())
+        if np.any(self.object_velocity_limit <= 0):
+            rule = "must be > 0; infinity where there is none."
+            raise InputError("cell", rule, key="object_velocity_limit", value=self.object_velocity_limit.tolist())
+        for robot in self.robots:
+            if len(robot.wrench_lower) != len(self.wrench_components):
+                rule = f"must have Shape ({len(self.wrench_components)},): {', '.join(self.wrench_components)}."
+                raise InputError(f"robot '{robot.name}'", rule, key="wrench_lower", value=robot.wrench_lower.tolist())
+
+    def record(self) -> dict[str, Any]:
+        """What a manifest says of it, by attribute."""
+        return {field.name: getattr(self, field.name) for field in fields(CellRecord)}
 
 
-class CellManifest(CellRecord, Manifest):
-    """manifest.json: the record of a cell beside the generated functions.
+class CellManifest(Manifest):
+    """manifest.json: the record of a cell beside the generated functions."""
 
-    Attributes:
-        machines: Names of each two robots that are arms of one machine.
-    """
-
+    cell: CellRecord
     notice: str
     content_sha256: str
     format: int
     mrts_version: str
-    machines: Annotated[tuple[tuple[str, str], ...], Rule(max_length=MOST)]
 
     def problem(self) -> str:
         """The rule that names or sizes break; empty if none."""
-        return Manifest.problem(self) or CellRecord.problem(self)
+        cell, names = self.cell, [robot.name for robot in self.cell.robots]
+        if len({*names}) < len(names):
+            return "two robots have the same name"
+        if not all(re.fullmatch(IDENTIFIER, name) and len(name) <= LONGEST_NAME for name in (cell.name, *names)):
+            return f"its name and its robots' must be letters, digits and single underscores, at most {LONGEST_NAME}"
+        size = len(cell.wrench_components)
+        known = len({*cell.wrench_components} & {*WRENCH_COMPONENTS})
+        if not known == size == (len(WRENCH_COMPONENTS) if cell.plane is None else 3):
+            return f"its wrench components must be of {', '.join(WRENCH_COMPONENTS)}: three for a plane, else all six"
+        return super().problem()
 
     def content_hash(self) -> str:
         """Hash of everything in the manifest but the hash itself."""

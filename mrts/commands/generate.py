@@ -34,7 +34,7 @@ def run(cell: Path, output: Path | None = None, *, bake: bool = False) -> int:
         raise InputError("bake", "needs -o DIR: the cache holds what all cells with the same chains share.")
     with working(f"generating {cell}"):
         manifest, source = generate_to(cell, output, bake=bake)
-    say(f"{manifest.name}: {len(manifest.functions)} functions in {source}")
+    say(f"{manifest.cell.name}: {len(manifest.functions)} functions in {source}")
     for function in manifest.functions.values():
         say(f"  {function.symbol:<40} {function.instructions:>6} instructions")
     return FEASIBLE

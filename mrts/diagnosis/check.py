@@ -96,8 +96,7 @@ def _with_reach(
         reaches.append(of_machine(reach, fellows, motion) if fellows else reach)
     lost = [index for index, reach in enumerate(reaches) if not reach.follows and reach.posture is None]
     if lost and not explained:
-        machines = cell.functions.manifest.machines
-        remarks += what_would_work(arms, lost, motion, _other_orders(model), machines)
+        remarks += what_would_work(arms, lost, motion, _other_orders(model), cell.machines)
     if len(remarks) == len(found.remarks) and not explained and any(not reach.follows for reach in reaches):
         remarks += posture_hints(arms, motion)
     progress(len(arms), len(arms))

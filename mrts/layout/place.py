@@ -144,7 +144,7 @@ class LayoutSearch:
         self.study, self.between = study, between
         self.numbers, self.motion = LayoutNumbers.of(study, cell), _object_motion(study)
         self.functions = symbolic_functions(study.cell, study.folder.absolute())
-        self.machines = cell.functions.manifest.machines
+        self.machines = cell.machines
         self.over: Callable[[], bool] = lambda: False
         nearest, self.is_layout = self.numbers.nearest_given()
         self.given = self._of_keys(study.cell, nearest if self.is_layout else None)
@@ -202,7 +202,7 @@ class LayoutSearch:
         asked = self.study.question
         try:
             cell = Cell.from_description(keys, folder=self.study.folder).with_limits(*self.study.limits)
-            parted = set(self.machines) - set(cell.functions.manifest.machines)
+            parted = set(self.machines) - set(cell.machines)
             if parted:
                 first, second = min(parted)
                 return (

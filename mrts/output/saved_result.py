@@ -124,7 +124,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
         names, given = entry["limits"], () if cell is None else cell.limits
         if names != (others := list(map(limit_name, given))):
             remarks[OTHER_LIMITS] = _other_limits(names, others)
-        record = {name: getattr(manifest, name) for name in CellRecord.model_fields}
+        record = manifest.cell.record()
         record["load_box"] = reader.value(LoadBox | None, entry["load_box"], f"{place}.load_box")
         return Cell(
             **record,
@@ -212,28 +212,28 @@ def _other_limits(found_with: list[str], given: list[str]) -> Remark:
 def _functions_of(cell: Cell, saved: CellManifest, path: Path) -> CellFunctions:
     """The functions of a cell if they are those that a result was found with."""
     made = cell.functions.manifest
-    ours, theirs = (_made_from(manifest, baked=made.is_baked) for manifest in (made, saved))
+    ours, theirs = (_made_from(one.cell, baked=made.is_baked) for one in (made, saved))
     for key in theirs | ours:
         if ours.get(key) != theirs.get(key):
             raise InputError(
                 path,
-                f"cell '{cell.name}' is another one than the result was found with, '{saved.name}': they differ in "
-                f"{key}. Read the cell file that it was found with.",
+                f"cell '{cell.name}' is another one than the result was found with, '{saved.cell.name}': they differ "
+                f"in {key}. Read the cell file that it was found with.",
                 key="cell",
             )
     return cell.functions
 
 
-def _made_from(manifest: CellManifest, *, baked: bool) -> dict[str, Any]:
+def _made_from(cell: CellRecord, *, baked: bool) -> dict[str, Any]:
     """What a cell's functions depend on: not its limits and load, nor, unless it is folded in, its geometry."""
-    made: dict[str, Any] = {"plane": manifest.plane, "wrench_components": manifest.wrench_components}
+    made: dict[str, Any] = {"plane": cell.plane, "wrench_components": cell.wrench_components}
     if baked:
-        made["gravity"] = manifest.gravity.tolist()
-    for number, robot in enumerate(manifest.robots):
+        made["gravity"] = cell.gravity.tolist()
+    for number, robot in enumerate(cell.robots):
         source = robot.source
         own: dict[str, Any] = {"urdf": source.sha256, "base_link": source.base_link, "tip_link": source.tip_link}
         own |= {"held": dict(robot.held), "name": robot.name}
         if baked:
             own |= {"base": robot.T_world_base.numbers.tolist(), "grasp": robot.T_object_tip.numbers.tolist()}
         made |= {f"robots[{number}].{key}": value for key, value in own.items()}
-    return made | {"name": manifest.name}
+    return made | {"name": cell.name}

@@ -226,7 +226,7 @@ def one_machine(folder):
 
 def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
     cell = one_machine(tmp_path)
-    assert cell.functions.manifest.machines == (("left", "right"),)
+    assert cell.machines == (("left", "right"),)
     left, right = cell.robots
     for change in (
         lambda: cell.with_values({"robots.left.base.xyz": left.T_world_base.p + STEP}),
@@ -251,7 +251,7 @@ def test_two_machines_do_not_come_to_stand_in_one_place(tmp_path):
 
     cell = mrts.load_cell(machine_cell(tmp_path, apart))
     left, right = cell.robots
-    assert cell.functions.manifest.machines == ()
+    assert cell.machines == ()
     assert cell.with_values({"robots.right.base.xyz": right.T_world_base.p + STEP})
     with pytest.raises(mrts.InputError, match="would stand in one place, which makes them arms of one machine"):
         cell.with_values({"robots.right.base.xyz": left.T_world_base.p})

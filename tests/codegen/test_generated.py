@@ -111,11 +111,11 @@ def sized(function, side, place, shape):
 
 
 HOSTILE = {
-    "a name that is a path": lambda data: data.update(name="../../../../x"),
-    "a name that is C": lambda data: data.update(name="x\n#include </etc/passwd>\n"),
-    "a name without end": lambda data: data.update(name="x" * 300),
-    "a robot's name that is a path": lambda data: data["robots"][0].update(name="../x"),
-    "two robots of one name": lambda data: data["robots"][0].update(name="right"),
+    "a name that is a path": lambda data: data["cell"].update(name="../../../../x"),
+    "a name that is C": lambda data: data["cell"].update(name="x\n#include </etc/passwd>\n"),
+    "a name without end": lambda data: data["cell"].update(name="x" * 300),
+    "a robot's name that is a path": lambda data: data["cell"]["robots"][0].update(name="../x"),
+    "two robots of one name": lambda data: data["cell"]["robots"][0].update(name="right"),
     "a source elsewhere": lambda data: data.update(source="../../x.c"),
     "a source that is no C": lambda data: data.update(source="planar_dual_arm.so"),
     "a symbol that is C": lambda data: data["functions"]["wrench_form"].update(symbol="x\n#include </etc/passwd>\n"),
@@ -128,18 +128,18 @@ HOSTILE = {
     "an argument that is larger than in C": sized("terms", "inputs", 0, [600, 1]),
     "no argument": lambda data: data["functions"]["terms"].update(inputs=[]),
     "a kernel's argument that is smaller": sized("wrench_form", "outputs", 0, [6, 3]),
-    "a joint too many": lambda data: data["robots"][0].update(
-        joints=[*data["robots"][0]["joints"], "wrist"], posture=[0.0] * 4
+    "a joint too many": lambda data: data["cell"]["robots"][0].update(
+        joints=[*data["cell"]["robots"][0]["joints"], "wrist"], posture=[0.0] * 4
     ),
-    "joints without end": lambda data: data["robots"][0].update(joints=["j"] * 1001),
-    "a position too many": lambda data: data["robots"][0].update(posture=[0.0] * 4),
-    "a short axis": lambda data: data["robots"][0].update(axes=[[1.0], [0, 1.0, 0], []]),
-    "a ragged rotation": lambda data: data["robots"][0]["T_world_base"].update(R=[[1.0], [0.0, 1.0], []]),
-    "a component twice": lambda data: data.update(wrench_components=["fx", "fx", "nz"]),
-    "another component": lambda data: data.update(wrench_components=["fx", "fy", "x; y"]),
-    "too few wrench limits": lambda data: data["robots"][0].update(wrench_lower=[None]),
-    "too few contact rates": lambda data: data["robots"][0].update(contact_rate=[None]),
-    "a strange parameter": lambda data: data.update(
+    "joints without end": lambda data: data["cell"]["robots"][0].update(joints=["j"] * 1001),
+    "a position too many": lambda data: data["cell"]["robots"][0].update(posture=[0.0] * 4),
+    "a short axis": lambda data: data["cell"]["robots"][0].update(axes=[[1.0], [0, 1.0, 0], []]),
+    "a ragged rotation": lambda data: data["cell"]["robots"][0]["T_world_base"].update(R=[[1.0], [0.0, 1.0], []]),
+    "a component twice": lambda data: data["cell"].update(wrench_components=["fx", "fx", "nz"]),
+    "another component": lambda data: data["cell"].update(wrench_components=["fx", "fy", "x; y"]),
+    "too few wrench limits": lambda data: data["cell"]["robots"][0].update(wrench_lower=[None]),
+    "too few contact rates": lambda data: data["cell"]["robots"][0].update(contact_rate=[None]),
+    "a strange parameter": lambda data: data["cell"].update(
         load_box={
             "mass": 2.0,
             "inertia": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -147,11 +147,11 @@ HOSTILE = {
             "outer_hull": False,
         }
     ),
-    "no mass": lambda data: data.update(load=[0.0] * 10),
-    "a limit that is no number": lambda data: data["robots"][0].update(torque_upper=["x", 1.0, 1.0]),
-    "a limit that is not given": lambda data: data["robots"][0].update(torque_upper=[None, 1.0, 1.0]),
-    "half a motor": lambda data: data["robots"][0]["motors"].pop("coulomb"),
-    "a contact in no frame": lambda data: data["robots"][0].update(
+    "no mass": lambda data: data["cell"].update(load=[0.0] * 10),
+    "a limit that is no number": lambda data: data["cell"]["robots"][0].update(torque_upper=["x", 1.0, 1.0]),
+    "a limit that is not given": lambda data: data["cell"]["robots"][0].update(torque_upper=[None, 1.0, 1.0]),
+    "half a motor": lambda data: data["cell"]["robots"][0]["motors"].pop("coulomb"),
+    "a contact in no frame": lambda data: data["cell"]["robots"][0].update(
         contacts=[{"name": "x", "frame": "y", "rows": ["a"], "units": ["N"], "A": [[1.0, 0, 0]], "lower": [0.0]}]
     ),
 }
@@ -300,7 +300,7 @@ def test_names_from_the_urdf_stay_out_of_the_c(tmp_path):
     generated = generate_cell(tmp_path / "cell.yaml")
     assert "system" not in generated.c_source
     assert generated.record.robots[0].joints[1] == evil
-    assert json.loads(generated.record.to_json())["robots"][0]["joints"][1] == evil
+    assert json.loads(generated.record.to_json())["cell"]["robots"][0]["joints"][1] == evil
 
 
 def test_the_shipped_data_is_in_the_package():

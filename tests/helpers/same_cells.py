@@ -11,7 +11,7 @@ def same_cell(one, other):
 
 def _numbers(cell):
     said = manifest_of(cell).model_dump(exclude={"content_sha256"})
-    for robot, now in zip(said["robots"], cell.robots, strict=True):
+    for robot, now in zip(said["cell"]["robots"], cell.robots, strict=True):
         del robot["source"]["urdf"]
         robot["source"] |= {"effort": now.has_urdf_torque, "friction": now.has_urdf_friction}
     return said

@@ -29,7 +29,7 @@ def still_motion(lift):
 def as_if_generated(cell, **changes):
     """The cell with other entries in its manifest, its functions as they are."""
     functions = cell.functions
-    manifest = functions.manifest.model_copy(update=changes).sealed()
+    manifest = functions.manifest.model_copy(update={"cell": replace(functions.manifest.cell, **changes)}).sealed()
     return cell_from_manifest(manifest, CellFunctions(manifest, functions.bind, functions.origin))
 
 

@@ -34,7 +34,7 @@ def test_a_file_of_another_version_is_refused(mistake, lifted, tmp_path):
 
 EDITS = {
     "a word": lambda d, _: d["result"].update(c2=1.0),
-    "a limit": lambda d, _: d["result"]["cell"]["manifest"]["robots"][0].update(torque_upper=[1.0, 1.0, 1.0]),
+    "a limit": lambda d, _: d["result"]["cell"]["manifest"]["cell"]["robots"][0].update(torque_upper=[1.0, 1.0, 1.0]),
     "a number": lambda _, arrays: arrays["trajectory.torque"].__setitem__((3, 2), 7.0),
     "a shape": lambda _, arrays: arrays.update({"motion.q": arrays["motion.q"].reshape(-1, 3)}),
     "a kind": lambda _, arrays: arrays.update({"motion.q": arrays["motion.q"].astype(np.float32)}),
@@ -68,7 +68,7 @@ FORGERIES = {
     "a place that is not": lambda d: d["result"].update(motion={"same": "nowhere"}),
     "an array that is not": lambda d: d["result"]["motion"].update(q={"array": "nowhere"}),
     "an array of texts": lambda d: d["result"]["trajectory"]["holding"]["torque"].update(dtype="U9"),
-    "a hostile name": lambda d: d["result"]["cell"]["manifest"].update(name="../../x"),
+    "a hostile name": lambda d: d["result"]["cell"]["manifest"]["cell"].update(name="../../x"),
     "a hostile source": lambda d: d["result"]["cell"]["manifest"].update(source="../x.c"),
     "no result": lambda d: d.pop("result"),
     "a list": lambda d: d.update(result=[]),

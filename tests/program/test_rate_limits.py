@@ -38,9 +38,8 @@ def test_the_cell_file_gives_contact_rates_and_the_manifest_keeps_them(tmp_path)
     assert main(["generate", str(path), "-o", str(tmp_path / "generated")]) == 0
     again = mrts.load_cell(tmp_path / "generated")
     np.testing.assert_array_equal(again.robots[0].contact_rate, [500, 500, 40.5])
-    assert (
-        json.loads((tmp_path / "generated" / "manifest.json").read_text())["robots"][1]["contact_rate"] == ["inf"] * 3
-    )
+    manifest = json.loads((tmp_path / "generated" / "manifest.json").read_text())
+    assert manifest["cell"]["robots"][1]["contact_rate"] == ["inf"] * 3
 
 
 def test_forces_alone_or_moments_alone_may_be_limited(tmp_path):

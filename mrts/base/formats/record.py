@@ -171,7 +171,7 @@ class Record:
             exclude: Keys to leave out.
         """
         names = (name for name in self.model_fields if include is None or name in include)
-        return {name: _dumped(getattr(self, name)) for name in names if name not in (exclude or ())}
+        return {name: dumped(getattr(self, name)) for name in names if name not in (exclude or ())}
 
     def __setattr__(self, name: str, _value: object) -> None:
         raise AttributeError(f"{type(self).__name__}.{name} cannot be changed")
@@ -351,15 +351,16 @@ def _broken(rule: str, value: object) -> InputError:
     return InputError("", f"{rule} (it is empty)." if value is None else f"{rule}.", value=value)
 
 
-def _dumped(value: Any) -> Any:
+def dumped(value: Any) -> Any:
+    """A value as JSON values; an infinite number is "inf" or "-inf"."""
     if isinstance(value, Record):
         return value.model_dump()
     if is_dataclass(value):
-        return {field.name: _dumped(getattr(value, field.name)) for field in fields(value) if field.init}
+        return {field.name: dumped(getattr(value, field.name)) for field in fields(value) if field.init}
     if isinstance(value, list | tuple):
-        return [_dumped(item) for item in value]
+        return [dumped(item) for item in value]
     if isinstance(value, Mapping):
-        return {name: _dumped(item) for name, item in value.items()}
+        return {name: dumped(item) for name, item in value.items()}
     if hasattr(value, "tolist"):
-        return _dumped(value.tolist())
+        return dumped(value.tolist())
     return str(value) if isinstance(value, float) and math.isinf(value) else value
