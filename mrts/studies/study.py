@@ -22,10 +22,10 @@ from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
+from mrts.cell.number_paths import set_value
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.studies.number_paths import set_number
 from mrts.studies.parameters import Parameter
 from mrts.studies.sampling import SampleName, sample_points
 
@@ -179,7 +179,7 @@ class Study(InNotebooks):
         files = {"cell": deepcopy(self.cell), "motion": deepcopy(self.motion)}
         for parameter, value in zip(self.parameters, values.tolist(), strict=True):
             for target in parameter.targets:
-                set_number(files, target.keys, target.value(value))
+                set_value(files, target.keys, target.value(value))
         return files["cell"], files["motion"]
 
     def at_hand(self) -> Self:
