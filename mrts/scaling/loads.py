@@ -240,7 +240,7 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
     """
 
     def loads(chosen: NDArray[np.intp], own: Sequence[Sequence[LoadPoint] | None]) -> tuple[LoadPoint, ...]:
-        return tuple(points[k] or own[k][sample] for sample, k in enumerate(chosen.tolist()))  # type: ignore[index]
+        return tuple(points[k] or own[k][sample] for sample, k in enumerate(chosen.tolist()))
 
     inward = 1.0 if every else -1.0
     low, high = (inward * np.array([getattr(found, end) for found in ranges]) for end in ("lower", "upper"))
