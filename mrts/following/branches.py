@@ -26,12 +26,6 @@ SAME_BRANCH = 1e-6
 def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int = MULTI_STARTS) -> Array:
     """Joint positions of one arm that hold its grasp at t = 0 inside its limits, each branch once, Shape (count, n_i).
 
-    Args:
-        cell: The cell.
-        index: Of the arm.
-        motion: Motion of the object.
-        starts: Random ones, for an arm without a closed form.
-
     Raises:
         MotionError: If a planar arm of three joints cannot reach its grasp.
     """

@@ -129,12 +129,7 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
 
 
 def meant_instead(joint: str, extra: Sequence[str]) -> str:
-    """A question that names the column which is nearest to a joint that is missing; empty if none is near.
-
-    Args:
-        joint: "robot/joint".
-        extra: Columns that are no joint of the cell.
-    """
+    """A question that names the column which is nearest to a joint that is missing; empty if none is near."""
     import difflib  # noqa: PLC0415 (for this message only)
 
     close = difflib.get_close_matches(joint, extra, n=1)

@@ -151,15 +151,7 @@ class CoordinatedMotion:
 def unchecked_coordinated_motion(
     carried: ObjectMotion, q: Array, dq: Array, ddq: Array, travel: Array | None = None
 ) -> CoordinatedMotion:
-    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
-
-    Args:
-        carried: Motion of the object, N samples.
-        q: As in the class, and so the others, each an array of finite numbers that nothing else writes to.
-        dq: Likewise.
-        ddq: Likewise.
-        travel: Likewise.
-    """
+    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then."""
     done = object.__new__(CoordinatedMotion)
     vars(done).update(object=carried, q=q, dq=dq, ddq=ddq, remarks=(), travel=travel, course=None)
     freeze(done)
@@ -294,10 +286,6 @@ def following_again(cell: Cell, motion: CoordinatedMotion) -> tuple[Cell | None,
     """The cell with postures from which its arms follow the object as in a motion: its own, or where that starts.
 
     Where the motion starts is found again sooner, but a redundant arm stays near its posture, whatever has moved.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
 
     Returns:
         The cell, None if its arms take other joints, as where redundant ones were given; and what they take: the motion

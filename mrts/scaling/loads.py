@@ -155,9 +155,6 @@ def ranges_of_load(
         load: Load vector, Shape (10,); None is the cell's.
         high: As in `range_at_samples`.
         rows: As in `motion_ranges`.
-
-    Raises:
-        SolverError: If no solver answers.
     """
     return motion_ranges(cell, motion, options.formulation, options.sharing, options.solver, load, high, rows)
 
@@ -210,10 +207,6 @@ def effective_parameters(
 
 def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
     """The paper's exhaustive search along k_m (below (46)): evenly spaced masses, both ends included.
-
-    Args:
-        box: What the load is known within.
-        question: "grid", or "grid:N" for N masses.
 
     Raises:
         InputError: If it is another question, or the mass does not vary.

@@ -183,11 +183,7 @@ def contradiction(slow: RangeEnd, fast: RangeEnd) -> str:
 
 
 def intersect(samples: SampleRanges) -> ScalingRange:
-    """Eq. (30): the intersection of the ranges of all samples (step 2 of MMTSF).
-
-    Args:
-        samples: Ranges of all samples.
-    """
+    """Eq. (30): the intersection of the ranges of all samples (step 2 of MMTSF)."""
     if samples.conflicts:
         return ScalingRange(RangeStatus.INFEASIBLE, None, None, samples)
     at_low, at_high = int(first_least(-samples.lower)), int(first_least(samples.upper))
@@ -212,15 +208,8 @@ def common_range(find: Callable[[float], SampleRanges], high: float = np.inf) ->
 
     Where intervals of single samples lie above what all others admit, their next lower ones are looked at.
 
-    Args:
-        find: Ranges of all samples whose intervals do not begin above a c².
-        high: The c².
-
     Returns:
         Where the samples have nothing in common: an empty range, of their highest intervals.
-
-    Raises:
-        SolverError: If no solver answers.
     """
     first = found = find(high)
     for _ in range(MOST_INTERVALS):

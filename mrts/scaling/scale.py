@@ -140,12 +140,6 @@ def chosen_factor(
 ) -> tuple[ScalingResult, MotionRows]:
     """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
 
-    Args:
-        cell: The cell, with the reserve that it keeps.
-        motion: Of the whole cell, as given.
-        options: Checked.
-        progress: As in `scale`.
-
     Returns:
         The result, and the limits along its motion.
 
@@ -183,12 +177,6 @@ def admissible_range(
 
     Of what is possible with some load, and with an internal wrench for each sample, only the given samples are looked
     at.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-        options: Checked.
-        progress: As in `scale`.
 
     Returns:
         A result without a c², of the motion with the samples that were added, the limits along it, and what was found
@@ -247,14 +235,7 @@ def _between_samples(
 
 
 def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFactors | None"]:
-    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without.
-
-    Args:
-        result: With the range, rates apart.
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without."""
     cell, motion, options, found = result.cell, result.motion, result.options, result.range
     if options.rates is None or not found.status.admits_motion:
         return result, None
@@ -284,13 +265,6 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
     """What forbids a c², at the sample where limits would have to move outward the most; None if nothing does.
 
     There all rows are linear, and no interval has to be known.
-
-    Args:
-        result: Of the motion, with the loads that must be carried.
-        c2: The c².
-
-    Raises:
-        SolverError: If no solver answers.
     """
     cell, motion, worst = result.cell, result.motion, None
     formulation, sharing, rows = result.options.formulation, result.options.sharing, motion_rows(cell, motion)

@@ -114,11 +114,7 @@ Named = ActiveRow | Callable[[], ActiveRow | None]
 
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, Excess]:
-    """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all.
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all."""
     worst, shares, time = Excess(0.0, tolerance), np.zeros(timed.motion.samples - 1), timed.motion.object.time
     for part in timed.pieces:
         share, named = _smooth_excess(timed, part) if isinstance(part, SmoothPiece) else _least_excess(timed, part)

@@ -27,9 +27,6 @@ def segment_limits(
         pieces: The retimed path.
         sharing: A fixed distribution of the load, None for a free one.
         loads: Load vectors that are carried, each Shape (10,).
-
-    Raises:
-        SolverError: If no solver answers.
     """
     duration = float(new_times(pieces)[-1])
     found: list[tuple[tuple[str, ...], float]] = []
