@@ -24,8 +24,7 @@ from mrts.program.trajectory_programs import motion_ranges
 from mrts.program.widening import motion_widening
 from mrts.timing.path_pieces import PLACES, with_samples
 from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import TimedPiece, between_path_samples
-from mrts.timing.smooth_piece import SmoothPiece
+from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples
 
 MOST_ROUNDS = 12
 """Times that a path is timed again: a segment is then 4096 times shorter."""

@@ -18,10 +18,9 @@ from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
-from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
-from mrts.timing.result import RetimingResult, RetimingStatus
+from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import FastestPiece, fastest_piece
 from mrts.timing.speed_conflict import sample_conflict, segment_conflict
 from mrts.timing.speed_regions import intersect_regions, speed_regions
