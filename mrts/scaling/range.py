@@ -11,7 +11,7 @@ import numpy as np
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
-from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.rows import SPEEDS, ActiveRow, Side, rows_text
 from mrts.program.range_ends import MOST_INTERVALS
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 
 RATES = {"torque rate", "wrench rate", "jerk"}
 """Kinds of rows that limit how fast something changes."""
-
-SPEEDS = {"velocity", "motor speed"}
-"""Kinds of rows that a load does not move."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +65,7 @@ class RangeEnd(InNotebooks):
         """When, with which load and by which rows this end is set, in words."""
         of_load = self.load is not None and any(row.name.kind not in SPEEDS for row in self.rows)
         load = f" with {self.load}" if of_load else ""
-        return f"at t = {self.time:.4g} s{load} by {', '.join(str(row) for row in self.rows)}"
+        return f"at t = {self.time:.4g} s{load} by {rows_text(self.rows)}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -13,6 +13,7 @@ from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import rows_text
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
@@ -233,7 +234,7 @@ def _rows(conflict: Conflict | None) -> str:
     if conflict is None:
         return ""
     load = "" if conflict.load is None else f" with {conflict.load}"
-    return f"; these conflict{load}: {'; '.join(str(row) for row in conflict.rows)}"
+    return f"; these conflict{load}: {rows_text(conflict.rows, '; ')}"
 
 
 def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress) -> WhatIf:
@@ -262,5 +263,5 @@ def _of_timing(timed: RetimingResult) -> SpeedAnswer:
     """The answer of a timing: what limits it for the longest time binds."""
     if not timed.status.admits_motion:
         return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
-    limits = tuple(dict.fromkeys(name.rpartition(" (")[0] or name for name, _ in timed.limits))  # without its value
+    limits = tuple(dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits))
     return SpeedAnswer(status="feasible", duration=timed.duration, limits=limits)
