@@ -139,9 +139,6 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
 def described_motion(path: Path | str) -> MotionDescription | None:
     """The description of a motion from pose to pose or through waypoints; None of a table or a bag.
 
-    Args:
-        path: As in `load_motion`.
-
     Raises:
         InputError: If a motion file breaks a rule.
     """

@@ -41,10 +41,6 @@ def joint_column(topic: str, joint: str) -> str:
 def bag_messages(path: Path, *kinds: str) -> dict[str, list[tuple[int, Any]]]:
     """All messages of some types; of types that ROS 2 itself does not have, as the bag defines them.
 
-    Args:
-        path: Folder of a bag, or one of its files by itself.
-        *kinds: The types, such as "sensor_msgs/msg/JointState".
-
     Returns:
         By topic in the order of their names: when each was recorded [ns], and the message.
 

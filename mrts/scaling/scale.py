@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -18,6 +19,7 @@ from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
+from mrts.limits.rows import rows_text
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
@@ -41,9 +43,6 @@ from mrts.scaling.torques import with_torques
 
 if TYPE_CHECKING:
     from mrts.program.constant_rates import RatedFactors
-
-LARGEST_C2 = 1e300
-"""What is asked for beyond it counts as it: Python's whole numbers have no end, floating point has."""
 
 
 class SelectionError(MrtsError):
@@ -140,12 +139,6 @@ def chosen_factor(
 ) -> tuple[ScalingResult, MotionRows]:
     """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
 
-    Args:
-        cell: The cell, with the reserve that it keeps.
-        motion: Of the whole cell, as given.
-        options: Checked.
-        progress: As in `scale`.
-
     Returns:
         The result, and the limits along its motion.
 
@@ -183,12 +176,6 @@ def admissible_range(
 
     Of what is possible with some load, and with an internal wrench for each sample, only the given samples are looked
     at.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-        options: Checked.
-        progress: As in `scale`.
 
     Returns:
         A result without a c², of the motion with the samples that were added, the limits along it, and what was found
@@ -247,14 +234,7 @@ def _between_samples(
 
 
 def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFactors | None"]:
-    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without.
-
-    Args:
-        result: With the range, rates apart.
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without."""
     cell, motion, options, found = result.cell, result.motion, result.options, result.range
     if options.rates is None or not found.status.admits_motion:
         return result, None
@@ -273,10 +253,9 @@ def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> Non
     ends = {end.c2 for end in (found.lower, found.upper) if end is not None}
     refused = None if c2 in ends else factors.refused(c2)
     if refused is not None:
-        rows = ", ".join(str(row) for row in refused.rows)
         raise SelectionError(
             f"c² = {c2:g} lies in a gap that rates leave in the admissible range {found.text(digits=6)}: at "
-            f"t = {found.samples.time[refused.sample]:.4g} s {rows} would be passed."
+            f"t = {found.samples.time[refused.sample]:.4g} s {rows_text(refused.rows)} would be passed."
         )
 
 
@@ -284,13 +263,6 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
     """What forbids a c², at the sample where limits would have to move outward the most; None if nothing does.
 
     There all rows are linear, and no interval has to be known.
-
-    Args:
-        result: Of the motion, with the loads that must be carried.
-        c2: The c².
-
-    Raises:
-        SolverError: If no solver answers.
     """
     cell, motion, worst = result.cell, result.motion, None
     formulation, sharing, rows = result.options.formulation, result.options.sharing, motion_rows(cell, motion)
@@ -334,7 +306,9 @@ def choose_c2(
             still = f"c² ∈ {interval}: the cell can only hold still. The upper end is set {found.upper.place()}."
             raise SelectionError(still)
         return high
-    c2 = 1.0 if select == "nominal" else float(max(min(select, LARGEST_C2), -LARGEST_C2))
+    given = 1.0 if isinstance(select, str) else select
+    too_large = abs(given) > sys.float_info.max  # Python's whole numbers have no end
+    c2 = float("inf" if given > 0 else "-inf") if too_large else float(given)
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
     if (admitted := found.admitted(c2, END_TOLERANCE)) is not None:
@@ -346,9 +320,9 @@ def choose_c2(
         if worst is None:
             return c2
         load = "" if worst.load is None else f" with {worst.load}"
-        rows = "; ".join(str(row) for row in worst.rows)
         raise SelectionError(
-            f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{load} {rows} forbid it."
+            f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{load} {rows_text(worst.rows, '; ')} "
+            "forbid it."
         )
     raise SelectionError(f"{outside}. The {side} end is set {end.place()}.")
 

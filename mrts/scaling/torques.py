@@ -79,18 +79,8 @@ def distributed_torques(
 ) -> tuple[Array, Array, int]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at each sample by itself.
 
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        options: How they are distributed; rates do not count.
-        c2: Chosen c².
-        rows: As in `with_torques`.
-
     Returns:
         Both, and how many programs were left by the chosen solver.
-
-    Raises:
-        SolverError: If no solver answers.
     """
     W = torque_weights(options.weights, cell)
     given = cell, motion, options.formulation, options.sharing, options.solver, c2, W, rows

@@ -14,8 +14,7 @@ from mrts.base.errors import InputError, MotionError, SolverError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_changes
-from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
-from mrts.following.following_again import following_again
+from mrts.following.coordinated_motion import CoordinatedMotion, follow_object, following_again
 from mrts.limits.rows import ActiveRow
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.range import ScalingRange

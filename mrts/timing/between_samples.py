@@ -24,8 +24,7 @@ from mrts.program.trajectory_programs import motion_ranges
 from mrts.program.widening import motion_widening
 from mrts.timing.path_pieces import PLACES, with_samples
 from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import TimedPiece, between_path_samples
-from mrts.timing.smooth_piece import SmoothPiece
+from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples
 
 MOST_ROUNDS = 12
 """Times that a path is timed again: a segment is then 4096 times shorter."""
@@ -114,11 +113,7 @@ Named = ActiveRow | Callable[[], ActiveRow | None]
 
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, Excess]:
-    """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all.
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all."""
     worst, shares, time = Excess(0.0, tolerance), np.zeros(timed.motion.samples - 1), timed.motion.object.time
     for part in timed.pieces:
         share, named = _smooth_excess(timed, part) if isinstance(part, SmoothPiece) else _least_excess(timed, part)

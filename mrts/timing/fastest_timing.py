@@ -13,15 +13,15 @@ from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import rows_text
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
-from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
-from mrts.timing.result import RetimingResult, RetimingStatus
+from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import FastestPiece, fastest_piece
 from mrts.timing.speed_conflict import sample_conflict, segment_conflict
 from mrts.timing.speed_regions import intersect_regions, speed_regions
@@ -234,7 +234,7 @@ def _rows(conflict: Conflict | None) -> str:
     if conflict is None:
         return ""
     load = "" if conflict.load is None else f" with {conflict.load}"
-    return f"; these conflict{load}: {'; '.join(str(row) for row in conflict.rows)}"
+    return f"; these conflict{load}: {rows_text(conflict.rows, '; ')}"
 
 
 def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress) -> WhatIf:
@@ -263,5 +263,5 @@ def _of_timing(timed: RetimingResult) -> SpeedAnswer:
     """The answer of a timing: what limits it for the longest time binds."""
     if not timed.status.admits_motion:
         return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
-    limits = tuple(dict.fromkeys(name.rpartition(" (")[0] or name for name, _ in timed.limits))  # without its value
+    limits = tuple(dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits))
     return SpeedAnswer(status="feasible", duration=timed.duration, limits=limits)

@@ -22,11 +22,19 @@ from mrts.program.smooth_program import Goal, SmoothProgram
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import NoProfile, StepsTaken, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
-from mrts.timing.path_pieces import PLACES, NoPath, closed_piece, path_pieces, with_samples
+from mrts.timing.path_pieces import (
+    PLACES,
+    STRIDE,
+    NoPath,
+    SmoothPath,
+    closed_piece,
+    joined_at_stops,
+    path_pieces,
+    smooth_path,
+    with_samples,
+)
 from mrts.timing.result import RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import TimedPiece
-from mrts.timing.smooth_path import STRIDE, SmoothPath, joined_at_stops, smooth_path
-from mrts.timing.smooth_piece import SmoothPiece, smooth_pieces
+from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, smooth_pieces
 
 NARROWING = 1e-5
 """Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""
