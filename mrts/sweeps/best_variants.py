@@ -17,7 +17,6 @@ from mrts.studies.ranking import fastest_first
 from mrts.studies.study import VARIANT_FILES, Study
 from mrts.studies.study_folder import StudyFolder
 from mrts.studies.variant_rows import limit_text, range_row
-from mrts.sweeps.sweep_progress import ranked_columns
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime
 
@@ -96,7 +95,8 @@ def fastest_variants(folder: StudyFolder, count: int) -> list[int]:
         folder: The rows.
         count: How many, where there are as many.
     """
-    variant, duration = ranked_columns(folder.table(["variant", "duration"]))
+    rows = folder.table(["variant", "duration"])
+    variant, duration = np.asarray(rows["variant"], dtype=int), np.asarray(rows["duration"], dtype=np.float64)
     best: list[int] = variant[fastest_first(variant, duration)[:count]].tolist()
     return best
 

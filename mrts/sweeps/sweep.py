@@ -19,7 +19,7 @@ from mrts.studies.study_folder import StudyFolder, opened_study_folder, require_
 from mrts.sweeps.best_variants import write_best
 from mrts.sweeps.chunks import Chunk, solved_chunks
 from mrts.sweeps.sweep_progress import TALLIED, SweepProgress, Tally
-from mrts.sweeps.worker_pools import check_workers, worker_pool
+from mrts.sweeps.worker_pools import check_workers
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -108,10 +108,7 @@ def solve_study(
         tally.begin()
         progress(tally.progress())
         if missing:
-            with (
-                worker_pool(workers, scheduler) as pool,
-                closing(solved_chunks(study, pool, missing)) as coming,
-            ):
+            with closing(solved_chunks(study, missing, workers, scheduler)) as coming:
                 for chunk, pieces in coming:
                     rows = folder.rows(pieces)
                     folder.write(chunk.number, rows)
