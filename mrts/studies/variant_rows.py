@@ -22,12 +22,15 @@ from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import SelectionError, admissible_range, scale
 from mrts.studies.study import Study
-from mrts.studies.study_record import ANSWERS
 from mrts.timing.result import RetimingStatus
 from mrts.timing.retime import retime
 
 UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
 """Statuses of a variant beside those of a range: the arms cannot follow, its numbers break a rule, a solver stopped."""
+
+ANSWERS = {"status": "string", "reason": "string", "c2_lower": "float64", "c2_upper": "float64"}
+ANSWERS |= {"lower_limit": "string", "upper_limit": "string", "duration": "float64"}
+"""Columns of every study behind the number of a variant and what varies, and their types."""
 
 Row = dict[str, Any]
 Columns = dict[str, Any]
