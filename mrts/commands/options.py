@@ -41,10 +41,10 @@ Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 class Named(click.Path):
     """A file or a folder."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ARG002
         """The path; an empty name would be the folder that the caller is in."""
-        if not str(value):
-            self.fail("must not be empty: name a file or a folder", param, ctx)
+        if not str(value) and param is not None:
+            raise InputError(param.name or "", "must not be empty: name a file or a folder.")
         return Path(value)
 
 
@@ -98,6 +98,12 @@ class Command(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the words of the line."""
         with self._errors_of_options(ctx):
+            _, _, order = self.make_parser(ctx).parse_args(list(args))
+            for param in order:
+                if order.count(param) > 1 and not (
+                    param.multiple or param.is_flag or isinstance(param, click.Argument)
+                ):
+                    raise InputError(param.name or "", "is given twice.")
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:

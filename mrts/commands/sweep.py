@@ -57,6 +57,9 @@ def run(
     from mrts.studies.study_folder import require_pyarrow
     from mrts.sweeps.worker_pools import check_workers
 
+    for name, value in (("top", top), ("plot", plot)) if dry_run else ():
+        if value:
+            raise InputError(name, "does not go with --dry-run, which solves a few variants and writes nothing.")
     check_workers(workers, scheduler)
     require_pyarrow()
     with working(f"reading {study}"):
