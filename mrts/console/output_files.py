@@ -32,12 +32,7 @@ class Outputs:
         self.defect: Exception | None = None
 
     def write(self, path: Path | None, write: Callable[[Path], object]) -> None:
-        """Write one output, if it is asked for; if that fails, say so and go on.
-
-        Args:
-            path: The file, or the folder that gets files.
-            write: Writes it.
-        """
+        """Write one output, if it is asked for; if that fails, say so and go on."""
         if path is None or str(path) == "-":
             return
         before = _files(path)

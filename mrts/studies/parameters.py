@@ -189,9 +189,6 @@ class ParameterDescription(Record):
     def distribution(self, sample: SampleName) -> Distribution:
         """How it is distributed.
 
-        Args:
-            sample: How the points of the study are chosen.
-
         Raises:
             InputError: If the two do not go together.
         """

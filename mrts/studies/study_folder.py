@@ -232,11 +232,7 @@ def _check(record: Mapping[str, Any]) -> str:
 
 
 def study_content(study: Study) -> dict[str, Any]:
-    """What `study.json` says of a study, as JSON values: all of it but the content of URDFs and tables.
-
-    Args:
-        study: The study.
-    """
+    """What `study.json` says of a study, as JSON values: all of it but the content of URDFs and tables."""
     units = {each.path: each.unit for each in study.parameters} | UNITS
     content = {
         "mrts": __version__,
@@ -266,11 +262,6 @@ def study_content(study: Study) -> dict[str, Any]:
 @contextmanager
 def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int]) -> Iterator[StudyFolder]:
     """The folder of a study, begun or gone on with; nobody else writes into it meanwhile.
-
-    Args:
-        path: Of the folder: missing, empty, or begun by the same study.
-        study: The study.
-        chunk_size: Asked for the number of variants in a part where the study begins.
 
     Raises:
         InputError: If the folder holds something else, another sweep is at work in it, or it cannot be written.

@@ -62,9 +62,6 @@ def batch_for(study: Study) -> "VariantBatch | None":
     from pose to pose or one that does not vary, with varied poses, gravity, object, postures, duration, and limits of
     torques, wrenches and the object's velocity; of two arms or more whose motors are ideal, and whose hands do not turn
     with contacts that are limited in axes of their own.
-
-    Args:
-        study: The study.
     """
     question = study.question
     asked = (question.profile, question.torques, question.between) == ("constant", False, None)

@@ -38,22 +38,13 @@ Columns = dict[str, Any]
 
 
 def column_types(study: Study) -> dict[str, str]:
-    """Names and types ("int64", "float64", "string") of the columns of a study's table, in order.
-
-    Args:
-        study: The study.
-    """
+    """Names and types ("int64", "float64", "string") of the columns of a study's table, in order."""
     types = {"variant": "int64"} | {parameter.path: "float64" for parameter in study.parameters}
     return types | ANSWERS | dict.fromkeys(_torque_columns(study), "float64")
 
 
 def solve_variants(study: Study, first: int, last: int) -> Columns:
     """The rows of some variants of a study.
-
-    Args:
-        study: The study.
-        first: The first variant.
-        last: The first that is left out.
 
     Returns:
         By column (`column_types`), one entry a variant. A variant that cannot be solved has a status and a reason.

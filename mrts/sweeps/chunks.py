@@ -39,12 +39,6 @@ class Chunk(NamedTuple):
 def solve_chunk(pickled: bytes, version: str, first: int, last: int) -> list[Columns]:
     """Solve variants: what a worker does.
 
-    Args:
-        pickled: The study.
-        version: Of the mrts that asks.
-        first: The first variant.
-        last: The one after the last.
-
     Returns:
         Rows in one piece or, around a defect, more.
 
@@ -81,12 +75,6 @@ def solved_chunks(
     study: Study, chunks: Iterable[Chunk], workers: int | None, scheduler: str | None
 ) -> Generator[tuple[Chunk, list[Columns]]]:
     """Every chunk once, as they get done.
-
-    Args:
-        study: The study.
-        chunks: What is to be solved, taken as workers get free.
-        workers: As in `mrts.sweeps.worker_pools.worker_pool`.
-        scheduler: Likewise.
 
     Yields:
         A chunk and the columns of its rows in one piece or more, in order.

@@ -53,8 +53,8 @@ def sweep(
         folder: For `study.json` and the rows, a file a chunk; one that this study has begun is gone on with. None keeps
             them only until they are returned.
         workers: Number of processes on this machine; None for one a core.
-        scheduler: Address of a Dask scheduler whose workers solve the study, such as tcp://HOST:8786; "local" for a
-            Dask cluster on this machine; None for processes without Dask.
+        scheduler: Address of a Dask scheduler whose workers solve the study, such as tcp://HOST:8786; None for
+            processes of this machine.
         top: How many of the best variants are solved again as `mrts.scale` does, with the limits kept between the
             samples, and written as files into folders best-1, best-2, … of the folder.
         progress: Told how far it is, after each chunk.
@@ -118,11 +118,7 @@ def solve_study(
 
 
 def chunk_size(study: Study) -> int:
-    """Variants that one worker solves in about `CHUNK_TIME`: a round number, at least one.
-
-    Args:
-        study: The study, of which a few are solved.
-    """
+    """Variants that one worker solves in about `CHUNK_TIME`: a round number, at least one."""
     fitting = min(CHUNK_TIME / estimate(study).seconds_each, study.variants, MAX_CHUNK_SIZE)
     power = int(10 ** max(0, math.floor(math.log10(fitting))))
     return max([1, *(step * power for step in ROUND_NUMBERS if step * power <= fitting)])

@@ -58,11 +58,7 @@ class Tally:
         self._best: tuple[float, int] | None = None
 
     def add(self, rows: Any) -> None:
-        """Count rows that are solved.
-
-        Args:
-            rows: A table or a batch of records with the columns in `TALLIED`, variants in order.
-        """
+        """Count rows that are solved."""
         self.statuses.update(rows["status"].to_pylist())
         durations = np.asarray(rows["duration"], dtype=np.float64)
         if np.isfinite(durations).any():

@@ -41,11 +41,6 @@ CONNECT_TIMEOUT = 10.0
 ADDRESS = re.compile(r"(\w+://)?\S+:\d{1,5}|inproc://\S+")
 """What may be a scheduler's: Dask leaves a traceback about anything else."""
 
-LOCAL = "local"
-"""Name of a Dask cluster of this machine's processes, made for one study."""
-
-ANY_PORT = "127.0.0.1:0"
-
 logger = logging.getLogger("mrts")
 
 
@@ -74,7 +69,7 @@ def check_workers(workers: int | None, scheduler: str | None) -> None:
     check_type("scheduler", scheduler, str, NoneType)
     if workers is not None and workers < 1:
         raise InputError("workers", "must be at least 1.", value=workers)
-    if scheduler not in {None, LOCAL} and workers is not None:
+    if scheduler is not None and workers is not None:
         raise InputError("workers", "goes with processes of this machine: a cluster has its own.", value=workers)
     package, extra = ("joblib", "study") if scheduler is None else ("distributed", "cluster")
     if find_spec(package) is None:
@@ -86,10 +81,6 @@ def check_workers(workers: int | None, scheduler: str | None) -> None:
 def worker_pool(workers: int | None, scheduler: str | None) -> Iterator[WorkerPool]:
     """The workers of a study, gone when the block ends.
 
-    Args:
-        workers: How many processes; None for one a core. Not for a cluster that is there already.
-        scheduler: Address of a Dask scheduler; `LOCAL` starts one with workers on this machine; None takes loky.
-
     Raises:
         InputError: If no scheduler answers, or it goes away.
     """
@@ -97,7 +88,7 @@ def worker_pool(workers: int | None, scheduler: str | None) -> Iterator[WorkerPo
         if scheduler is None:
             yield _local_processes(stack, workers)
             return
-        pool = _dask_cluster(stack, workers, scheduler)
+        pool = _dask_cluster(stack, scheduler)
         try:
             yield pool
         except (OSError, RuntimeError, CancelledError) as error:
@@ -130,30 +121,19 @@ def _local_processes(stack: ExitStack, workers: int | None) -> WorkerPool:
     return WorkerPool(submit, lambda: workers, (BrokenProcessPool,))
 
 
-def _dask_cluster(stack: ExitStack, workers: int | None, scheduler: str) -> WorkerPool:
-    if scheduler != LOCAL and not ADDRESS.fullmatch(scheduler):
-        rule = "no Dask scheduler answers there: it is no address. Name one as tcp://HOST:PORT, or local."
+def _dask_cluster(stack: ExitStack, scheduler: str) -> WorkerPool:
+    if not ADDRESS.fullmatch(scheduler):
+        rule = "no Dask scheduler answers there: it is no address. Name one as tcp://HOST:PORT."
         raise InputError("scheduler", rule, value=scheduler)
-    dask, distributed = import_module("dask"), import_module("distributed")
+    distributed = import_module("distributed")
     for talkative in map(logging.getLogger, ("distributed", "distributed.client")):  # workers that come and go
         stack.callback(talkative.setLevel, talkative.level)
         talkative.setLevel(logging.CRITICAL)
-    address: Any = scheduler
-    if scheduler == LOCAL:
-        # a worker that dies again and again would else be given up
-        stack.enter_context(dask.config.set({"distributed.deploy.lost-worker-timeout": "1 day"}))
-        with _without_interrupts():
-            address = distributed.LocalCluster(
-                n_workers=workers, threads_per_worker=1, dashboard_address=ANY_PORT, silence_logs=logging.CRITICAL
-            )
-        stack.callback(_uninterrupted, address.close)
     try:
-        client = distributed.Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
+        client = distributed.Client(scheduler, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
-        raise InputError(
-            "scheduler", f"no Dask scheduler answers there: {error}. Start one, or name it as tcp://HOST:PORT.",
-            value=scheduler,
-        ) from None  # fmt: skip
+        rule = f"no Dask scheduler answers there: {error}. Start one, or name it as tcp://HOST:PORT."
+        raise InputError("scheduler", rule, value=scheduler) from None
     stack.callback(_uninterrupted, client.close)
     if not client.nthreads():
         logger.warning("the cluster at %s has no workers: waiting for them", scheduler)
