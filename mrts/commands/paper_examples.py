@@ -82,10 +82,6 @@ class DemoRow:
 def run_demo(solver: str = DEFAULT_SOLVER, progress: Progress = lambda _done, _total: None) -> list[DemoRow]:
     """Scale every example of section VI.
 
-    Args:
-        solver: Name in the registry.
-        progress: Told how many of how many examples are done.
-
     Raises:
         MrtsError: If the compiler or a solver fails.
     """
@@ -136,10 +132,6 @@ def _four_digits(value: float) -> str:
 
 def write_demo_files(folder: Path, rows: list[DemoRow]) -> bool:
     """Write the figures 4 to 8, the one of the uncertain load, and the files of every example cell to start from.
-
-    Args:
-        folder: Made if missing; it gets all files or none.
-        rows: The demo's results.
 
     Returns:
         Whether there are figures: they need the extra 'plot'.

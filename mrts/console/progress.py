@@ -30,9 +30,6 @@ class Update(Protocol):
 def working(what: str) -> Iterator[Update]:
     """Show on standard error, if that is a terminal, that work goes on, once it has taken a second.
 
-    Args:
-        what: What is done: "scaling lift.yaml".
-
     Yields:
         To be told how many of how many pieces are done; where nobody tells, time alone is shown.
     """

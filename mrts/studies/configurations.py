@@ -2,7 +2,7 @@
 """All inverse-kinematics branches of every arm, followed along the motion and ranked by c²⁺ (section VI, 6.3)."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -13,7 +13,6 @@ from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.json_output import JsonOutput
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
@@ -73,8 +72,8 @@ class Configuration:
         return {branch.robot: branch.start.tolist() for branch in self.branches}
 
 
-@dataclass(frozen=True)
-class ConfigurationStudy(InNotebooks, JsonOutput):
+@dataclass(frozen=True, repr=False)
+class ConfigurationStudy(JsonOutput):
     """What `rank_configurations` found.
 
     Attributes:
@@ -87,18 +86,8 @@ class ConfigurationStudy(InNotebooks, JsonOutput):
     ranked: tuple[Configuration, ...]
     combinations: int
 
-    def notebook_words(self) -> list[str]:
-        """How many there are."""
-        return [f"{self.combinations} configurations reach the end, {len(self.ranked)} evaluated{self._left_out()}"]
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """The configurations by falling c²⁺."""
-        rows = [
-            (str(rank), *(str(branch.number) for branch in one.branches),
-             f"{one.c2_upper:.4g}" if np.isfinite(one.c2_upper) else "-", outcome(one))
-            for rank, one in enumerate(self.ranked, start=1)
-        ]  # fmt: skip
-        yield NotebookTable(("rank", *self.branches, "c²⁺", "limited at"), rows)
+    def __repr__(self) -> str:
+        return f"<ConfigurationStudy: {self.combinations} configurations reach the end, {len(self.ranked)} evaluated>"
 
     def table(self, rows: int) -> str:
         """The best configurations and the branches that they are made of, as text.

@@ -45,11 +45,7 @@ class StudyEstimate:
         return self.seconds_each * self.study.variants / workers
 
     def lines(self, workers: int = 1) -> Iterator[str]:
-        """What the study varies and asks, and how long it will take, for people.
-
-        Args:
-            workers: Number of processes, each with a core of its own.
-        """
+        """What the study varies and asks, and how long it will take, for people."""
         yield from study_lines(self.study)
         found = ", ".join(f"{number} {status}" for status, number in sorted(self.statuses.items()))
         each = self.seconds_each
@@ -61,11 +57,7 @@ class StudyEstimate:
 
 
 def study_lines(study: Study) -> Iterator[str]:
-    """What a study varies and asks, for people.
-
-    Args:
-        study: The study.
-    """
+    """What a study varies and asks, for people."""
     drawn = "" if study.sample == "grid" else f", seed {study.seed}"
     yield f"{study.path.name}: {study.variants} variants ({study.sample}{drawn}) of cell '{study.cell['name']}'"
     for parameter in study.parameters:
@@ -81,9 +73,6 @@ def study_lines(study: Study) -> Iterator[str]:
 
 def estimate(study: Study) -> StudyEstimate:
     """How long a study will take on one core: a few of its variants are solved, more until their time can be told.
-
-    Args:
-        study: The study.
 
     Raises:
         InputError: If it is no study.

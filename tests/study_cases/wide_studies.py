@@ -45,7 +45,10 @@ def wide_study(folder, cell, motion, *, spread, count, seed=1, limits=0.2, mass=
 def _of_robot(robot, pose, spread, limits):
     """Path, value and width of what varies of one arm."""
     arm = f"robots.{robot['name']}"
-    numbers = pose(f"{arm}.base", robot.get("base")) + pose(f"{arm}.grasp", robot.get("grasp"))
+    grasp = pose(f"{arm}.grasp", robot.get("grasp"))
+    if robot.get("contact"):  # in axes of the tip, which one by one turn with the grasp
+        grasp = [number for number in grasp if ".rpy" not in number[0]]
+    numbers = pose(f"{arm}.base", robot.get("base")) + grasp
     numbers += [(f"{arm}.posture[{joint}]", value, spread) for joint, value in enumerate(robot["posture"])]
     sides = {"torque": robot.get("torque", [])}
     sides |= {f"wrench.{side}": values for side, values in robot.get("wrench", {}).items()}
