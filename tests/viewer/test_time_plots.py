@@ -62,7 +62,9 @@ def test_no_peak_is_lost_and_names_are_text():
 def test_the_other_is_dashed_on_the_axis_of_the_longer(planar_cell, lift, lifted):
     slow = mrts.scale(planar_cell, lift, 0.5)
     ratio = slow.trajectory.duration / lifted.trajectory.duration
-    assert f"{ratio:.3g} × as fast as <slow>" in lxml.html.fromstring(compared_html(lifted, "<slow>", slow)).text_content()
+    assert (
+        f"{ratio:.3g} × as fast as <slow>" in lxml.html.fromstring(compared_html(lifted, "<slow>", slow)).text_content()
+    )
     props = uplot_props(time_panels(lifted)[TORQUES], time_panels(slow)[TORQUES])
     assert props["scales"]["x"]["range"] == (0.0, slow.trajectory.duration)
     assert [line["label"] for line in props["series"] if "dash" in line] == ["the other"]

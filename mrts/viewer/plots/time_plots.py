@@ -11,7 +11,7 @@ import numpy as np
 import viser
 
 from mrts.base.printable import html_text
-from mrts.plots.colours import COLOURS, END_COLOURS
+from mrts.plots.colours import END_COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.limit_plots import limits_plot
 from mrts.plots.plot import Axis, Line, Panel, Rule
@@ -91,9 +91,8 @@ def uplot_props(panel: Panel, other: Panel | None = None) -> dict[str, Any]:
     end, (low, high) = _joint_end(panel, other), panel.y.ends or (0.0, 1.0)
     if other is not None and other.y.ends is not None:
         low, high = min(low, other.y.ends[0]), max(high, other.y.ends[1])
-    for rule in panel.items:
-        if isinstance(rule, Rule):
-            lines.append(Line(x=np.array([0.0, end]), y=np.full(2, rule.at), label=rule.label, color=rule.color))
+    rules = [item for item in panel.items if isinstance(item, Rule)]
+    lines += [Line(x=np.array([0.0, end]), y=np.full(2, of.at), label=of.label, color=of.color) for of in rules]
     x = np.unique(np.concatenate([line.x[shown_samples(len(line.x), line.y)] for line in lines]))
     y = [np.interp(x, line.x, np.clip(line.y, low, high), left=np.nan, right=np.nan) for line in lines]
     series = [
@@ -189,7 +188,8 @@ class PlotPanel:
         for name, panel in panels.items():
             props = uplot_props(panel, self._others.get(name))
             if name not in self._plots:
-                title = f'<div data-plot="{html_text(name)}" class="title">{html_text(name)}</div>'
+                text = html_text(", ".join(filter(None, [name, panel.y.label])))
+                title = f'<div data-plot="{html_text(name)}" class="title">{text}</div>'
                 with self._tab:
                     self._plots[name] = (
                         self._gui.add_html(title),
