@@ -299,7 +299,7 @@ def _rates(text: str) -> bool | float:
     return share
 
 
-HTML = Written(".html", ".htm", needs=("plotly",), extra="report")
+HTML = Written(".html", ".htm", needs=("jinja2", "plotly"), extra="report")
 
 cell = argument("cell", type=Named(), metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
 motion = argument(

@@ -3,7 +3,7 @@
 
 import re
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, sqrt
 from typing import Any, Literal
 
@@ -189,6 +189,12 @@ class PlayerState:
         """What is drawn of it."""
         motion = self.result.motion
         return Scene(self.result.cell, motion.q, motion.object.position, motion.object.rotation, self.excess > 0)
+
+    @property
+    def played(self) -> ScalingResult:
+        """The result with the trajectory at the chosen speed, whether or not that is admissible."""
+        done, result = self.trajectory, self.result
+        return replace(result, found=result.range, c2=done.c2, trajectory=done)
 
     @property
     def deciding(self) -> DecidingLimit | None:
