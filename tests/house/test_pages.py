@@ -27,10 +27,10 @@ DOCS = ROOT / "docs"
         pytest.param("ros2", 3, marks=pytest.mark.slow),
         pytest.param("optimal_profile", 2, marks=pytest.mark.slow),
         pytest.param("smooth", 3, marks=pytest.mark.slow),
-        pytest.param("real_cell", 9, marks=pytest.mark.slow),
+        pytest.param("real_cell", 7, marks=pytest.mark.slow),
         pytest.param("studies", 11, marks=pytest.mark.slow),
         pytest.param("what_if", 2, marks=pytest.mark.slow),
-        pytest.param("study_file", 5, marks=pytest.mark.slow),
+        pytest.param("study_file", 4, marks=pytest.mark.slow),
     ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):
