@@ -34,7 +34,7 @@ LONGEST_START = 100
 """Bytes of a file among which the notice stands."""
 
 CONDITION = re.compile(r"#if (CELL_\w+(?: \|\| CELL_\w+)*)\n")
-INCLUDED = re.compile(r'#include "([\w/.]+\.[hc])"\n')
+INCLUDED = re.compile(r'#include "([\w/.]+\.(?:h|c|inc))"\n')
 OURS = "exported/"
 """Folder of the kernel's C for exported libraries; its own includes begin with .. in it."""
 
