@@ -201,7 +201,7 @@ class ParameterDescription(Record):
         kind, numbers = next(((name, tuple(dict(shape).values())) for name, shape in shapes.items()), ("uniform", ()))
         numbers = numbers or (self.from_, self.to)
         if self.steps is not None:
-            return Distribution("steps", tuple(np.linspace(*numbers, self.steps).tolist()))
+            return Distribution("steps", tuple(np.linspace(numbers[0], numbers[1], self.steps).tolist()))
         if sample == "grid":
             rule = "a grid needs to know in how many steps, such as steps: 5"
             if kind != "uniform":
