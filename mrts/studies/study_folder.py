@@ -83,7 +83,7 @@ class StudyFolder:
 
     @property
     def digest(self) -> str:
-        """Of the whole study."""
+        """Hash of the whole study."""
         return str(self.record["digest"])
 
     @property
