@@ -100,9 +100,7 @@ class Command(click.Command):
         with self._errors_of_options(ctx):
             _, _, order = self.make_parser(ctx).parse_args(list(args))
             for param in order:
-                if order.count(param) > 1 and not (
-                    param.multiple or param.is_flag or isinstance(param, click.Argument)
-                ):
+                if isinstance(param, click.Option) and not (param.multiple or param.is_flag) and order.count(param) > 1:
                     raise InputError(param.name or "", "is given twice.")
             return super().parse_args(ctx, args)
 
