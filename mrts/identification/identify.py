@@ -202,10 +202,12 @@ def _rigid_torque(cell: Cell, robot: Robot, motion: RecordedMotion) -> Array:
 
 def _explained(effort: Array, residual: Array, used: NDArray[np.bool_]) -> Array:
     """Share of the effort's variance that is explained, 1 where nothing counts, Shape (n,)."""
-    counted = [(effort[used[:, joint], joint], residual[used[:, joint], joint]) for joint in range(effort.shape[1])]
-    return np.array(
-        [1 - np.mean(rest**2) / np.var(measured) if len(measured) and np.var(measured) > 0 else 1.0 for measured, rest in counted]
-    )
+    shares = np.ones(effort.shape[1])
+    for place, counted in enumerate(used.T):
+        variance = float(np.var(effort[counted, place])) if np.any(counted) else 0.0
+        if variance > 0:
+            shares[place] = 1 - np.mean(residual[counted, place] ** 2) / variance
+    return shares
 
 
 def _remarks(arm: ArmMotors, speed_noise: Array) -> list[Remark]:

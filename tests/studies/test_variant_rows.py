@@ -260,7 +260,7 @@ def test_a_dry_run_says_what_varies_and_how_long_it_takes(wide):
     assert lines[0] == "study.yaml: 48 variants (sobol, seed 3) of cell 'planar_dual_arm'"
     assert lines[1] == "  robots.left.base.xyz[0]: from -1.5 to 0.5 m"
     assert lines[3] == "  object.mass: normal, around 0.4, standard deviation 0.4 kg"
-    assert lines[-1] == "asked of each: range of c², at the samples alone"
+    assert lines[-1] == "asked of each: profile constant, load auto, at the samples alone"
     found = estimate(wide)
     assert sum(found.statuses.values()) == found.tried <= wide.variants
     assert found.seconds() == pytest.approx(found.seconds_each * wide.variants)
