@@ -285,15 +285,11 @@ def _weights(text: str) -> "float | Array":
 
 
 def _rates(text: str) -> bool | float:
-    """What `--rates` asks for: `cell`, or a number > 0."""
-    from mrts.base.argument_types import is_number
-    from mrts.base.input_file import LARGEST_NUMBER
-
+    rule = "must be 'cell', or a number > 0, a multiple of torque limits per second."
     if text == "cell":
         return True
-    rule = f"must be 'cell', or a number > 0 and at most {LARGEST_NUMBER:.0e}, a multiple of torque limits per second."
     share, *more = numbers("rates", text, rule)
-    if more or not is_number(share, 0, LARGEST_NUMBER) or share == 0:
+    if more or share <= 0:
         raise InputError("rates", rule, value=text)
     return share
 

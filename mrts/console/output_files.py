@@ -5,22 +5,15 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Protocol
 
 from mrts.base.errors import InputError, MrtsError
+from mrts.base.json_output import JsonOutput
 from mrts.base.regular_file import FILES_READ
 from mrts.console.exit_codes import BAD_INPUT, FEASIBLE
 from mrts.console.terminal import Style, fail, put, say
 
 NOTES = ("note:", "warning:", "hint:")
 """How a line of an answer begins that is a note."""
-
-
-class JsonAnswer(Protocol):
-    """An answer that has a JSON text."""
-
-    def json_text(self) -> str:
-        """The text."""
 
 
 class Outputs:
@@ -57,7 +50,7 @@ class Outputs:
         lines: Iterable[str],
         outcome: int,
         json: Path | None = None,
-        found: JsonAnswer | None = None,
+        found: JsonOutput | None = None,
         styles: Mapping[str, Style] = MappingProxyType({}),
     ) -> int:
         """Print the answer in words with what was written, or as JSON where '-' asks for that; the exit code.

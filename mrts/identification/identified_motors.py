@@ -39,8 +39,7 @@ class MotorParameter:
         value: Shape (n,), 0 where it is not identified.
         standard_error: Shape (n,), infinity where it is not identified.
         half_width: Half the interval of 95 % confidence, Shape (n,), likewise.
-        identified: Whether the motion shows it, Shape (n,).
-        reasons: Why it does not, "" where it does, one a joint.
+        reasons: Why the motion does not show it, "" where it does, one a joint.
         bounded: Whether it is 0 because it must not be negative, Shape (n,).
         free: What it would be if it might, Shape (n,).
     """
@@ -48,13 +47,17 @@ class MotorParameter:
     value: Array
     standard_error: Array
     half_width: Array
-    identified: NDArray[np.bool_]
     reasons: tuple[str, ...]
     bounded: NDArray[np.bool_]
     free: Array
 
     def __post_init__(self) -> None:
         freeze(self)
+
+    @property
+    def identified(self) -> NDArray[np.bool_]:
+        """Whether the motion shows it, Shape (n,)."""
+        return np.array([not reason for reason in self.reasons])
 
 
 @dataclass(frozen=True, eq=False)

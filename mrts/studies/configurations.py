@@ -25,7 +25,7 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.range_status import RangeStatus
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.options import Options
-from mrts.scaling.range import ScalingRange
+from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.scale import admissible_range
 
 DEFAULT_CAP = 1024
@@ -130,20 +130,20 @@ class ConfigurationStudy(JsonOutput):
 
     def to_json(self) -> dict[str, Any]:
         """The whole study as JSON values."""
-        ranked = []
-        for configuration in self.ranked:
-            found = configuration.range
-            ends = (found.lower, found.upper) if found.status.admits_motion else (None, None)
-            lower, upper = (end.c2 if end is not None and np.isfinite(end.c2) else None for end in ends)
-            ranked.append(
-                {
-                    "branches": {branch.robot: branch.number for branch in configuration.branches},
-                    "postures": configuration.postures(),
-                    "status": found.status.value,
-                    "c2": {"lower": lower, "upper": upper},
-                    "outcome": outcome(configuration),
-                }
-            )
+
+        def c2(found: ScalingRange, end: RangeEnd | None) -> float | None:
+            return end.c2 if found.status.admits_motion and end is not None and np.isfinite(end.c2) else None
+
+        ranked = [
+            {
+                "branches": {branch.robot: branch.number for branch in one.branches},
+                "postures": one.postures(),
+                "status": one.range.status.value,
+                "c2": {"lower": c2(one.range, one.range.lower), "upper": c2(one.range, one.range.upper)},
+                "outcome": outcome(one),
+            }
+            for one in self.ranked
+        ]
         branches = {
             name: [
                 {"number": b.number, "start": b.start.tolist(), "failure": b.failure and b.failure.message}
@@ -207,13 +207,11 @@ def rank_configurations(
             found.append(_evaluate(of, motion, tracks, choice, how))
         return sorted(found, key=lambda configuration: -configuration.c2_upper)
 
-    ranked: list[Configuration] | None = None
     if scores:
         of = cell if sharing is not None else _without_hands(cell)
-        best = evaluate(chosen, 0, of, replace(options, sharing=sharing or LoadSharing()))[:cap]
-        chosen = [configuration.branches for configuration in best]
-        ranked = best if sharing is not None else None
-    if ranked is None:
+        ranked = evaluate(chosen, 0, of, replace(options, sharing=sharing or LoadSharing()))[:cap]
+        chosen = [configuration.branches for configuration in ranked]
+    if not scores or sharing is None:
         ranked = evaluate(chosen, scores, cell, options)
     progress(total, total)
     return ConfigurationStudy(branches, tuple(ranked), combinations)
@@ -256,14 +254,11 @@ def _evaluate(
     choice: tuple[Branch, ...],
     options: Options,
 ) -> Configuration:
-    parts = []
-    for values in (tracks.q, tracks.dq, tracks.ddq):
-        columns = [
-            values[branch.number - 1][:, joints]
-            for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)
-        ]
-        parts.append(np.concatenate(columns, axis=1))
-    q, dq, ddq = parts
+    places = [(branch.number - 1, joints) for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)]
+    q, dq, ddq = (
+        np.concatenate([values[track][:, joints] for track, joints in places], axis=1)
+        for values in (tracks.q, tracks.dq, tracks.ddq)
+    )
     whole = CoordinatedMotion(motion, q, dq, ddq)
     return Configuration(choice, admissible_range(cell, whole, options)[0].range)
 

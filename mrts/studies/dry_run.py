@@ -63,10 +63,7 @@ def study_lines(study: Study) -> Iterator[str]:
     for parameter in study.parameters:
         yield f"  {parameter}"
     question = study.question
-    asked = ["range of c²" if question.profile == "constant" else "fastest timing"]
-    asked += ["energy and torques"] if question.torques else []
-    asked += [f"load: {question.load}"] if question.load != "auto" else []
-    asked += [f"reserve {question.reserve:g}"] if question.reserve is not None else []
+    asked = [f"{name} {value}" for name, value in question if name != "between" and value not in {None, False}]
     samples = "at the samples alone" if question.between is None else f"between the samples to {question.between:g}"
     yield f"asked of each: {', '.join(asked)}, {samples}"
 

@@ -197,11 +197,11 @@ class ParameterDescription(Record):
             raise InputError("", f"{rule}.", key="steps", value=self.steps)
         if self.values is not None:
             return Distribution("values", tuple(self.values))
-        shapes = {name: getattr(self, name) for name in SHAPES if getattr(self, name) is not None}
-        kind, numbers = next(((name, tuple(dict(shape).values())) for name, shape in shapes.items()), ("uniform", ()))
-        numbers = numbers or (self.from_, self.to)
         if self.steps is not None:
-            return Distribution("steps", tuple(np.linspace(numbers[0], numbers[1], self.steps).tolist()))
+            return Distribution("steps", tuple(np.linspace(self.from_ or 0, self.to or 0, self.steps).tolist()))
+        shapes = {name: getattr(self, name) for name in SHAPES if getattr(self, name) is not None}
+        kind, shape = next(iter(shapes.items()), ("uniform", None))
+        numbers = (self.from_ or 0.0, self.to or 0.0) if shape is None else tuple(dict(shape).values())
         if sample == "grid":
             rule = "a grid needs to know in how many steps, such as steps: 5"
             if kind != "uniform":

@@ -24,7 +24,6 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
-from mrts.base.printable import message_text
 from mrts.base.version import __version__
 from mrts.limits.row_check import limit_name
 from mrts.studies.study import Study
@@ -83,7 +82,7 @@ class StudyFolder:
 
     @property
     def digest(self) -> str:
-        """Of the whole study."""
+        """Hash of the whole study."""
         return str(self.record["digest"])
 
     @property
@@ -334,25 +333,7 @@ def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
             f"was begun by mrts {before['mrts']}, this is {now['mrts']}: end it with that one, or name another folder."
         )
         raise InputError(folder.path, rule)
-    advice = "Name another folder, or take back what was changed."
-    old, new = dict(_leaves(before["study"])), dict(_leaves(now["study"]))
-    changed = [key for key in [*new, *old] if (key in old, old.get(key)) != (key in new, new.get(key))]
-    if not changed:
-        raise InputError(folder.path, f"holds another study: the table of its motion was another one. {advice}")
-    key = changed[0]
-    was = message_text(json.dumps(old[key], ensure_ascii=False)) if key in old else "not there"
-    raise InputError(
-        folder.path, f"holds another study, in which this is {was}. {advice}", key=key, value=new.get(key, "not there")
-    )
-
-
-def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """The values inside of a JSON value that have none inside, by path."""
-    if isinstance(value, dict) and value:
-        for key, inside in value.items():
-            yield from _leaves(inside, f"{path}.{key}" if path else key)
-    elif isinstance(value, list) and value:
-        for index, inside in enumerate(value):
-            yield from _leaves(inside, f"{path}[{index}]")
-    else:
-        yield path, value
+    changed = [name for name, value in now["study"].items() if before["study"].get(name) != value]
+    what = ", ".join(changed) or "the table of its motion"
+    rule = f"holds another study, which differs in {what}. Name another folder, or take back what was changed."
+    raise InputError(folder.path, rule)

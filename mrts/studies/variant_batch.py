@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import MrtsError
-from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
-from mrts.base.rigid_transform import plane_normal, rotations_from_rpy
+from mrts.base.rigid_transform import rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
 from mrts.following.variant_tracking import TrackedVariants, track_variants
@@ -35,7 +34,6 @@ from mrts.scaling.range import RangeEnd, contradiction
 from mrts.studies.study import Study
 from mrts.studies.variant_numbers import (
     LIMITS,
-    NEAR_A_RULE,
     PATH_ENDS,
     Entry,
     VariantNumbers,
@@ -60,8 +58,8 @@ def batch_for(study: Study) -> "VariantBatch | None":
 
     Covered are ranges of a constant factor at the samples, for a known load and a free distribution of it, on a path
     from pose to pose or one that does not vary, with varied poses, gravity, object, postures, duration, and limits of
-    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal, and whose hands do not turn
-    with contacts that are limited in axes of their own.
+    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal. Arms of a planar cell, and
+    hands with contacts that are limited in axes of the tip, must not turn.
     """
     question = study.question
     asked = (question.profile, question.torques, question.between) == ("constant", False, None)
@@ -90,7 +88,8 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     free = np.concatenate([np.isinf(lower) & np.isinf(upper) for lower, upper in bounds])
     limited = {entry.index[0] for entry in entries if entry.name.startswith("wrench")}
     has_rows = not np.any(free[list(limited)])  # a limit on what the cell leaves free is a row more than it has
-    return ideal and has_rows and not turned_in_tip
+    may_tilt = cell.plane is not None and not names.isdisjoint({"base_rpy", "grasp_rpy"})
+    return ideal and has_rows and not turned_in_tip and not may_tilt
 
 
 class VariantBatch:
@@ -156,7 +155,7 @@ class VariantBatch:
         refused = numbers.doubtful()
         geometry, path = numbers.geometry(self._cell), self._path(numbers, refused)
         if self._cell.plane is not None:
-            refused |= leaves_plane(self._cell, path["twist"]) | _tilted(self._cell, geometry)
+            refused |= leaves_plane(self._cell, path["twist"])
         tracked = track_variants(self._cell, path, geometry, numbers["posture"], refused)
         given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits(numbers)}
         found = variant_ranges(self._cell.library, tracked.joints, self._sparse, SampleTerms(), self._order, given)
@@ -272,16 +271,3 @@ def _range_row(record: np.void, time: Array, rows: Sequence[list[ActiveRow]]) ->
     if np.isinf(high):
         return row | {"status": RangeStatus.UNBOUNDED.value, "reason": RangeStatus.UNBOUNDED.advice}
     return row | {"status": RangeStatus.FEASIBLE.value}
-
-
-def _tilted(cell: Cell, geometry: Array) -> NDArray[np.bool_]:
-    """Variants of a planar cell of which a base or a hand may be tilted out of the plane, Shape (V or 1,)."""
-    normal = plane_normal(cell.plane or "xy")
-    tilted = np.zeros(len(geometry), dtype=bool)
-    for index, robot in enumerate(cell.robots):
-        first = GRAVITY_SIZE + ROBOT_SIZE * index
-        for start, turned in ((first, np.eye(3)), (first + ROBOT_SIZE // 2, robot.T_base_tip.R)):
-            rotation = geometry[:, start : start + 9].reshape(-1, 3, 3)
-            along = normal @ rotation @ turned.T
-            tilted |= np.max(np.abs(along - normal), axis=1) > NEAR_A_RULE
-    return tilted
