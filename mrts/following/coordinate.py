@@ -66,8 +66,8 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
     check_joint_limits(cell, known.time, q, PRINTED_TOLERANCE)
     carried = carried_by_first(cell, known.time, q, dq, ddq, smooth=False)
     given = CoordinatedMotion(carried.object, q, dq, ddq, (*known.remarks, *remarks))
-    closed = close_chain(cell, given, bound, str(table.path), carried=True, source=known.differentiated.get(names[0]))
-    if not known.differentiated.keys() >= set(names):
+    closed = close_chain(cell, given, bound, str(table.path), carried=True, source=known.source(names[0]))
+    if not known.splines.keys() >= set(names):
         return closed
     splines = tuple(known.splines[name] for name in names)
     return replace(closed, course=JointCourse(splines, closed is not given))

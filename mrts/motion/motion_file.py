@@ -16,8 +16,7 @@ from mrts.motion.csv_motion import MAX_SAMPLES, read_table
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_courses import geodesic_motion, waypoint_motion
 from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
-from mrts.motion.ros_messages import is_bag
-from mrts.motion.ros_trajectory import read_joint_trajectories
+from mrts.motion.ros_messages import is_bag, read_joint_trajectories
 from mrts.motion.velocity_profile import PROFILES
 
 MIN_SAMPLES = 11

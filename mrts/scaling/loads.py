@@ -7,7 +7,7 @@ corners: no grid, no nonlinear program, nothing approximate.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -20,7 +20,6 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import Conflict
@@ -41,7 +40,7 @@ LARGEST_GRID = 10_000
 
 
 @dataclass(frozen=True, repr=False)
-class LoadStudy(InNotebooks):
+class LoadStudy:
     """What was asked of an uncertain load, and the answer for each load that was looked at.
 
     Attributes:
@@ -60,11 +59,6 @@ class LoadStudy(InNotebooks):
 
     def __repr__(self) -> str:
         return f"<LoadStudy {self.sentence()}>"
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """The range of every load that was looked at."""
-        rows = [(str(point), repr(found).strip("<>")) for point, found in zip(self.points, self.ranges, strict=True)]
-        yield NotebookTable(("load", "range"), rows)
 
     def sentence(self) -> str:
         """The question and the box in words."""

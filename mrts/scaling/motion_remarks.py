@@ -7,7 +7,7 @@ from mrts.base.arrays import Array
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.motion.object_courses import Geodesic, WaypointPath
+from mrts.motion.object_courses import ProfiledPath
 from mrts.scaling.range import RangeEnd, ScalingRange
 
 ENDS_AT_REST = 0.05
@@ -183,7 +183,7 @@ def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) ->
 
 
 def _of_spline(motion: CoordinatedMotion, lost: float, told: str) -> tuple[Remark, ...]:
-    if isinstance(motion.object.course, Geodesic | WaypointPath) or lost <= REMARKED:
+    if isinstance(motion.object.course, ProfiledPath) or lost <= REMARKED:
         return ()
     text = (
         "between the given samples the motion is the spline that mrts lays through them, known only as well as they "

@@ -24,7 +24,7 @@ RATES = {"torque rate", "wrench rate", "jerk"}
 
 
 @dataclass(frozen=True)
-class RangeEnd(InNotebooks):
+class RangeEnd:
     """One end of the range over the motion.
 
     Attributes:
@@ -49,10 +49,6 @@ class RangeEnd(InNotebooks):
             SolverError: If no solver answers.
         """
         return self.named() if callable(self.named) else self.named
-
-    def notebook_words(self) -> list[str]:
-        """The rows that bind there."""
-        return list(map(str, self.rows))
 
     def to_json(self) -> dict[str, Any] | None:
         """Entry of "binding" in the JSON result; None if nothing limits this end."""

@@ -12,7 +12,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
 from mrts.limits.rows import ActiveRow
-from mrts.motion.object_courses import Geodesic, PoseSplines, WaypointPath
+from mrts.motion.object_courses import PoseSplines, ProfiledPath
 from mrts.program.excess import BETWEEN, Excess
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
@@ -99,7 +99,7 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
     time = motion.object.time
     doubtful = np.ones(len(time) - 1, dtype=bool)
     of_object = motion.object.course
-    if motion.samples >= COARSE and (of_object is None or isinstance(of_object, Geodesic | WaypointPath | PoseSplines)):
+    if motion.samples >= COARSE and (of_object is None or isinstance(of_object, ProfiledPath | PoseSplines)):
         h, dq, ddq = np.diff(time)[:, None], motion.dq, motion.ddq
         steps = np.diff(motion.q, axis=0)
         missed = steps - h / 2 * (dq[1:] + dq[:-1]) - h**2 / 12 * (ddq[:-1] - ddq[1:])

@@ -31,8 +31,7 @@ from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.options import Options
 from mrts.scaling.result import Result, ScalingResult, kept_text
-from mrts.scaling.scale import SelectionError, chosen_factor
-from mrts.scaling.torques import with_torques
+from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.retimed_motion import FastestPiece, SmoothPiece, TimedPiece, at_segment_ends, new_times
 

@@ -30,7 +30,7 @@ from mrts.program.successive_steps import CONVERGED
 from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
 from mrts.scaling.options import Limit, Options, limited_cell
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.torques import with_torques
+from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.path_pieces import NoPath, smooth_nodes
