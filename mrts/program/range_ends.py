@@ -151,19 +151,16 @@ class RangeEnds:
         self.several |= other.several
 
 
-def codes_of_duals(
-    problem: SampleProblem, dual: Array, standstill: NDArray[np.bool_] | None = None
-) -> NDArray[np.int32]:
-    """Codes of the rows with a multiplier, strongest first; rows of the object's balance are laws and are left out.
+def codes_of_duals(dual: Array, standstill: NDArray[np.bool_] | None = None) -> NDArray[np.int32]:
+    """Codes of the rows with a multiplier, strongest first.
 
     Args:
-        problem: Rows.
         dual: Multipliers of one end, Shape (N, r).
         standstill: Where c² >= 0 binds too, Shape (N,).
     """
     size = np.abs(dual)
     order = np.argsort(-size, axis=1, kind="stable")
-    strong = (size > BINDING_TOLERANCE * np.max(size, axis=1, initial=0.0, keepdims=True)) & problem.is_limit
+    strong = size > BINDING_TOLERANCE * np.max(size, axis=1, initial=0.0, keepdims=True)
     codes = np.where(strong, np.where(dual > 0, 1, -1) * np.arange(1, dual.shape[1] + 1), 0)
     first = np.zeros((len(dual), 1)) if standstill is None else np.where(standstill, -1 - dual.shape[1], 0)[:, None]
     return np.concatenate([first, np.take_along_axis(codes, order, axis=1)], axis=1).astype(np.int32)
@@ -344,24 +341,15 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     duals[1][free] = 0.0
     weight = np.maximum(np.max(np.abs(duals[0]), axis=1, initial=0.0), still := np.abs(least.bound_dual[:, -1]))
     duals[0][np.abs(duals[0]) <= BINDING_TOLERANCE * weight[:, None]] = 0.0
-    codes = [codes_of_duals(problem, duals[0], still > BINDING_TOLERANCE * weight), codes_of_duals(problem, duals[1])]
+    codes = [codes_of_duals(duals[0], still > BINDING_TOLERANCE * weight), codes_of_duals(problem, duals[1])]
     undecided = ~(least.verified & largest.verified)
     rows, fallbacks = rows_of_problem(problem, np.stack(codes)), least.fallbacks + largest.fallbacks
     return RangeEnds(ends[0], np.where(free, np.inf, ends[1]), rows, undecided, fallbacks)
 
 
 def effect_of_speed(problem: SampleProblem) -> Array:
-    """Largest effect of c² = 1 on a limit, or on a balance that other unknowns of the size of their limits keep."""
-    size = np.abs(problem.A)
-    limits = size[:, problem.is_limit]
-    effect: Array = np.max(limits[:, :, -1], axis=1, initial=0.0)
-    laws = size[:, ~problem.is_limit]
-    if laws.shape[1] == 0:
-        return np.where(effect > NO_EFFECT, effect, 0.0)
-    reach = np.max(limits[:, :, :-1], axis=1, initial=0.0)  # 1 / size of each unknown at its limits
-    terms = np.max(laws[:, :, :-1] / np.where(reach > 0, reach, 1.0)[:, None, :], axis=2)
-    in_laws: Array = np.max(laws[:, :, -1] / np.where(terms > 0, terms, 1.0), axis=1)
-    effect = np.maximum(effect, in_laws)
+    """Largest effect of c² = 1 on a limit, Shape (N,)."""
+    effect: Array = np.max(np.abs(problem.square), axis=1, initial=0.0)
     return np.where(effect > NO_EFFECT, effect, 0.0)
 
 
@@ -452,7 +440,7 @@ def highest_intervals(problem: SampleProblem, most: Array) -> SpeedIntervals:
 def speed_unit(problem: SampleProblem) -> Array:
     """The c² of each sample that, with its own c, moves some row by about one limit; 0 at rest, Shape (N,)."""
     assert problem.speed is not None  # noqa: S101 (asked of rows with a column of ṙ)
-    moving = ~problem.is_cap & problem.is_limit
+    moving = ~problem.is_cap
     square = np.max(np.abs(problem.square[:, moving]), axis=1, initial=0.0)
     effect = np.maximum(square, np.max(np.abs(problem.speed[:, moving]), axis=1, initial=0.0) ** 2)
     with np.errstate(divide="ignore"):
@@ -475,11 +463,9 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     if end == "lower" and c2 * float(effect_of_speed(problem)[0]) <= WIDER:
         return (ActiveRow(STANDSTILL, "lower", 0.0),)
     moving = np.flatnonzero(~problem.is_cap)
-    is_limit = problem.is_limit[moving]
-    widening = WIDER * is_limit
     lower, upper = (limit[0, moving] for limit in problem.limits_at(c2))
-    lower, upper = lower - widening, upper + widening
-    apart = is_limit & (upper - lower > 2 * NEAR)
+    lower, upper = lower - WIDER, upper + WIDER
+    apart = upper - lower > 2 * NEAR
     rows, lows = np.nonzero(np.column_stack([apart & np.isfinite(upper), apart & np.isfinite(lower)]))
     distance = _largest_distance(problem.free[0, moving], lower, upper, rows, np.where(lows, -1.0, 1.0))
     tight = np.flatnonzero(distance <= NEAR)
@@ -501,7 +487,7 @@ def tight_codes(problem: SampleProblem, lower: Array, upper: Array) -> NDArray[n
         lower: c²⁻(t), Shape (N,).
         upper: c²⁺(t), Shape (N,); there are no rows where an end is not finite.
     """
-    apart = problem.is_limit & (problem.upper - problem.lower > 2 * NEAR)
+    apart = problem.upper - problem.lower > 2 * NEAR
     sides = np.zeros((2, *apart.shape), dtype=np.int8)
     for end, c2 in enumerate((lower, upper)):
         there = np.isfinite(c2)[:, None]

@@ -177,7 +177,7 @@ def _ends(problem: SampleProblem, solver: str, high: float) -> RangeEnds:
         low, top = found.dual.copy()
         caps, capped = problem.is_cap, found.upper >= problem.cap() * (1 - POINT_TOLERANCE)
         top[:, caps] = capped[:, None] * binds(problem.cap_share) * np.sign(problem.square[:, caps])
-        codes = np.stack([codes_of_duals(problem, low, found.lower == 0), codes_of_duals(problem, top)])
+        codes = np.stack([codes_of_duals(low, found.lower == 0), codes_of_duals(problem, top)])
     rows = rows_of_problem(problem, codes)
     return RangeEnds(found.lower, found.upper, rows, found.status[0] != OPTIMAL, 0, several)
 
@@ -219,5 +219,5 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
 
 def _widened(problem: SampleProblem) -> SampleProblem:
     """The same problem with limits wider by what `find_conflicts` cannot tell from nothing."""
-    widening = 2 * CERTIFICATE_TOLERANCE * problem.is_limit
+    widening = 2 * CERTIFICATE_TOLERANCE
     return replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)

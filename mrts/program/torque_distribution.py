@@ -82,7 +82,7 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
     g = np.einsum("nij,ik,nk->nj", free, weights, others)
     lower, upper = problem.limits_at(speed)
-    widening = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), TORQUE_WIDENING, 0.0)
+    widening = np.where(problem.limit_lower < problem.limit_upper, TORQUE_WIDENING, 0.0)
     programs = ConvexPrograms(
         H=H,
         g=g,
