@@ -166,51 +166,11 @@ def codes_of_duals(dual: Array, standstill: NDArray[np.bool_] | None = None) -> 
     return np.concatenate([first, np.take_along_axis(codes, order, axis=1)], axis=1).astype(np.int32)
 
 
-@dataclass(frozen=True)
-class LoadSensitivity:
-    """How rows move when a load's parameter goes from its least to its largest value; p parameters.
-
-    In row units: a row reads A x + Σ_j s_j (c2[j] c² + offset[j]) with every s_j in [0, 1].
-
-    Attributes:
-        c2: Change of the coefficient of c², Shape (p, N, r).
-        offset: Change of the value at c² = 0, Shape (p, N, r).
-    """
-
-    c2: Array
-    offset: Array
-
-
-def load_sensitivity(least: SampleProblem, others: list[SampleProblem]) -> LoadSensitivity:
-    """Differences of the rows of p + 1 loads, exact as rows are affine in the load.
-
-    Args:
-        least: Rows with every parameter at its least value.
-        others: Rows with one parameter at its largest value, one problem a parameter.
-    """
-    shape = (len(others), *least.A.shape[:2])
-    c2 = np.array([other.square - least.square for other in others]).reshape(shape)
-    upper = np.isfinite(least.upper)
-    finite = np.where(upper, least.upper, least.lower)  # limits move opposite to the offset of their row
-    offset = np.array([finite - np.where(upper, other.upper, other.lower) for other in others]).reshape(shape)
-    return LoadSensitivity(c2, offset)
-
-
-def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | None = None) -> RangeEnds:
-    """Eqs. (38), (39): every row bounds c² by itself; `intersect` adds the intersection over t.
-
-    With an uncertain load a row's worst value over the box is a convex, piecewise linear function of c², as each
-    parameter takes its worse end by itself; so a row still bounds c² to an interval, and no corner is enumerated.
-
-    Args:
-        problem: Rows in which c² is the only unknown; those of the least parameters if the load is uncertain.
-        sensitivity: Effect of the uncertain parameters; None if the load is known.
-    """
+def ends_in_closed_form(problem: SampleProblem) -> RangeEnds:
+    """Eqs. (38), (39): every row bounds c², the only unknown, by itself; `intersect` adds the intersection over t."""
     slope = problem.square
-    none = np.zeros((0, *slope.shape))
-    c2, offset = (none, none) if sensitivity is None else (sensitivity.c2, sensitivity.offset)
-    least_by_upper, most_by_upper = _worst_below_zero(slope, -problem.upper, c2, offset)
-    least_by_lower, most_by_lower = _worst_below_zero(-slope, problem.lower, -c2, -offset)
+    least_by_upper, most_by_upper = _below_zero(slope, -problem.upper)
+    least_by_lower, most_by_lower = _below_zero(-slope, problem.lower)
     least, most = np.maximum(least_by_upper, least_by_lower), np.minimum(most_by_upper, most_by_lower)
     lower, upper = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
     sides = [
@@ -249,54 +209,13 @@ def tied_sides(ends: Array, c2: Array, by_upper: NDArray[np.bool_]) -> NDArray[n
     return np.where(near, np.where(by_upper, 1, -1), 0).astype(np.int8)
 
 
-def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, c2: Array) -> NDArray[np.bool_]:
-    """Which parameters are at their largest value in the load that comes closest to a limit, Shape (N, p).
-
-    Args:
-        problem: Rows of the least parameters.
-        sensitivity: Effect of the parameters.
-        c2: At this c² of each sample, Shape (N,).
-    """
-    effect = sensitivity.c2 * c2[:, None] + sensitivity.offset
-    value = problem.square * c2[:, None]
-    if not value.size:
-        return np.zeros((len(c2), len(effect)), dtype=bool)  # no limit to come close to
-    above = value + np.sum(np.maximum(effect, 0.0), axis=0) - problem.upper
-    below = problem.lower - value - np.sum(np.minimum(effect, 0.0), axis=0)
-    row, samples = np.argmax(np.maximum(above, below), axis=1), np.arange(len(c2))
-    at_upper = (above >= below)[samples, row]
-    there = effect[:, samples, row]
-    return np.asarray(np.where(at_upper, there > 0, there < 0)).T
-
-
-def _worst_below_zero(a: Array, b: Array, d: Array, e: Array) -> tuple[Array, Array]:
-    """Where a c² + b + Σ_j max(0, d_j c² + e_j) <= 0 with c² >= 0: an interval, [∞, -∞] if nowhere.
-
-    Args:
-        a: Shape (N, r).
-        b: Shape (N, r), minus infinity where there is no limit.
-        d: Shape (p, N, r).
-        e: Shape (p, N, r).
-    """
+def _below_zero(a: Array, b: Array) -> tuple[Array, Array]:
+    """Where a c² + b <= 0 with c² >= 0: an interval, [∞, -∞] if nowhere."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        turns = np.where(d != 0, -e / d, 0.0)
-    turns = np.sort(np.where(np.isfinite(turns) & (turns > 0), turns, 0.0), axis=0)
-    corners = np.concatenate([np.zeros((1, *a.shape)), turns])
-    values = a * corners + b + np.sum(np.maximum(0.0, d[:, None] * corners + e[:, None]), axis=0)
-    lower, upper = np.full(a.shape, np.inf), np.full(a.shape, -np.inf)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for index in range(len(corners)):
-            start, at_start = corners[index], values[index]
-            if index + 1 < len(corners):
-                stop, at_stop = corners[index + 1], values[index + 1]
-                root = start + (stop - start) * (at_start / (at_start - at_stop))
-            else:
-                growth = a + np.sum(np.maximum(0.0, d), axis=0)
-                stop, at_stop = np.full(a.shape, np.inf), np.where(growth == 0, at_start, growth)
-                root = start - at_start / growth
-            inside, ends_inside = at_start <= 0, at_stop <= 0
-            lower = np.minimum(lower, np.where(inside, start, np.where(ends_inside, root, np.inf)))
-            upper = np.maximum(upper, np.where(ends_inside, stop, np.where(inside, root, -np.inf)))
+        root = 0.0 - b / a
+    inside, falls = b <= 0, a < 0
+    lower = np.where(inside, 0.0, np.where(falls, root, np.inf))
+    upper = np.where(falls | (inside & (a == 0)), np.inf, np.where(inside, root, -np.inf))
     return lower, upper
 
 
