@@ -63,9 +63,8 @@ if TYPE_CHECKING:
     from mrts.studies.study_folder import StudyFolder, read_study_folder
     from mrts.sweeps.sweep import sweep
     from mrts.sweeps.sweep_progress import SweepProgress
-    from mrts.timing.result import RetimingResult, RetimingStatus
+    from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
     from mrts.timing.retime import retime
-    from mrts.timing.smooth_piece import SmoothAnswer
 
 _HOMES = {
     "ActiveRow": "limits.rows",
@@ -126,7 +125,7 @@ _HOMES = {
     "ScalingResult": "scaling.result",
     "ScalingStatus": "program.range_status",
     "SelectionError": "scaling.scale",
-    "SmoothAnswer": "timing.smooth_piece",
+    "SmoothAnswer": "timing.result",
     "SolverError": "base.errors",
     "SpeedAnswer": "scaling.what_if",
     "WhatIf": "scaling.what_if",

@@ -7,7 +7,7 @@ corners: no grid, no nonlinear program, nothing approximate.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
@@ -20,7 +20,6 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import Conflict
@@ -40,7 +39,7 @@ LARGEST_GRID = 10_000
 
 
 @dataclass(frozen=True, repr=False)
-class LoadStudy(InNotebooks):
+class LoadStudy:
     """What was asked of an uncertain load, and the answer for each load that was looked at.
 
     Attributes:
@@ -59,11 +58,6 @@ class LoadStudy(InNotebooks):
 
     def __repr__(self) -> str:
         return f"<LoadStudy {self.sentence()}>"
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """The range of every load that was looked at."""
-        rows = [(str(point), repr(found).strip("<>")) for point, found in zip(self.points, self.ranges, strict=True)]
-        yield NotebookTable(("load", "range"), rows)
 
     def sentence(self) -> str:
         """The question and the box in words."""
@@ -154,9 +148,6 @@ def ranges_of_load(
         load: Load vector, Shape (10,); None is the cell's.
         high: As in `range_at_samples`.
         rows: As in `motion_ranges`.
-
-    Raises:
-        SolverError: If no solver answers.
     """
     return motion_ranges(cell, motion, options.formulation, options.sharing, options.solver, load, high, rows)
 
@@ -210,10 +201,6 @@ def effective_parameters(
 def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
     """The paper's exhaustive search along k_m (below (46)): evenly spaced masses, both ends included.
 
-    Args:
-        box: What the load is known within.
-        question: "grid", or "grid:N" for N masses.
-
     Raises:
         InputError: If it is another question, or the mass does not vary.
     """
@@ -239,7 +226,7 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
     """
 
     def loads(chosen: NDArray[np.intp], own: Sequence[Sequence[LoadPoint] | None]) -> tuple[LoadPoint, ...]:
-        return tuple(points[k] or own[k][sample] for sample, k in enumerate(chosen.tolist()))  # type: ignore[index]
+        return tuple(points[k] or own[k][sample] for sample, k in enumerate(chosen.tolist()))
 
     inward = 1.0 if every else -1.0
     low, high = (inward * np.array([getattr(found, end) for found in ranges]) for end in ("lower", "upper"))

@@ -14,7 +14,7 @@ from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.base.rigid_transform import plane_normal, rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
-from mrts.following.variant_tracking import TrackedVariants, VariantTracking
+from mrts.following.variant_tracking import TrackedVariants, track_variants
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import PATH, REFUSED
@@ -199,7 +199,6 @@ class VariantBatch:
         reserve = cell.reserve if study.question.reserve is None else study.question.reserve
         still = np.zeros((len(motion.time), sum(len(robot.joints) for robot in cell.robots)))
         self._limits = VariantLimits(cell, CoordinatedMotion(motion, still, still, still), reserve)
-        self._tracking = VariantTracking(cell)
         self._base = base_numbers(study, cell)
         varied = {entry.name for entry in entries}
         m = still.shape[1]
@@ -232,7 +231,7 @@ class VariantBatch:
         geometry, path = numbers.geometry(self._cell), self._path(numbers, refused)
         if self._cell.plane is not None:
             refused |= leaves_plane(self._cell, path["twist"]) | _tilted(self._cell, geometry)
-        tracked = self._tracking.follow(path, geometry, numbers["posture"], refused)
+        tracked = track_variants(self._cell, path, geometry, numbers["posture"], refused)
         given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits.of(numbers, geometry)}
         found = variant_ranges(
             self._cell.library, tracked.joints, self._limits.sparse, SampleTerms(), self._order, given

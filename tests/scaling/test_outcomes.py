@@ -202,7 +202,7 @@ def test_a_quintic_is_unbounded_only_at_its_ends(planar_cell, lift):
         assert set(status[1:-1]) == {mrts.SampleStatus.FEASIBLE}
 
 
-@pytest.mark.parametrize("c2", [3.1, 0.0, -1.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("c2", [3.1, 0.0, -1.0, float("nan"), float("inf"), 10**400])
 def test_a_value_outside_the_range_is_refused_with_the_range(planar_cell, lift, c2):
     with pytest.raises(mrts.SelectionError, match=r"\[0, 3\.0618") as caught:
         mrts.scale(planar_cell, lift, c2)
