@@ -38,9 +38,11 @@ class Readings:
         if state is None:
             self._torques.content = self._wrenches.content = self._velocities.content = ""
             return
-        colours = self._scene.colours
-        self._torques.content = bars_html("torque", state.torque_bars(), colours)
-        self._wrenches.content = bars_html("wrench", state.wrench_bars(), colours)
-        further = "".join(bars_html(kind, bars, colours) for kind, bars in state.further_bars().items())
-        velocities = bars_html("velocity", state.velocity_bars(), colours, kept=state.keeps_velocities)
-        self._velocities.content = velocities + further
+        colours, bars = self._scene.colours, state.bars()
+        self._torques.content = bars_html("torque", bars.pop("torque"), colours)
+        self._wrenches.content = bars_html("wrench", bars.pop("wrench"), colours)
+        velocities = {robot: of for robot, of in bars.pop("velocity").items() if robot != "object"}
+        kept = state.result.cell.enforces_velocity_limits
+        self._velocities.content = bars_html("velocity", velocities, colours, kept=kept) + "".join(
+            bars_html(kind, of_kind, colours) for kind, of_kind in bars.items()
+        )
