@@ -18,6 +18,7 @@ from mrts.limits import all_rows, limit_rows
 from mrts.limits.rows import RowName
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.plots.card import Card, answer_card
 from mrts.program.excess import BETWEEN
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.rate_limits import Rates
@@ -166,13 +167,9 @@ class PlayerState:
 
         Args:
             result: With a trajectory.
-
-        Raises:
-            InputError: If it has none.
         """
         done = result.trajectory
-        if done is None:
-            raise InputError("result", f"has no motion to play: {result.status.value}.")
+        assert done is not None  # noqa: S101 (what is shown has one)
         state = cls.__new__(cls)
         state.sample, state.profile, state.timing, state.refusal, state.is_saved = 0, "constant", None, "", True
         state.result, state.speeds = result, Speeds({}, done.c, done.c, 1.0, done.c)
@@ -190,6 +187,13 @@ class PlayerState:
         """The result with the trajectory at the chosen speed, whether or not that is admissible."""
         done, result = self.trajectory, self.result
         return replace(result, found=result.range, c2=done.c2, trajectory=done)
+
+    @property
+    def card(self) -> Card:
+        """The answer in one line, and the limits that are nearest; where no speed is admissible, why."""
+        if self.timing is not None and self.trajectory.c2 == 1:
+            return answer_card(self.timing)
+        return answer_card(self.played if self.result.status.admits_motion else self.result)
 
     @property
     def deciding(self) -> DecidingLimit | None:
