@@ -117,8 +117,8 @@ def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
     state = PlayerState(cell, lift)
     state.sample = 30
     done = state.trajectory
-    bars = state.further_bars()
-    assert set(bars) == {TORQUE_SPEED, "motor speed"}
+    bars = state.bars()
+    assert set(bars) == {"torque", "wrench", "velocity", TORQUE_SPEED, "motor speed"}
     for bar in bars[TORQUE_SPEED]["left"]:
         j = ["shoulder", "elbow"].index(bar.name)
         assert bar.value == pytest.approx(done.torque[30, j])
@@ -130,7 +130,7 @@ def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
     assert "left/shoulder" in bars_html(TORQUE_SPEED, bars[TORQUE_SPEED])
     state.choose_speed(state.speeds.upper)  # beyond: some bar is over its limit, and all is still drawn
     assert not state.admissible
-    assert bars_html(TORQUE_SPEED, state.further_bars()[TORQUE_SPEED])
+    assert bars_html(TORQUE_SPEED, state.bars()[TORQUE_SPEED])
 
 
 def test_the_fastest_timing_has_its_pictures_and_numbers_too(cell, lift, tmp_path):

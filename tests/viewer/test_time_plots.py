@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import mrts
+from mrts.cli import main
 from mrts.plots.limit_shares import limit_shares
 from mrts.plots.plot import Axis, Line, Panel
 from mrts.plots.plotly_drawer import MOST_SAMPLES
@@ -84,6 +85,17 @@ def test_a_saved_timing_has_its_phase_plane(planar_cell, lift, tmp_path):
     (piece,) = found.pieces
     np.testing.assert_allclose(along / along[-1], piece.piece.arc / piece.piece.arc[-1], atol=SUMMED)
     np.testing.assert_allclose(height / np.max(height), piece.arc_speed / np.max(piece.arc_speed), atol=SUMMED)
+
+
+def test_what_some_load_admits_has_no_motion_to_play(planar_cell, tmp_path, capsys):
+    start, end = ({"xyz": [1.25, y, 0.0]} for y in (1.0, 1.5))
+    description = mrts.MotionDescription(start=start, end=end, duration=0.6, samples=11, profile="quintic")
+    motion = mrts.sample_motion(description)
+    found = mrts.scale(planar_cell.with_variation(mass=(0.5, 2.0)), motion, load="possible")
+    mrts.save_result(found, tmp_path / "possible.npz")
+    assert found.status.admits_motion
+    assert main(["view", str(tmp_path / "possible.npz"), "--no-open"]) == 2
+    assert "chooses no c² and no torques" in capsys.readouterr().err
 
 
 def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_cell, lift, tmp_path, monkeypatch):
