@@ -93,13 +93,14 @@ def kernel_ends(library: CellLibrary, inputs: dict[str, Array], rows: MotionRows
     name, between = ("mrts_speed_ranges", [gap]) if speeds else ("mrts_ranges", [])
     outputs = [lower, upper, *between, *status, effect, *basis, *dual]
     library.over_samples(name, count, inputs, rows.sparse, rows.terms(), [np.minimum(most, INFINITY)], outputs)
+    upper += 0.0  # no minus zero
     return RangeEnds(lower, upper, _codes_of_bases(rows, basis, dual), np.max(status, axis=0), gap, effect)
 
 
 def known_ends(
     library: CellLibrary, function: str, inputs: dict[str, Array], rows: MotionRows, most: Array
 ) -> RangeEnds:
-    """Eqs. (38), (39) at all samples in one call of the kernel: where c² is the only unknown every row bounds it.
+    """Eqs. (38), (39): where c² is the only unknown every row bounds it; all samples in one call of the kernel.
 
     Arguments are those of `kernel_ends`; the function gives torques and wrenches.
     """
