@@ -2,7 +2,7 @@
 """A study: a cell and a motion of which numbers vary, and what is asked of each variant."""
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -18,7 +18,6 @@ from mrts.base.formats.package_uri import is_uri
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import MAX_FILE_BYTES
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
@@ -75,7 +74,7 @@ class StudyFile:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Study(InNotebooks):
+class Study:
     """Many variants of one cell and one motion. It pickles with all that a worker needs; equal studies ask the same.
 
     Attributes:
@@ -134,11 +133,6 @@ class Study(InNotebooks):
         for limit in limits:
             check_callable("limits", limit)
         return replace(self, limits=limits)
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """What varies."""
-        rows = [(entry.path, entry.distribution.text(entry.unit)) for entry in self.parameters]
-        yield NotebookTable(("number", "varies"), rows)
 
     def points(self, first: int, last: int) -> Array:
         """Values of the parameters of some variants, the same whatever block they are asked for in.

@@ -270,6 +270,7 @@ def test_the_cache_is_keyed_by_content_and_survives_damage(tmp_path, lift, monke
     expected = mrts.scale(mrts.load_cell(tmp_path / "cell.yaml"), lift).range.upper.c2
     second.write_text("damaged")
     library = next((cache_folder() / "lib").glob("*/*.so"))
+    library.unlink()  # another file: this process has the one open
     library.write_bytes(b"damaged")
     script = (
         "import mrts, sys; cell = mrts.load_cell(sys.argv[1]); "
