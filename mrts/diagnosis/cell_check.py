@@ -3,7 +3,7 @@
 
 import shlex
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -146,7 +146,7 @@ class CellCheck(InNotebooks, JsonOutput):
             "hints": [remark.to_json() for remark in self.hints],
             "problem": self.problem or None,
             "arms": [_arm_json(arm) for arm in self.arms],
-            "joints": [_finite_json(asdict(joint)) for joint in self.joints],
+            "joints": _json(self.joints),
             "assumed": [remark.to_json() for remark in self.assumed],
             "warnings": [remark.to_json() for remark in self.warnings],
         }
@@ -273,29 +273,19 @@ def _position_range(lower: float, upper: float, unit: str) -> str:
 
 
 def _arm_json(arm: ArmReach) -> dict[str, Any]:
-    nearest, margin = arm.nearest, arm.margin
-    return {
-        "robot": arm.robot,
-        "follows": arm.follows,
-        "samples": arm.samples,
-        "followed": arm.followed,
-        "time": arm.time,
-        "failure": arm.failure or None,
-        "nearest": nearest
-        and {"gap": nearest.gap, "off": nearest.off.tolist(), "turn": nearest.turn, "q": nearest.q.tolist()},
-        "shift": None if arm.shift is None else arm.shift.tolist(),
-        "machine": list(arm.machine),
-        "posture": None if arm.posture is None else arm.posture.tolist(),
-        "margin": margin and _finite_json(asdict(margin)),
-    }
+    said: dict[str, Any] = _json(arm) | {"follows": arm.follows, "failure": arm.failure or None}
+    del said["ways"]
+    if arm.nearest is not None:
+        said["nearest"] |= {"gap": arm.nearest.gap}
+    return said
 
 
-def _finite_json(values: dict[str, Any]) -> dict[str, Any]:
-    """Values with None for what is unlimited: JSON has no infinity."""
-
-    def finite(value: Any) -> Any:
-        if isinstance(value, tuple):
-            return [finite(each) for each in value]
-        return None if isinstance(value, float) and not np.isfinite(value) else value
-
-    return {key: finite(value) for key, value in values.items()}
+def _json(value: Any) -> Any:
+    """A value as JSON values; None for an infinite number: it stands for no limit."""
+    if is_dataclass(value):
+        return {field.name: _json(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        return [_json(each) for each in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -16,9 +16,7 @@ from mrts.cell.remarks import joint_sources
 from mrts.cell.source_files import is_generated, read_without_generating
 from mrts.diagnosis.arm_reach import ArmReach, of_machine, reach_of
 from mrts.diagnosis.cell_check import CellCheck
-from mrts.diagnosis.motion_units import motion_units
-from mrts.diagnosis.postures_at_start import posture_hints
-from mrts.diagnosis.what_would_work import swapped_columns, what_would_work
+from mrts.diagnosis.hints import motion_units, posture_hints, swapped_columns, what_would_work
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import check_motion
 from mrts.motion.joint_table import JointTable
