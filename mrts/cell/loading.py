@@ -11,7 +11,7 @@ from mrts.base.regular_file import is_folder
 from mrts.cell.cell import Cell
 from mrts.cell.functions import CellFunctions, compiled_functions, uncompiled_functions
 from mrts.cell.generation import described_in_cache, generated_in_cache, motion_functions_of, read_to_generate
-from mrts.cell.record import CellManifest, read_generated
+from mrts.cell.record import read_generated
 from mrts.cell.source_files import is_generated
 
 
@@ -27,29 +27,25 @@ def load_cell(path: Path | str) -> Cell:
     """
     path = as_path("path", path)
     if is_generated(path):
-        manifest, source = read_generated(path if is_folder(path) else path.parent)
-        return cell_from_manifest(manifest, compiled_functions(manifest, source))
-    manifest, source = generated_in_cache(path)
-    return cell_from_manifest(manifest, compiled_functions(manifest, source), path.resolve().parent)
+        return cell_of(compiled_functions(*read_generated(path if is_folder(path) else path.parent)))
+    return cell_of(compiled_functions(*generated_in_cache(path)), path.resolve().parent)
 
 
 def described_cell(description: object, folder: Path | str | None) -> Cell:
     """A cell from a dictionary; see `mrts.Cell.from_description`."""
     check_type("folder", folder, str, PathLike, NoneType)
     here = (Path() if folder is None else as_path("folder", folder)).absolute()
-    manifest, source = described_in_cache(description, here)
-    return cell_from_manifest(manifest, compiled_functions(manifest, source), here)
+    return cell_of(compiled_functions(*described_in_cache(description, here)), here)
 
 
-def cell_from_manifest(manifest: CellManifest, functions: CellFunctions, folder: Path | None = None) -> Cell:
-    """The cell that a manifest describes.
+def cell_of(functions: CellFunctions, folder: Path | None = None) -> Cell:
+    """The cell that the manifest of functions describes.
 
     Args:
-        manifest: The description.
         functions: The generated functions.
         folder: That its URDFs are relative to; None where that is not known.
     """
-    return Cell(**manifest.cell.record(), functions=functions, folder=folder)
+    return Cell(**functions.manifest.cell.record(), functions=functions, folder=folder)
 
 
 def uncompiled_cell(model: Any, folder: Path) -> Cell:
@@ -59,8 +55,7 @@ def uncompiled_cell(model: Any, folder: Path) -> Cell:
         model: The cell with its URDFs, as from `mrts.cell.generation`.
         folder: That its URDFs are relative to, absolute.
     """
-    manifest, functions = motion_functions_of(model)
-    return cell_from_manifest(manifest, uncompiled_functions(manifest, functions), folder)
+    return cell_of(uncompiled_functions(*motion_functions_of(model)), folder)
 
 
 def cell_to_compile(path: Path | str) -> Cell | None:

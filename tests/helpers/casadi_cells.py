@@ -5,7 +5,7 @@ import numpy as np
 from mrts_codegen.generate import generate_cell
 
 from mrts.cell.functions import CellFunctions, uncompiled_functions
-from mrts.cell.loading import cell_from_manifest
+from mrts.cell.loading import cell_of
 
 
 class CasadiFunctions(CellFunctions):
@@ -32,4 +32,4 @@ def casadi_cell(path):
     """The cell of a file."""
     made = generate_cell(path)
     bound = uncompiled_functions(made.record, made.functions).bind
-    return cell_from_manifest(made.record, CasadiFunctions(made.record, bound, made.functions), path.resolve().parent)
+    return cell_of(CasadiFunctions(made.record, bound, made.functions), path.resolve().parent)

@@ -8,7 +8,7 @@ from conftest import DATA
 
 import mrts
 from mrts.cell.functions import CellFunctions
-from mrts.cell.loading import cell_from_manifest
+from mrts.cell.loading import cell_of
 
 KINDS = (
     "planar", "spatial", "infeasible", "empty", "least speed", "unbounded", "guaranteed", "infeasible load",
@@ -30,7 +30,7 @@ def as_if_generated(cell, **changes):
     """The cell with other entries in its manifest, its functions as they are."""
     functions = cell.functions
     manifest = functions.manifest.model_copy(update={"cell": replace(functions.manifest.cell, **changes)}).sealed()
-    return cell_from_manifest(manifest, CellFunctions(manifest, functions.bind, functions.origin))
+    return cell_of(CellFunctions(manifest, functions.bind, functions.origin))
 
 
 def renamed(cell, name, robots, joints):
