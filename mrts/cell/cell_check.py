@@ -14,6 +14,9 @@ from mrts.cell.robot import Robot
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
 
+OF_CELL = ("name", "plane", "wrench_components", "machines")
+"""Attributes of a cell that its functions were generated with."""
+
 OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
 """Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
 
@@ -37,20 +40,11 @@ def check_generated(cell: "Cell") -> None:
     """Check that what the generated functions hold is what they were generated with."""
     manifest = cell.functions.manifest
     made = manifest.cell
-    _refuse_change(
-        [
-            ("name", cell.name, made.name),
-            ("plane", cell.plane, made.plane),
-            ("wrench_components", cell.wrench_components, made.wrench_components),
-            ("machines", cell.machines, made.machines),
-            ("robots", [robot.name for robot in cell.robots], [robot.name for robot in made.robots]),
-            *_of_robots(cell, OF_CHAINS),
-        ],
-        IN_CHAINS,
-    )
+    of_cell = [(key, getattr(cell, key), getattr(made, key)) for key in OF_CELL]
+    ours, theirs = ([robot.name for robot in robots] for robots in (cell.robots, made.robots))
+    _refuse_change([*of_cell, ("robots", ours, theirs), *_of_robots(cell, OF_CHAINS)], IN_CHAINS)
     if manifest.is_baked:
-        gravity = ("gravity", cell.gravity, made.gravity)
-        _refuse_change([gravity, *_of_robots(cell, OF_GEOMETRY)], IN_BAKED)
+        _refuse_change([("gravity", cell.gravity, made.gravity), *_of_robots(cell, OF_GEOMETRY)], IN_BAKED)
 
 
 def check_placement(cell: "Cell") -> None:
@@ -115,10 +109,8 @@ def _refuse_change(pairs: list[tuple[str, object, object]], rule: str) -> None:
 
 
 def _same(ours: object, theirs: object) -> bool:
-    if ours is theirs:
-        return True
     if isinstance(ours, RigidTransform) and isinstance(theirs, RigidTransform):
-        return _same(ours.R, theirs.R) and _same(ours.p, theirs.p)
+        ours, theirs = ours.numbers, theirs.numbers
     if isinstance(ours, np.ndarray) and isinstance(theirs, np.ndarray):
         return theirs.shape == ours.shape and bool(np.all(np.abs(ours - theirs) <= SAME_NUMBER))
     return ours == theirs

@@ -227,13 +227,15 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
 def _hold(cell_path: Path, motion_path: Path, *, force: bool) -> int:
     """Print the grasps of a cell whose hands hold the object where they are, or write them into its file."""
     from mrts.base.atomic_file import write_text_atomically
+    from mrts.base.edited_yaml import flow
     from mrts.base.input_file import text_of
     from mrts.base.regular_file import is_folder, read_regular
     from mrts.base.rigid_transform import rpy_from_rotation
     from mrts.base.yaml_parser import MAX_YAML_BYTES
     from mrts.motion.motion_file import load_motion
     from mrts.motion.object_motion import ObjectMotion
-    from mrts.starting.hold import grasp_lines, hold_here, with_grasps
+    from mrts.starting.hold import hold_here, with_grasps
+    from mrts.starting.proposal import pose_keys
 
     motion = load_motion(motion_path)
     if not isinstance(motion, ObjectMotion):
@@ -243,12 +245,12 @@ def _hold(cell_path: Path, motion_path: Path, *, force: bool) -> int:
     content = read_regular(cell_path, "cell file", MAX_YAML_BYTES)
     text = text_of(cell_path, "cell file", content)
     cell = hold_here(options.compiled_cell(cell_path), motion.position[0], rpy_from_rotation(motion.rotation[0]))
-    grasps = grasp_lines(cell)
+    grasps = {robot.name: pose_keys(robot.T_object_tip) for robot in cell.robots}
     if force:
         held = with_grasps(cell_path, text, grasps)
         write_text_atomically(cell_path, held.replace("\n", "\r\n") if b"\r\n" in content else held)
-    for name, line in grasps.items():
+    for name, grasp in grasps.items():
         say(f"{name}:", "strong")
-        say(f"    grasp: {line}")
+        say(f"    grasp: {flow(grasp)}")
     say(f"written into {cell_path}" if force else f"--force writes them into {cell_path}")
     return FEASIBLE

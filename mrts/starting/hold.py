@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """'Hold it here, now': grasps from where the hands are."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
-from mrts.base.edited_yaml import Key, edited_yaml, flow
+from mrts.base.edited_yaml import Key, edited_yaml
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.input_file import plain
@@ -17,7 +17,6 @@ from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.base.yaml_parser import parse_yaml
 from mrts.cell.cell import Cell
 from mrts.scene.cell_shapes import body_poses
-from mrts.starting.proposal import pose_keys
 
 
 def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | Array = (0.0, 0.0, 0.0)) -> Cell:
@@ -46,23 +45,18 @@ def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | A
     return cell.with_values(grasps)
 
 
-def grasp_lines(cell: Cell) -> dict[str, str]:
-    """The `grasp` of each robot as a cell file has it, by its name."""
-    return {robot.name: flow(pose_keys(robot.T_object_tip)) for robot in cell.robots}
-
-
-def with_grasps(path: Path, text: str, grasps: dict[str, str]) -> str:
+def with_grasps(path: Path, text: str, grasps: Mapping[str, Mapping[str, list[float]]]) -> str:
     """The text of a cell file with other grasps, all else as it stands, comments too.
 
     Args:
         path: The cell file, for messages.
         text: Of a file that was read as a cell.
-        grasps: From `grasp_lines`.
+        grasps: Keys of the pose by robot.
     """
     wanted = parse_yaml(text)
     edits: dict[tuple[Key, ...], Any] = {}
     for index, robot in enumerate(wanted["robots"]):
-        robot["grasp"] = edits["robots", index, "grasp"] = parse_yaml(grasps[robot["name"]])
+        robot["grasp"] = edits["robots", index, "grasp"] = dict(grasps[robot["name"]])
     try:
         held = edited_yaml(text, edits)
         same = parse_yaml(held) == wanted
