@@ -2,6 +2,7 @@
 """What a user should know of a cell: likely mistakes, numbers that look like placeholders, and what is assumed."""
 
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,6 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, median
 from mrts.base.formats.pose import WHOLE_TURN
 from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
-from mrts.cell.motors.joint_source import JointSource
 from mrts.cell.robot import DEGREES_SUSPECTED
 
 if TYPE_CHECKING:
@@ -91,6 +91,38 @@ POINT_MASSES = "a mass but no inertia in the URDF, so it counts as a point: turn
 
 NO_COLLISIONS = "collisions are not looked at: not of arms and hands with each other, the object or the room"
 """Said wherever somebody could think they were: of cells that are begun, checked, or laid out."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointSource:
+    """One joint of a cell.
+
+    Attributes:
+        robot: Name of its arm.
+        joint: Its own.
+        unit: "rad" or "m".
+        position: Lower and upper limit, infinite where there is none [rad or m].
+        velocity: Limit of the URDF, None where there is none [rad/s or m/s].
+        torque: Lower and upper limit [N m or N].
+        torque_from: "cell file" or "URDF".
+        friction_from: "cell file", "URDF", or "none given", which counts as 0.
+        armature: Rotor inertia on the joint side [kg m² or kg], None where none is given, which counts as 0.
+        carried_mass: Of the links that it carries up to the next joint, 0 where the URDF gives none [kg].
+        point_links: Those of these links that have a mass but no inertia in the URDF.
+    """
+
+    robot: str
+    joint: str
+    unit: str
+    position: tuple[float, float]
+    velocity: float | None
+    torque: tuple[float, float]
+    torque_from: str
+    friction_from: str
+    armature: float | None
+    carried_mass: float
+    point_links: tuple[str, ...]
+
 
 JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[[JointSource], bool]], ...] = (
     (

@@ -11,11 +11,12 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.interval_text import interval_text
 from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
-from mrts.cell.motors.joint_source import JointSource
+from mrts.cell.remarks import JointSource
 from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
@@ -235,15 +236,13 @@ def joint_rows(joints: tuple[JointSource, ...]) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = [("arm", "joint", "position", "velocity", "torque", "from", "friction", "armature")]
     for joint in joints:
         force, speed = ("N", "m/s") if joint.unit == "m" else ("N m", "rad/s")
-        lower, upper = joint.torque
-        limits = f"± {upper:.4g}" if lower == -upper else f"{lower:.4g} … {upper:.4g}"
         rows.append(
             (
                 joint.robot,
                 joint.joint,
-                _position_range(*joint.position, joint.unit),
+                interval_text(*joint.position, joint.unit),
                 "no limit" if joint.velocity is None else f"{joint.velocity:.4g} {speed}",
-                f"{limits} {force}",
+                interval_text(*joint.torque, force),
                 joint.torque_from,
                 joint.friction_from,
                 "none given" if joint.armature is None else f"{joint.armature:.4g}",
@@ -258,18 +257,6 @@ def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-
-
-def _position_range(lower: float, upper: float, unit: str) -> str:
-    """Position limits in words.
-
-    Args:
-        lower: Lower limit, minus infinity if none [rad or m].
-        upper: Upper limit, likewise.
-        unit: "rad" or "m".
-    """
-    low, high = (f"{value:.4g}" if np.isfinite(value) else "any" for value in (lower, upper))
-    return "no limit" if low == high == "any" else f"{low} … {high} {unit}"
 
 
 def _arm_json(arm: ArmReach) -> dict[str, Any]:
