@@ -47,7 +47,7 @@ def coordinate(
         return follow_object(cell, motion)
     if isinstance(motion, JointTable):
         return _follow_joints(cell, motion, bound)
-    joints = sum(len(robot.joints) for robot in cell.robots)
+    joints = len(cell.joint_names)
     if motion.q.shape[1] != joints:
         raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
     check_joint_limits(cell, motion.object.time, motion.q)
@@ -78,7 +78,7 @@ def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Rem
     columns = [*table.positions, *table.unusable]
     found = columns_by_joint(cell, table.path, columns)
     extra = [name for name in columns if name not in found.values()]
-    joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
+    joints = cell.joint_names
     for joint in joints:
         if joint not in found:
             raise InputError(

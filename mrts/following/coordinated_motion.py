@@ -179,7 +179,7 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     check_type("motion", motion, ObjectMotion)
     check_motion(cell, motion)
     path = {name: getattr(motion, name)[None] for name in PATH}
-    posture = np.concatenate([robot.posture for robot in cell.robots])
+    posture = cell.posture
     tracked = track_variants(cell, path, cell.geometry[None], posture[None], np.zeros(1, dtype=bool))
     failure = tracked.failure(0)
     if failure is not None:
@@ -256,7 +256,7 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
                 f"{len(cell.wrench_components)}: it could not follow any motion.",
                 key=f"robot '{robot.name}'",
             )
-    q = postures_for_rank(np.concatenate([robot.posture for robot in cell.robots]))
+    q = postures_for_rank(cell.posture)
     jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         if lacking := lacking_freedom(robot.joints, jacobians[:, :, joints], cell.wrench_rows):

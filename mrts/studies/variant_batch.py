@@ -197,7 +197,7 @@ class VariantBatch:
     def __init__(self, study: Study, cell: Cell, motion: ObjectMotion, entries: Sequence[Entry]) -> None:
         self._study, self._cell, self._motion, self._entries = study, cell, motion, entries
         reserve = cell.reserve if study.question.reserve is None else study.question.reserve
-        still = np.zeros((len(motion.time), sum(len(robot.joints) for robot in cell.robots)))
+        still = np.zeros((len(motion.time), len(cell.joint_names)))
         self._limits = VariantLimits(cell, CoordinatedMotion(motion, still, still, still), reserve)
         self._base = base_numbers(study, cell)
         varied = {entry.name for entry in entries}

@@ -232,7 +232,7 @@ def _smooth_options(
     if distribute != "least-torque":
         rule = "does not go with rates: where torques change slowly they are the least ones."
         raise InputError("distribute", rule, value=distribute)
-    joints, held = sum(len(robot.joints) for robot in cell.robots), []
+    joints, held = len(cell.joint_names), []
     for name in ("start_torque", "end_torque"):
         torque = None if given[name] is None else as_array(name, given[name])
         if torque is not None and (torque.shape != (joints,) or not np.all(np.isfinite(torque))):

@@ -13,7 +13,7 @@ from mrts.base.errors import InputError, SolverError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.path_program import joint_names, path_program
+from mrts.program.path_program import path_program
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
@@ -302,7 +302,7 @@ def _unheld(cell: Cell, problem: SampleProblem, given: GivenTorques, end: int) -
     unit = [unit for robot in cell.robots for unit in robot.torque_units][worst]
     if beyond[worst] > HOLDS * np.max(np.abs(torque)):
         return (
-            f"the torques given for the {where} do not hold the cell still: {joint_names(cell)[worst]} misses what "
+            f"the torques given for the {where} do not hold the cell still: {cell.joint_names[worst]} misses what "
             f"balances the others by {abs(missed[worst]):.4g} {unit}. "
             "Take those of a plan that ends there, or give none."
         )
