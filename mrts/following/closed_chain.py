@@ -52,12 +52,7 @@ def close_chain(
     given ones, and the velocities and accelerations nearest to the given ones that keep it there.
 
     Args:
-        cell: The cell.
-        given: Motion of object and joints.
-        bound: How far the hands may be off.
-        where: What gave it, for messages.
         carried: Whether the object's motion is that of the first hand; else it is given and stays.
-        source: What derivatives of the joints were found from, if some were not given.
 
     Raises:
         MotionError: If a gap is larger than the bound, velocities or accelerations do not fit, or an arm is singular.
@@ -92,8 +87,6 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
     """Whether joints hold every grasp along a motion.
 
     Args:
-        cell: The cell.
-        given: Motion of object and joints.
         gaps: Largest distance [m] and angle [rad] of a tip off its grasp.
         share: Largest slip of a tip on its grasp, relative to the largest velocity, or acceleration, of a tip.
     """
@@ -191,8 +184,6 @@ def nearest_rates(cell: Cell, target: ObjectMotion, given: CoordinatedMotion) ->
     A direction that a singular arm has lost is left as given.
 
     Args:
-        cell: The cell.
-        target: Motion of the object.
         given: Joint positions on the grasps, and velocities and accelerations that may be off.
     """
     q, dq, ddq = given.q, given.dq.copy(), given.ddq.copy()

@@ -30,7 +30,6 @@ def coordinate(
     """Motion of the whole cell from whatever is known of it.
 
     Args:
-        cell: The cell.
         motion: Of the object (the joints follow it), of the joints (they carry the object), or of both.
         closure: How far given joints may be off the grasps, onto which they are then moved; None allows 2 mm and
             5 mrad.
@@ -98,8 +97,6 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
     """What a file calls the joints of a cell.
 
     Args:
-        cell: The cell.
-        path: The file, for the message.
         columns: "robot/joint" each; a first name that is no robot's may stand for it where one robot alone has such a
             joint, or where the joint is called robot_joint, as in a machine of two equal arms.
 

@@ -205,12 +205,8 @@ def carried_by_first(
     """The motion of the object that the first robot's tip carries.
 
     Args:
-        cell: The cell.
         time: Shape (N,) [s].
         q: Joint positions, Shape (N, m) [rad or m]; likewise `dq` and `ddq`.
-        dq: Joint velocities.
-        ddq: Joint accelerations.
-        smooth: As in `ObjectMotion`.
     """
     motion = carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0], smooth=smooth)
     return CoordinatedMotion(motion, q, dq, ddq)
@@ -220,11 +216,7 @@ def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smoot
     """The motion of the object that one tip carries.
 
     Args:
-        cell: The cell.
-        index: Of the robot.
         time: Shape (N,) [s].
-        tip: Motion of its tip.
-        smooth: As in `ObjectMotion`.
     """
     robot = cell.robots[index]
     rotation = tip.rotation @ robot.T_object_tip.R.T
@@ -274,7 +266,6 @@ def leaves_plane(cell: Cell, twist: Array) -> NDArray[np.bool_]:
     """Whether the object leaves the plane of a planar cell along motions, Shape (…).
 
     Args:
-        cell: The cell.
         twist: Of the object, Shape (…, N, 6).
     """
     normal = np.abs(plane_normal(cell.plane or "xy"))

@@ -182,12 +182,8 @@ def slip(
     """Where the tips' velocities or accelerations do not fit the object's, as a sentence; None if they fit.
 
     Args:
-        cell: The cell.
-        given: Motion of the object.
-        tips: Motion of every tip.
         shares: Allowed of the largest velocity, and of the largest acceleration; accelerations are left out if it is.
         rest: Allowed besides [m, rad per s or s²].
-        source: What those of them were found from that were not given.
     """
     for robot, tip in zip(cell.robots, tips, strict=True):
         rates = zip(tip_rates(cell, robot, given), (tip.velocity, tip.acceleration), strict=True)

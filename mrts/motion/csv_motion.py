@@ -44,7 +44,6 @@ def read_table(
     `tau.…`, `tau_friction.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
 
     Args:
-        path: The file.
         samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
         kind: Of what it is; None tells by its columns.
 

@@ -136,7 +136,6 @@ def read_joint_trajectories(
     is passed over. Trajectories that the cell needs have the same times; others, a gripper's for example, may not.
 
     Args:
-        path: Folder of a bag, or one of its files by itself.
         samples: Number of samples on the spline; None takes the times of the points.
         topic: The one to read; None is all of trajectory_msgs/JointTrajectory, or else all of MoveIt's.
         trajectory: Which trajectory of a topic, counted from 0 through its messages, each of which may hold several;

@@ -51,8 +51,6 @@ def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange | 
     """All remarks of a cell and its motion as they are given, but for what is taken for granted.
 
     Args:
-        cell: The cell.
-        motion: Its motion, as given.
         found: The range of c² of a constant factor; None where the speed varies from rest to rest.
     """
     remarks = [remark for remark in (*cell.all_remarks, *motion.remarks) if remark.severity != "assumption"]
@@ -173,7 +171,6 @@ def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) ->
     """That a timing is longer for what mrts itself makes of a table between its rows.
 
     Args:
-        motion: As given.
         bare: Duration with limits kept at the given samples [s].
         finer: With those that were added [s].
     """

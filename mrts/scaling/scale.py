@@ -310,8 +310,6 @@ def choose_c2(
     """Step 3.1 of MMTSF: choose c² in an admissible range.
 
     Args:
-        found: A range that admits motion.
-        select: As in `scale`.
         conflict: What forbids a c²; only asked of one below the range where a sample admits several intervals.
 
     Raises:

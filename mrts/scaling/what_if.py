@@ -269,12 +269,8 @@ def ask_changes(
     Arms whose base or grasp is moved follow the same motion of the object again, from the same postures.
 
     Args:
-        cell: The cell.
-        motion: Its motion.
-        steps: How far numbers are changed.
         answer: The answer of a cell and its motion, changed or, where the last is None, as it is; the last is that as
             it is. May raise what solvers raise.
-        progress: Told how many of how many changes are done.
     """
     follows, motion = following_again(cell, motion)
     before = answer(cell, motion, None)
@@ -304,12 +300,6 @@ def ask_changes(
 
 def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: Progress) -> WhatIf:
     """What changes would do to the range of c² of a result, at its samples.
-
-    Args:
-        result: Any result of the motion at a constant factor, feasible or not.
-        steps: How far numbers are changed.
-        solver: Name in the registry.
-        progress: Told how many of how many changes are done.
 
     Raises:
         InputError: If the result is that of another speed, or of what is possible with some load.

@@ -58,10 +58,6 @@ def fastest_timing(
     """The fastest timing with limits kept at the samples of a motion.
 
     Args:
-        compared: What is asked, of cell and load, at a constant factor.
-        motion: The motion, with the samples that were added.
-        end_speeds: ṙ at the start and at the end.
-        progress: Told how many of how many loads are done.
         refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
             parameter by turns would be another one each round, uneven where samples were added.
     """
@@ -286,7 +282,6 @@ def sample_conflict(problem: SampleProblem, time: Array, sample: int, x: float |
     Args:
         problem: Rows of [F, u, x] at N samples.
         time: Shape (N,) [s].
-        sample: Index.
         x: The speed squared that is asked for; None leaves it free.
     """
     if problem.speed is not None:
@@ -317,8 +312,6 @@ def segment_conflict(
     Args:
         problem: Rows of [F, u, x] at N samples.
         time: Shape (N,) [s].
-        sample: Start of the segment.
-        step: Its length.
         reach: Least and largest x at its end.
         x: The speed squared that is asked for at its start; None leaves it free.
     """

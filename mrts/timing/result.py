@@ -377,8 +377,6 @@ def segment_limits(
     """The limits that bind on every segment of the path, by name, and its share of the duration.
 
     Args:
-        cell: The cell.
-        pieces: The retimed path.
         sharing: A fixed distribution of the load, None for a free one.
         loads: Load vectors that are carried, each Shape (10,).
     """
