@@ -107,7 +107,6 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
 
 
 def _checked_roughness(rough: float, where: str) -> tuple[Remark, ...]:
-    """What to know of accelerations that were found from positions."""
     what = (
         "the joint accelerations, which were found from the positions, are rough: the hands, which hold one object, "
         f"differ typically by {rough:.2g} times the acceleration"
@@ -123,7 +122,6 @@ def _checked_roughness(rough: float, where: str) -> tuple[Remark, ...]:
 
 
 def _correction(cell: Cell, gaps: GraspGaps, bound: ClosureBound, moved: float) -> tuple[Remark, ...]:
-    """The largest correction."""
     if gaps.largest <= SILENT_GAP:
         return ()
     robot, sample, _ = gaps.worst(bound)

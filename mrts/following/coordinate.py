@@ -55,7 +55,6 @@ def coordinate(
 
 
 def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> CoordinatedMotion:
-    """Let the hands carry the object: the first, or, where they are not quite where it has them, their mean."""
     names, remarks = _names_by_joint(cell, table)
     known = table.of(names)
     q, dq, ddq = (

@@ -300,7 +300,6 @@ def following_again(cell: Cell, motion: CoordinatedMotion) -> tuple[Cell | None,
 
 
 def _same(ours: CoordinatedMotion, given: CoordinatedMotion, shares: tuple[float, float, float]) -> bool:
-    """Whether q, q' and q'' differ by no more than these shares of the largest."""
     pairs = ((ours.q, given.q), (ours.dq, given.dq), (ours.ddq, given.ddq))
     return all(
         np.max(np.abs(one - other)) <= share * max(1.0, np.max(np.abs(other)))

@@ -187,7 +187,6 @@ def _columns(part: dict[str, Array], given: tuple[dict[str, Array], ...], rows: 
 
 
 def _through_rates(time: Array, q: Array, dq: Array) -> JointSplines:
-    """Splines through the positions and velocities of samples."""
     from scipy.interpolate import CubicHermiteSpline, CubicSpline  # noqa: PLC0415 (slow to import, and rarely needed)
 
     return JointSplines(CubicHermiteSpline(time, q, dq), CubicSpline(time, dq))

@@ -179,12 +179,10 @@ def read_joint_trajectories(
 
 
 def _names(topic: str, message: Any) -> list[str]:
-    """Columns of a trajectory."""
     return [joint_column(topic, joint) for joint in message.joint_names]
 
 
 def _joints_at(usable: dict[str, tuple[Any, NDArray[np.int64]]], stamps: NDArray[np.int64]) -> int:
-    """How many joints have these times."""
     return sum(len(message.joint_names) for message, at in usable.values() if np.array_equal(at, stamps))
 
 
@@ -210,7 +208,6 @@ def _trajectories(path: Path, topic: str | None) -> dict[str, list[Any]]:
 
 
 def _parts(message: Any) -> list[Any]:
-    """The trajectories of MoveIt's message of either kind."""
     return list(message.trajectory) if message.__msgtype__ == OF_MOVEIT[1] else [message]
 
 
@@ -256,7 +253,6 @@ def _chosen(path: Path, topic: str, planned: list[Any], which: int | None) -> An
 
 
 def _length(planned: Any) -> str:
-    """How many points of how many joints a trajectory has, and how long it is."""
     size = f"{len(planned.points)} points of {len(planned.joint_names)} joints"
     if not len(planned.points):
         return size

@@ -68,7 +68,6 @@ def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
 
 
 def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
-    """Ends at which some joint moves."""
     fastest, units = float(np.max(np.abs(motion.dq), initial=0.0)), _position_units(cell)
     remarks = []
     for what, sample, why in (
@@ -89,7 +88,6 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
 
 
 def _rough(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
-    """Accelerations like noise, or else single jumps of velocity."""
     if motion.samples < FEWEST_SAMPLES:
         return []
     names, units = cell.joint_names, _position_units(cell)

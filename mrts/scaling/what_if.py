@@ -252,7 +252,6 @@ def _seconds(duration: float | None) -> str:
 
 
 def _limits_text(limits: Sequence[str]) -> str:
-    """The first few limits by name, the others counted."""
     more = f" and {len(limits) - MOST_NAMED} more" if len(limits) > MOST_NAMED else ""
     return f"{', '.join(limits[:MOST_NAMED])}{more}"
 
@@ -331,7 +330,6 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
 
 
 def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
-    """The answer of a range of c² of a motion that takes so many seconds as given."""
     status, upper = found.status, found.upper
     if not status.admits_motion or upper is None:
         return SpeedAnswer(status=status.value, reason=_why_not(found))
@@ -341,7 +339,6 @@ def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
 
 
 def _why_not(found: ScalingRange) -> str:
-    """Why no c² is admissible, as short as a line of a table."""
     samples = found.samples
     if not samples.conflicts:
         return found.explain().removesuffix(found.status.advice).rstrip(". ")

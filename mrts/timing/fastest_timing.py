@@ -88,7 +88,6 @@ def fastest_timing(
 
 
 def _no_path(found: NoPath, time: Array) -> tuple[RetimingStatus, str]:
-    """Outcome and explanation."""
     if found.kind == "zero length":
         return RetimingStatus.ZERO_LENGTH, "neither the object nor a joint moves: the path has no length."
     where = f"from t = {time[found.sample]:.6g} to {time[found.sample + 1]:.6g} s"
@@ -239,7 +238,6 @@ class _Search:
 
 
 def _rows(conflict: Conflict | None) -> str:
-    """The limits that conflict, as the end of a sentence."""
     if conflict is None:
         return ""
     load = "" if conflict.load is None else f" with {conflict.load}"
@@ -269,7 +267,6 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
 
 
 def _of_timing(timed: RetimingResult) -> SpeedAnswer:
-    """The answer of a timing: what limits it for the longest time binds."""
     if not timed.status.admits_motion:
         return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
     limits = tuple(dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits))

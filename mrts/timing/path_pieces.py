@@ -283,7 +283,6 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
 
 
 def _root_mean_square(values: Array) -> Array:
-    """Of each row, Shape (N,)."""
     found: Array = np.sqrt(row_products(values, values) / values.shape[1])
     return found
 

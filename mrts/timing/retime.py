@@ -140,7 +140,6 @@ def retime(
 
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
-    """The best timing within limits of rates, with its torques."""
     bare, before = question.bare, list[TimedPiece]()
     constant = bare.factor
     nodes = smooth_nodes(bare.cell, constant.motion, bare.end_speeds)
@@ -208,7 +207,6 @@ def _played(
 
 
 def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
-    """What a search that met its bounds leaves; nothing where it came to its end."""
     left = []
     if answer.gain is None or answer.gain >= CONVERGED:
         left.append("a faster profile may be near")

@@ -187,7 +187,6 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
 
 
 def _likely(question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram, before: SmoothPiece | None) -> Array:
-    """X around which the first step is taken."""
     if before is None:
         fastest = question.bare.duration
         x = np.full(program.nodes, 1.0 if fastest is None else (question.usual / fastest) ** 2)
