@@ -13,7 +13,7 @@ from mrts.base.errors import InputError, MotionError, as_array
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
-from mrts.following.grasp_closure import TipMotion, in_world, tip_motions
+from mrts.following.grasp_closure import TipMotion, tip_motions
 from mrts.following.null_space import is_redundant
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.following.tracking_messages import FURTHER_STARTS
@@ -221,8 +221,9 @@ def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smoot
     robot = cell.robots[index]
     rotation = tip.rotation @ robot.T_object_tip.R.T
     r = rotation @ robot.T_object_tip.p
-    v, w = in_world(cell, robot, tip.velocity)
-    a, dw = in_world(cell, robot, tip.acceleration)
+    rates = np.zeros((2, len(time), 6))
+    rates[..., cell.wrench_rows] = tip.velocity, tip.acceleration
+    v, w, a, dw = (rate[:, part] @ robot.T_world_base.R.T for rate in rates for part in (slice(3), slice(3, 6)))
     return ObjectMotion(
         time,
         tip.position - r,

@@ -185,7 +185,7 @@ class LimitRows:
             **terms: The other attributes.
         """
         matrices = {
-            "torque_matrix": np.zeros((len(names), len(cell.joint_names))),
+            "torque_matrix": np.zeros((len(names), sum(len(robot.joints) for robot in cell.robots))),
             "wrench_matrix": np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),
         }
         return cls(names=tuple(names), lower=lower, upper=upper, **matrices | terms)

@@ -36,7 +36,7 @@ def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
     Raises:
         InputError: Unless W is symmetric and positive definite.
     """
-    joints = len(cell.joint_names)
+    joints = sum(len(robot.joints) for robot in cell.robots)
     if weights is None:
         lower, upper = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in cell.robots], axis=1)
         return np.diag(weights_by_limits(lower, upper))

@@ -121,7 +121,7 @@ def test_torques_at_an_end_are_given_by_robot(planar_cell, lift, capsys):
         (["--profile", "optimal", "--solver", "kernel"], "--solver: goes with --profile constant, not"),
         ([*SMOOTH[3:], "--c2", "1"], "--c2: goes with --profile constant, not with smooth."),
         ([*SMOOTH[3:], "--formulation", "torque"], "--formulation: goes with --profile constant, not"),
-        ([*SMOOTH[3:], "--distribute", "reserve"], "--distribute = 'reserve': does not go with rates"),
+        ([*SMOOTH[3:], "--distribute", "reserve"], "--distribute = 'reserve': with rates it must be"),
         (["--c2", "1", "--nominal"], "--c2: does not go with --nominal."),
         (["--weights", "1", "--share", "equal"], "--weights: does not go with --share"),
         ([*SMOOTH[3:], "--solver", "kernel"], "--solver: goes with --profile constant, not"),
