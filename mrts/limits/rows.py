@@ -32,9 +32,9 @@ class RowName:
 
     Attributes:
         kind: "torque", "wrench", "contact", "velocity", "torque-speed" (a line of a motor's curve), "motor speed" (its
-            end), "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), "torque rate", "wrench
+            end), "c2" (c² >= 0), "speed" (along the path), "torque rate", "wrench
             rate" and "jerk" where rates are kept, or what a limit of yours bounds.
-        robot: Robot's name; "object" for its velocity; empty for its balance, for c², and where a limit is of no robot.
+        robot: Robot's name; "object" for its velocity; empty for c², and where a limit is of no robot.
         element: Joint, wrench component, contact and what of it is limited ("pad friction +a"), "linear" or "angular",
             or empty.
         unit: "N m", "N", "rad/s", "m/s", or empty.
@@ -50,8 +50,6 @@ class RowName:
             return "c² ≥ 0"
         if self.kind == "speed":
             return f"speed along the path {self.element}"
-        if self.kind == "balance":
-            return f"balance of the object ({self.element})"
         if self.kind == "contact":
             return self.short
         what = f"contact {self.kind}" if self.kind.startswith("wrench") else self.kind

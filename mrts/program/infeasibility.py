@@ -179,7 +179,7 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
         level = least[samples, None] * (1 - CLOSEST) * part.is_limit
         wider = replace(part, lower=part.lower - level, upper=part.upper + level)
         found = highest_intervals(wider, np.full(part.samples, np.inf))
-        admitted = found.status[0] == OPTIMAL
+        admitted = found.status == OPTIMAL
         samples = samples[admitted]
         if not samples.size:
             break
