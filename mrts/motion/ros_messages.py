@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What reading and writing a ROS 2 bag share; needs the extra 'ros' (rosbags)."""
+"""ROS 2 bags: messages, and joint motion from trajectories of controllers or of MoveIt; needs the extra 'ros'."""
 
 from dataclasses import replace
 from functools import cache

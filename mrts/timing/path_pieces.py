@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The path of a motion without its timing: samples by arc length or by its turns, in pieces from stop to stop."""
+"""The path of a motion without its timing, in pieces from stop to stop: by arc length, by its turns, or by a quintic.
+
+The last is for smooth timings: by the time of a quintic one that starts from rest with limited rates is regular.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The outcome of retiming: the fastest profile and its trajectory, or why there is none."""
+"""The outcome of retiming: the profile, its trajectory and what limits it, or why there is none."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
