@@ -132,6 +132,16 @@ class Cell(InNotebooks, CellRecord):
         return self.functions.library
 
     @property
+    def joint_names(self) -> tuple[str, ...]:
+        """`left/elbow`, one a joint of all robots, m of them."""
+        return tuple(f"{robot.name}/{joint}" for robot in self.robots for joint in robot.joints)
+
+    @property
+    def posture(self) -> Array:
+        """Of all robots, Shape (m,) [rad or m]."""
+        return np.concatenate([robot.posture for robot in self.robots])
+
+    @property
     def joint_slices(self) -> dict[str, slice]:
         """Where each robot's joints stand in a vector over all joints, Shape (m,)."""
         return _slices({robot.name: len(robot.joints) for robot in self.robots})

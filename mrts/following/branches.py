@@ -31,7 +31,7 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
     """
     robot = cell.robots[index]
     joints = cell.joint_slices[robot.name]
-    posture = np.concatenate([other.posture for other in cell.robots])
+    posture = cell.posture
     redundant = is_redundant(cell, robot)
     if has_closed_form(cell, robot):
         base, grasp = robot.T_world_base, robot.T_object_tip

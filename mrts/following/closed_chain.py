@@ -21,9 +21,7 @@ from mrts.following.grasp_closure import (
     ClosureBound,
     GraspGaps,
     TipMotion,
-    check_gaps,
     grasp_gaps,
-    roughness,
     slip,
     tip_motions,
 )
@@ -52,12 +50,7 @@ def close_chain(
     given ones, and the velocities and accelerations nearest to the given ones that keep it there.
 
     Args:
-        cell: The cell.
-        given: Motion of object and joints.
-        bound: How far the hands may be off.
-        where: What gave it, for messages.
         carried: Whether the object's motion is that of the first hand; else it is given and stays.
-        source: What derivatives of the joints were found from, if some were not given.
 
     Raises:
         MotionError: If a gap is larger than the bound, velocities or accelerations do not fit, or an arm is singular.
@@ -66,14 +59,21 @@ def close_chain(
         return given
     tips = tip_motions(cell, given.q, given.dq, given.ddq)
     gaps = grasp_gaps(cell, given.object, tips)
-    check_gaps(cell, given.object, gaps, bound, where)
+    robot, sample, share = gaps.worst(bound)
+    if share > 1:
+        raise MotionError(
+            f"{where}: the joints do not close the chain. The tip of '{cell.robots[robot].name}' is off its grasp by "
+            f"{gaps.at(robot, sample)} at sample {sample} (t = {given.object.time[sample]:.6g} s), the worst; {bound} "
+            "are allowed. Check the joint positions and how many digits they have, the bases and the grasps; if they "
+            "are right, allow more with --closure (argument closure)."
+        )
     exact, remarks = gaps.largest <= GIVEN_CLOSURE, given.remarks
     usual = ClosureBound()
     wider = max(1.0, bound.position / usual.position, bound.angle / usual.angle)
     shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
     if source == "positions":
         shares = shares[:1]
-        remarks += _checked_roughness(roughness(cell, given.object, tips), where)
+        remarks += _rough_accelerations(cell, given.object, tips, where)
     if misfit := slip(cell, given.object, tips, shares, ROUNDED_SLIP, source):
         raise MotionError(f"{where}: {misfit}")
     if carried:
@@ -92,8 +92,6 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
     """Whether joints hold every grasp along a motion.
 
     Args:
-        cell: The cell.
-        given: Motion of object and joints.
         gaps: Largest distance [m] and angle [rad] of a tip off its grasp.
         share: Largest slip of a tip on its grasp, relative to the largest velocity, or acceleration, of a tip.
     """
@@ -113,8 +111,13 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
     )
 
 
-def _checked_roughness(rough: float, where: str) -> tuple[Remark, ...]:
-    """What to know of accelerations that were found from positions."""
+def _rough_accelerations(cell: Cell, given: ObjectMotion, tips: list[TipMotion], where: str) -> tuple[Remark, ...]:
+    """How much of the accelerations is noise: root mean square of the worst tip's slip by that of accelerations."""
+    rough = 0.0
+    for robot, tip in zip(cell.robots, tips, strict=True):
+        expected = tip_rates(cell, robot, given)[1]
+        size = max(float(np.mean(expected**2)), float(np.mean(tip.acceleration**2)), ROUNDED_SLIP**2)
+        rough = max(rough, float(np.sqrt(np.mean((tip.acceleration - expected) ** 2) / size)))
     what = (
         "the joint accelerations, which were found from the positions, are rough: the hands, which hold one object, "
         f"differ typically by {rough:.2g} times the acceleration"
@@ -130,7 +133,6 @@ def _checked_roughness(rough: float, where: str) -> tuple[Remark, ...]:
 
 
 def _correction(cell: Cell, gaps: GraspGaps, bound: ClosureBound, moved: float) -> tuple[Remark, ...]:
-    """The largest correction."""
     if gaps.largest <= SILENT_GAP:
         return ()
     robot, sample, _ = gaps.worst(bound)
@@ -191,8 +193,6 @@ def nearest_rates(cell: Cell, target: ObjectMotion, given: CoordinatedMotion) ->
     A direction that a singular arm has lost is left as given.
 
     Args:
-        cell: The cell.
-        target: Motion of the object.
         given: Joint positions on the grasps, and velocities and accelerations that may be off.
     """
     q, dq, ddq = given.q, given.dq.copy(), given.ddq.copy()

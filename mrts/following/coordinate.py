@@ -30,7 +30,6 @@ def coordinate(
     """Motion of the whole cell from whatever is known of it.
 
     Args:
-        cell: The cell.
         motion: Of the object (the joints follow it), of the joints (they carry the object), or of both.
         closure: How far given joints may be off the grasps, onto which they are then moved; None allows 2 mm and
             5 mrad.
@@ -47,7 +46,7 @@ def coordinate(
         return follow_object(cell, motion)
     if isinstance(motion, JointTable):
         return _follow_joints(cell, motion, bound)
-    joints = sum(len(robot.joints) for robot in cell.robots)
+    joints = len(cell.joint_names)
     if motion.q.shape[1] != joints:
         raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
     check_joint_limits(cell, motion.object.time, motion.q)
@@ -56,7 +55,6 @@ def coordinate(
 
 
 def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> CoordinatedMotion:
-    """Let the hands carry the object: the first, or, where they are not quite where it has them, their mean."""
     names, remarks = _names_by_joint(cell, table)
     known = table.of(names)
     q, dq, ddq = (
@@ -78,7 +76,7 @@ def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Rem
     columns = [*table.positions, *table.unusable]
     found = columns_by_joint(cell, table.path, columns)
     extra = [name for name in columns if name not in found.values()]
-    joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
+    joints = cell.joint_names
     for joint in joints:
         if joint not in found:
             raise InputError(
@@ -98,8 +96,6 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
     """What a file calls the joints of a cell.
 
     Args:
-        cell: The cell.
-        path: The file, for the message.
         columns: "robot/joint" each; a first name that is no robot's may stand for it where one robot alone has such a
             joint, or where the joint is called robot_joint, as in a machine of two equal arms.
 

@@ -13,7 +13,7 @@ from mrts.base.errors import InputError, MotionError, as_array
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
-from mrts.following.grasp_closure import TipMotion, in_world, tip_motions
+from mrts.following.grasp_closure import TipMotion, tip_motions
 from mrts.following.null_space import is_redundant
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.following.tracking_messages import FURTHER_STARTS
@@ -179,7 +179,7 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     check_type("motion", motion, ObjectMotion)
     check_motion(cell, motion)
     path = {name: getattr(motion, name)[None] for name in PATH}
-    posture = np.concatenate([robot.posture for robot in cell.robots])
+    posture = cell.posture
     tracked = track_variants(cell, path, cell.geometry[None], posture[None], np.zeros(1, dtype=bool))
     failure = tracked.failure(0)
     if failure is not None:
@@ -205,12 +205,8 @@ def carried_by_first(
     """The motion of the object that the first robot's tip carries.
 
     Args:
-        cell: The cell.
         time: Shape (N,) [s].
         q: Joint positions, Shape (N, m) [rad or m]; likewise `dq` and `ddq`.
-        dq: Joint velocities.
-        ddq: Joint accelerations.
-        smooth: As in `ObjectMotion`.
     """
     motion = carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0], smooth=smooth)
     return CoordinatedMotion(motion, q, dq, ddq)
@@ -220,17 +216,14 @@ def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smoot
     """The motion of the object that one tip carries.
 
     Args:
-        cell: The cell.
-        index: Of the robot.
         time: Shape (N,) [s].
-        tip: Motion of its tip.
-        smooth: As in `ObjectMotion`.
     """
     robot = cell.robots[index]
     rotation = tip.rotation @ robot.T_object_tip.R.T
     r = rotation @ robot.T_object_tip.p
-    v, w = in_world(cell, robot, tip.velocity)
-    a, dw = in_world(cell, robot, tip.acceleration)
+    rates = np.zeros((2, len(time), 6))
+    rates[..., cell.wrench_rows] = tip.velocity, tip.acceleration
+    v, w, a, dw = (rate[:, part] @ robot.T_world_base.R.T for rate in rates for part in (slice(3), slice(3, 6)))
     return ObjectMotion(
         time,
         tip.position - r,
@@ -256,7 +249,7 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
                 f"{len(cell.wrench_components)}: it could not follow any motion.",
                 key=f"robot '{robot.name}'",
             )
-    q = postures_for_rank(np.concatenate([robot.posture for robot in cell.robots]))
+    q = postures_for_rank(cell.posture)
     jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         if lacking := lacking_freedom(robot.joints, jacobians[:, :, joints], cell.wrench_rows):
@@ -274,7 +267,6 @@ def leaves_plane(cell: Cell, twist: Array) -> NDArray[np.bool_]:
     """Whether the object leaves the plane of a planar cell along motions, Shape (…).
 
     Args:
-        cell: The cell.
         twist: Of the object, Shape (…, N, 6).
     """
     normal = np.abs(plane_normal(cell.plane or "xy"))
@@ -309,7 +301,6 @@ def following_again(cell: Cell, motion: CoordinatedMotion) -> tuple[Cell | None,
 
 
 def _same(ours: CoordinatedMotion, given: CoordinatedMotion, shares: tuple[float, float, float]) -> bool:
-    """Whether q, q' and q'' differ by no more than these shares of the largest."""
     pairs = ((ours.q, given.q), (ours.dq, given.dq), (ours.ddq, given.ddq))
     return all(
         np.max(np.abs(one - other)) <= share * max(1.0, np.max(np.abs(other)))

@@ -45,8 +45,6 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> Coord
     """The motion at some times between its samples, and at both of its ends.
 
     Args:
-        cell: The cell.
-        motion: Its motion, N samples.
         time: Shape (k,) [s], strictly increasing, inside the motion.
 
     Returns:
@@ -79,8 +77,6 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     """A motion with some further samples; its own stay exactly as they are.
 
     Args:
-        motion: N samples.
-        more: From `between_samples`.
         chosen: Which of its samples, indices of Shape (k,).
     """
     ours, theirs = motion.object, more.object
@@ -118,7 +114,6 @@ def moved_remarks(remarks: tuple[Remark, ...], time: Array, added: Array) -> tup
     """Remarks that name the same samples as before some were added.
 
     Args:
-        remarks: Of a motion.
         time: Of its samples, Shape (N,) [s].
         added: Of those that were added, Shape (k,) [s].
     """
@@ -182,11 +177,8 @@ def _across_corners(
     """Put joints in gaps at a corner of the profile on polynomials in the share of the path, smooth where s'' jumps.
 
     Args:
-        course: Of the object, which the joints follow.
         known: Times of the samples, from rest to rest, Shape (N,).
-        joints: As in `velocity_polynomials`.
         at: Other times, Shape (k,).
-        inside: Joint motion there on polynomials in time, which is corrected.
     """
     u, end = known / course.duration, np.searchsorted(known, at, side="right")
     corners = np.array(CORNERS.get(course.profile, ()))

@@ -7,10 +7,9 @@ import numpy as np
 
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array, rotated, row_products
-from mrts.base.errors import InputError, MotionError
+from mrts.base.errors import InputError
 from mrts.base.rigid_transform import angles_of_rotations
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
 from mrts.following.grasp_tracking import tip_rates
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
@@ -108,14 +107,6 @@ def tip_motions(cell: Cell, q: Array, dq: Array, ddq: Array) -> list[TipMotion]:
     return tips
 
 
-def in_world(cell: Cell, robot: Robot, rate: Array) -> tuple[Array, Array]:
-    """Linear and angular part of a tip's rate, base axes and cell components, Shape (N, w), in the world."""
-    full = np.zeros((len(rate), 6))
-    full[:, cell.wrench_rows] = rate
-    R = robot.T_world_base.R
-    return full[:, :3] @ R.T, full[:, 3:] @ R.T
-
-
 @dataclass(frozen=True)
 class GraspGaps:
     """How far the tips are off their grasps.
@@ -155,22 +146,6 @@ def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> GraspG
     return GraspGaps(np.array(distances), np.array(angles))
 
 
-def check_gaps(cell: Cell, given: ObjectMotion, gaps: GraspGaps, bound: ClosureBound, where: str) -> None:
-    """Check that no tip is further off its grasp than is allowed.
-
-    Raises:
-        MotionError: Names the worst robot, sample and gap.
-    """
-    robot, sample, share = gaps.worst(bound)
-    if share > 1:
-        raise MotionError(
-            f"{where}: the joints do not close the chain. The tip of '{cell.robots[robot].name}' is off its grasp by "
-            f"{gaps.at(robot, sample)} at sample {sample} (t = {given.time[sample]:.6g} s), the worst; {bound} are "
-            "allowed. Check the joint positions and how many digits they have, the bases and the grasps; if they are "
-            "right, allow more with --closure (argument closure)."
-        )
-
-
 def slip(
     cell: Cell,
     given: ObjectMotion,
@@ -182,12 +157,8 @@ def slip(
     """Where the tips' velocities or accelerations do not fit the object's, as a sentence; None if they fit.
 
     Args:
-        cell: The cell.
-        given: Motion of the object.
-        tips: Motion of every tip.
         shares: Allowed of the largest velocity, and of the largest acceleration; accelerations are left out if it is.
         rest: Allowed besides [m, rad per s or s²].
-        source: What those of them were found from that were not given.
     """
     for robot, tip in zip(cell.robots, tips, strict=True):
         rates = zip(tip_rates(cell, robot, given), (tip.velocity, tip.acceleration), strict=True)
@@ -206,13 +177,3 @@ def slip(
                     f"largest is {size:.3g}. {advice}"
                 )
     return None
-
-
-def roughness(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> float:
-    """How much of the accelerations is noise: root mean square of the worst tip's slip by that of accelerations."""
-    worst = 0.0
-    for robot, tip in zip(cell.robots, tips, strict=True):
-        expected = tip_rates(cell, robot, given)[1]
-        size = max(float(np.mean(expected**2)), float(np.mean(tip.acceleration**2)), ROUNDED_SLIP**2)
-        worst = max(worst, float(np.sqrt(np.mean((tip.acceleration - expected) ** 2) / size)))
-    return worst

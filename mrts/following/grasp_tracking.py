@@ -82,11 +82,8 @@ def solve_grasps(
     """Joint positions that hold the grasps at one sample.
 
     Args:
-        cell: The cell.
-        motion: Motion of the object.
         sample: Which sample; or one for each set of positions, Shape (T,).
         start: Positions to start from, Shape (T, m) [rad or m].
-        steps: Most steps to take.
         near: Positions that redundant arms stay near, Shape (m,); None moves them no further than needed.
     """
     samples = np.atleast_1d(sample)

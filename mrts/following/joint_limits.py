@@ -22,8 +22,6 @@ def nearest_turns(robot: Robot, q: Array, posture: Array | None = None) -> Array
     """The same joint positions with whole turns added to come nearest to the posture, Shape (n_i,) [rad or m].
 
     Args:
-        robot: The arm.
-        q: Joint positions.
         posture: None for the robot's own; several, as of q, have Shape (V, n_i).
     """
     near = robot.posture if posture is None else posture
@@ -39,7 +37,6 @@ def within_limits(robot: Robot, q: Array) -> Array:
     """Whole turns added to or taken from a joint's path where that brings it inside its position limits.
 
     Args:
-        robot: The arm.
         q: Joint positions along a motion, Shape (N, n_i) [rad or m].
     """
     turn = np.where(is_turning(robot), 2 * np.pi, np.inf)
@@ -57,7 +54,6 @@ def joint_limit_failure(robot: Robot, time: Array, q: Array, tolerance: float = 
     """The message for the first sample where a joint passes its position limit, None if none does.
 
     Args:
-        robot: The arm.
         time: Shape (N,) [s].
         q: Joint positions of this arm, Shape (N, n_i) [rad or m].
         tolerance: How far it may [rad or m].
@@ -74,7 +70,6 @@ def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = POS
     """Check the position limits of all joints along a motion.
 
     Args:
-        cell: The cell.
         time: Shape (N,) [s].
         q: Shape (N, m) [rad or m].
         tolerance: How far a joint may pass [rad or m].

@@ -43,7 +43,6 @@ def stretched(robot: Robot, q: Array) -> Array:
     """h(q), Shape (T, n_i).
 
     Args:
-        robot: The arm.
         q: Its joint positions, Shape (T, n_i) [rad or m].
     """
     zone = limit_zone(robot)

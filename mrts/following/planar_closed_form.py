@@ -78,7 +78,6 @@ class PlanarTriangles:
         """The message for a wrist that is.
 
         Args:
-            robot: The arm.
             time: Shape (N,) [s].
             which: Place among many; none of one.
         """
@@ -105,11 +104,7 @@ def planar_triangles(cell: Cell, robot: Robot, places: ArmPlaces, position: Arra
     the second.
 
     Args:
-        cell: A planar cell.
-        robot: An arm with `has_closed_form`.
-        places: Its places.
         position: Of the object, Shape (…, N, 3) [m].
-        rotation: Likewise, Shape (…, N, 3, 3).
     """
     axes = ["xyz".index(axis) for axis in cell.plane or "xy"]
     in_plane = places.base_rotation[..., axes]

@@ -59,9 +59,7 @@ class Reach:
         """How far the wrist would be from the shoulder, Shape (…) [m].
 
         Args:
-            places: Of the arm.
             position: Of the object, Shape (…, 3) [m].
-            rotation: Likewise, Shape (…, 3, 3).
         """
         held = places.tip_position + _times(places.tip_rotation, self.wrist)
         wrist = position + _times(rotation, held)
@@ -76,7 +74,6 @@ class Reach:
         """The message for a grasp that is out of reach at the first sample.
 
         Args:
-            robot: The arm.
             time: Shape (N,) [s].
             distance: From `distance` [m].
         """

@@ -37,9 +37,7 @@ def lacking_freedom(joints: Sequence[str], jacobians: Array, rows: Sequence[int]
     """Why an arm does not move its hand in all directions in any posture, as a sentence; empty if it does in some.
 
     Args:
-        joints: Names of the joints.
         jacobians: Of the tip in base axes at `postures_for_rank`, Shape (POSTURES, w, n).
-        rows: Which component of a twist each of their rows is.
     """
     values, right = np.linalg.svd(jacobians)[1:]
     ranks = np.sum(values > DEPENDENT * values[:, :1], axis=1)

@@ -91,12 +91,7 @@ def tracking_failure(
     """What an outcome says.
 
     Args:
-        code: Of `mrts.kernel.tracking`.
-        robot: The arm.
         time: Shape (N,) [s].
-        sample: Where.
-        amounts: As the code has them.
-        joint: Which, of the arm.
     """
     wording = WORDINGS[code]
     degrees = robot.joint_types[joint] == "revolute" and abs(amounts[0]) > DEGREES_SUSPECTED

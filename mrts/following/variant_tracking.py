@@ -74,8 +74,6 @@ def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVarian
     (`mrts.following.null_space`).
 
     Args:
-        cell: The cell.
-        motion: Motion of the object.
         start: Positions at t = 0, Shape (V, m) [rad or m].
     """
     path = {name: getattr(motion, name)[None] for name in PATH}
@@ -97,7 +95,6 @@ def track_variants(
     Args:
         cell: One of them; its chains, limits of positions and components are those of all.
         path: Of the object: `mrts.kernel.tracking.PATH` with V, or 1 where all share one, and N before each shape.
-        geometry: As `Cell.geometry`, Shape (V or 1, 3 + 24 n + h).
         posture: Of all joints, Shape (V or 1, m) [rad or m].
         refused: Variants that are passed over, Shape (V,); they end as `REFUSED`.
     """

@@ -128,7 +128,7 @@ def solve_layout(
     starts = [getattr(motion, name)[samples] for name in ("q", "dq", "ddq")]
     starts += [played.trajectory.wrench[samples, : -len(cell.wrench_components)]] * len(loads)
     starts += [force, np.zeros((N, 2 * force.shape[1]))]
-    postures = np.concatenate([robot.posture for robot in cell.robots])
+    postures = cell.posture
     begin_at = [motion.q[0, redundant], _multipliers(cell, motion.q[:1], postures)[0]]
     x0 = [layout, [np.log(played.range.upper.c2)], *begin_at, np.concatenate(starts, axis=1).ravel()]
     watch = _Watch(program["x"].numel(), program["g"].numel(), stop)

@@ -44,7 +44,6 @@ def read_table(
     `tau.…`, `tau_friction.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
 
     Args:
-        path: The file.
         samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
         kind: Of what it is; None tells by its columns.
 
@@ -155,7 +154,6 @@ def _read_columns(path: Path) -> dict[str, Array]:
 
 
 def _rows(path: Path, text: str) -> Iterator[list[str]]:
-    """Rows that hold something."""
     lines = (line.group() for line in re.finditer(r"[^\n]+\n?", text))
     for number, row in enumerate(csv.reader(lines)):
         if number > MAX_SAMPLES:
@@ -165,7 +163,6 @@ def _rows(path: Path, text: str) -> Iterator[list[str]]:
 
 
 def _numbers(path: Path, row: int, names: list[str], texts: list[str]) -> list[float]:
-    """Values of a row."""
     try:
         values = [float(text) for text in texts]
         if all(-LARGEST_NUMBER <= value <= LARGEST_NUMBER for value in values) and "_" not in "".join(texts):
@@ -184,7 +181,6 @@ def _is_number(text: str) -> bool:
 
 
 def _column_names(path: Path, row: list[str] | None) -> list[str]:
-    """Names from the first line, which is None in an empty file."""
     if row is None:
         raise InputError(path, "is empty: the first line names the columns.")
     names = [name.strip() for name in row]

@@ -154,11 +154,8 @@ def joint_motion(
     cubic spline through its velocities.
 
     Args:
-        path: Where it is from, for messages.
         time: Shape (M,) [s], strictly increasing from 0.
         positions: By joint, each Shape (M,) [rad or m].
-        velocities: Likewise, of some, all or no joints [rad/s or m/s].
-        accelerations: Likewise, of joints that have velocities [rad/s² or m/s²].
         samples: Number of samples on the splines; None takes the given times.
 
     Raises:
@@ -190,7 +187,6 @@ def _columns(part: dict[str, Array], given: tuple[dict[str, Array], ...], rows: 
 
 
 def _through_rates(time: Array, q: Array, dq: Array) -> JointSplines:
-    """Splines through the positions and velocities of samples."""
     from scipy.interpolate import CubicHermiteSpline, CubicSpline  # noqa: PLC0415 (slow to import, and rarely needed)
 
     return JointSplines(CubicHermiteSpline(time, q, dq), CubicSpline(time, dq))

@@ -88,7 +88,6 @@ def geodesic_rates(positions: Array, rotations: Array, duration: Array | float, 
         positions: Start and end, Shape (…, 2, 3) [m].
         rotations: Start and end, Shape (…, 2, 3, 3).
         duration: Shape (…) [s].
-        fractions: Of all, k samples.
 
     Returns:
         Position, rotation, twist and acceleration, Shape (…, k, 3), (…, k, 3, 3), (…, k, 6), (…, k, 6).
@@ -119,9 +118,7 @@ def geodesic_motion(
     Args:
         positions: Start and end, Shape (2, 3) [m].
         rotations: Start and end, Shape (2, 3, 3).
-        profile: Velocity profile.
         duration: [s].
-        samples: Number of samples.
     """
     return ProfiledPath(partial(geodesic_rates, positions, rotations), profile, duration).evenly(samples)
 
@@ -137,9 +134,7 @@ def waypoint_motion(
     Args:
         positions: Shape (M, 3) [m].
         rotations: Shape (M, 3, 3).
-        profile: Velocity profile.
         duration: [s].
-        samples: Number of samples.
 
     Raises:
         InputError: If two waypoints that follow each other are the same.

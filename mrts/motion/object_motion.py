@@ -178,12 +178,10 @@ def check_derivatives(
     count. The rule that the way is compared with is of fourth order, so a reasonable table passes by far.
 
     Args:
-        name: What is checked, for the message.
         time: Shape (N,) [s].
         value: Shape (N, k).
         rate: Its derivative, Shape (N, k).
         change: The derivative of that, Shape (N, k).
-        noise: From `noise_allowed`, of all that the table holds.
 
     Raises:
         InputError: If the rates do not lead from sample to sample.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What reading and writing a ROS 2 bag share; needs the extra 'ros' (rosbags)."""
+"""ROS 2 bags: messages, and joint motion from trajectories of controllers or of MoveIt; needs the extra 'ros'."""
 
 from dataclasses import replace
 from functools import cache
@@ -136,7 +136,6 @@ def read_joint_trajectories(
     is passed over. Trajectories that the cell needs have the same times; others, a gripper's for example, may not.
 
     Args:
-        path: Folder of a bag, or one of its files by itself.
         samples: Number of samples on the spline; None takes the times of the points.
         topic: The one to read; None is all of trajectory_msgs/JointTrajectory, or else all of MoveIt's.
         trajectory: Which trajectory of a topic, counted from 0 through its messages, each of which may hold several;
@@ -180,12 +179,10 @@ def read_joint_trajectories(
 
 
 def _names(topic: str, message: Any) -> list[str]:
-    """Columns of a trajectory."""
     return [joint_column(topic, joint) for joint in message.joint_names]
 
 
 def _joints_at(usable: dict[str, tuple[Any, NDArray[np.int64]]], stamps: NDArray[np.int64]) -> int:
-    """How many joints have these times."""
     return sum(len(message.joint_names) for message, at in usable.values() if np.array_equal(at, stamps))
 
 
@@ -211,7 +208,6 @@ def _trajectories(path: Path, topic: str | None) -> dict[str, list[Any]]:
 
 
 def _parts(message: Any) -> list[Any]:
-    """The trajectories of MoveIt's message of either kind."""
     return list(message.trajectory) if message.__msgtype__ == OF_MOVEIT[1] else [message]
 
 
@@ -257,7 +253,6 @@ def _chosen(path: Path, topic: str, planned: list[Any], which: int | None) -> An
 
 
 def _length(planned: Any) -> str:
-    """How many points of how many joints a trajectory has, and how long it is."""
     size = f"{len(planned.points)} points of {len(planned.joint_names)} joints"
     if not len(planned.points):
         return size

@@ -55,7 +55,6 @@ def moving_rows(time: "Array", q: "Array", dq: "Array", ddq: "Array") -> slice:
         time: Shape (N,) [s].
         q: Joint positions, Shape (N, m).
         dq: Joint velocities, Shape (N, m), or (N, 0) where they are not given.
-        ddq: Joint accelerations, likewise.
     """
     first, last = 0, len(q)
     before, after = (

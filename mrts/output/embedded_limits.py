@@ -87,7 +87,7 @@ def _motors(
 def _probe(cell: Cell, seed: int) -> CoordinatedMotion:
     """Two samples in which everything moves; no arm needs to be able to do that."""
     rng = np.random.default_rng(seed)
-    joints = sum(len(robot.joints) for robot in cell.robots)
+    joints = len(cell.joint_names)
     q, dq, ddq = rng.normal(size=(3, 2, joints))
     position, twist, acceleration = rng.normal(size=(2, 3)), *rng.normal(size=(2, 2, 6))
     time, still = np.array([0.0, 1.0]), np.tile(np.eye(3), (2, 1, 1))

@@ -88,7 +88,7 @@ def own_motion(cell: Cell) -> CoordinatedMotion:
     Raises:
         InputError: If the arms cannot follow it.
     """
-    q = np.concatenate([robot.posture for robot in cell.robots])
+    q = cell.posture
     poses = cell.functions("kinematics", 1, {"q": q})
     first = cell.robots[0]
     rotation = poses["rotation"][0, :, :3] @ first.T_object_tip.R.T

@@ -103,7 +103,7 @@ def trajectory_columns(result: ScalingResult) -> dict[str, Array]:
         InputError: If there is none.
     """
     rows = played_rows(trajectory_to_write(result))
-    joints = [f"{robot.name}/{joint}" for robot in result.cell.robots for joint in robot.joints]
+    joints = result.cell.joint_names
     wrenches = [f"{robot.name}/{part}" for robot in result.cell.robots for part in result.cell.wrench_components]
     of_joints = {"q": rows.q, "dq": rows.dq, "ddq": rows.ddq, "tau": rows.torque}
     of_joints |= {} if rows.friction is None else {"tau_friction": rows.friction}

@@ -186,15 +186,10 @@ def path_program(
         q3=(third_derivatives(step, path.dq, path.ddq) if third is None else third)[..., limited],
         jerk=rates.jerk[limited],
         names=tuple(name for rows in parts for name in rows.names),
-        joints=tuple(np.array(joint_names(cell))[limited].tolist()),
+        joints=tuple(np.array(cell.joint_names)[limited].tolist()),
         ends=ends,
         end_free=end_free,
     )
-
-
-def joint_names(cell: Cell) -> list[str]:
-    """`left/elbow`, one a joint of the whole cell."""
-    return [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
 
 
 def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
@@ -222,7 +217,7 @@ def _rows(
     wrenches = (problem.wrench_map, None, problem.wrench_offset)
     components = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
     for terms, limits, names in (
-        (without_dry, rates.torque, [f"{joint} torque" for joint in joint_names(cell)]),
+        (without_dry, rates.torque, [f"{joint} torque" for joint in cell.joint_names]),
         (wrenches, rates.wrench, [f"{component} contact wrench" for component in components]),
     ):
         for place in np.flatnonzero(np.isfinite(limits)).tolist():

@@ -165,7 +165,6 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
     """All limits of a cell by falling share, velocities enforced or not; empty if there is no trajectory.
 
     Args:
-        result: The result.
         kind: Only rows of one kind, as in `RowName`, in their own order and with those that have no limit.
     """
     if kind is not None:

@@ -96,12 +96,8 @@ def range_at_samples(
     """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was found of an uncertain load.
 
     Args:
-        cell: The cell.
-        motion: Its motion.
         options: Which load is asked about, and how the programs are made and solved; checked.
-        progress: Told how far the work on an uncertain load is.
         high: Of several intervals the highest is found that does not begin above this c².
-        rows: As in `motion_ranges`.
 
     Raises:
         InputError: If there is no box, or the question does not fit it.
@@ -142,12 +138,7 @@ def ranges_of_load(
     """Ranges of c² at all samples.
 
     Args:
-        cell: The cell.
-        motion: Its motion.
-        options: How the programs are made and solved.
         load: Load vector, Shape (10,); None is the cell's.
-        high: As in `range_at_samples`.
-        rows: As in `motion_ranges`.
     """
     return motion_ranges(cell, motion, options.formulation, options.sharing, options.solver, load, high, rows)
 
@@ -173,14 +164,7 @@ def ranges_of_loads(
 def effective_parameters(
     cell: Cell, motion: CoordinatedMotion, box: LoadBox, parts: tuple[str, ...] = ("P", "Q")
 ) -> tuple[str, ...]:
-    """Parameters that change the object's wrench along this motion: corners that differ in others coincide.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-        box: The box.
-        parts: What the wrench is made of: P c² + Q, with S r̈ where the speed varies.
-    """
+    """Parameters that change the object's wrench along this motion: corners that differ in others coincide."""
 
     def wrenches(load: Array) -> list[Array]:
         terms = cell.functions("terms", motion.samples, motion.inputs(load))
@@ -221,7 +205,6 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
 
     Args:
         points: The loads; None for ranges that have loads of their own at each sample.
-        ranges: Their ranges.
         every: Whether the ranges are intersected, or what lies between their outermost ends is taken.
     """
 

@@ -51,8 +51,6 @@ def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange | 
     """All remarks of a cell and its motion as they are given, but for what is taken for granted.
 
     Args:
-        cell: The cell.
-        motion: Its motion, as given.
         found: The range of c² of a constant factor; None where the speed varies from rest to rest.
     """
     remarks = [remark for remark in (*cell.all_remarks, *motion.remarks) if remark.severity != "assumption"]
@@ -70,8 +68,7 @@ def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
 
 
 def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
-    """Ends at which some joint moves."""
-    fastest = float(np.max(np.abs(motion.dq), initial=0.0))
+    fastest, units = float(np.max(np.abs(motion.dq), initial=0.0)), _position_units(cell)
     remarks = []
     for what, sample, why in (
         ("start", 0, "from standstill the velocity would jump there"),
@@ -81,8 +78,8 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
         speed = abs(float(motion.dq[sample, joint]))
         if speed > ENDS_AT_REST * fastest:
             text = (
-                f"the motion does not {what} at rest: {_joint_names(cell)[joint]} moves at {speed:.3g} "
-                f"{_units(cell)[joint]}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
+                f"the motion does not {what} at rest: {cell.joint_names[joint]} moves at {speed:.3g} "
+                f"{units[joint]}/s at t = {motion.object.time[sample]:.4g} s, and at every factor of "
                 f"speed {why}. Give a motion that is at rest at both ends (a table of few rows: with its velocities), "
                 "or make sure that the robots move already."
             )
@@ -91,10 +88,9 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
 
 
 def _rough(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
-    """Accelerations like noise, or else single jumps of velocity."""
     if motion.samples < FEWEST_SAMPLES:
         return []
-    names, units = _joint_names(cell), _units(cell)
+    names, units = cell.joint_names, _position_units(cell)
     jumps, noise = _velocity_jumps(motion), noise_share(motion.ddq)
     jumping = int(np.count_nonzero(np.any(jumps > 0, axis=1)))
     largest = np.max(np.abs(motion.ddq), axis=0)
@@ -173,7 +169,6 @@ def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) ->
     """That a timing is longer for what mrts itself makes of a table between its rows.
 
     Args:
-        motion: As given.
         bare: Duration with limits kept at the given samples [s].
         finer: With those that were added [s].
     """
@@ -192,9 +187,5 @@ def _of_spline(motion: CoordinatedMotion, lost: float, told: str) -> tuple[Remar
     return (Remark("between-samples", text),)
 
 
-def _joint_names(cell: Cell) -> list[str]:
-    return [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
-
-
-def _units(cell: Cell) -> list[str]:
+def _position_units(cell: Cell) -> list[str]:
     return [unit for robot in cell.robots for unit in robot.position_units]

@@ -224,9 +224,6 @@ def within_rates(
     """What limits of rates leave of a range that admits motion, whose ends they move inward.
 
     Args:
-        found: The range.
-        factors: What the rates admit.
-        below: The range of an interval that does not begin above a c².
         loads: Those of the factors; None where the load is known.
     """
 

@@ -370,7 +370,6 @@ def kept_text(reserve: float, warnings: Iterable[Remark] = ()) -> str:
 
 
 def _largest_excess(cell: Cell, done: ScaledTrajectory, rows: LimitRows | None = None) -> float:
-    """Largest excess over a limit, as a share of it."""
     rows, worst = limit_rows(cell, done.motion) if rows is None else rows, 0.0
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)
@@ -381,7 +380,6 @@ def _largest_excess(cell: Cell, done: ScaledTrajectory, rows: LimitRows | None =
 
 
 def _speed_advice(ends: tuple[float, float], given: float, *, several: bool) -> str:
-    """What a range of c² means to who plays a motion that is given in so many seconds."""
     least, most = ends
     if most <= 0:
         return "the cell can hold the object still at every sample, but not move it along this path"

@@ -237,7 +237,6 @@ def admissible_range(
 def _between_samples(
     cell: Cell, motion: CoordinatedMotion, options: Options, tolerance: float, given: ScalingRange, rows: MotionRows
 ) -> Refinement:
-    """What is found between the samples of a motion, whose range at them admits motion."""
     assert given.lower is not None and given.upper is not None  # noqa: S101, PT018 (the range admits motion)
     high, formulation, sharing = given.upper.c2, options.formulation, options.sharing
 
@@ -272,7 +271,6 @@ def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFact
 
 
 def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> None:
-    """That rates admit a c² between the ends of the range: they may leave gaps."""
     ends = {end.c2 for end in (found.lower, found.upper) if end is not None}
     refused = None if c2 in ends else factors.refused(c2)
     if refused is not None:
@@ -310,8 +308,6 @@ def choose_c2(
     """Step 3.1 of MMTSF: choose c² in an admissible range.
 
     Args:
-        found: A range that admits motion.
-        select: As in `scale`.
         conflict: What forbids a c²; only asked of one below the range where a sample admits several intervals.
 
     Raises:
@@ -483,7 +479,6 @@ def _still(
 
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
-    """What to say of joints whose motors bear their torque for a while only."""
     if not any(np.any(np.isfinite(robot.motors.rated)) for robot in done.cell.robots):
         return ()
     shares = {
@@ -506,7 +501,6 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
 
 
 def _fast_rates(result: ScalingResult) -> tuple[Remark, ...]:
-    """What to say of rates that are above their limits, at the samples or where the motion starts and ends."""
     if result.options.rates is not None:
         return _steps_at_ends(result.motion)
     passed = [use for use in rate_uses(result) if use.share > 1 + RATE_TOLERANCE]
@@ -523,7 +517,6 @@ def _fast_rates(result: ScalingResult) -> tuple[Remark, ...]:
 
 
 def _steps_at_ends(motion: CoordinatedMotion) -> tuple[Remark, ...]:
-    """That a motion accelerates from standstill on, or until it stands."""
     first, last = pushing_ends(motion.dq, motion.ddq)
     if not (first or last):
         return ()

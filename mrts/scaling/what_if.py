@@ -252,7 +252,6 @@ def _seconds(duration: float | None) -> str:
 
 
 def _limits_text(limits: Sequence[str]) -> str:
-    """The first few limits by name, the others counted."""
     more = f" and {len(limits) - MOST_NAMED} more" if len(limits) > MOST_NAMED else ""
     return f"{', '.join(limits[:MOST_NAMED])}{more}"
 
@@ -269,12 +268,8 @@ def ask_changes(
     Arms whose base or grasp is moved follow the same motion of the object again, from the same postures.
 
     Args:
-        cell: The cell.
-        motion: Its motion.
-        steps: How far numbers are changed.
         answer: The answer of a cell and its motion, changed or, where the last is None, as it is; the last is that as
             it is. May raise what solvers raise.
-        progress: Told how many of how many changes are done.
     """
     follows, motion = following_again(cell, motion)
     before = answer(cell, motion, None)
@@ -304,12 +299,6 @@ def ask_changes(
 
 def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: Progress) -> WhatIf:
     """What changes would do to the range of c² of a result, at its samples.
-
-    Args:
-        result: Any result of the motion at a constant factor, feasible or not.
-        steps: How far numbers are changed.
-        solver: Name in the registry.
-        progress: Told how many of how many changes are done.
 
     Raises:
         InputError: If the result is that of another speed, or of what is possible with some load.
@@ -341,7 +330,6 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
 
 
 def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
-    """The answer of a range of c² of a motion that takes so many seconds as given."""
     status, upper = found.status, found.upper
     if not status.admits_motion or upper is None:
         return SpeedAnswer(status=status.value, reason=_why_not(found))
@@ -351,7 +339,6 @@ def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
 
 
 def _why_not(found: ScalingRange) -> str:
-    """Why no c² is admissible, as short as a line of a table."""
     samples = found.samples
     if not samples.conflicts:
         return found.explain().removesuffix(found.status.advice).rstrip(". ")

@@ -224,7 +224,7 @@ def _without_hands(cell: Cell) -> Cell:
 
 def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[FollowedVariants, dict[str, list[Branch]]]:
     """Follow all branches of all arms at once: track t carries branch t of every arm that has one."""
-    posture = np.concatenate([robot.posture for robot in cell.robots])
+    posture = cell.posture
     start = np.tile(posture, (max(1, *(len(of_robot) for of_robot in starts)), 1))
     for joints, of_robot in zip(cell.joint_slices.values(), starts, strict=True):
         start[: len(of_robot), joints] = of_robot

@@ -106,7 +106,7 @@ class VariantBatch:
         self._study, self._cell, self._motion, self._entries = study, cell, motion, entries
         self._reserve = cell.reserve if study.question.reserve is None else study.question.reserve
         self._base = base_numbers(study, cell)
-        m = sum(len(robot.joints) for robot in cell.robots)
+        m = len(cell.joint_names)
         still = np.zeros((len(motion.time), m))
         at_rest = CoordinatedMotion(motion, still, still, still)
         given = limit_rows(cell.with_reserve(0.0), at_rest)

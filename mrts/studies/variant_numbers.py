@@ -118,7 +118,7 @@ def base_numbers(study: Study, cell: Cell) -> dict[str, Array]:
         "mass": np.float64(cell.mass),
         "inertia": cell.inertia,
         "object_velocity": cell.object_velocity_limit,
-        "posture": np.concatenate([robot.posture for robot in robots]),
+        "posture": cell.posture,
     }
     numbers |= {name: np.concatenate([getattr(robot, name) for robot in robots]) for name in LIMITS}
     for frame in ("base", "grasp"):

@@ -53,8 +53,6 @@ def refined_timing(
     of times, of which the one with the least excess is kept.
 
     Args:
-        timed: The fastest timing of a motion.
-        again: Times the same motion with more samples.
         tolerance: Share of a limit by which it may be overstepped; None adds no samples.
         near: Share of the tolerance from which a segment gets a sample once one passes it: less than 1 takes fewer
             rounds and more samples.

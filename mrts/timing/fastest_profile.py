@@ -70,8 +70,6 @@ def fastest_profile(
 
     Args:
         step: Length of each segment, Shape (n - 1,).
-        regions: Regions of the n samples.
-        ends: x at the first and the last sample.
         rise: By how much s̈ is to rise along each segment, Shape (n - 1,); None where it is constant on all.
     """
     rise = np.zeros_like(step) if rise is None else rise
@@ -104,9 +102,7 @@ def rising_profile(
     jumps (the minmod limiter), and no large one. Where little is likely to be gained the profile is returned as it is.
 
     Args:
-        found: The fastest profile with a constant s̈ on each segment.
         step: Length of each segment, Shape (n - 1,).
-        ends: x at the first and the last sample.
         times: Durations of the segments with that profile, Shape (n - 1,) [s], where they are known.
     """
     times, rise = segment_times(step, found.x, found.rise) if times is None else times, _rises(step, found.x)

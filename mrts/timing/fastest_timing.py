@@ -58,10 +58,6 @@ def fastest_timing(
     """The fastest timing with limits kept at the samples of a motion.
 
     Args:
-        compared: What is asked, of cell and load, at a constant factor.
-        motion: The motion, with the samples that were added.
-        end_speeds: ṙ at the start and at the end.
-        progress: Told how many of how many loads are done.
         refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
             parameter by turns would be another one each round, uneven where samples were added.
     """
@@ -92,7 +88,6 @@ def fastest_timing(
 
 
 def _no_path(found: NoPath, time: Array) -> tuple[RetimingStatus, str]:
-    """Outcome and explanation."""
     if found.kind == "zero length":
         return RetimingStatus.ZERO_LENGTH, "neither the object nor a joint moves: the path has no length."
     where = f"from t = {time[found.sample]:.6g} to {time[found.sample + 1]:.6g} s"
@@ -243,7 +238,6 @@ class _Search:
 
 
 def _rows(conflict: Conflict | None) -> str:
-    """The limits that conflict, as the end of a sentence."""
     if conflict is None:
         return ""
     load = "" if conflict.load is None else f" with {conflict.load}"
@@ -273,7 +267,6 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
 
 
 def _of_timing(timed: RetimingResult) -> SpeedAnswer:
-    """The answer of a timing: what limits it for the longest time binds."""
     if not timed.status.admits_motion:
         return SpeedAnswer(status=timed.status.value, reason=timed.explanation)
     limits = tuple(dict.fromkeys((name.rpartition(" (")[0] or name).partition(":")[0] for name, _ in timed.limits))
@@ -286,7 +279,6 @@ def sample_conflict(problem: SampleProblem, time: Array, sample: int, x: float |
     Args:
         problem: Rows of [F, u, x] at N samples.
         time: Shape (N,) [s].
-        sample: Index.
         x: The speed squared that is asked for; None leaves it free.
     """
     if problem.speed is not None:
@@ -317,8 +309,6 @@ def segment_conflict(
     Args:
         problem: Rows of [F, u, x] at N samples.
         time: Shape (N,) [s].
-        sample: Start of the segment.
-        step: Its length.
         reach: Least and largest x at its end.
         x: The speed squared that is asked for at its start; None leaves it free.
     """

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The path of a motion without its timing: samples by arc length or by its turns, in pieces from stop to stop."""
+"""The path of a motion without its timing, in pieces from stop to stop: by arc length, by its turns, or by a quintic.
+
+The last is for smooth timings: by the time of a quintic one that starts from rest with limited rates is regular.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -267,7 +270,6 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
     """A path by arc length s as one by another parameter σ.
 
     Args:
-        path: n samples.
         sigma: At the samples, Shape (n,).
         first: ds/dσ, Shape (n,).
         second: d²s/dσ², Shape (n,).
@@ -284,7 +286,6 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
 
 
 def _root_mean_square(values: Array) -> Array:
-    """Of each row, Shape (N,)."""
     found: Array = np.sqrt(row_products(values, values) / values.shape[1])
     return found
 
@@ -384,12 +385,6 @@ def smooth_path(
 
     Where it is at rest q' = q'' = 0 by σ: q goes with σ³, as from rest with a limited rate it goes with t³, so that ṡ²
     by σ is finite and not zero.
-
-    Args:
-        motion: The motion at its nodes.
-        piece: A piece of its `fine_motion` by arc length, K samples.
-        end_speeds: At the start and at the end of the whole motion.
-        slower: The σ that the piece takes, as a multiple of the time that it is given.
     """
     path, at_rest, nodes = piece.path, stops(piece, end_speeds), np.arange(0, piece.path.samples, STRIDE)
     first_node, s = piece.first // STRIDE, path.object.time

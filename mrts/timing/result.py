@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The outcome of retiming: the fastest profile and its trajectory, or why there is none."""
+"""The outcome of retiming: the profile, its trajectory and what limits it, or why there is none."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -288,7 +288,15 @@ class RetimingResult(Result):
     @cached_property
     def segment_limits(self) -> list[tuple[tuple[str, ...], float]]:
         """What limits the speed on every segment between two samples, and the segment's share of the duration."""
-        return segment_limits(self.cell, self.pieces, self.options.sharing, self.loads)
+        found: list[tuple[tuple[str, ...], float]] = []
+        for part in self.pieces:
+            if isinstance(part, SmoothPiece):
+                binding = part.binding
+            else:
+                binding = _binding(self.cell, part, self.options.sharing, self.loads)
+            shares = (part.segment_times / new_times(self.pieces)[-1]).tolist()
+            found += [(tuple(sorted(names)), share) for names, share in zip(binding, shares, strict=True)]
+        return found
 
     @property
     def warnings(self) -> tuple[Remark, ...]:  # type: ignore[override]  # nobody writes to either
@@ -369,26 +377,6 @@ class RetimingResult(Result):
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
         return output | self.retimed.played_json(done)
-
-
-def segment_limits(
-    cell: Cell, pieces: Sequence[TimedPiece], sharing: LoadSharing | None, loads: Sequence[Array]
-) -> list[tuple[tuple[str, ...], float]]:
-    """The limits that bind on every segment of the path, by name, and its share of the duration.
-
-    Args:
-        cell: The cell.
-        pieces: The retimed path.
-        sharing: A fixed distribution of the load, None for a free one.
-        loads: Load vectors that are carried, each Shape (10,).
-    """
-    duration = float(new_times(pieces)[-1])
-    found: list[tuple[tuple[str, ...], float]] = []
-    for part in pieces:
-        binding = part.binding if isinstance(part, SmoothPiece) else _binding(cell, part, sharing, loads)
-        shares = (part.segment_times / duration).tolist()
-        found += [(tuple(sorted(names)), share) for names, share in zip(binding, shares, strict=True)]
-    return found
 
 
 def _binding(cell: Cell, part: TimedPiece, sharing: LoadSharing | None, loads: Sequence[Array]) -> list[set[str]]:

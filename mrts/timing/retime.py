@@ -3,7 +3,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from types import NoneType
 from typing import Any
 
 import numpy as np
@@ -36,7 +35,7 @@ from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.path_pieces import NoPath, smooth_nodes
 from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus, SmoothAnswer
 from mrts.timing.retimed_motion import TimedPiece, fastest_pieces, retimed_motion, smooth_pieces
-from mrts.timing.smooth_timing import GivenTorques, SmoothQuestion, smooth_timing
+from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
 
 NEAR = 0.3
 """Share of the tolerance from which a segment gets a node once one passes it: each round solves all programs anew."""
@@ -106,17 +105,17 @@ def retime(
         MotionError: If the arms cannot follow the object.
         SolverError: If no solver answers.
     """
-    _check_arguments(cell, sharing, start_speed, end_speed, progress)
+    check_type("cell", cell, Cell)
+    check_callable("progress", progress)
     cell = limited_cell(cell, reserve, limits)
-    options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between)
+    kept = None if rates is False else rate_limits(cell, rates)
+    options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between, rates=kept)
     options = options.checked(cell)
-    if options.load not in {"guaranteed", "nominal"}:
-        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=load)
-    smooth = _smooth_options(
-        cell, rates, distribute, options.load, weigh=weigh, least_energy_in=least_energy_in,
-        start_torque=start_torque, end_torque=end_torque,
-    )  # fmt: skip
-    options = options if smooth is None else replace(options, rates=rate_limits(cell, rates))
+    of_rates = {"weigh": weigh, "least_energy_in": least_energy_in}
+    _check_timing(options, start_speed, end_speed, start_torque=start_torque, end_torque=end_torque, **of_rates)
+    goal = _smooth_goal(weigh, least_energy_in)
+    start = _holding_torque(cell, options, "start_torque", start_torque)
+    end = _holding_torque(cell, options, "end_torque", end_torque)
     given, end_speeds = coordinate(cell, motion, closure), (start_speed, end_speed)
     compared = ConstantFactor(cell, given, options)
     if options.between is not None:
@@ -127,8 +126,8 @@ def retime(
 
     first = timed(given, refined=False)
     fastest = refined_timing(first, timed, options.between)
-    if smooth is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
-        return _smooth(SmoothQuestion(fastest, *smooth, KernelSolver()), progress)
+    if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
+        return _smooth(SmoothQuestion(fastest, goal, (start, end), KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
     remarks = motion_remarks(cell, given, None)
@@ -140,7 +139,6 @@ def retime(
 
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
-    """The best timing within limits of rates, with its torques."""
     bare, before = question.bare, list[TimedPiece]()
     constant = bare.factor
     nodes = smooth_nodes(bare.cell, constant.motion, bare.end_speeds)
@@ -208,7 +206,6 @@ def _played(
 
 
 def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
-    """What a search that met its bounds leaves; nothing where it came to its end."""
     left = []
     if answer.gain is None or answer.gain >= CONVERGED:
         left.append("a faster profile may be near")
@@ -219,40 +216,35 @@ def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
     return (Remark("search-stopped", f"this is the best timing found in {answer.steps} steps: {', and '.join(left)}."),)
 
 
-def _smooth_options(
-    cell: Cell, rates: Rates, distribute: DistributionName, question: str, **given: Any
-) -> tuple[Goal, GivenTorques] | None:
-    """What is to be least within limits of rates, and torques that hold still at both ends; None without rates."""
-    if rates is False:
-        for name, value in given.items():
-            if value is not None:
-                raise InputError(name, "needs limits of rates: give rates too.", value=value)
+def _check_timing(options: Options, start_speed: float, end_speed: float, **of_rates: Any) -> None:
+    """Check what is asked of a timing alone."""
+    if options.load not in {"guaranteed", "nominal"}:
+        raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=options.load)
+    internal = None if options.sharing is None else options.sharing.internal_wrench
+    if internal is not None and np.ndim(internal) > 1:
+        raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
+    for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
+        if not is_number(speed, 0, LARGEST_NUMBER):
+            rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
+            raise InputError(name, rule, value=speed)
+    for name, value in of_rates.items():
+        if options.rates is None and value is not None:
+            raise InputError(name, "needs limits of rates: give rates too.", value=value)
+
+
+def _holding_torque(cell: Cell, options: Options, name: str, given: Array | None) -> Array | None:
+    """Torques that hold still at an end, Shape (m,), checked."""
+    if given is None:
         return None
-    goal = smooth_goal(given["weigh"], given["least_energy_in"])
-    if distribute != "least-torque":
-        rule = "does not go with rates: where torques change slowly they are the least ones."
-        raise InputError("distribute", rule, value=distribute)
-    joints, held = sum(len(robot.joints) for robot in cell.robots), []
-    for name in ("start_torque", "end_torque"):
-        torque = None if given[name] is None else as_array(name, given[name])
-        if torque is not None and (torque.shape != (joints,) or not np.all(np.isfinite(torque))):
-            raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given[name])
-        if torque is not None and question == "guaranteed":
-            raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
-        held.append(torque)
-    return goal, (held[0], held[1])
+    torque, joints = as_array(name, given), len(cell.joint_names)
+    if torque.shape != (joints,) or not np.all(np.isfinite(torque)):
+        raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given)
+    if options.load == "guaranteed":
+        raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
+    return torque
 
 
-def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None) -> Goal:
-    """What is to be least.
-
-    Args:
-        weigh: Weights of "time" [1/s] and "energy" [1/s; with W = 1 1/(N² m² s)]; None is the time alone.
-        least_energy_in: The longest duration, where the energy is to be least [s].
-
-    Raises:
-        InputError: If a name or a number breaks a rule.
-    """
+def _smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None) -> Goal:
     if weigh is not None and least_energy_in is not None:
         raise InputError("weigh", "does not go with least_energy_in, which weighs the energy alone.")
     if least_energy_in is not None:
@@ -272,17 +264,3 @@ def smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None
         rule = "must be > 0: with the energy alone a motion may last for ever. Or ask for the least in a duration."
         raise InputError("weigh", rule, key="time", value=goal.time)
     return goal
-
-
-def _check_arguments(
-    cell: Cell, sharing: LoadSharing | None, start_speed: float, end_speed: float, progress: Progress
-) -> None:
-    check_type("cell", cell, Cell)
-    check_type("sharing", sharing, LoadSharing, NoneType)
-    check_callable("progress", progress)
-    for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
-        if not is_number(speed, 0, LARGEST_NUMBER):
-            rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
-            raise InputError(name, rule, value=speed)
-    if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
-        raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")

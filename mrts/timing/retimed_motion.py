@@ -213,8 +213,6 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
     """The retimed motion inside the segments, dq/ds on the polynomials of `velocity_polynomials`.
 
     Args:
-        cell: The cell.
-        part: A piece of n samples.
         places: Where in each segment, in (0, 1), Shape (p,).
 
     Returns:

@@ -13,7 +13,7 @@ from mrts.base.errors import InputError, SolverError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.path_program import joint_names, path_program
+from mrts.program.path_program import path_program
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
@@ -187,7 +187,6 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
 
 
 def _likely(question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram, before: SmoothPiece | None) -> Array:
-    """X around which the first step is taken."""
     if before is None:
         fastest = question.bare.duration
         x = np.full(program.nodes, 1.0 if fastest is None else (question.usual / fastest) ** 2)
@@ -302,7 +301,7 @@ def _unheld(cell: Cell, problem: SampleProblem, given: GivenTorques, end: int) -
     unit = [unit for robot in cell.robots for unit in robot.torque_units][worst]
     if beyond[worst] > HOLDS * np.max(np.abs(torque)):
         return (
-            f"the torques given for the {where} do not hold the cell still: {joint_names(cell)[worst]} misses what "
+            f"the torques given for the {where} do not hold the cell still: {cell.joint_names[worst]} misses what "
             f"balances the others by {abs(missed[worst]):.4g} {unit}. "
             "Take those of a plan that ends there, or give none."
         )

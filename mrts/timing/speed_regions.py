@@ -63,7 +63,6 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     Args:
         problem: Rows of [F, u, x], from `build_sample_problem` with a varying speed.
         length: Of the path: over it u changes x by 2 u times that.
-        ends: x at the first and the last sample.
     """
     rows, most = np.flatnonzero(~problem.is_cap).astype(np.int32), problem.cap()
     effect = default_programs().effects(problem.A, rows)

@@ -65,7 +65,6 @@ def successive_profiles(
     Args:
         problems: Rows of [F, u, x] with terms in √x, one a load.
         step: Length of each segment, Shape (n - 1,).
-        ends: x at the first and the last sample.
     """
     search = _Search(problems, step, ends)
     first = search.first()

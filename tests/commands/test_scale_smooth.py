@@ -96,7 +96,7 @@ def test_torques_at_an_end_are_given_by_robot(planar_cell, lift, capsys):
         (["--weigh", "time=1"], "--weigh: goes with --profile smooth, not with constant."),
         (["--start-speed", "0"], "--start-speed: goes with --profile optimal or smooth, not with constant."),
         (["--profile", "optimal", "--solver", "kernel"], "--solver: goes with --profile constant, not"),
-        ([*SMOOTH[3:], "--distribute", "reserve"], "--distribute = 'reserve': does not go with rates"),
+        ([*SMOOTH[3:], "--distribute", "reserve"], "--distribute = 'reserve': with rates it must be"),
         (["--c2", "1", "--nominal"], "--c2: does not go with --nominal."),
         (["--weights", "1", "--share", "equal"], "--weights: does not go with --share"),
         ([*SMOOTH[3:], "--weigh", "tim=1"], "--weigh = 'tim': may have the keys time and energy only."),

@@ -1,6 +1,5 @@
 """Inverse kinematics of spatial and redundant arms, and its outcomes."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +16,6 @@ from published_robots import CASES, ROBOTS
 from random_cells import chain_model, configuration
 
 import mrts
-from mrts.cli import main
 from mrts.following.coordinate import coordinate
 
 UR5 = DATA.parent / "dual_ur5"
@@ -258,18 +256,3 @@ def test_torque_coefficients_equal_toppras(tmp_path):
     terms = cell.functions("terms", 40, inputs)
     for ours, theirs in ((terms["A"], a), (terms["E"], b), (terms["G"], c)):
         np.testing.assert_allclose(ours, theirs, atol=1e-10 * (1 + np.max(np.abs(theirs))))
-
-
-def test_the_spatial_cell_on_the_command_line(tmp_path):
-    target = tmp_path / "result.json"
-    command = ["scale", str(UR5 / "cell.yaml"), str(UR5 / "lift_and_turn.yaml"), "--json", str(target)]
-    assert main(command) == 0
-    result = json.loads(target.read_text())
-    assert result["status"] == "feasible"
-    assert len(result["torque"]["left"][0]) == 6
-    assert result["binding"]["upper"]["rows"][0]["kind"] == "velocity"
-    assert result["velocity_limits_passed"] == []
-    assert main([*command, "--no-velocity-limits"]) == 0
-    faster = json.loads(target.read_text())
-    assert faster["c2"]["upper"] > result["c2"]["upper"]
-    assert any("rad/s" in note for note in faster["velocity_limits_passed"])

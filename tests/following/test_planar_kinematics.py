@@ -7,46 +7,8 @@ from scipy.spatial.transform import Rotation
 
 import mrts
 from mrts.following.branches import branches_at_start
-from mrts.motion.velocity_profile import PROFILES
 
 pytestmark = pytest.mark.quick
-
-G = 9.8
-
-
-def test_gravity_torque_of_the_shipped_arm_in_closed_form(planar_cell):
-    rng = np.random.default_rng(0)
-    q = rng.uniform(-np.pi, np.pi, (50, 6))
-    ours = planar_cell.functions("dynamics", 50, {"q": q, "dq": np.zeros((50, 6))})["gravity_torque"]
-    for joints in planar_cell.joint_slices.values():
-        c = np.cos(np.cumsum(q[:, joints], axis=1))
-        third = G * 0.5 * 0.05 * c[:, 2]
-        second = third + G * c[:, 1] * (4 * 0.5 + 0.5 * 1.0)
-        first = second + G * c[:, 0] * (5 * 0.5 + 4 * 1.0 + 0.5 * 1.0)
-        np.testing.assert_allclose(ours[:, joints], np.column_stack([first, second, third]), atol=1e-12)
-
-
-def test_mass_matrix_of_the_shipped_arm_in_closed_form(planar_cell):
-    """Two-link block of the textbook (Craig, ch. 6) with the hand folded in at its own joint."""
-    rng = np.random.default_rng(1)
-    q = rng.uniform(-np.pi, np.pi, (50, 6))
-    D = planar_cell.functions("dynamics", 50, {"q": q, "dq": np.zeros((50, 6))})["mass_matrix"]
-    m, length, com = (5.0, 4.0, 0.5), (1.0, 1.0, 0.1), (0.5, 0.5, 0.05)
-    inertia = [mass * (3 * 0.01 + long**2) / 12 for mass, long in zip(m, length, strict=True)]
-    for joints in planar_cell.joint_slices.values():
-        absolute = np.cumsum(q[:, joints], axis=1)
-        expected = np.zeros((50, 3, 3))
-        for body in range(3):
-            # Jacobian of the body's centre of mass: columns of joints 0 … body
-            J = np.zeros((50, 2, 3))
-            for joint in range(body + 1):
-                for link in range(joint, body + 1):
-                    arm = com[body] if link == body else length[link]
-                    J[:, 0, joint] -= arm * np.sin(absolute[:, link])
-                    J[:, 1, joint] += arm * np.cos(absolute[:, link])
-            turn = (np.arange(3) <= body).astype(float)
-            expected += m[body] * J.transpose(0, 2, 1) @ J + inertia[body] * np.outer(turn, turn)
-        np.testing.assert_allclose(D[:, joints, joints], expected, atol=1e-12)
 
 
 def test_joint_motion_closes_the_chain_and_is_its_own_derivative(planar_cell, lift):
@@ -112,20 +74,6 @@ def test_a_path_in_a_parallel_plane_does_not_close(planar_cell):
     lifted = motion_to([1.25, 1.2, 0.3], start={"xyz": [1.25, 1.0, 0.3]})
     with pytest.raises(mrts.MotionError, match=r"came no nearer than 0\.3 m"):
         mrts.follow_object(planar_cell, lifted)
-
-
-@pytest.mark.parametrize("name", PROFILES)
-def test_profiles_run_from_rest_to_rest_and_are_consistent(name):
-    u = np.linspace(0, 1, 3001)
-    s, ds, dds = PROFILES[name](u)
-    assert s[0] == pytest.approx(0, abs=1e-15)
-    assert s[-1] == pytest.approx(1, abs=1e-15)
-    assert ds[0] == pytest.approx(0, abs=1e-12)
-    assert ds[-1] == pytest.approx(0, abs=1e-12)
-    np.testing.assert_allclose(cumulative_trapezoid(ds, u, initial=0), s, atol=1e-6)
-    jumps = 5e-3 if name == "trapezoid" else 1e-5  # one step of the jump in acceleration
-    np.testing.assert_allclose(cumulative_trapezoid(dds, u, initial=0), ds, atol=jumps)
-    assert np.all(ds >= -1e-15)
 
 
 def test_rotation_follows_the_geodesic_at_the_profiles_rate():

@@ -5,13 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import DATA
 from shown_results import braking_only, result_of
 
 import mrts
 import mrts.output.limit_table
 from mrts.base.interval_text import interval_text
-from mrts.output.limit_table import limit_table
 from mrts.output.summary_lines import scaling_lines
 from mrts.plots.card import answer_card
 from mrts.scaling.result import _speed_advice
@@ -46,20 +44,6 @@ def start_of_lowering():
     )
     fields = (low.time, low.position, low.rotation, low.twist, low.acceleration)
     return mrts.ObjectMotion(*(field[:20] for field in fields))
-
-
-def test_room_to_go_faster(planar_cell, lift):
-    text = mrts.scale(planar_cell, lift).summary()
-    assert text.startswith(
-        "c² ∈ [0, 3.062]: you may play it up to 1.75 × as fast as given: 0.2992 s instead of 0.5236 s; "
-        "limited at t = 0 s by "
-    )
-    assert "left/elbow torque (upper, 80 N m), " in text
-
-
-def test_too_fast_as_given(planar_cell):
-    text = mrts.scale(planar_cell, mrts.load_motion(DATA / "fast_lift.yaml")).summary()
-    assert "you must play it at most 0.525 × as fast as given: 0.2992 s instead of 0.1571 s; limited at" in text
 
 
 @pytest.mark.parametrize(
@@ -104,18 +88,6 @@ def test_no_common_speed(planar_cell, start_of_lowering):
     assert "Change the velocity profile" in text
 
 
-def test_no_speed_at_all(planar_cell, lift):
-    text = mrts.scale(planar_cell.with_mass(60.0), lift).sentence()
-    assert text.startswith("infeasible: 51 of 101 samples are infeasible. The worst: at t = 0 s (sample 0) no torques")
-    assert "moving all limits outward by 282 % of their size (left/elbow by 226 N m" in text
-    assert text.endswith("Move the path, raise a limit, lighten the load, or try another configuration.")
-
-
-def test_what_is_possible_is_no_promise(planar_cell, lift):
-    text = mrts.scale(planar_cell.with_variation(mass=(0.5, 2.0)), lift, load="possible").summary()
-    assert text.startswith("at best, for some load of the box at each sample (mass 0.25 … 1 kg): c² ∈ [0, ")
-
-
 @pytest.mark.parametrize(
     ("low", "high", "text"),
     [
@@ -143,14 +115,6 @@ def test_no_crossed_and_no_infinite_interval_is_shown(planar_cell, lift, tmp_pat
     for text in lines.values():
         for low, high in re.findall(r"\[([-\d.e]+), ([-\d.e]+)\]", text):
             assert float(low) <= float(high)
-
-
-def test_columns_of_names_that_are_longer_stay_aligned(planar_cell, lift, monkeypatch):
-    for width in (0, 40):
-        monkeypatch.setattr(mrts.output.limit_table, "LEAST_NAME_WIDTH", width)
-        head, *rows = limit_table(mrts.scale(planar_cell, lift))
-        places = {len(row[: row.index("  [")]) for row in rows if "[" in row}
-        assert places == {head.index("  limits")}
 
 
 def test_a_load_without_a_common_speed_is_said_with_both_samples(planar_cell, lift):

@@ -115,13 +115,6 @@ def test_the_share_that_must_be_used_is_convex_in_c2(seed, tmp_path):
     assert np.all(np.diff(used, 2) >= -ROUNDING)
 
 
-def test_more_speed_leaves_less_of_the_shipped_cell(dual_ur5):
-    motion = mrts.load_motion("mrts/data/dual_ur5/lift_and_turn.yaml")
-    plans = [mrts.scale(dual_ur5, motion, c2).reserve for c2 in np.linspace(0.2, 4.2, 9)]
-    assert np.all(np.diff([plan.whole.share for plan in plans]) < 0)
-    assert np.all(np.diff([plan.distributed.share for plan in plans]) < 0)
-
-
 def test_the_shipped_cell_keeps_its_wrenches_far_from_their_limits(dual_ur5):
     motion = mrts.load_motion("mrts/data/dual_ur5/lift_and_turn.yaml")
     least, kept = (mrts.scale(dual_ur5, motion, distribute=rule, weights=1) for rule in ("least-torque", "reserve"))

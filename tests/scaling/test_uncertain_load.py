@@ -87,17 +87,6 @@ def test_guaranteed_lies_in_nominal_lies_in_possible(seed, make, sharing, tmp_pa
                    for a, b in zip(outer.status, inner.status, strict=True))  # fmt: skip
 
 
-@pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("sharing", [None, mrts.LoadSharing()])
-def test_many_samples_of_random_cells_have_a_guaranteed_range(make, sharing, tmp_path):
-    inside = 0
-    for seed in range(6):
-        cell, motion = coordinated(np.random.default_rng(seed), make, 1 + seed % 3, tmp_path)
-        found = scaled(cell, motion, sharing=sharing, load="guaranteed").range.samples
-        inside += np.sum(found.lower <= found.upper)
-    assert inside > 12
-
-
 def guaranteed_with_an_end(pair):
     """The range that every load of a cell's box keeps, if something sets its upper end."""
     found = scaled(*pair, load="guaranteed").range
@@ -264,16 +253,6 @@ def test_parameters_without_effect_double_no_work(planar_cell, lift):
     result = scaled(cell, lift)
     assert [dict(point.parameters) for point in result.load.points] == [{"mass": 0.2}, {"mass": 6.0}]
     assert result.range.upper.c2 == scaled(planar_cell.with_mass(3.0), lift).range.upper.c2
-
-
-def test_the_grid_is_bounded_by_the_guaranteed_range(planar_cell, lift):
-    cell = planar_cell.with_variation(mass=(0.2, 6.0))
-    result = scaled(cell, lift, load="grid:7")
-    assert [point.parameters["mass"] for point in result.load.points] == pytest.approx(np.linspace(0.2, 6, 7))
-    assert result.range.upper.c2 == pytest.approx(scaled(cell, lift).range.upper.c2, rel=RANGE_TOLERANCE)
-    for point, found in zip(result.load.points, result.load.ranges, strict=True):
-        alone = scaled(planar_cell.with_mass(point.load[0]), lift).range
-        assert found.upper.c2 == pytest.approx(alone.upper.c2, rel=RANGE_TOLERANCE)
 
 
 def test_first_moments_equal_an_object_whose_frame_lies_elsewhere(dual_ur5, lift_and_turn, tmp_path):

@@ -205,7 +205,7 @@ def test_a_motion_that_moves_at_its_ends_is_timed_from_and_to_any_speed(planar_c
         ({"rates": 1, "least_energy_in": 0}, "least_energy_in = 0: must be a duration > 0 [s]."),
         ({"rates": 1, "least_energy_in": float("inf")}, "least_energy_in = inf: must be a duration > 0 [s]."),
         ({"rates": 1, "least_energy_in": 1, "weigh": {"time": 1}}, "weigh: does not go with least_energy_in"),
-        ({"rates": 1, "distribute": "reserve"}, "distribute = 'reserve': does not go with rates"),
+        ({"rates": 1, "distribute": "reserve"}, "distribute = 'reserve': with rates it must be"),
         ({"rates": 1, "start_torque": [1, 2]}, "start_torque = [1, 2]: must be finite with Shape (6,), one a joint."),
         ({"rates": 1, "end_torque": [np.nan] * 6}, "end_torque = [nan, nan, nan, nan, nan, nan]: must be finite"),
         ({"rates": 1, "start_speed": 1.0}, "start_speed = 1.0: the given motion is at rest there"),

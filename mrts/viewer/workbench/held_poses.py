@@ -88,7 +88,7 @@ def held_poses(cell: Cell, motion: ObjectMotion, message: str = "") -> HeldPoses
     """
     count = min(MOST_SAMPLES, len(motion.time))
     samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
-    start = np.concatenate([robot.posture for robot in cell.robots])
+    start = cell.posture
     starts = np.tile(start, (len(samples), 1))
     held = solve_grasps(cell, motion, samples, starts, FURTHER_STEPS, near=None)
     return HeldPoses(
