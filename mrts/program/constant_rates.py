@@ -142,10 +142,8 @@ class RatedFactors:
         rates: RateLimits,
     ) -> None:
         self.cell, self.rates = cell, rates
-        rows = motion_rows(cell, motion)
-        self.problems = [
-            build_sample_problem(cell, motion, sharing=sharing, load=load, varying=True, rows=rows) for load in loads
-        ]
+        rows = motion_rows(cell, motion, sharing)
+        self.problems = [build_sample_problem(rows, load=load, varying=True) for load in loads]
         self.program = path_program(cell, motion, self.problems, rates)
         self.by_jerk = self._end_by_jerk()
         self._limited = np.flatnonzero(np.isfinite(self.program.change))
@@ -331,7 +329,7 @@ def torques_within_rates(
     Raises:
         SolverError: If no solver answers.
     """
-    problem = build_sample_problem(cell, motion, sharing=sharing, varying=True)
+    problem = build_sample_problem(motion_rows(cell, motion, sharing), varying=True)
     program = _with_margins(path_program(cell, motion, [problem], rates, weights))
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
     free = KernelSolver().torques(program, square, nothing)

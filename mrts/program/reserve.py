@@ -161,16 +161,14 @@ def plan_reserve(
         SolverError: If no solver answers.
     """
     cell, time = cell.with_reserve(0.0), motion.object.time
-    rows = motion_rows(cell, motion)
+    rows = motion_rows(cell, motion, sharing, formulation)
     whole: list[Reserve] = []
     distributed: list[Reserve] = []
     for load in loads:
         for start in range(0, motion.samples, BLOCK):
             block = np.arange(start, min(start + BLOCK, motion.samples))
             vector = None if load is None else load.load
-            problem = build_sample_problem(
-                cell, motion, formulation=formulation, sharing=sharing, load=vector, samples=block, rows=rows
-            )
+            problem = build_sample_problem(rows, load=vector, samples=block)
             given = rows.given.at(block)
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
