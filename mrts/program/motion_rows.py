@@ -86,13 +86,7 @@ class MotionRows:
         return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
     def at_rest(self, still: CoordinatedMotion, sharing: LoadSharing | None, samples: NDArray[np.intp]) -> "MotionRows":
-        """The same rows at some samples at which the joints stand: all that is a velocity or an acceleration is 0.
-
-        Args:
-            still: The motion of these samples.
-            sharing: There.
-            samples: Which of the N, Shape (k,).
-        """
+        """The same rows at some samples where the joints stand: all velocities and accelerations are 0."""
         rows, kept = (replace(of.at(samples), rate=None, speed=None, square=None) for of in (self.rows, self.kept))
         share = np.zeros((len(samples), self.cap_share.shape[1]))
         motors = motor_terms(self.cell, still)

@@ -137,13 +137,7 @@ class SampleProblem:
         return replace(self, **some)
 
     def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
-        """The same problem with more rows, which have no term in ṙ.
-
-        Args:
-            names: One a row.
-            **columns: What they add to `unit`, `is_limit`, `is_cap`, `limit_lower`, `limit_upper`, Shape (s,) each, to
-                `A`, Shape (N, s, k), and to `lower` and `upper`, Shape (N, s).
-        """
+        """The same problem with s more rows, which have no term in ṙ; columns are their attributes."""
         more = {
             name: np.concatenate([getattr(self, name), part], axis=1 if np.ndim(part) > 1 else 0)
             for name, part in columns.items()

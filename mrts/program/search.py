@@ -183,7 +183,6 @@ def refine(
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
-        SolverError: If no solver answers.
     """
     cell, motion = given.cell, given.motion
     known = Ends.of(found)
@@ -225,7 +224,6 @@ def refine(
 
 
 def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, side: Side) -> Excess:
-    """The worse of an excess and those at some places."""
     if not len(places) or np.max(share) <= worst.share:
         return worst
     most = int(np.argmax(share))
@@ -258,7 +256,6 @@ def _doubtful(known: Ends, allowed: tuple[float, float] | None, *, everywhere: b
 
 
 def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
-    """What the range may be narrower by in gaps that were not looked at."""
     step = np.diff(known.time)
     for of, most in zip(known.rising(), allowed or (np.inf, np.inf), strict=True):
         above = np.maximum(of[:-1], of[1:]) + turning(step, of) - np.max(of)
@@ -288,18 +285,10 @@ def _needed(looked: Looked, whole: tuple[float, float], left: Excess) -> tuple[N
 
 
 def doubtful_gaps(time: Array, value: Array, allowed: float) -> NDArray[np.intp]:
-    """Gaps between samples in which a quantity may exceed its largest sample by more than is allowed.
+    """Gaps between N >= 2 samples in which a quantity may exceed its largest sample by more than is allowed.
 
     A quantity that turns inside a gap, smoothly or at a corner, lies above its samples by at most a quarter of the gap
     times the change of slope around it.
-
-    Args:
-        time: Of N >= 2 samples, Shape (N,) [s].
-        value: Shape (N,), finite.
-        allowed: By how much.
-
-    Returns:
-        Indices of the samples before the gaps.
     """
     step = np.diff(time)
     above = np.maximum(value[:-1], value[1:]) + turning(step, value) > np.max(value) + allowed
@@ -307,12 +296,7 @@ def doubtful_gaps(time: Array, value: Array, allowed: float) -> NDArray[np.intp]
 
 
 def turning(step: Array, value: Array) -> Array:
-    """By how much a quantity may exceed its samples in each gap, Shape (N - 1,).
-
-    Args:
-        step: Widths of the gaps, Shape (N - 1,) [s].
-        value: At the samples, Shape (N,).
-    """
+    """By how much a quantity may exceed its samples in each gap between them, Shape (N - 1,)."""
     slope = np.diff(value) / step
     change = np.abs(np.diff(slope))
     if not len(change):
@@ -323,5 +307,4 @@ def turning(step: Array, value: Array) -> Array:
 
 
 def _distinct(places: Iterable[int]) -> NDArray[np.intp]:
-    """In order, each once; `np.unique` imports numpy.ma for that."""
     return np.array(sorted(set(places)), dtype=np.intp)

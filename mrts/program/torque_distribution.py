@@ -71,7 +71,6 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
         Unknowns x with c² last, Shape (N, k), and the programs that a fallback had to solve.
 
     Raises:
-        InputError: If there is no such solver.
         SolverError: If no solver answers.
     """
     count, unknowns = problem.samples, problem.unknowns
@@ -101,15 +100,7 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
 def least_torques(
     library: CellLibrary, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, c2: Array, weights: Array
 ) -> tuple[Array, Array, NDArray[np.uint8]]:
-    """`distribute_torques` at all samples in one call of the kernel.
-
-    Args:
-        library: Of the cell.
-        inputs: Of the wrench form, by name.
-        limits: Rows over torques and wrenches.
-        terms: What is added at every sample.
-        c2: Shape (N,).
-        weights: W, Shape (m, m).
+    """`distribute_torques` at all samples in one call of the kernel; inputs are those of the wrench form.
 
     Returns:
         Torques, Shape (N, m), wrenches, Shape (N, n w), and statuses, Shape (N,).

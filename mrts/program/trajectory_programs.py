@@ -38,10 +38,6 @@ def motion_ranges(
         solver: Name in the registry; "kernel" takes the compiled path where it applies.
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         high: Of several intervals the highest is found that does not begin above this c².
-
-    Raises:
-        InputError: If an argument breaks a rule.
-        SolverError: If no solver answers.
     """
     time, of_sample = rows.motion.object.time, partial(_problem_of_sample, rows, load)
     if not _is_for_kernel(rows, solver) or (rows.one_unknown and rows.has_speed_terms):
@@ -80,12 +76,7 @@ def motion_torques(
 ) -> tuple[Array, Array, int]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
 
-    W, Shape (m, m), is in `weights`; the others are as in `motion_ranges`. By "reserve" the limits count as they are
-    given, whatever reserve the cell keeps.
-
-    Raises:
-        InputError: If an argument breaks a rule.
-        SolverError: If no solver answers.
+    The weights are W, Shape (m, m). By "reserve" the limits count as they are given, whatever reserve the cell keeps.
     """
     if distribute == "reserve":
         whole = motion_rows(rows.cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation)
@@ -100,7 +91,6 @@ def motion_torques(
 
 
 def _is_for_kernel(rows: MotionRows, solver: str) -> bool:
-    """Whether the compiled path answers: wrench form, no sides that cross."""
     check_solver(solver)
     few = len(rows.kept.names) + rows.cell.library.unknowns <= MOST_ROWS
     return solver == "kernel" and rows.formulation == "wrench" and rows.sparse is not None and few

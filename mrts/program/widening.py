@@ -39,8 +39,8 @@ def least_widening(
         least: Least s: below 0 limits move inward.
 
     Returns:
-        Least s, in sizes of limits, Shape (N,); multipliers of the rows, positive at an upper limit, Shape (N, r); and
-        how many programs another solver solved.
+        Least s, Shape (N,); multipliers of the rows, positive at an upper limit, Shape (N, r); and how many programs
+        another solver solved.
 
     Raises:
         SolverError: If no solver answers.
@@ -74,17 +74,7 @@ def least_widening(
 
 
 def widening_at(problem: SampleProblem, c2: float | Array, solver: str, what: str) -> Array:
-    """Least s that admits a given c², Shape (N,); where c² is the only unknown, the largest excess.
-
-    Args:
-        problem: Rows of some samples.
-        c2: c², one for all samples, or one a sample, Shape (N, 1).
-        solver: Name in the registry.
-        what: What is found, for the message.
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """Least s that admits a c², one for all samples or Shape (N, 1), Shape (N,); of one unknown, the largest excess."""
     lower, upper = problem.limits_at(c2)
     if problem.unknowns == 1:
         return np.asarray(np.max(np.maximum(lower, -upper), axis=1, initial=0.0), dtype=np.float64)
@@ -106,10 +96,6 @@ def motion_widening(
         c2: c² at each sample asked for, Shape (k,).
         load: Load vector instead of the cell's, Shape (10,), or one a sample asked for, Shape (k, 10).
         samples: Indices of those that are asked for, Shape (k,); None takes all N.
-
-    Raises:
-        InputError: If an argument breaks a rule.
-        SolverError: If no solver answers.
     """
     count = rows.motion.samples
     places = np.arange(count) if samples is None else samples
@@ -127,7 +113,6 @@ def motion_widening(
 
 
 def _of_samples(values: Array, places: NDArray[np.intp], count: int) -> Array:
-    """Values of some of N samples among all, zero elsewhere."""
     whole = np.zeros((count, *values.shape[1:]))
     whole[places] = values
     return whole
@@ -136,7 +121,6 @@ def _of_samples(values: Array, places: NDArray[np.intp], count: int) -> Array:
 def _kernel_widening(
     rows: MotionRows, sparse: SparseLimits, c2: Array, load: Array | None, places: NDArray[np.intp]
 ) -> tuple[Array, NDArray[np.uint8]]:
-    """The widening by the kernel, and its statuses."""
     count = rows.motion.samples
     terms = rows.terms(np.sqrt(_of_samples(c2[:, None], places, count)) if rows.has_speed_terms else 1.0)
     inputs = rows.inputs(None)
