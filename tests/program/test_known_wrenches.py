@@ -16,7 +16,7 @@ from mrts.limits.rows import STANDSTILL
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.trajectory_programs import motion_ranges, motion_torques
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.timing.speed_regions import speed_regions
 
 SAME = 1e-12
@@ -102,15 +102,6 @@ def test_ends_and_the_rows_that_set_them(case):
             assert set(found.binding(k, ends)) == set(known.all_binding(k, ends))
     assert [str(one) for one in found.conflicts] == [str(one) for one in known.conflicts]
     assert found.fallbacks == known.fallbacks == 0
-
-
-def test_torques_are_those_of_the_rows(case):
-    cell, motion, sharing = case
-    problem = build_sample_problem(motion_rows(cell, motion, sharing))
-    torque, wrench, _ = motion_torques(motion_rows(cell, motion, sharing), "kernel", 0.3, np.eye(motion.dq.shape[1]))
-    x = np.full((motion.samples, 1), 0.3)
-    for got, given in ((torque, problem.torque(x)), (wrench, problem.wrench(x))):
-        np.testing.assert_allclose(got, given, rtol=0, atol=SAME * np.max(np.abs(given)))
 
 
 def test_a_standstill_that_holds_is_named_alone(tmp_path):
