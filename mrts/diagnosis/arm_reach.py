@@ -245,4 +245,4 @@ def _shift(arm: Cell, motion: ObjectMotion, nearest: NearestHold) -> Array | Non
 
 def _moved(arm: Cell, shift: Array) -> Cell:
     (robot,) = arm.robots
-    return arm.with_base(robot.name, xyz=(robot.T_world_base.p + shift).tolist())
+    return arm.with_values({"robots[0].base.xyz": robot.T_world_base.p + shift})

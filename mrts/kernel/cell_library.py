@@ -32,7 +32,6 @@ class SparseLimits:
         base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3); None where no row is in
             object axes.
         axes: x, y, z (0, 1, 2) in the order in which a triple of a wrench has them.
-        pattern: Entries that may be other than zero, Shape of `matrix`; None for those that are.
 
     Attributes:
         rows: r.
@@ -52,12 +51,11 @@ class SparseLimits:
         group: Sequence[str],
         base: Array | None = None,
         axes: Sequence[int] = (0, 1, 2),
-        pattern: NDArray[np.bool_] | None = None,
     ) -> None:
         if not np.all(lower <= upper):
             raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
-        self.entries = row, column = np.nonzero(matrix if pattern is None else pattern)
+        self.entries = row, column = np.nonzero(matrix)
         self.values = np.ascontiguousarray(matrix[row, column])
         start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=self.rows))])
         units = list(dict.fromkeys(group))

@@ -40,7 +40,7 @@ def limits_plot(result: ScalingResult, title: str, without: Sequence[str] = ()) 
     Raises:
         ValueError: If there is no trajectory.
     """
-    kinds = shares_by_kind(*all_shares(result), lambda name: name.failure)
+    kinds = shares_by_kind(*all_shares(result))
     panels = [_percent_panel(of, result) for of in kinds if of.kind not in without]
     return Plot(
         name="limits", title=title, rows=[panels[at : at + 2] for at in range(0, len(panels), 2)], clock="played"

@@ -99,7 +99,7 @@ def kernel_ends(library: CellLibrary, inputs: dict[str, Array], rows: MotionRows
 def known_ends(
     library: CellLibrary, function: str, inputs: dict[str, Array], rows: MotionRows, most: Array
 ) -> RangeEnds:
-    """Eqs. (38), (39) at all samples in one call of the kernel: where c² is the only unknown every row bounds it.
+    """Eqs. (38), (39): where c² is the only unknown every row bounds it; all samples in one call of the kernel.
 
     Arguments are those of `kernel_ends`; the function gives torques and wrenches.
     """

@@ -44,6 +44,7 @@ def motion_ranges(
         problem = build_sample_problem(rows, load=load)
         return replace(sample_ranges(problem, time, solver, high), problem=of_sample)
     ends = _kernel_ends(rows, load, high)
+    ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
     effect = float(np.max(ends.effect, initial=0.0))
     at_rest = ends.effect <= REST_TOLERANCE * effect
     ends.upper[at_rest], ends.codes[1, at_rest] = rows.most[at_rest], 0

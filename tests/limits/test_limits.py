@@ -201,7 +201,7 @@ def test_it_is_shown_wherever_limits_are(kind, limit, planar_cell, lift):
     assert any(line.strip().startswith(f"left/mine {kind}") for line in scaling_lines(result, None))
     state = PlayerState(cell, lift)
     state.sample = 50
-    (bar,) = state.further_bars()[kind]["left"]
+    (bar,) = state.bars()[kind]["left"]
     done = state.trajectory
     value = QUANTITIES[kind](result.motion, done.torque, done.dq, done.ddq)[50]
     assert (bar.value, bar.upper) == (pytest.approx(value, rel=1e-9, abs=1e-9), limit)

@@ -326,7 +326,7 @@ def test_changes_of_a_cell_are_checked(planar_cell):
         with pytest.raises(mrts.InputError, match="mass"):
             planar_cell.with_mass(mass)
     for postures in ({"middle": [0, 0, 0]}, {"left": [0, 0]}, {"left": None}, {"left": [0, 0, np.inf]}):
-        with pytest.raises(mrts.InputError, match="postures"):
+        with pytest.raises(mrts.InputError, match="posture"):
             planar_cell.with_postures(postures)
 
 
