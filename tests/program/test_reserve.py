@@ -89,7 +89,7 @@ def test_both_stages_equal_highs(seed, tmp_path):
     motion = mrts.follow_object(cell, case.motion)
     shares = 1 + least_shares(build_sample_problem(motion_rows(cell, motion)), c2, DEFAULT_SOLVER)[0]
     torque, wrench, _ = motion_torques(
-        *(cell, motion, "wrench", None, DEFAULT_SOLVER, c2, np.eye(motion.q.shape[1])), distribute="reserve"
+        motion_rows(cell, motion), DEFAULT_SOLVER, c2, np.eye(motion.q.shape[1]), distribute="reserve"
     )
     rows = limit_rows(cell, motion)
     used = np.max(rows.share(rows.value(torque, wrench, 0.0, np.sqrt(c2))), axis=1)
