@@ -18,6 +18,7 @@ from mrts.base.arrays import Array
 from mrts.kernel.compiler import find_compiler
 from mrts.kernel.programs import compiled_programs
 from mrts.program.convex_program import ConvexPrograms
+from mrts.program.motion_rows import motion_rows
 from mrts.program.range_ends import UNBOUNDED
 from mrts.program.sample_problem import build_sample_problem
 
@@ -54,7 +55,7 @@ def daqp_times(g: Array, A: Array, lower: Array, upper: Array) -> tuple[list[flo
 
 def main(samples: int = SAMPLES, repeats: int = REPEATS) -> None:
     """Print both ends of the range, in both orders."""
-    problem = build_sample_problem(*shipped("dual_ur5", samples))
+    problem = build_sample_problem(motion_rows(*shipped("dual_ur5", samples)))
     count, _, k = problem.A.shape
     g = np.zeros((count, k))
     low, high = np.full((count, k), -np.inf), np.full((count, k), np.inf)

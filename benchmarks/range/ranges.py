@@ -15,6 +15,7 @@ import numpy as np
 from pinocchio_cell import HighsRange, PinocchioArm, PinocchioCell, linprog_range
 
 import mrts
+from mrts.program.motion_rows import motion_rows
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import intersect
 
@@ -37,7 +38,7 @@ def ours(cell: mrts.Cell, motion: mrts.CoordinatedMotion, solver: str = "kernel"
     """Largest c² of a motion by mrts."""
 
     def run() -> float:
-        found = intersect(motion_ranges(cell, motion, "wrench", None, solver))
+        found = intersect(motion_ranges(motion_rows(cell, motion), solver))
         return found.upper.c2 if found.upper else float("nan")
 
     return run

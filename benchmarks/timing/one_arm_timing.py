@@ -29,6 +29,7 @@ from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
 
 import mrts
 from mrts.base.arrays import Array
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.timing.path_pieces import path_pieces
 
@@ -115,7 +116,7 @@ def by_copp_generated(cell: mrts.Cell, motion: mrts.CoordinatedMotion) -> Callab
     path = pieces[0].path
 
     def rows() -> tuple[Rows, Array, Array]:
-        problem = build_sample_problem(cell, path, varying=True)
+        problem = build_sample_problem(motion_rows(cell, path), varying=True)
         u, x = (np.ascontiguousarray(problem.A[:, :, column]) for column in (-2, -1))
         return (u, x, np.zeros_like(u)), problem.lower, problem.upper
 

@@ -56,12 +56,9 @@ def one_file(name: str) -> str:
 
 @cache
 def one_text(names: tuple[str, ...]) -> str:
-    """Some C files of the kernel, in order, as one text: each header of ours stands where it is first included.
+    """Some C files of the kernel, such as "smooth/fronts.c", in order, as one text: headers stand where first included.
 
     What is to be read more than once ends in .inc, and stands wherever it is included.
-
-    Args:
-        names: Of files in mrts/kernel/c, such as "linear_programs.c", or "smooth/fronts.c".
     """
     taken: set[str] = set()
 
@@ -139,6 +136,5 @@ def cell_source(manifest: Manifest, generated: str) -> str:
 
 
 def _one_function(generated: str, symbol: str) -> str:
-    """The definition of a function in a cell's generated C; nothing where it has none."""
     start = generated.find(f"MRTS_MODEL({symbol},")
     return generated[start : generated.index("\n}\n", start) + 3] if start >= 0 else ""

@@ -134,11 +134,6 @@ def _is_own_group(number: int) -> bool:
 
 @lru_cache
 def _temporary_cache() -> Path:
-    """A new private folder that is removed when the process ends.
-
-    Raises:
-        InputError: If it cannot be made, or others could exchange it.
-    """
     above = Path(tempfile.gettempdir()).resolve()
     try:
         folder = Path(tempfile.mkdtemp(prefix="mrts-", dir=above))

@@ -160,18 +160,10 @@ class CellLibrary(MotionLibrary):
         *,
         function: str = "wrench_form",
     ) -> None:
-        """Call a C function of whole trajectories.
+        """Call a C function of whole trajectories of N samples.
 
-        Args:
-            name: Of the function.
-            samples: N.
-            inputs: Of the generated function that it evaluates, by name.
-            limits: Rows over torques and wrenches.
-            terms: What is added at every sample.
-            asked: What the function takes of each sample, each with N entries.
-            outputs: What it fills, likewise.
-            for_all: What it takes besides, one for all samples.
-            function: Short name of the generated function.
+        `asked` is what it takes of each sample, `for_all` what it takes besides, `outputs` what it fills; inputs are
+        those of the generated function, by name.
         """
         each = [np.ascontiguousarray(values) for values in asked]
         given, strides = sample_inputs(self.records[function], samples, inputs)
@@ -202,7 +194,6 @@ def sample_inputs(record: FunctionRecord, samples: int, inputs: dict[str, Array]
 
 
 def _by_rows(value: Array) -> Array:
-    """An output by columns, Shape (N, columns, rows), as (N, rows, columns), or (N, rows) for a column."""
     return value[:, 0, :] if value.shape[1] == 1 else value.transpose(0, 2, 1)
 
 

@@ -71,12 +71,7 @@ def find_compiler() -> tuple[str, ...]:
 
 
 def compile_library(command: tuple[str, ...], source: Path, library: Path) -> None:
-    """Compile `source` into the shared library `library`, which is the user's only, whole or not at all.
-
-    Args:
-        command: Compiler, from `find_compiler`.
-        source: C file.
-        library: File to make or replace.
+    """Compile a C file into a shared library, which is the user's only, whole or not at all.
 
     Raises:
         CompilerError: If the compiler fails.
@@ -101,11 +96,6 @@ def compile_library(command: tuple[str, ...], source: Path, library: Path) -> No
 
 
 def _run(arguments: list[str]) -> tuple[int, str]:
-    """Exit code of a compiler, and what it printed, whatever its encoding.
-
-    Raises:
-        CompilerError: If it cannot be started, or is not done in time.
-    """
     try:
         process = subprocess.Popen(  # noqa: S603
             arguments,
@@ -148,12 +138,12 @@ def _stop(process: "subprocess.Popen[str]") -> None:
 def library_or_rebuilt(
     command: tuple[str, ...], name: str, source: str, open_library: Callable[[Path], Library]
 ) -> Library:
-    """Open a library from the cache; a damaged one is compiled again.
+    """Open the library of a C text from the cache, compiled where it is missing or damaged.
 
     Args:
         command: Compiler, from `find_compiler`.
-        name: Of its files.
-        source: Its C text.
+        name: Of its files, an identifier.
+        source: The C text.
         open_library: Raises OSError where the file cannot be opened, AttributeError where it lacks a function.
 
     Raises:
@@ -172,17 +162,7 @@ def library_or_rebuilt(
 
 
 def library_in_cache(command: tuple[str, ...], name: str, source: str, *, rebuild: bool = False) -> Path:
-    """Shared library of a C text, compiled unless the cache holds it.
-
-    Args:
-        command: Compiler, from `find_compiler`.
-        name: Of its files, an identifier.
-        source: The C text.
-        rebuild: Compile even if the cache holds it (the library in it cannot be opened).
-
-    Raises:
-        CompilerError: If the compiler fails.
-    """
+    """Shared library of a C text, compiled unless the cache holds it, or if it is to be rebuilt."""
     text = "\0".join((source, *command, *flags())).encode()
     library = cache_folder("lib", hashlib.sha256(text).hexdigest()) / f"{name}.so"
     seal = library.with_suffix(".sha256")

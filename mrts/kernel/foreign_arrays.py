@@ -31,13 +31,7 @@ def keep_freed_memory() -> None:
 
 
 def work_arrays(library: ctypes.CDLL, function: str, *sizes: int) -> list[NDArray[Any]]:
-    """The work arrays, reals and ints, that a function of the kernel says it wants.
-
-    Args:
-        library: Holds the function and its `_work`.
-        function: Its name.
-        sizes: What its `_work` takes.
-    """
+    """The work arrays, reals and ints, that a function of the kernel asks for by its `_work`, for some sizes."""
     reals, ints = _work(library, function, sizes)
     return [np.zeros(reals), np.zeros(ints, dtype=np.int32)]
 

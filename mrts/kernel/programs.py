@@ -156,12 +156,7 @@ class Programs:
         return found._replace(planes=planes[: found.start[-1]])
 
     def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
-        """The largest coefficient of each unknown in some rows, without its sign, Shape (N, k).
-
-        Args:
-            A: Shape (N, r, k).
-            rows: Those that count, Shape (s,).
-        """
+        """The largest coefficient of each unknown of A, Shape (N, r, k), in some rows, unsigned, Shape (N, k)."""
         count, all_rows, k = A.shape
         given, effect = np.ascontiguousarray(A), np.zeros((count, k))
         self._library.mrts_effects(count, k, all_rows, len(rows), np.ascontiguousarray(rows), given, effect)
@@ -212,7 +207,6 @@ class Programs:
         return x, dual, status
 
     def _segment_work(self, start: NDArray[np.int64]) -> Array:
-        """Work of both passes, from how many half-planes each sample has."""
         return np.zeros(self._library.mrts_segment_work(2 * int(np.max(np.diff(start)))))
 
 

@@ -229,14 +229,9 @@ class ClosureSizes:
 def closure_sizes(
     library: CellLibrary, inputs: dict[str, Array], position: Array, geometry: Array, components: Sequence[int]
 ) -> ClosureSizes:
-    """How far given joints are from holding an object.
+    """How far given joints are from holding an object at a position, Shape (N, 3) [m].
 
-    Args:
-        library: Of the cell.
-        inputs: Of the wrench form at N samples, by name.
-        position: Of the object, Shape (N, 3) [m].
-        geometry: Of the cell.
-        components: Those of a twist that a wrench of the cell has.
+    Inputs are those of the wrench form; components, those of a twist that a wrench of the cell has.
     """
     samples = len(position)
     given, strides = sample_inputs(library.records["wrench_form"], samples, inputs)

@@ -30,11 +30,9 @@ def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> list[tuple[Limit, Li
 
 
 def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
-    """The rows that the cell keeps along a motion: of all limits, those with a limit on some side.
+    """The rows that the cell keeps along a motion: those with a limit on some side, less its reserve.
 
-    Args:
-        cell: The cell; velocities are left out unless it enforces their limits. Its reserve is taken off all limits.
-        motion: Its motion.
+    Velocities are left out unless it enforces their limits.
 
     Raises:
         InputError: As `rows_by_limit`.

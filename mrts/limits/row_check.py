@@ -19,11 +19,6 @@ def limit_name(limit: Callable[..., object]) -> str:
 def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """The rows of a limit as they are.
 
-    Args:
-        limit: A function of a cell and its motion.
-        cell: The cell.
-        motion: Its motion.
-
     Raises:
         InputError: If they are no rows of this cell along this motion: other shapes, no numbers, reversed limits.
     """

@@ -82,14 +82,7 @@ class RowName:
 
 @lru_cache(maxsize=256)
 def row_names(kind: str, robot: str, elements: tuple[str, ...], units: tuple[str, ...]) -> tuple[RowName, ...]:
-    """Names of rows of one kind and one robot; the same are made once.
-
-    Args:
-        kind: As in `RowName`.
-        robot: Likewise.
-        elements: One a row.
-        units: One a row.
-    """
+    """Names of rows of one kind and one robot; the same are made once."""
     return tuple(RowName(kind, robot, element, unit) for element, unit in zip(elements, units, strict=True))
 
 
@@ -173,15 +166,7 @@ class LimitRows:
 
     @classmethod
     def of(cls, cell: Cell, *, names: Sequence[RowName], lower: Array, upper: Array, **terms: Any) -> Self:
-        """Rows of a cell, with zeros for the matrices that are not given.
-
-        Args:
-            cell: The cell.
-            names: One a row.
-            lower: Shape (r,).
-            upper: Shape (r,).
-            **terms: The other attributes.
-        """
+        """Rows of a cell, with zeros for the matrices that are not given; `terms` are the other attributes."""
         matrices = {
             "torque_matrix": np.zeros((len(names), sum(len(robot.joints) for robot in cell.robots))),
             "wrench_matrix": np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),
@@ -238,12 +223,9 @@ class LimitRows:
         return value
 
     def moving(self, speed: Array | float) -> Array:
-        """What the speed adds to torque-speed lines, Shape (N, r) or (1, r); 0 in other rows.
+        """What a speed ṙ adds to torque-speed lines, Shape (N, r) or (1, r); 0 in other rows.
 
         Value and limits less it are the torque and what the motor gives at that speed.
-
-        Args:
-            speed: ṙ, one for all samples, or Shape (N,).
         """
         lines = np.array([name.kind == TORQUE_SPEED for name in self.names], dtype=bool)
         if self.speed is None or not np.any(lines):
@@ -359,12 +341,7 @@ class LimitRows:
 
 
 def side_size(limit: Array, units: Array) -> Array:
-    """What 100 % of one side of each row is: the limit's own size, of a zero its unit; 1 where there is no limit.
-
-    Args:
-        limit: Shape (r,).
-        units: As `LimitRows.units`, Shape (r,).
-    """
+    """What 100 % of one side of each row is, Shape (r,): the limit's size, of a zero its unit; 1 without a limit."""
     size = np.where(limit == 0, units, np.abs(limit))
     return np.where(np.isfinite(limit), size, 1.0)
 

@@ -10,6 +10,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import SampleRanges
@@ -41,14 +42,14 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
     vectors: list[EmbeddedVector] = []
     for factor in MASS_FACTORS:
         heavy = cell.with_mass(cell.mass * factor)
-        free = motion_ranges(heavy, motion, "wrench", None, DEFAULT_SOLVER)
-        even = motion_ranges(heavy, motion, "wrench", LoadSharing(), DEFAULT_SOLVER)
+        free = motion_ranges(motion_rows(heavy, motion), DEFAULT_SOLVER)
+        even = motion_ranges(motion_rows(heavy, motion, LoadSharing()), DEFAULT_SOLVER)
         speeds = np.where([status is RangeStatus.FEASIBLE for status in free.status], SHARE_OF_END * free.upper, 0.0)
         speeds = np.where(speeds >= free.lower, speeds, 0.0)
         compared = np.flatnonzero(speeds > 0)
         torque = np.zeros((motion.samples, motion.q.shape[1]))
         if compared.size:
-            problem = build_sample_problem(heavy, motion, samples=compared)
+            problem = build_sample_problem(motion_rows(heavy, motion), samples=compared)
             x, _ = distribute_torques(problem, speeds[compared], torque_weights(None, cell), DEFAULT_SOLVER)
             torque[compared] = problem.torque(x)
         vectors += [

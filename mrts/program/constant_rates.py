@@ -92,7 +92,6 @@ class FactorAsked:
 
 
 def _solved(cost: Array, A: sparse.csr_array, b: Array) -> OptimizeResult:
-    """The z of least cost with A z <= b and its last >= 0, by HiGHS: by its interior point first, which is faster."""
     ask = partial(
         linprog,
         cost,
@@ -142,10 +141,8 @@ class RatedFactors:
         rates: RateLimits,
     ) -> None:
         self.cell, self.rates = cell, rates
-        rows = motion_rows(cell, motion)
-        self.problems = [
-            build_sample_problem(cell, motion, sharing=sharing, load=load, varying=True, rows=rows) for load in loads
-        ]
+        rows = motion_rows(cell, motion, sharing)
+        self.problems = [build_sample_problem(rows, load=load, varying=True) for load in loads]
         self.program = path_program(cell, motion, self.problems, rates)
         self.by_jerk = self._end_by_jerk()
         self._limited = np.flatnonzero(np.isfinite(self.program.change))
@@ -172,15 +169,8 @@ class RatedFactors:
     def fastest(self, lower: float, upper: float) -> tuple[float, RatesAtEnd | None]:
         """The largest c² that rates admit, and what binds there; `upper` and None if they do not bind.
 
-        Args:
-            lower: Least c² that all other limits admit.
-            upper: Largest one that they admit, with all between the two; may be infinity.
-
-        Returns:
-            Less than `lower` if rates admit nothing of it: then the largest beneath it that they do not rule out.
-
-        Raises:
-            SolverError: If HiGHS finds no answer.
+        All other limits admit what lies between `lower` and `upper`, which may be infinity. If rates admit nothing of
+        it, it is the largest c² beneath that they do not rule out.
         """
         end = self.by_jerk if self.by_jerk is not None and self.by_jerk.c2 < upper else None
         c2 = upper if end is None else end.c2
@@ -194,22 +184,14 @@ class RatedFactors:
         return (c2, end) if found is None else (found.c2, found)
 
     def slowest(self, lower: float, upper: float) -> tuple[float, RatesAtEnd | None]:
-        """The least c² that rates admit, likewise: `lower` and None if they do not bind, above `upper` if none is.
-
-        Raises:
-            SolverError: If HiGHS finds no answer.
-        """
+        """The least c² that rates admit, likewise: `lower` and None if they do not bind, above `upper` if none is."""
         if not self._limited.size or lower <= 0:  # however slowly it may be played, nothing changes fast
             return lower, None
         found = self._followed(lower, (0.0, upper), faster=True)
         return (lower, None) if found is None else (found.c2, found)
 
     def refused(self, c2: float) -> RatesAtEnd | None:
-        """What binds where rates do not admit a c² > 0 that all other limits admit; None if they admit it.
-
-        Raises:
-            SolverError: If HiGHS finds no answer.
-        """
+        """What binds where rates do not admit a c² > 0 that all other limits admit; None if they admit it."""
         if self.by_jerk is not None and c2 > self.by_jerk.c2 * (1 + RATE_MARGIN):
             return self.by_jerk
         if self._carried(c2):
@@ -218,11 +200,6 @@ class RatedFactors:
         return None if asked is None or asked.is_admitted else self._binding(asked)
 
     def _asked(self, c: float) -> FactorAsked:
-        """The least w at a factor that the rows admit.
-
-        Raises:
-            SolverError: If HiGHS finds no answer.
-        """
         program = self.program
         n, r, f = program.free.shape
         fixed = program.square * c**2 + program.root * c + program.offset
@@ -249,7 +226,6 @@ class RatedFactors:
         return FactorAsked(c, unit * float(found.fun), line, by_side, by_change)
 
     def _growth(self, of: Array, c: float, rows: Array, changes: Array) -> float:
-        """How the share grows with what multiplies a column of the rows, by the multipliers."""
         by_rows = np.sum((rows[0] - rows[1]) * of)
         moved = c / self._allowed * np.diff(of[:, self._limited], axis=0)
         return float(by_rows + np.sum((changes[0] - changes[1]) * moved))
@@ -311,7 +287,6 @@ class RatedFactors:
         return RatesAtEnd(asked.c**2, segment, (*dict.fromkeys((*rates, *limits)),), load)
 
     def _rate(self, row: int, *, rises: bool) -> ActiveRow:
-        """The limit of how fast a row of the program changes."""
         torques, wrenches, _ = rate_names(self.cell)
         limits = (*self.rates.torque.tolist(), *self.rates.wrench.tolist())
         known = {str(name): (name, limit) for name, limit in zip((*torques, *wrenches), limits, strict=True)}
@@ -323,15 +298,12 @@ class RatedFactors:
 def torques_within_rates(
     cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, rates: RateLimits, c2: float, weights: Array
 ) -> tuple[Array, Array]:
-    """Torques of least ∫ τᵀWτ dt over the motion that keep limits and rates at a constant factor.
-
-    Returns:
-        Torques, Shape (N, m) [N m], and wrenches, Shape (N, n w) [N, N m].
+    """Torques, Shape (N, m), and wrenches, (N, n w), of least ∫ τᵀWτ dt within limits and rates at a constant factor.
 
     Raises:
-        SolverError: If no solver answers.
+        SolverError: If there are none.
     """
-    problem = build_sample_problem(cell, motion, sharing=sharing, varying=True)
+    problem = build_sample_problem(motion_rows(cell, motion, sharing), varying=True)
     program = _with_margins(path_program(cell, motion, [problem], rates, weights))
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
     free = KernelSolver().torques(program, square, nothing)

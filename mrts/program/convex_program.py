@@ -92,12 +92,6 @@ def optimality_error(programs: ConvexPrograms, x: Array, row_dual: Array, bound_
 
     A limit is measured against 1 (its own size) and the terms of its row, the gradient against its largest term: the
     scaled unknowns have the size of the limits, so this bounds the loss of the objective.
-
-    Args:
-        programs: The batch, scaled.
-        x: Shape (N, k).
-        row_dual: Shape (N, r).
-        bound_dual: Shape (N, k).
     """
     value = np.concatenate([np.einsum("nrk,nk->nr", programs.A, x), x], axis=1)
     size = np.concatenate([1 + np.einsum("nrk,nk->nr", np.abs(programs.A), np.abs(x)), 1 + np.abs(x)], axis=1)

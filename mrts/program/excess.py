@@ -38,11 +38,7 @@ class Excess:
 
     @cached_property
     def row(self) -> ActiveRow | None:
-        """The limit that is overstepped most, found when it is asked for; None if all are kept.
-
-        Raises:
-            SolverError: If no solver answers.
-        """
+        """The limit that is overstepped most, found when it is asked for; None if all are kept."""
         return self.named if self.named is None or isinstance(self.named, ActiveRow) else self.named()
 
     @property

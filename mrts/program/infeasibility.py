@@ -100,9 +100,6 @@ def find_conflicts(
 
     Returns:
         For each of `samples` the conflict, or None where the limits hold together.
-
-    Raises:
-        SolverError: If no solver answers.
     """
     part = problem.at(samples)
     if part.speed is not None:
@@ -147,11 +144,7 @@ def _conflicts_along_speed(
 
 
 def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) -> list[Conflict | None]:
-    """`find_conflicts` at a chosen c² of each sample, where everything is linear.
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """`find_conflicts` at a chosen c² of each sample, where everything is linear."""
     lower, upper = problem.limits_at(c2[:, None])
     A = np.concatenate([problem.free, np.zeros((*problem.square.shape, 1))], axis=2)
     fixed = replace(problem, A=A, lower=lower, upper=upper, speed=None)
@@ -159,11 +152,7 @@ def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) ->
 
 
 def closest_speed(problem: SampleProblem, solver: str) -> Array:
-    """The c at which the limits of a sample must move outward the least, Shape (N,).
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """The c at which the limits of a sample must move outward the least, Shape (N,)."""
     unit, cap = np.sqrt(speed_unit(problem)), np.sqrt(problem.cap())
     steps = np.concatenate([[0.0], np.geomspace(1 / SEARCHED, SEARCHED, SEARCH_POINTS - 1)])
     grid = np.minimum(unit[:, None] * steps, cap[:, None])
@@ -191,7 +180,6 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
 
 
 def _widening_at_speeds(problem: SampleProblem, speeds: Array, solver: str) -> Array:
-    """The widening at p speeds c of each sample, Shape (N, p) as `speeds`."""
     repeated = problem.at(np.repeat(np.arange(problem.samples), speeds.shape[1]))
     what = "at which speed the limits come closest"
     return widening_at(repeated, speeds.reshape(-1, 1) ** 2, solver, what).reshape(speeds.shape)
@@ -212,15 +200,10 @@ def _closest_between(
 
 
 def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, float]:
-    """Check a Farkas certificate by substitution.
+    """Check a Farkas certificate, multipliers y of a sample's rows, Shape (r,), by substitution.
 
     For every x with c² >= 0 the rows give yᵀA x <= Σ_{y>0} y upper + Σ_{y<0} y lower. If yᵀA is zero on the free
     unknowns and >= 0 on c², the left side is >= 0; a negative right side then proves infeasibility.
-
-    Args:
-        problem: Rows.
-        index: Sample.
-        y: Multipliers of the problem's rows, Shape (r,).
 
     Returns:
         The right side, relative to Σ |y|, and the largest error of the left side, each column relative to Σ |y|

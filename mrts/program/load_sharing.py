@@ -72,10 +72,7 @@ class LoadSharing(EqualByNumbers):
         return {"shares": shares, "internal_wrench": internal}
 
     def of_robots(self, robots: int) -> Array:
-        """α_i of each robot, Shape (n,).
-
-        Args:
-            robots: n.
+        """α_i of each of n robots, Shape (n,).
 
         Raises:
             InputError: If there are not n of them, one is negative, or they do not sum to 1.
@@ -92,10 +89,6 @@ class LoadSharing(EqualByNumbers):
 
 def check_distribution(distribute: str, sharing: LoadSharing | None) -> None:
     """Check that there is such a distribution, and something to distribute.
-
-    Args:
-        distribute: What redundant torques are to be chosen by.
-        sharing: A fixed distribution of the load, None for a free one.
 
     Raises:
         InputError: If not.

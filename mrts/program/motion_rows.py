@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Limits as the programs take them: what bounds the speed alone in ṙ², and which rows do nothing but that."""
+"""A cell along a motion as the programs take it: its limits, with what bounds the speed alone in ṙ², and its motors."""
 
 from dataclasses import dataclass, replace
 
@@ -7,12 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import SparseLimits
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows, moved
+from mrts.program.formulation import FormulationName
+from mrts.program.load_sharing import LoadSharing
 from mrts.program.motor_terms import MotorTerms, motor_terms
 
 CAPS_TIE = 2e-7
@@ -26,9 +29,14 @@ SQUARE_AT_REST = 1e-24
 class MotionRows:
     """All limits of a cell along a motion of N samples, and what its motors add, as every program takes them.
 
+    Programs are those of a formulation, "wrench" or "torque", or of a fixed distribution of the load.
     Of the rows lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper none has ṙ for its only term.
 
     Attributes:
+        cell: The cell.
+        motion: Its motion.
+        sharing: A fixed distribution of the load; None for a free one.
+        formulation: Of a free one.
         given: The r rows as they were given.
         rows: The same rows; those of ṙ alone in ṙ².
         size: `LimitRows.units`: what the rows are divided by, Shape (r,).
@@ -42,6 +50,10 @@ class MotionRows:
         motors: What motors add; None where they are ideal.
     """
 
+    cell: Cell
+    motion: CoordinatedMotion
+    sharing: LoadSharing | None
+    formulation: FormulationName
     given: LimitRows
     rows: LimitRows
     size: Array
@@ -59,21 +71,26 @@ class MotionRows:
         return largest_square(self.cap_share)
 
     @property
+    def one_unknown(self) -> bool:
+        """Whether c² is all that is unknown."""
+        return self.sharing is not None or len(self.cell.robots) == 1
+
+    def inputs(self, load: Array | None) -> dict[str, Array]:
+        """Of the generated formulation, by name; the load is the cell's where none is given."""
+        inputs = self.motion.inputs(self.cell.load if load is None else load) | {GEOMETRY: self.cell.geometry}
+        return inputs if self.sharing is None else inputs | self.sharing.inputs(self.cell, self.motion)
+
+    @property
     def has_speed_terms(self) -> bool:
         """Whether a row has a term in ṙ beside others."""
         return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
-    def at_rest(self, cell: Cell, still: CoordinatedMotion, samples: NDArray[np.intp]) -> "MotionRows":
-        """The same rows at some samples at which the joints stand: all that is a velocity or an acceleration is 0.
-
-        Args:
-            cell: The cell.
-            still: The motion of these samples.
-            samples: Which of the N, Shape (k,).
-        """
+    def at_rest(self, still: CoordinatedMotion, sharing: LoadSharing | None, samples: NDArray[np.intp]) -> "MotionRows":
+        """The same rows at some samples where the joints stand: all velocities and accelerations are 0."""
         rows, kept = (replace(of.at(samples), rate=None, speed=None, square=None) for of in (self.rows, self.kept))
         share = np.zeros((len(samples), self.cap_share.shape[1]))
-        return replace(self, rows=rows, kept=kept, cap_share=share, motors=motor_terms(cell, still))
+        motors = motor_terms(self.cell, still)
+        return replace(self, motion=still, sharing=sharing, rows=rows, kept=kept, cap_share=share, motors=motors)
 
     def terms(self, speed: float | Array | None = None) -> SampleTerms:
         """What is added at every sample to the kept rows, with terms in ṙ put in, or left as they are.
@@ -95,15 +112,6 @@ class MotionRows:
             torque_speed=motors.speed if speed is None else None,
             margin=motors.margin(kept),
         )
-
-
-def motion_rows(cell: Cell, motion: CoordinatedMotion) -> MotionRows:
-    """The limits of a cell along a motion, and what its motors add.
-
-    Raises:
-        InputError: If a limit that the cell was given gives no rows of this cell along this motion.
-    """
-    return squared(limit_rows(cell, motion), motion.samples, motor_terms(cell, motion))
 
 
 def largest_square(cap_share: Array) -> Array:
@@ -129,12 +137,22 @@ def binds(share: Array) -> NDArray[np.bool_]:
     return np.asarray((share >= (1 - CAPS_TIE) * most) & (most > 0))
 
 
-def squared(given: LimitRows, samples: int, motors: MotorTerms | None = None) -> MotionRows:
-    """Bring rows that nothing but ṙ moves into a form that is linear in ṙ².
+def motion_rows(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    sharing: LoadSharing | None = None,
+    formulation: FormulationName = "wrench",
+) -> MotionRows:
+    """A cell along a motion as the programs take it.
 
-    A row b ṙ becomes b |b| ṙ² between l |l| and u |u|: as ṙ >= 0, squares with their sign keep the order. Where the
-    speed is limited alike in both directions that is b² ṙ² <= u². A row with other terms beside ṙ keeps it.
+    Rows that nothing but ṙ moves are linear in ṙ²: b ṙ becomes b |b| ṙ² between l |l| and u |u|, as ṙ >= 0 and squares
+    with their sign keep the order. Where the speed is limited alike in both directions that is b² ṙ² <= u². A row with
+    other terms beside ṙ keeps it.
+
+    Raises:
+        InputError: If a limit that the cell was given gives no rows of this cell along this motion.
     """
+    given, samples, motors = limit_rows(cell, motion), motion.samples, motor_terms(cell, motion)
     size = given.units()
     rows, unit, is_cap, square = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))
     if given.speed is not None or given.square is not None:
@@ -154,6 +172,10 @@ def squared(given: LimitRows, samples: int, motors: MotorTerms | None = None) ->
     code = np.where(square > 0, 1 + places, -1 - places)
     kept, crosses = rows.only(~is_cap), np.any(rows.lower > rows.upper)
     return MotionRows(
+        cell=cell,
+        motion=motion,
+        sharing=sharing,
+        formulation=formulation,
         given=given,
         rows=rows,
         size=size,

@@ -48,13 +48,8 @@ class _Rows:
     def limited(self, terms: tuple[Array, Array | None, Array], place: int, size: float, name: str) -> int:
         """The row of a torque or a wrench component, with its offset; one without limits is added if there is none.
 
-        One is added too where another offset would change how fast a row with a limited rate changes.
-
-        Args:
-            terms: Map, root and offset of all torques or wrench components.
-            place: Which of them.
-            size: Unit of a row that is added.
-            name: Of a row that is added.
+        One is added too where another offset would change how fast a row with a limited rate changes. Terms are map,
+        root and offset of all torques or wrench components.
         """
         column, offset = terms[0][:, place], terms[2][:, place]
         root = np.zeros(len(column)) if terms[1] is None else terms[1][:, place]
@@ -86,10 +81,6 @@ class _Rows:
         """Add that the control points of x, a quadratic spline, keep the limits of speed: then so does all of x.
 
         Without it x could stand at its limit at the nodes and u jump to and fro between them at no cost.
-
-        Args:
-            step: Length of each segment, Shape (n - 1,).
-            problem: Rows at the nodes.
         """
         share = problem.cap_share
         if not share.shape[1]:
@@ -193,15 +184,7 @@ def path_program(
 
 
 def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
-    """Q''' at both ends of every segment, where q' is a cubic polynomial on it, Shape (n - 1, 2, m).
-
-    These are the polynomials of `velocity_polynomials`.
-
-    Args:
-        step: Length of each segment, Shape (n - 1,).
-        dq: q' at the nodes, Shape (n, m).
-        ddq: q'' at the nodes, Shape (n, m).
-    """
+    """Third derivatives at both ends of every segment of `velocity_polynomials`, Shape (n - 1, 2, m)."""
     h = step[:, None]
     rise, start, end = 6 * np.diff(dq, axis=0) / h**2, ddq[:-1] / h, ddq[1:] / h
     return np.stack([rise - 4 * start - 2 * end, -rise + 2 * start + 4 * end], axis=1)

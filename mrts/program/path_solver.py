@@ -45,19 +45,11 @@ class KernelSolver:
         self.iterations = self.steps = 0
 
     def step(self, program: SmoothProgram, around: Array, goal: Goal, *, moving: bool = False) -> SmoothProfile | None:
-        """The best profile where what is not convex is replaced by what is stricter, touching it at a profile.
+        """The best profile where what is not convex is replaced by what is stricter, touching it at x = `around` > 0.
 
         Δt of limited changes and 1/√x of limited jerks are replaced by their tangents, which lie below them; root √x by
-        its tangent on the side of a row where it presses towards the limit, and so root² √x of the effort.
-
-        Args:
-            program: The program.
-            around: x > 0 where tangents are laid, Shape (n,).
-            goal: What is the best.
-            moving: Whether tangents follow the iterates: steps would hardly better the answer.
-
-        Returns:
-            The profile, within all limits, or None where none is found.
+        its tangent on the side of a row where it presses towards the limit, and so root² √x of the effort. Where the
+        tangents move with the iterates, steps from the answer would hardly better it. None where none is found.
         """
         last, self._last = self._last, None
         evened = replace(goal, uneven=0.0)
@@ -136,7 +128,6 @@ class KernelSolver:
 
 
 def _start(program: SmoothProgram, x: Array) -> SmoothProfile:
-    """A profile with what is given at the ends."""
     x = np.array(x, dtype=np.float64)
     for place, given in zip((0, -1), program.ends, strict=True):
         if given is not None:
@@ -171,7 +162,6 @@ def _arrays(program: SmoothProgram) -> dict[str, int | NDArray[Any]]:
 
 @lru_cache(maxsize=1)
 def _library() -> ctypes.CDLL:
-    """The programs in a library of their own, compiled on first use."""
     return library_or_rebuilt(
         find_compiler(), "mrts_smooth", smooth_source(), lambda library: bind(ctypes.CDLL(str(library)), SMOOTH_FILES)
     )

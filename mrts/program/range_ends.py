@@ -93,7 +93,6 @@ def kernel_ends(library: CellLibrary, inputs: dict[str, Array], rows: MotionRows
     name, between = ("mrts_speed_ranges", [gap]) if speeds else ("mrts_ranges", [])
     outputs = [lower, upper, *between, *status, effect, *basis, *dual]
     library.over_samples(name, count, inputs, rows.sparse, rows.terms(), [np.minimum(most, INFINITY)], outputs)
-    upper += 0.0  # no minus zero
     return RangeEnds(lower, upper, _codes_of_bases(rows, basis, dual), np.max(status, axis=0), gap, effect)
 
 
@@ -167,14 +166,7 @@ NO_EFFECT = 1e-300
 
 
 def ends_of_problem(problem: SampleProblem, solver: str, high: float, *, alone: bool = False) -> RangeEnds:
-    """The ends of the rows of some samples.
-
-    Args:
-        problem: Rows.
-        solver: Name in the registry.
-        high: Of several intervals the highest is found that does not begin above this c².
-        alone: Whether no other solver is asked for what this one does not solve.
-    """
+    """The ends of the rows of some samples; as in `motion_ranges`, or by one solver alone."""
     if problem.speed is None:
         found = ends_by_linear_programs(problem, solver, alone=alone)
     else:
@@ -239,13 +231,7 @@ MOST_INTERVALS = 100
 
 
 def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float) -> RangeEnds:
-    """The highest intervals of c² that do not begin above a c².
-
-    Args:
-        find: Highest intervals below a c² of each sample, Shape (N,).
-        most: Largest c² of each sample, Shape (N,).
-        high: The c².
-    """
+    """The highest intervals of c² that do not begin above `high`, from what finds them below a c² of each sample."""
     found, lowest = find(most), np.zeros(len(most), dtype=bool)
     several = bool(np.any(found.gap > 0))
     for _ in range(MOST_INTERVALS):
@@ -263,12 +249,7 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
 
 
 def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
-    """The highest interval of c² that each sample admits; caps are not among the rows that bind.
-
-    Args:
-        problem: Rows with a column of ṙ.
-        most: Largest c² that is asked for, Shape (N,).
-    """
+    """The highest interval of c² up to `most` that each sample admits; caps are not among the rows that bind."""
     assert problem.speed is not None  # noqa: S101 (as in `speed_unit`)
     rows, cap = ~problem.is_cap, np.minimum(problem.cap(), most)
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
@@ -336,10 +317,6 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
 
 
 def _largest_distance(A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array) -> Array:
-    """How far some rows can keep from one of their sides (sign 1: upper), at most 1; infinity if it was not found.
-
-    Of those that keep further away than `NEAR` in a solution that keeps from all, it is how far they do there.
-    """
     x, _, verified = _away_from(A, lower, upper, row[None], sign[None])
     value: Array = A[row] @ x[0]
     distance = np.where(verified[0], np.where(sign > 0, upper[row] - value, value - lower[row]), 0.0)

@@ -107,7 +107,6 @@ def rate_limits(cell: Cell, rates: Rates) -> RateLimits:
 
 
 def _size_of_limits(robot: Robot, rates: float) -> Array:
-    """The larger side of the torque limits of a robot, Shape (n_i,) [N m]; 0 where its motors give the rate."""
     unknown = ~np.isfinite(robot.motors.torque_rate)
     sizes = np.where(unknown, np.maximum(np.abs(robot.torque_lower), np.abs(robot.torque_upper)), 0.0)
     for joint, size in zip(robot.joints, sizes, strict=True):

@@ -42,9 +42,6 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
     """The least largest share of any limit at each sample, less 1: as a widening, below 0 within the limits.
 
     Rows that no distribution moves do not count. Where both sides are one number, a row is kept and does not count.
-
-    Raises:
-        SolverError: If no solver answers.
     """
     lower, upper = problem.limits_at(c2)
     moved = _moved(problem)
@@ -64,11 +61,7 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
 def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProblem, int]:
     """The same problem with limits moved to the least largest share of them that is possible at c², or `LEAST_SHARE`.
 
-    Returns:
-        The problem, and the programs that a fallback had to solve.
-
-    Raises:
-        SolverError: If no solver answers.
+    Also the number of programs that a fallback had to solve.
     """
     if problem.unknowns == 1:
         return problem, 0
@@ -145,32 +138,16 @@ def plan_reserve(
     c2: float,
     loads: tuple[LoadPoint | None, ...] = (None,),
 ) -> PlanReserve:
-    """By how much the limits of a cell may shrink before a motion at c² has no torques within them for some load.
-
-    Args:
-        cell: The cell; of its limits as they are given, whatever reserve it keeps.
-        motion: Its motion.
-        formulation: As in `motion_ranges`.
-        sharing: Likewise.
-        solver: Likewise.
-        c2: Chosen c².
-        loads: Loads that must be carried; None is the cell's.
-
-    Raises:
-        InputError: If an argument breaks a rule.
-        SolverError: If no solver answers.
-    """
+    """By how much the limits of a cell, as given, may shrink before a motion at c² has no torques for some load."""
     cell, time = cell.with_reserve(0.0), motion.object.time
-    rows = motion_rows(cell, motion)
+    rows = motion_rows(cell, motion, sharing, formulation)
     whole: list[Reserve] = []
     distributed: list[Reserve] = []
     for load in loads:
         for start in range(0, motion.samples, BLOCK):
             block = np.arange(start, min(start + BLOCK, motion.samples))
             vector = None if load is None else load.load
-            problem = build_sample_problem(
-                cell, motion, formulation=formulation, sharing=sharing, load=vector, samples=block, rows=rows
-            )
+            problem = build_sample_problem(rows, load=vector, samples=block)
             given = rows.given.at(block)
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
@@ -225,7 +202,6 @@ def _moved(problem: SampleProblem) -> NDArray[np.bool_]:
 
 
 def _counts(problem: SampleProblem) -> NDArray[np.bool_]:
-    """Rows with a limit that can shrink, Shape (r,): not one number on both sides."""
     return np.asarray(problem.limit_lower < problem.limit_upper)
 
 

@@ -13,9 +13,8 @@ from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, LimitRows, RowName
-from mrts.program.formulation import FORMULATIONS, FormulationName
-from mrts.program.load_sharing import LoadSharing
-from mrts.program.motion_rows import MotionRows, largest_square, motion_rows, side_share
+from mrts.program.formulation import FORMULATIONS
+from mrts.program.motion_rows import MotionRows, largest_square, side_share
 from mrts.program.motor_terms import MotorTerms
 
 TORQUE_FORM_CONDITION_LIMIT = 1e6
@@ -138,13 +137,7 @@ class SampleProblem:
         return replace(self, **some)
 
     def with_rows(self, names: Sequence[RowName], **columns: Any) -> "SampleProblem":
-        """The same problem with more rows, which have no term in ṙ.
-
-        Args:
-            names: One a row.
-            **columns: What they add to `unit`, `is_limit`, `is_cap`, `limit_lower`, `limit_upper`, Shape (s,) each, to
-                `A`, Shape (N, s, k), and to `lower` and `upper`, Shape (N, s).
-        """
+        """The same problem with s more rows, which have no term in ṙ; columns are their attributes."""
         more = {
             name: np.concatenate([getattr(self, name), part], axis=1 if np.ndim(part) > 1 else 0)
             for name, part in columns.items()
@@ -163,47 +156,34 @@ class SampleProblem:
 
 
 def build_sample_problem(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    *,
-    formulation: FormulationName = "wrench",
-    sharing: LoadSharing | None = None,
-    load: Array | None = None,
-    samples: NDArray[np.int_] | None = None,
-    varying: bool = False,
-    rows: MotionRows | None = None,
+    rows: MotionRows, *, load: Array | None = None, samples: NDArray[np.int_] | None = None, varying: bool = False
 ) -> SampleProblem:
     """Evaluate the generated formulation along the motion and put every limit into rows.
 
-    Where the speed varies these are eqs. (11) to (18) with r̈: τ = A r̈ + E ṙ² + G + JᵀF and Σ B F = S r̈ + P ṙ² + Q.
+    Where the speed varies these are eqs. (11) to (18) with r̈: τ = A r̈ + E ṙ² + G + JᵀF and Σ B F = S r̈ + P ṙ² + Q. Free
+    unknowns are F_1 … F_{n-1}, in the torque form those τ that balance the object, none of a fixed distribution.
 
     Args:
-        cell: The cell.
-        motion: Its motion; where the speed varies, its time is the path parameter r.
-        formulation: "wrench" (free unknowns F_1 … F_{n-1}) or "torque" (those τ that balance the object).
-        sharing: A fixed distribution of the load: nothing is free, whatever the formulation.
+        rows: Of a cell along its motion; where the speed varies, its time is the path parameter r.
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         samples: Indices of the samples to take; None takes all.
         varying: Whether the speed varies.
-        rows: From `motion_rows`, where they are at hand; None puts them together.
 
     Raises:
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
         MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
     """
-    inputs = motion.inputs(cell.load if load is None else load)
+    cell, motion, form, formulation = rows.cell, rows.motion, rows, rows.formulation
+    inputs = rows.inputs(load)
     if formulation not in FORMULATIONS:
         raise InputError("formulation", f"must be {' or '.join(map(repr, FORMULATIONS))}.", value=formulation)
-    if sharing is not None:
-        inputs |= sharing.inputs(cell, motion)
-    elif formulation == "torque":
+    if rows.sharing is None and formulation == "torque":
         _check_invertible(cell, motion, np.arange(motion.samples) if samples is None else samples)
-    form = motion_rows(cell, motion) if rows is None else rows
     count, limits, motors = motion.samples, form.rows, form.motors
     if samples is not None:
         inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
         count, limits, motors = len(samples), limits.at(samples), None if motors is None else motors.at(samples)
-    found = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
+    found = _maps(cell, "fixed_distribution" if rows.sharing else f"{formulation}_form", count, inputs, varying=varying)
     if "equality_map" in found:
         found = _balanced(found)
     found |= _rows_of_maps(limits, form.size, found, motors, varying=varying)

@@ -57,12 +57,7 @@ class BindingRows:
 
 
 def chosen_rows(sources: list[BindingRows], choice: NDArray[np.int_]) -> BindingRows:
-    """The rows of each end from one of several sources of the same rows.
-
-    Args:
-        sources: S of them.
-        choice: Which counts at the lower and the upper ends, Shape (2, N).
-    """
+    """The rows of each end from one of several sources of the same rows; the choice has Shape (2, N)."""
     wide = max(source.codes.shape[2] for source in sources)
     codes = np.stack([wide_codes(source.codes, wide) for source in sources])
     side, sample = np.indices(choice.shape)
@@ -104,11 +99,7 @@ class SampleRanges:
         return self.rows.at(sample, side)
 
     def all_binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
-        """All rows that bind at one end of a sample.
-
-        Raises:
-            SolverError: If no solver answers.
-        """
+        """All rows that bind at one end of a sample."""
         c2 = float((self.lower if side == "lower" else self.upper)[sample])
         if self.problem is None or not np.isfinite(c2) or (side == "lower" and c2 == 0):
             return self.binding(sample, side)
@@ -127,18 +118,7 @@ class SampleRanges:
 
 
 def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float = np.inf) -> SampleRanges:
-    """Step 1 of MMTSF: min and max of c² at every sample, with binding rows.
-
-    Args:
-        problem: Rows along the motion.
-        time: Shape (N,) [s].
-        solver: Name in the registry.
-        high: Of several intervals the highest is found that does not begin above this c².
-
-    Raises:
-        InputError: If there is no such solver.
-        SolverError: If no solver answers.
-    """
+    """Step 1 of MMTSF for rows along a motion: min and max of c² at every sample; see `motion_ranges`."""
     still = without_speed_at_rest(problem)
     ends = ends_of_problem(still, solver, high, alone=True)
     conflicts = decide(ends, ends.undecided, still, time, solver, high)
@@ -148,7 +128,7 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float 
 def decide(
     ends: RangeEnds, samples: NDArray[np.intp], problem: SampleProblem, time: Array, solver: str, high: float
 ) -> list[Conflict]:
-    """Find the ends of some samples that one solver did not find, or why there are none.
+    """Find the ends of some samples that one solver did not find, or the conflicts of those that have none.
 
     Args:
         ends: Of all samples; changed in place.
@@ -157,9 +137,6 @@ def decide(
         time: Of all samples [s].
         solver: As in `sample_ranges`.
         high: Likewise.
-
-    Returns:
-        The conflicts of the samples that have no c².
 
     Raises:
         SolverError: If no solver answers.
@@ -223,9 +200,7 @@ def first_least(values: Array) -> Any:
 def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> SampleProblem:
     """The same problem with exactly no effect of c² on torques and wrenches where only rounding is left of it.
 
-    Args:
-        problem: Rows of some samples.
-        largest: Largest effect of c², or of c squared, at other samples of the motion.
+    It is compared with the largest effect of c², or of c squared, at these and other samples of the motion.
     """
     dynamic, speed = ~problem.is_cap, problem.speed
     effect = np.max(np.abs(problem.square[:, dynamic]), axis=1, initial=0.0)

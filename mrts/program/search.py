@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples, denser
 from mrts.limits.rows import ActiveRow, Side
 from mrts.program.excess import Excess
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.sample_ranges import SampleRanges
+from mrts.program.widening import motion_widening
 
 WIDE, CLOSE = np.arange(1, 4) / 4, np.arange(1, 8) / 8
 """Where each doubtful gap is looked at, of many and of few."""
@@ -43,12 +43,8 @@ NUDGE = 1e-3
 SIDES: tuple[Side, Side] = ("lower", "upper")
 
 
-Ranges = Callable[[CoordinatedMotion, MotionRows], SampleRanges]
-"""The ranges of c² along a motion with its limits, of intervals that do not begin above the end of the range."""
-
-Needed = Callable[[CoordinatedMotion, MotionRows, NDArray[np.intp], Array | None, Array], Array]
-"""By how much all limits must move outward at some samples of a motion, each with a load, Shape (k, 10), or None for
-the cell's, and a c², Shape (k,)."""
+Ranges = Callable[[MotionRows], SampleRanges]
+"""The ranges of c² along a motion, of intervals that do not begin above the end of the range."""
 
 
 @dataclass(frozen=True)
@@ -125,23 +121,21 @@ class Looked:
     """Places between the samples that were looked at.
 
     Attributes:
-        motion: There, and at both ends of the motion.
-        rows: Its limits.
+        rows: Of the motion there, and at both ends of the given one.
         ends: Of the ranges at the places alone.
     """
 
-    motion: CoordinatedMotion
     rows: MotionRows
     ends: Ends
 
-    def overstepped(self, widening: Needed, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
+    def overstepped(self, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
         """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
         beyond = (self.ends.upper < c2 if side == "upper" else self.ends.lower > c2) | self.ends.outside(c2)
         places = np.flatnonzero(beyond)
         if not len(places):
             return places, np.zeros(0)
         loads = self.ends.loads(places, side)
-        return places, widening(self.motion, self.rows, places + 1, loads, np.full(len(places), c2))
+        return places, motion_widening(self.rows, np.full(len(places), c2), loads, places + 1)
 
 
 @dataclass(frozen=True)
@@ -151,14 +145,12 @@ class Refinement:
     Attributes:
         motion: The motion with the samples that had to be added; the given one where none had to.
         looked: All places that were looked at; None if none had to be.
-        widening: What is needed there.
         left: What is left between the samples, at the ends of the range.
         ends: c²⁻ and c²⁺ at the given samples.
     """
 
     motion: CoordinatedMotion
     looked: Looked | None
-    widening: Needed
     left: Excess
     ends: tuple[float, float]
 
@@ -168,19 +160,13 @@ class Refinement:
             return self.left
         worst = self.left if self.left.passes else Excess(0.0, self.left.tolerance)
         for side in SIDES:
-            places, share = self.looked.overstepped(self.widening, c2, side)
+            places, share = self.looked.overstepped(c2, side)
             worst = _worse(worst, self.looked.ends, places, share, side)
         return worst
 
 
 def refine(
-    cell: Cell,
-    given: tuple[CoordinatedMotion, MotionRows],
-    found: SampleRanges,
-    whole: tuple[float, float],
-    ranges: Ranges,
-    widening: Needed,
-    tolerance: float,
+    given: MotionRows, found: SampleRanges, whole: tuple[float, float], ranges: Ranges, tolerance: float
 ) -> Refinement:
     """Look between the samples of a motion wherever its range of c² may be narrower, and add what samples that takes.
 
@@ -189,25 +175,22 @@ def refine(
     ends become those at the worst places, and no other place forbids them.
 
     Args:
-        cell: The cell.
-        given: Its motion, and its limits along it.
+        given: Of a cell along its motion.
         found: The ranges at its samples, which have a c² in common.
         whole: c²⁻ and c²⁺, the ends of the interval of the largest speeds that they have in common.
         ranges: Finds them at other places.
-        widening: Finds what is needed there.
         tolerance: Share of a limit by which it may be overstepped.
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
-        SolverError: If no solver answers.
     """
-    motion, rows = given
+    cell, motion = given.cell, given.motion
     known = Ends.of(found)
     none = Excess(0.0, tolerance)
     if whole[1] <= 0:
-        return Refinement(motion, None, widening, none, whole)
+        return Refinement(motion, None, none, whole)
     looked: Looked | None = None
-    allowed, left = _allowed(motion, rows, known, widening, tolerance), none
+    allowed, left = _allowed(given, known, tolerance), none
     for turn in range(MOST_ROUNDS):
         everywhere = turn == 0 and (motion.samples < COARSE or allowed is None or found.several)
         gaps = _doubtful(known, allowed, everywhere=everywhere)
@@ -219,28 +202,28 @@ def refine(
             break
         at = (known.time[gaps][:, None] + np.diff(known.time)[gaps][:, None] * inside).ravel()
         there = between_samples(cell, motion, at)
-        rows = motion_rows(cell, there)
-        new = Looked(there, rows, Ends.of(ranges(there, rows), slice(1, -1)))
+        rows = motion_rows(cell, there, given.sharing, given.formulation)
+        new = Looked(rows, Ends.of(ranges(rows), slice(1, -1)))
         known = known.joined(new.ends)
         inner = np.arange(1, there.samples - 1, dtype=np.intp)
         if looked is None:
             looked = new
         else:
-            joined = denser(looked.motion, there, inner)
-            looked = Looked(joined, motion_rows(cell, joined), looked.ends.joined(new.ends))
+            joined = denser(looked.rows.motion, there, inner)
+            rows = motion_rows(cell, joined, given.sharing, given.formulation)
+            looked = Looked(rows, looked.ends.joined(new.ends))
         if not np.all(new.ends.upper > 0):
             break  # nothing moves there: that settles the outcome
-        allowed = allowed or _allowed(there, rows, new.ends, widening, tolerance, first=1)
+        allowed = allowed or _allowed(new.rows, new.ends, tolerance, first=1)
     if looked is None:
-        return Refinement(motion, None, widening, left, whole)
-    added, left = _needed(looked, widening, whole, left)
+        return Refinement(motion, None, left, whole)
+    added, left = _needed(looked, whole, left)
     if len(added):
-        motion = denser(motion, looked.motion, added + 1)
-    return Refinement(motion, looked, widening, left, whole)
+        motion = denser(motion, looked.rows.motion, added + 1)
+    return Refinement(motion, looked, left, whole)
 
 
 def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, side: Side) -> Excess:
-    """The worse of an excess and those at some places."""
     if not len(places) or np.max(share) <= worst.share:
         return worst
     most = int(np.argmax(share))
@@ -248,9 +231,7 @@ def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, si
     return Excess(float(share[most]), worst.tolerance, float(ends.time[place]), ends.row(place, side))
 
 
-def _allowed(
-    motion: CoordinatedMotion, rows: MotionRows, known: Ends, widening: Needed, tolerance: float, first: int = 0
-) -> tuple[float, float] | None:
+def _allowed(rows: MotionRows, known: Ends, tolerance: float, first: int = 0) -> tuple[float, float] | None:
     """By how much 1 / c²⁺ and c²⁻ may rise before a limit is overstepped by the tolerance; None without a c²⁺."""
     low, high = known.whole()
     if not np.isfinite(high):
@@ -259,7 +240,7 @@ def _allowed(
     loads = [known.loads(places[[end]], side) for end, side in enumerate(SIDES)]
     carried = None if loads[0] is None or loads[1] is None else np.concatenate([loads[0], loads[1]])
     c2 = np.array([low * (1 - NUDGE), high * (1 + NUDGE)])
-    slow, fast = widening(motion, rows, places + first, carried, c2) / NUDGE
+    slow, fast = motion_widening(rows, c2, carried, places + first) / NUDGE
     rise = tolerance / fast if fast > 0 else np.inf
     return float(rise / high), float(tolerance / slow * low if slow > 0 else tolerance * high)
 
@@ -275,7 +256,6 @@ def _doubtful(known: Ends, allowed: tuple[float, float] | None, *, everywhere: b
 
 
 def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
-    """What the range may be narrower by in gaps that were not looked at."""
     step = np.diff(known.time)
     for of, most in zip(known.rising(), allowed or (np.inf, np.inf), strict=True):
         above = np.maximum(of[:-1], of[1:]) + turning(step, of) - np.max(of)
@@ -286,9 +266,7 @@ def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Ex
     return worst
 
 
-def _needed(
-    looked: Looked, widening: Needed, whole: tuple[float, float], left: Excess
-) -> tuple[NDArray[np.intp], Excess]:
+def _needed(looked: Looked, whole: tuple[float, float], left: Excess) -> tuple[NDArray[np.intp], Excess]:
     """Places that must join the samples, the worst where an end oversteps limits too far, and what is left then."""
     added = []
     for side, c2 in zip(SIDES, whole, strict=True):
@@ -296,7 +274,7 @@ def _needed(
         if not np.isfinite(c2):
             added += [np.argmin(order)] if np.isfinite(np.min(order)) else []
             continue
-        places, share = looked.overstepped(widening, c2, side)
+        places, share = looked.overstepped(c2, side)
         if len(places) and np.max(share) > left.tolerance:
             added.append(places[np.argmin(order[places])])
             if np.any(looked.ends.outside(c2)):
@@ -307,18 +285,10 @@ def _needed(
 
 
 def doubtful_gaps(time: Array, value: Array, allowed: float) -> NDArray[np.intp]:
-    """Gaps between samples in which a quantity may exceed its largest sample by more than is allowed.
+    """Gaps between N >= 2 samples in which a quantity may exceed its largest sample by more than is allowed.
 
     A quantity that turns inside a gap, smoothly or at a corner, lies above its samples by at most a quarter of the gap
     times the change of slope around it.
-
-    Args:
-        time: Of N >= 2 samples, Shape (N,) [s].
-        value: Shape (N,), finite.
-        allowed: By how much.
-
-    Returns:
-        Indices of the samples before the gaps.
     """
     step = np.diff(time)
     above = np.maximum(value[:-1], value[1:]) + turning(step, value) > np.max(value) + allowed
@@ -326,12 +296,7 @@ def doubtful_gaps(time: Array, value: Array, allowed: float) -> NDArray[np.intp]
 
 
 def turning(step: Array, value: Array) -> Array:
-    """By how much a quantity may exceed its samples in each gap, Shape (N - 1,).
-
-    Args:
-        step: Widths of the gaps, Shape (N - 1,) [s].
-        value: At the samples, Shape (N,).
-    """
+    """By how much a quantity may exceed its samples in each gap between them, Shape (N - 1,)."""
     slope = np.diff(value) / step
     change = np.abs(np.diff(slope))
     if not len(change):
@@ -342,5 +307,4 @@ def turning(step: Array, value: Array) -> Array:
 
 
 def _distinct(places: Iterable[int]) -> NDArray[np.intp]:
-    """In order, each once; `np.unique` imports numpy.ma for that."""
     return np.array(sorted(set(places)), dtype=np.intp)

@@ -120,14 +120,7 @@ class SmoothProgram:
         return float(np.sum(self.spacing / np.sqrt(x) * (self.values(x, u, free) ** 2 @ self.weight)))
 
     def binding(self, x: Array, u: Array, free: Array, near: float) -> list[set[str]]:
-        """Names of what binds at an end of every segment or on it.
-
-        Args:
-            x: Shape (n,).
-            u: Shape (n,).
-            free: Shape (n, f).
-            near: Share of a limit within which it binds.
-        """
+        """Names of what is within a share `near` of its limit at an end of every segment or on it."""
         values, times = self.values(x, u, free), self.times(x)[:, None]
         at = (values >= self.upper - near) | (values <= self.lower + near)
         changing = np.abs(np.diff(values, axis=0)) >= (1 - near) * self.change * times

@@ -53,7 +53,6 @@ def daqp(programs: ConvexPrograms) -> Found:
 
 
 def _qpsol(plugin: str, options: dict[str, Any], programs: ConvexPrograms) -> Found:
-    """A whole batch in one call, by `conic`: CasADi's interface of `qpsol` for programs given by matrices."""
     import casadi as ca  # noqa: PLC0415 (not needed otherwise)
 
     count, rows, unknowns = programs.A.shape
@@ -122,11 +121,7 @@ choice by itself: it gets the quadratic programs that qpOASES leaves."""
 
 
 def check_solver(name: str) -> None:
-    """Check a registered name.
-
-    Raises:
-        InputError: If there is no such solver.
-    """
+    """Check a registered name."""
     check_type("solver", name, str)
     if name not in SOLVERS:
         raise InputError("solver", f"there is no such solver; there are {', '.join(SOLVERS)}.", value=name)
@@ -155,16 +150,7 @@ class Answers:
 
 
 def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False) -> Answers:
-    """Solve a batch; what the chosen solver does not get right, the other solvers are asked for.
-
-    Args:
-        programs: The batch.
-        solver: Name in the registry, such as "qpsol:qpoases".
-        alone: Whether no other solver is asked.
-
-    Raises:
-        InputError: If there is no such solver.
-    """
+    """Solve a batch; what the chosen solver does not get right the others are asked for, unless it is alone."""
     check_solver(solver)
     chosen = SOLVERS[solver]
     scaled, column, row = programs.scaled()

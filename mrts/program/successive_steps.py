@@ -157,5 +157,4 @@ def cost(program: SmoothProgram, profile: SmoothProfile, goal: Goal) -> float:
 
 
 def _jumps(program: SmoothProgram, profile: SmoothProfile) -> float:
-    """Σ (Δu)² / h."""
     return float(np.sum(np.diff(profile.u) ** 2 / program.step))

@@ -11,13 +11,10 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.torque_weights import WEIGHT_SPREAD, weights_by_limits
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.programs import STOPPED
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.program.convex_program import ConvexPrograms
-from mrts.program.formulation import FormulationName
-from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.solvers import require_verified, solve_programs
@@ -74,7 +71,6 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
         Unknowns x with c² last, Shape (N, k), and the programs that a fallback had to solve.
 
     Raises:
-        InputError: If there is no such solver.
         SolverError: If no solver answers.
     """
     count, unknowns = problem.samples, problem.unknowns
@@ -104,15 +100,7 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
 def least_torques(
     library: CellLibrary, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, c2: Array, weights: Array
 ) -> tuple[Array, Array, NDArray[np.uint8]]:
-    """`distribute_torques` at all samples in one call of the kernel.
-
-    Args:
-        library: Of the cell.
-        inputs: Of the wrench form, by name.
-        limits: Rows over torques and wrenches.
-        terms: What is added at every sample.
-        c2: Shape (N,).
-        weights: W, Shape (m, m).
+    """`distribute_torques` at all samples in one call of the kernel; inputs are those of the wrench form.
 
     Returns:
         Torques, Shape (N, m), wrenches, Shape (N, n w), and statuses, Shape (N,).
@@ -125,30 +113,23 @@ def least_torques(
 
 
 def torques_by_blocks(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    formulation: FormulationName,
-    sharing: LoadSharing | None,
+    rows: MotionRows,
     solver: str,
     c2: float,
     weights: Array,
-    rows: MotionRows,
     samples: NDArray[np.intp] | None = None,
     within: Callable[[SampleProblem], tuple[SampleProblem, int]] = lambda problem: (problem, 0),
 ) -> tuple[Array, Array, int]:
     """`distribute_torques` for k samples of a motion, all or some, as from `motion_torques`.
 
-    Arguments are those of `build_sample_problem`; `within` moves the limits of some samples, and says how many programs
-    a fallback solved for that.
+    `within` moves the limits of some samples, and says how many programs a fallback solved for that.
     """
-    places = np.arange(motion.samples) if samples is None else samples
-    torque, wrench = (np.zeros((len(places), size)) for size in (cell.library.joints, cell.library.wrenches))
+    places, library = np.arange(rows.motion.samples) if samples is None else samples, rows.cell.library
+    torque, wrench = (np.zeros((len(places), size)) for size in (library.joints, library.wrenches))
     fallbacks = 0
     for start in range(0, len(places), BLOCK):
         block = slice(start, start + BLOCK)
-        problem = build_sample_problem(
-            cell, motion, formulation=formulation, sharing=sharing, samples=places[block], rows=rows
-        )
+        problem = build_sample_problem(rows, samples=places[block])
         limited, before = within(problem)
         x, by_another = distribute_torques(limited, c2, weights, solver)
         torque[block], wrench[block] = problem.torque(x), problem.wrench(x)

@@ -5,15 +5,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.manifest import GEOMETRY
-from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import SparseLimits
 from mrts.kernel.programs import OPTIMAL, STOPPED
 from mrts.program.convex_program import ConvexPrograms
-from mrts.program.formulation import FormulationName
-from mrts.program.load_sharing import LoadSharing
-from mrts.program.motion_rows import MotionRows, motion_rows
+from mrts.program.motion_rows import MotionRows
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER, require_verified, solve_programs
 
@@ -44,8 +39,8 @@ def least_widening(
         least: Least s: below 0 limits move inward.
 
     Returns:
-        Least s, in sizes of limits, Shape (N,); multipliers of the rows, positive at an upper limit, Shape (N, r); and
-        how many programs another solver solved.
+        Least s, Shape (N,); multipliers of the rows, positive at an upper limit, Shape (N, r); and how many programs
+        another solver solved.
 
     Raises:
         SolverError: If no solver answers.
@@ -79,17 +74,7 @@ def least_widening(
 
 
 def widening_at(problem: SampleProblem, c2: float | Array, solver: str, what: str) -> Array:
-    """Least s that admits a given c², Shape (N,); where c² is the only unknown, the largest excess.
-
-    Args:
-        problem: Rows of some samples.
-        c2: c², one for all samples, or one a sample, Shape (N, 1).
-        solver: Name in the registry.
-        what: What is found, for the message.
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """Least s that admits a c², one for all samples or Shape (N, 1), Shape (N,); of one unknown, the largest excess."""
     lower, upper = problem.limits_at(c2)
     if problem.unknowns == 1:
         return np.asarray(np.max(np.maximum(lower, -upper), axis=1, initial=0.0), dtype=np.float64)
@@ -102,76 +87,53 @@ WHAT = "the excess between samples"
 
 
 def motion_widening(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    c2: Array,
-    *,
-    formulation: FormulationName = "wrench",
-    sharing: LoadSharing | None = None,
-    load: Array | None = None,
-    samples: NDArray[np.intp] | None = None,
-    rows: MotionRows | None = None,
+    rows: MotionRows, c2: Array, load: Array | None = None, samples: NDArray[np.intp] | None = None
 ) -> Array:
     """By how much all limits must move outward before a motion keeps them, in shares of each: Shape (k,).
 
     Args:
-        cell: The cell.
-        motion: Its motion, N samples.
+        rows: Of a cell along its motion.
         c2: c² at each sample asked for, Shape (k,).
-        formulation: "wrench" or "torque".
-        sharing: A fixed distribution of the load, None for a free one.
         load: Load vector instead of the cell's, Shape (10,), or one a sample asked for, Shape (k, 10).
         samples: Indices of those that are asked for, Shape (k,); None takes all N.
-        rows: From `motion_rows`, where they are at hand.
-
-    Raises:
-        InputError: If an argument breaks a rule.
-        SolverError: If no solver answers.
     """
-    places = np.arange(motion.samples) if samples is None else samples
+    count = rows.motion.samples
+    places = np.arange(count) if samples is None else samples
     if not len(places):
         return np.zeros(0)
-    rows = motion_rows(cell, motion) if rows is None else rows
-    share, missing = np.zeros(len(places)), np.ones(len(places), dtype=bool)
-    if sharing is None and formulation == "wrench" and rows.sparse is not None:
-        share, missing = _kernel_widening(cell, motion, rows, rows.sparse, c2, load, places)
-    left = np.flatnonzero(missing)
+    share, left = np.zeros(len(places)), np.arange(len(places))
+    if rows.sharing is None and rows.formulation == "wrench" and rows.sparse is not None:
+        share, status = _kernel_widening(rows, rows.sparse, c2, load, places)
+        left = np.flatnonzero(status != OPTIMAL)
     if left.size:
-        carried = load if load is None or load.ndim == 1 else _of_samples(load[left], places[left], motion.samples)
-        problem = build_sample_problem(
-            cell, motion, formulation=formulation, sharing=sharing, load=carried, samples=places[left], rows=rows
-        )
+        carried = load if load is None or load.ndim == 1 else _of_samples(load[left], places[left], count)
+        problem = build_sample_problem(rows, load=carried, samples=places[left])
         share[left] = widening_at(problem, c2[left, None], DEFAULT_SOLVER, WHAT)
     return share
 
 
 def _of_samples(values: Array, places: NDArray[np.intp], count: int) -> Array:
-    """Values of some of N samples among all, zero elsewhere."""
     whole = np.zeros((count, *values.shape[1:]))
     whole[places] = values
     return whole
 
 
 def _kernel_widening(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    rows: MotionRows,
-    sparse: SparseLimits,
-    c2: Array,
-    load: Array | None,
-    places: NDArray[np.intp],
-) -> tuple[Array, NDArray[np.bool_]]:
-    """The widening by the kernel, and where it has no answer."""
-    terms = rows.terms(np.sqrt(_of_samples(c2[:, None], places, motion.samples)) if rows.has_speed_terms else 1.0)
-    inputs = motion.inputs(cell.load)
-    if len(places) < motion.samples:
+    rows: MotionRows, sparse: SparseLimits, c2: Array, load: Array | None, places: NDArray[np.intp]
+) -> tuple[Array, NDArray[np.uint8]]:
+    count = rows.motion.samples
+    terms = rows.terms(np.sqrt(_of_samples(c2[:, None], places, count)) if rows.has_speed_terms else 1.0)
+    inputs = rows.inputs(None)
+    if len(places) < count:
         inputs = {name: value if value.ndim == 1 else value[places] for name, value in inputs.items()}
         terms = terms.at(places)
-    inputs |= {GEOMETRY: cell.geometry, "load": cell.load if load is None else load}
+    if load is not None:
+        inputs["load"] = load
     share, status = np.zeros(len(places)), np.full(len(places), STOPPED, dtype=np.uint8)
     units = np.ascontiguousarray(rows.size[~rows.is_cap])
-    cell.library.over_samples("mrts_widenings", len(places), inputs, sparse, terms, [c2], [share, status], (units,))
-    return np.maximum(share, _passed_caps(rows, c2, places)), status != OPTIMAL
+    asked = len(places), inputs, sparse, terms, [c2]
+    rows.cell.library.over_samples("mrts_widenings", *asked, [share, status], (units,))
+    return np.maximum(share, _passed_caps(rows, c2, places)), status
 
 
 def _passed_caps(form: MotionRows, c2: Array, samples: NDArray[np.intp]) -> Array:

@@ -103,23 +103,23 @@ def range_at_samples(
         InputError: If there is no box, or the question does not fit it.
         SolverError: If no solver answers.
     """
+    rows = motion_rows(cell, motion, options.sharing, options.formulation) if rows is None else rows
     if options.load == "nominal":
-        return common_range(partial(ranges_of_load, cell, motion, options, None, rows=rows), high), None
+        return common_range(partial(motion_ranges, rows, options.solver, None), high), None
     box = load_box(cell, options.load)
     if options.load == "possible":
         from mrts.scaling.possible_load import possible_range  # noqa: PLC0415 (its nonlinear program is rarely asked for)
 
-        return possible_range(cell, motion, options, box, progress, high)
+        return possible_range(rows, options, box, progress, high)
     if options.load == "guaranteed":
         points = box.corners(effective_parameters(cell, motion, box))
     else:
         points = mass_grid(box, options.load)
-    rows = motion_rows(cell, motion) if rows is None else rows
-    of_points = ranges_of_loads(cell, motion, options, points, progress, high, rows)
+    of_points = ranges_of_loads(rows, options, points, progress, high)
 
     def find(below: float) -> SampleRanges:
         ranges = [
-            known.samples if below == high else ranges_of_load(cell, motion, options, point.load, below, rows)
+            known.samples if below == high else motion_ranges(rows, options.solver, point.load, below)
             for point, known in zip(points, of_points, strict=True)
         ]
         return combined_ranges(points, ranges, every=True)
@@ -127,36 +127,14 @@ def range_at_samples(
     return common_range(find, high), LoadStudy(options.load, box, points, of_points)
 
 
-def ranges_of_load(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    options: Options,
-    load: Array | None,
-    high: float,
-    rows: MotionRows | None = None,
-) -> SampleRanges:
-    """Ranges of c² at all samples.
-
-    Args:
-        load: Load vector, Shape (10,); None is the cell's.
-    """
-    return motion_ranges(cell, motion, options.formulation, options.sharing, options.solver, load, high, rows)
-
-
 def ranges_of_loads(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    options: Options,
-    points: Sequence[LoadPoint],
-    progress: Progress,
-    high: float,
-    rows: MotionRows,
+    rows: MotionRows, options: Options, points: Sequence[LoadPoint], progress: Progress, high: float
 ) -> tuple[ScalingRange, ...]:
     """The range over the motion of each load; arguments as in `range_at_samples`."""
     found = []
     for number, point in enumerate(points):
         progress(number, len(points))
-        found.append(common_range(partial(ranges_of_load, cell, motion, options, point.load, rows=rows), high))
+        found.append(common_range(partial(motion_ranges, rows, options.solver, point.load), high))
     progress(len(points), len(points))
     return tuple(found)
 

@@ -3,7 +3,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,19 +12,17 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.load_box import LoadBox, LoadPoint
-from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side
 from mrts.program.held_interrupt import held_interrupt
-from mrts.program.motion_rows import motion_rows
+from mrts.program.motion_rows import MotionRows
 from mrts.program.range_ends import NO_EFFECT, UNBOUNDED, effect_of_speed
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import SampleRanges, sample_ranges
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.loads import (
     LoadStudy,
     combined_ranges,
     effective_parameters,
-    ranges_of_load,
     ranges_of_loads,
 )
 from mrts.scaling.options import Options
@@ -50,7 +47,7 @@ IPOPT_OPTIONS: dict[str, Any] = {
 
 
 def possible_range(
-    cell: Cell, motion: CoordinatedMotion, options: Options, box: LoadBox, progress: Progress, high: float
+    rows: MotionRows, options: Options, box: LoadBox, progress: Progress, high: float
 ) -> tuple[ScalingRange, LoadStudy]:
     """The range of c² of the best load of a box, at each sample by itself.
 
@@ -68,21 +65,20 @@ def possible_range(
             "first moments mx, my, mz instead of the offsets.",
             value="possible",
         )
-    varying = effective_parameters(cell, motion, box)
+    varying = effective_parameters(rows.cell, rows.motion, box)
     points = (*box.corners(varying), box.nominal_point()) if varying else box.corners(varying)
-    rows = motion_rows(cell, motion)
-    of_points = ranges_of_loads(cell, motion, options, points, progress, high, rows)
+    of_points = ranges_of_loads(rows, options, points, progress, high)
     not_converged: tuple[int, ...] = ()
 
     def find(below: float) -> SampleRanges:
         nonlocal not_converged
         ranges = [
-            ranges_of_load(cell, motion, options, point.load, below, rows) if known.samples.several else known.samples
+            motion_ranges(rows, options.solver, point.load, below) if known.samples.several else known.samples
             for point, known in zip(points, of_points, strict=True)
         ]
         best = combined_ranges(points, ranges, every=False)
         if varying:
-            best, not_converged = _searched(cell, motion, options, box, varying, best, progress)
+            best, not_converged = _searched(rows, options.solver, box, varying, best, progress)
         return best
 
     found = common_range(find, high)
@@ -90,9 +86,8 @@ def possible_range(
 
 
 def _searched(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    options: Options,
+    rows: MotionRows,
+    solver: str,
     box: LoadBox,
     varying: tuple[str, ...],
     best: SampleRanges,
@@ -103,10 +98,9 @@ def _searched(
     Every answer is verified: its load is substituted and the linear program solved, and that program's c² is what
     counts. So an end never claims more than a load of the box reaches, nor less than the best corner.
     """
-    rows = partial(build_sample_problem, cell, motion, formulation=options.formulation, sharing=options.sharing)
     least = {name: box.ranges[name][0] for name in varying}
-    problem = rows(load=box.load_at(least))
-    others = [rows(load=box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
+    motion, problem = rows.motion, build_sample_problem(rows, load=box.load_at(least))
+    others = [build_sample_problem(rows, load=box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
     search = _Search(problem, others)
     low, high = np.array([box.ranges[name] for name in varying]).T
     in_order = np.all(problem.lower <= problem.upper, axis=1)  # where sides cross no load helps
@@ -133,7 +127,7 @@ def _searched(
             done += 1
             progress(done, total)
         loads = np.array([point.load for point in tried])
-        checked = sample_ranges(rows(load=loads), motion.object.time, options.solver)
+        checked = sample_ranges(build_sample_problem(rows, load=loads), motion.object.time, solver)
         checked = replace(checked, lower_loads=tried, upper_loads=tried)
         reached, sign = (checked.lower, -1.0) if side == "lower" else (checked.upper, 1.0)
         promised = success & ~(sign * (c2 - reached[samples]) <= ACHIEVED_TOLERANCE * np.abs(c2))

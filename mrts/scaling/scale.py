@@ -35,10 +35,10 @@ from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
 from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
-from mrts.program.trajectory_programs import motion_torques
+from mrts.program.trajectory_programs import motion_ranges, motion_torques
 from mrts.program.widening import motion_widening
 from mrts.scaling.limit_use import rate_uses
-from mrts.scaling.loads import range_at_samples, ranges_of_load
+from mrts.scaling.loads import range_at_samples
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Limit, Options, Selection, limited_cell
 from mrts.scaling.range import ScalingRange, within_rates
@@ -209,15 +209,16 @@ def admissible_range(
         MotionError: If the arms cannot hold the object between the samples.
         SolverError: If no solver answers.
     """
-    sharing, tolerance, rows = options.sharing, options.between, motion_rows(cell, motion)
+    sharing, tolerance = options.sharing, options.between
+    rows = motion_rows(cell, motion, sharing, options.formulation)
     found, study = range_at_samples(cell, motion, options, progress, rows=rows)
     path, refined, warnings = motion, None, tuple[Remark, ...]()
     prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
     if tolerance is not None and options.load != "possible" and not prescribed and found.status.admits_motion:
-        refined = _between_samples(cell, motion, options, tolerance, found, rows)
+        refined = _between_samples(options, tolerance, found, rows)
         path = refined.motion
         if path is not motion:
-            given, rows = found, motion_rows(cell, path)
+            given, rows = found, motion_rows(cell, path, sharing, options.formulation)
             found, study = range_at_samples(cell, path, options, progress, rows=rows)
             warnings = interpolated(motion, given, found)
     result = ScalingResult(
@@ -234,25 +235,16 @@ def admissible_range(
     return result, rows, refined
 
 
-def _between_samples(
-    cell: Cell, motion: CoordinatedMotion, options: Options, tolerance: float, given: ScalingRange, rows: MotionRows
-) -> Refinement:
+def _between_samples(options: Options, tolerance: float, given: ScalingRange, rows: MotionRows) -> Refinement:
     assert given.lower is not None and given.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    high, formulation, sharing = given.upper.c2, options.formulation, options.sharing
+    high = given.upper.c2
 
-    def ranges(path: CoordinatedMotion, there: MotionRows) -> SampleRanges:
+    def ranges(there: MotionRows) -> SampleRanges:
         if options.load == "nominal":
-            return ranges_of_load(cell, path, options, None, high, there)
-        return range_at_samples(cell, path, options, high=high, rows=there)[0].samples
+            return motion_ranges(there, options.solver, None, high)
+        return range_at_samples(there.cell, there.motion, options, high=high, rows=there)[0].samples
 
-    def widening(
-        path: CoordinatedMotion, there: MotionRows, places: NDArray[np.intp], loads: Array | None, c2: Array
-    ) -> Array:
-        return motion_widening(
-            cell, path, c2, formulation=formulation, sharing=sharing, load=loads, samples=places, rows=there
-        )
-
-    return refine(cell, (motion, rows), given.samples, (given.lower.c2, high), ranges, widening, tolerance)
+    return refine(rows, given.samples, (given.lower.c2, high), ranges, tolerance)
 
 
 def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFactors | None"]:
@@ -286,16 +278,12 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
     There all rows are linear, and no interval has to be known.
     """
     cell, motion, worst = result.cell, result.motion, None
-    formulation, sharing, rows = result.options.formulation, result.options.sharing, motion_rows(cell, motion)
+    rows = motion_rows(cell, motion, result.options.sharing, result.options.formulation)
     for point in result.loads:
         load = None if point is None else point.load
-        share = motion_widening(
-            cell, motion, np.full(motion.samples, c2), formulation=formulation, sharing=sharing, load=load, rows=rows
-        )
+        share = motion_widening(rows, np.full(motion.samples, c2), load)
         sample = np.array([np.argmax(share)])
-        problem = build_sample_problem(
-            cell, motion, formulation=formulation, sharing=sharing, load=load, samples=sample, rows=rows
-        )
+        problem = build_sample_problem(rows, load=load, samples=sample)
         (found,) = conflicts_at(problem, np.array([c2]), motion.object.time[sample], result.options.solver)
         if found is not None and (worst is None or found.widening > worst.widening):
             worst = replace(found, sample=int(sample[0]), load=point, c2=c2)
@@ -371,7 +359,7 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.c2
     options = replace(result.options, solver=solver)
-    rows = motion_rows(cell, motion)
+    rows = motion_rows(cell, motion, options.sharing, options.formulation)
     own, _ = range_at_samples(cell, motion, replace(options, load="nominal"), rows=rows)
     refused = replace(result, cell=cell, options=options, found=own, c2=None, trajectory=None, load=None)
     if own.admitted(c2, END_TOLERANCE) is None and not (own.samples.several and conflict_at(refused, c2) is None):
@@ -403,17 +391,17 @@ def with_torques(
     cell, motion, options, c2 = result.cell, result.motion, result.options, result.c2
     if c2 is None:
         return result
-    rows = motion_rows(cell, motion) if rows is None else rows
+    rows = motion_rows(cell, motion, options.sharing, options.formulation) if rows is None else rows
     if given is not None:
         torque, wrench, fallbacks = *given, 0
     elif options.rates is None:
-        torque, wrench, fallbacks = distributed_torques(cell, motion, options, c2, rows)
+        torque, wrench, fallbacks = distributed_torques(rows, options, c2)
     else:
         from mrts.program.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
         W = torque_weights(options.weights, cell)
         torque, wrench, fallbacks = *torques_within_rates(cell, motion, options.sharing, options.rates, c2, W), 0
-    holding, unheld = _holding(cell, motion, options, rows)
+    holding, unheld = _holding(options, rows)
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
@@ -421,38 +409,31 @@ def with_torques(
     return replace(result, warnings=tuple(dict.fromkeys(told))).checked(rows.given)
 
 
-def distributed_torques(
-    cell: Cell, motion: CoordinatedMotion, options: Options, c2: float, rows: MotionRows | None = None
-) -> tuple[Array, Array, int]:
+def distributed_torques(rows: MotionRows, options: Options, c2: float) -> tuple[Array, Array, int]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at each sample by itself.
 
     Returns:
         Both, and how many programs were left by the chosen solver.
     """
-    W = torque_weights(options.weights, cell)
-    given = cell, motion, options.formulation, options.sharing, options.solver, c2, W, rows
-    return motion_torques(*given, options.distribute)
+    return motion_torques(rows, options.solver, c2, torque_weights(options.weights, rows.cell), options.distribute)
 
 
-def _holding(
-    cell: Cell, motion: CoordinatedMotion, options: Options, rows: MotionRows
-) -> tuple[Holding, tuple[Remark, ...]]:
+def _holding(options: Options, rows: MotionRows) -> tuple[Holding, tuple[Remark, ...]]:
     """What holds the object still at both ends, c² = 0, and what to say where a controller needs what there is not."""
+    cell, motion = rows.cell, rows.motion
     needed = np.array(pushing_ends(motion.dq, motion.ddq))
     torque, wrench = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
     if not np.any(needed):
         return Holding((False, False), torque, wrench), ()
     places = np.array([0, motion.samples - 1])
-    still, shared = _still(motion, options.sharing, places)
-    at_rest = rows.at_rest(cell, still, places)
-    widening = motion_widening(cell, still, np.zeros(2), formulation=options.formulation, sharing=shared, rows=at_rest)
+    at_rest = rows.at_rest(*_still(motion, options.sharing, places), places)
+    widening = motion_widening(at_rest, np.zeros(2))
     held = needed & (widening <= TORQUE_WIDENING)
     if np.any(held):
         if not np.all(held):  # the other end has no torques: the one that has them stands for both
             both = places[held][[0, -1]]
-            still, shared = _still(motion, options.sharing, both)
-            at_rest = rows.at_rest(cell, still, both)
-        found = distributed_torques(cell, still, replace(options, sharing=shared), 0.0, at_rest)
+            at_rest = rows.at_rest(*_still(motion, options.sharing, both), both)
+        found = distributed_torques(at_rest, options, 0.0)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
     remarks = tuple(
         Remark(

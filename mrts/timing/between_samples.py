@@ -129,8 +129,8 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, E
 def _least_excess(timed: RetimingResult, part: TimedPiece) -> tuple[Array, Named]:
     """The excess at all places of a piece, Shape (k,), where wrenches do their best, and the worst limit."""
     cell, sharing, played = timed.cell, timed.options.sharing, between_path_samples(timed.cell, part, PLACES)
-    one = np.ones(played.samples)
-    shares = np.stack([motion_widening(cell, played, one, sharing=sharing, load=load) for load in timed.loads])
+    rows, one = motion_rows(cell, played, sharing), np.ones(played.samples)
+    shares = np.stack([motion_widening(rows, one, load) for load in timed.loads])
     load, place = divmod(int(np.argmax(shares)), played.samples)
     there = played.at(np.array([place, place]))
     return np.max(shares, axis=0), partial(_overstepped, cell, there, sharing, timed.loads[load])
@@ -140,7 +140,7 @@ def _overstepped(
     cell: Cell, there: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None
 ) -> ActiveRow | None:
     """The row that a motion oversteps first as it gets faster, at its first sample."""
-    rows = motion_ranges(cell, there, "wrench", sharing, DEFAULT_SOLVER, load, 1.0).binding(0, "upper")
+    rows = motion_ranges(motion_rows(cell, there, sharing), DEFAULT_SOLVER, load, 1.0).binding(0, "upper")
     return rows[0] if rows else None
 
 
@@ -168,12 +168,10 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Nam
         over.append(np.abs(jerk) * np.sqrt(x)[:, None] / part.program.jerk - 1)
         names = [rate_names(timed.cell)[2][joint] for joint in limited.tolist()]
         row_at.append(lambda row, **_side: ActiveRow(names[row], "upper", float(part.program.jerk[row])))
-    rows = motion_rows(timed.cell, path)
+    rows = motion_rows(timed.cell, path, timed.options.sharing)
     for load, free in zip(loads, carried, strict=True):
         between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]
-        problem = build_sample_problem(
-            timed.cell, path, sharing=timed.options.sharing, load=load, varying=True, rows=rows
-        )
+        problem = build_sample_problem(rows, load=load, varying=True)
         values = apply(problem.A, np.column_stack([between, u, x]))
         if problem.speed is not None:
             values += problem.speed * np.sqrt(x[:, None])

@@ -122,7 +122,7 @@ class _Search:
     @cached_property
     def rows(self) -> MotionRows:
         """The limits along the piece."""
-        return motion_rows(self.untimed.cell, self.piece.path)
+        return motion_rows(self.untimed.cell, self.piece.path, self.untimed.options.sharing)
 
     def run(self, progress: Progress) -> FastestPiece | RetimingResult:
         """The fastest profile, or the outcome without one."""
@@ -217,8 +217,7 @@ class _Search:
         return f"t = {self.untimed.motion.object.time[sample]:.6g} s (sample {sample})"
 
     def _problem(self, load: Array) -> SampleProblem:
-        cell, sharing = self.untimed.cell, self.untimed.options.sharing
-        return build_sample_problem(cell, self.piece.path, sharing=sharing, load=load, varying=True, rows=self.rows)
+        return build_sample_problem(self.rows, load=load, varying=True)
 
     def _conflict(
         self, sample: int, reach: tuple[float, float] | None = None, x: float | None = None

@@ -21,6 +21,7 @@ from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.excess import Excess
 from mrts.program.infeasibility import Conflict
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
 from mrts.program.smooth_program import Goal
@@ -388,7 +389,7 @@ def _binding(cell: Cell, part: TimedPiece, sharing: LoadSharing | None, loads: S
     rows: list[set[str]] = [set() for _ in part.piece.step]
     for motion in at_segment_ends(part):
         for load in loads:
-            found = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER, load, 1 + BINDING)
+            found = motion_ranges(motion_rows(cell, motion, sharing), DEFAULT_SOLVER, load, 1 + BINDING)
             for segment in np.flatnonzero(found.upper <= 1 + BINDING).tolist():
                 rows[segment] |= {str(row) for row in found.binding(segment, "upper")}
     return rows

@@ -12,7 +12,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.program.motion_rows import MotionRows, motion_rows
+from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import path_program
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
@@ -102,12 +102,6 @@ class SmoothQuestion:
         """W of the effort, Shape (m, m)."""
         return torque_weights(self.bare.options.weights, self.bare.cell)
 
-    def problem(self, path: SmoothPath, load: Array, rows: MotionRows) -> SampleProblem:
-        """Rows of [F, u, x] at the nodes of a path, of the limits along it."""
-        return build_sample_problem(
-            self.bare.cell, path.path, sharing=self.bare.options.sharing, load=load, varying=True, rows=rows
-        )
-
     def program(
         self, piece: SmoothPath, problems: Sequence[SampleProblem], held: Held, weights: Array | None
     ) -> SmoothProgram:
@@ -172,8 +166,8 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     parts: list[_Part] = []
     held: Held | None = None
     for number, piece in enumerate(paths):
-        rows = motion_rows(cell, piece.path)
-        problems = [question.problem(piece, load, rows) for load in question.bare.loads]
+        rows = motion_rows(cell, piece.path, question.bare.options.sharing)
+        problems = [build_sample_problem(rows, load=load, varying=True) for load in question.bare.loads]
         for end, place in ((0, 0), (1, len(paths) - 1)):
             why = _unheld(cell, problems[0], question.end_torques, end) if number == place else None
             if why is not None:
@@ -181,7 +175,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
         held = question.held(problems, held, last=number == len(paths) - 1)
         program = question.program(piece, problems, held, question.weights if question.goal.effort > 0 else None)
         likely = _likely(question, piece, program, before[number] if before else None)
-        own = problems[0] if len(problems) == 1 else question.problem(piece, cell.load, rows)
+        own = problems[0] if len(problems) == 1 else build_sample_problem(rows, varying=True)
         parts.append((piece, own, program.narrowed(NARROWING), likely))
     return parts
 

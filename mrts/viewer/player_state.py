@@ -21,6 +21,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.plots.card import Card, answer_card
 from mrts.program.excess import BETWEEN
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import Rates
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
@@ -300,7 +301,8 @@ class PlayerState:
             assert result.trajectory is not None  # noqa: S101 (a timing has torques)
             torque, wrench = result.trajectory.torque, result.trajectory.wrench
         elif self._admits(c2):
-            torque, wrench, _ = distributed_torques(cell, motion, options, c2)
+            rows = motion_rows(cell, motion, options.sharing, options.formulation)
+            torque, wrench, _ = distributed_torques(rows, options, c2)
         else:
             torque, wrench = widened_torques(cell, motion, options, c2)
         self._take(ScaledTrajectory(cell, motion, c2, torque, wrench))

@@ -46,8 +46,8 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
         return reserved(problem, c2, solver) if by_reserve else (problem, 0)
 
-    given = cell, motion, options.formulation, options.sharing, solver, c2, W, motion_rows(cell, motion)
-    return torques_by_blocks(*given, within=widened)[:2]
+    rows = motion_rows(cell, motion, options.sharing, options.formulation)
+    return torques_by_blocks(rows, solver, c2, W, within=widened)[:2]
 
 
 def _least_widening(problem: SampleProblem, c2: float, solver: str) -> Array:

@@ -9,6 +9,7 @@ from motion_tables import columns_of, object_columns, write_table
 
 import mrts
 from mrts.following.coordinate import coordinate
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.program.widening import widening_at
@@ -86,11 +87,11 @@ def dense_excess(cell, motion, c2, loads=(None,)):
     dense = coordinate(cell, motion)
     worst = 0.0
     for load in loads:
-        found = motion_ranges(cell, dense, "wrench", None, "kernel", load)
+        found = motion_ranges(motion_rows(cell, dense), "kernel", load)
         beyond = np.flatnonzero((found.upper < c2) | (found.lower > c2))
         if len(beyond):
             several = beyond[np.argsort(found.upper[beyond])][:40]
             carried = None if load is None else np.tile(load, (dense.samples, 1))
-            problem = build_sample_problem(cell, dense, load=carried, samples=several)
+            problem = build_sample_problem(motion_rows(cell, dense), load=carried, samples=several)
             worst = max(worst, float(np.max(widening_at(problem, c2, "scipy:highs", "the dense excess"))))
     return worst

@@ -13,6 +13,7 @@ from scipy.optimize import linprog
 import mrts
 from mrts.cell.motors.joint_motors import JointMotors
 from mrts.cli import main
+from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -112,7 +113,7 @@ def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, s
     index = np.array([rng.integers(motion.samples)])
     sample = library.sample(motion, int(index[0]))
     for call, sharing in ((FREE, None), (EVEN, mrts.LoadSharing())):
-        problem = build_sample_problem(changed, motion, sharing=sharing, samples=index)
+        problem = build_sample_problem(motion_rows(changed, motion, sharing), samples=index)
         status, found, rows = library.range(sample, call)
         intervals = np.sqrt(found)
         assert (status == INFEASIBLE) == (not found.size)
@@ -128,7 +129,7 @@ def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, s
     _, found, _ = library.range(sample)
     if found.size:
         c2 = float(found[-1].mean())
-        problem = build_sample_problem(changed, motion, samples=index)
+        problem = build_sample_problem(motion_rows(changed, motion), samples=index)
         x, _ = distribute_torques(problem, c2, torque_weights(None, cell), DEFAULT_SOLVER)
         status, torque, wrench = library.torques(sample, c2)
         assert status == OK
@@ -139,7 +140,7 @@ def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, s
 def test_a_range_is_the_highest_interval_of_the_desktop(gapped):
     library, cell, motion = gapped
     for call, sharing in ((FREE, None), (EVEN, mrts.LoadSharing())):
-        desktop = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER)
+        desktop = motion_ranges(motion_rows(cell, motion, sharing), DEFAULT_SOLVER)
         assert desktop.several
         assert np.any(desktop.lower > 0)
         for index in range(1, motion.samples - 1):
@@ -152,7 +153,7 @@ def test_a_range_is_the_highest_interval_of_the_desktop(gapped):
 
 def test_torques_in_a_gap_are_no_answer(gapped):
     library, cell, motion = gapped
-    below = motion_ranges(cell, motion, "wrench", None, DEFAULT_SOLVER, high=0.0)
+    below = motion_ranges(motion_rows(cell, motion), DEFAULT_SOLVER, high=0.0)
     gaps = 0
     for index in range(1, motion.samples - 1):
         sample = library.sample(motion, index)
@@ -192,7 +193,7 @@ def test_slower_intervals_are_found_below_a_cap(gapped):
     library, cell, motion = gapped
     feasible, high, statuses = slice(40, motion.samples - 1), np.inf, []
     for _ in range(motion.samples):
-        desktop = motion_ranges(cell, motion, "wrench", None, DEFAULT_SOLVER, high=high)
+        desktop = motion_ranges(motion_rows(cell, motion), DEFAULT_SOLVER, high=high)
         lower, upper = desktop.lower[feasible].max(), desktop.upper[feasible].min()
         if lower <= upper:
             break

@@ -227,28 +227,6 @@ def test_hard_quadratic_programs_pass_their_conditions(kernel):
     assert solved["degenerate vertex", OPTIMAL] == 3 * HARD
 
 
-@pytest.mark.parametrize("name", ["planar_dual_arm", "dual_ur5"])
-def test_the_compiled_path_equals_the_reference_solver(name):
-    folder = DATA.parent / name
-    cell = mrts.load_cell(folder / "cell.yaml")
-    motion = mrts.load_motion(folder / ("lift.yaml" if name == "planar_dual_arm" else "lift_and_turn.yaml"))
-    rng = np.random.default_rng(2)
-    weights = rng.normal(size=(12, 12)) if name == "dual_ur5" else rng.normal(size=(6, 6))
-    for mass in (cell.mass, 5 * cell.mass, 40 * cell.mass):
-        for W in (None, weights @ weights.T + np.eye(len(weights))):
-            heavy = cell.with_mass(mass)
-            ours, theirs = (mrts.scale(heavy, motion, weights=W, solver=name) for name in ("kernel", "qpsol:qpoases"))
-            assert ours.range.samples.status == theirs.range.samples.status
-            np.testing.assert_allclose(ours.range.samples.upper, theirs.range.samples.upper, rtol=1e-9)
-            np.testing.assert_allclose(ours.range.samples.lower, theirs.range.samples.lower, rtol=1e-9, atol=1e-12)
-            assert [c.sample for c in ours.range.samples.conflicts] == [
-                c.sample for c in theirs.range.samples.conflicts
-            ]
-            if ours.trajectory is not None:
-                size = np.max(np.abs(theirs.trajectory.torque))
-                np.testing.assert_allclose(ours.trajectory.torque, theirs.trajectory.torque, atol=1e-8 * size)
-
-
 @pytest.mark.parametrize("samples", [9, 10, 11])
 def test_ten_samples_are_not_taken_for_ten_entries_of_a_load(samples, planar_cell, lift):
     fields = (lift.time, lift.position, lift.rotation, lift.twist, lift.acceleration)
@@ -264,11 +242,6 @@ def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
     for q in (np.zeros((1, 6)), np.zeros((50, 5)), np.zeros(7), np.zeros((51, 6))):
         with pytest.raises(ValueError, match="q has Shape"):
             planar_cell.functions("kinematics", 50, {"q": q})
-
-
-def interpolated(field, at, time):
-    flat = field.reshape(len(field), -1)
-    return np.column_stack([np.interp(at, time, column) for column in flat.T]).reshape(len(at), *field.shape[1:])
 
 
 @pytest.mark.quick

@@ -22,6 +22,7 @@ from mrts.kernel.programs import OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import closure_sizes
 from mrts.limits import limit_rows
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.torque_distribution import least_torques
 from mrts.timing.path_pieces import PLACES
@@ -87,7 +88,7 @@ def answers(request, tmp_path_factory):
     all_c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 200.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
     units = np.where(size > 0, size, 1.0)
 
-    problem = build_sample_problem(cell.without_velocity_limits(), motion, varying=True)
+    problem = build_sample_problem(motion_rows(cell.without_velocity_limits(), motion), varying=True)
 
     def found(library, at):
         count, c2 = len(at), all_c2[at]

@@ -11,7 +11,7 @@ import mrts
 from mrts.limits.rows import LimitRows
 from mrts.output.embedded_limits import embedded_limits
 from mrts.output.summary_lines import scaling_lines
-from mrts.program.motion_rows import binds, squared
+from mrts.program.motion_rows import binds, motion_rows
 from mrts.report.page import report_html
 from mrts.scaling.limit_use import limit_uses
 from mrts.viewer.player_state import PlayerState
@@ -218,26 +218,23 @@ def test_an_impossible_one_is_named(planar_cell, lift):
     assert "left/mine sum of torques" in result.summary() or result.range.samples.conflicts
 
 
-def test_limits_of_the_speed_alone_are_squared_exactly():
+def test_limits_of_the_speed_alone_are_squared_exactly(planar_cell, lift):
     """By membership: b ṙ is between its limits where the squared row is."""
-    rng = np.random.default_rng(5)
-    samples, count = 40, 60
+    rng, count = np.random.default_rng(5), 60
     lower = rng.choice([-np.inf, -2.0, -0.5, 0.0, 0.3], count)
     upper = rng.choice([np.inf, 2.0, 0.5, 0.4], count)
-    given = LimitRows(
-        names=tuple(mrts.RowName("any", "arm", str(row), "m/s") for row in range(count)),
-        lower=lower,
-        upper=upper,
-        torque_matrix=np.zeros((count, 2)),
-        wrench_matrix=np.zeros((count, 3)),
-        speed=rng.normal(size=(samples, count)) * (rng.random((samples, count)) < 0.8),
+    speed = rng.normal(size=(len(lift.time), count)) * (rng.random((len(lift.time), count)) < 0.8)
+    names = [mrts.RowName("any", "arm", str(row), "m/s") for row in range(count)]
+    cell = planar_cell.without_velocity_limits().with_limits(
+        lambda cell, _motion: LimitRows.of(cell, names=names, lower=lower, upper=upper, speed=speed)
     )
-    form = squared(given, samples)
-    none = np.zeros((samples, 2)), np.zeros((samples, 3))
-    for speed in rng.uniform(0, 3, 50):
-        inside = given.excess(given.value(*none, 0.0, speed)) <= 0
-        np.testing.assert_array_equal(form.rows.excess(form.rows.value(*none, 0.0, speed)) <= 0, inside)
-        np.testing.assert_array_equal(speed**2 <= form.most, np.all(inside[:, form.is_cap], axis=1))
+    form = motion_rows(cell, mrts.follow_object(planar_cell, lift))
+    ours = np.array([name.kind == "any" for name in form.given.names])
+    none = np.zeros((len(lift.time), 6)), np.zeros((len(lift.time), 6))
+    for c in rng.uniform(0, 3, 50):
+        inside = (form.given.excess(form.given.value(*none, 0.0, c)) <= 0)[:, ours]
+        np.testing.assert_array_equal((form.rows.excess(form.rows.value(*none, 0.0, c)) <= 0)[:, ours], inside)
+        np.testing.assert_array_equal(c**2 <= form.most, np.all(inside[:, form.is_cap[ours]], axis=1))
     assert 0 < np.count_nonzero(form.is_cap) < count
     assert set(np.sign(form.cap_code[binds(form.cap_share)])) == {-1, 1}
 

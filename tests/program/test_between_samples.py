@@ -15,7 +15,6 @@ import mrts
 from mrts.following.coordinate import coordinate
 from mrts.following.denser_motion import between_samples, denser
 from mrts.program.excess import BETWEEN
-from mrts.program.search import doubtful_gaps
 
 TURN = DATA.parent / "dual_ur5" / "lift_and_turn.yaml"
 DRAWN = int(os.environ.get("BETWEEN_MOTIONS", "10"))
@@ -176,14 +175,6 @@ def test_a_course_of_another_motion_is_not_followed(planar_cell, lift):
     followed = mrts.follow_object(planar_cell, moved)
     between = between_samples(planar_cell, followed, moved.time[10:12] + 1e-3)
     assert np.max(np.abs(between.object.position[1:-1, 0] - moved.position[10, 0])) < 1e-3
-
-
-def test_gaps_are_doubted_where_a_quantity_may_turn():
-    """Of a parabola those around its vertex; of a corner inside a gap that gap; of a straight line none."""
-    time = np.linspace(0, 1, 11)
-    assert doubtful_gaps(time, -((time - 0.43) ** 2), 0.0).tolist() == [3, 4, 5]
-    assert 6 in doubtful_gaps(time, -np.abs(time - 0.64), 0.0).tolist()
-    assert doubtful_gaps(time, time, 1e-12).tolist() == []
 
 
 @pytest.mark.parametrize("load", ["guaranteed", "grid:3"])

@@ -163,24 +163,3 @@ def test_of_samples_that_differ_by_rounding_the_first_sets_the_end():
         found = intersect(mrts.SampleRanges(np.arange(4.0), status, lower, upper, rows, (), 0))
         assert (found.lower.sample, found.upper.sample) == (1, 1)
         assert (found.lower.c2, found.upper.c2) == (np.max(lower), np.min(upper))
-
-
-@pytest.mark.parametrize("question", ["guaranteed", "possible"])
-def test_every_solver_names_the_same_rows_of_an_uncertain_load(planar_cell, lift, question):
-    cell = planar_cell.with_variation(mass=(0.5, 2.0))
-    results = [mrts.scale(cell, lift, solver=solver, load=question) for solver in ("kernel", "qpsol:qpoases")]
-    assert len({found.range.upper.rows for found in results}) == 1
-    assert len({tuple(one.upper.rows for one in found.load.ranges) for found in results}) == 1
-    assert len(results[0].range.upper.rows) > 1
-
-
-def test_all_rows_are_asked_for_only_where_they_set_the_range(planar_cell, lift, monkeypatch):
-    asked = []
-    real = sample_ranges.rows_at_end
-    monkeypatch.setattr(sample_ranges, "rows_at_end", lambda *given: asked.append(given[1:]) or real(*given))
-    found = mrts.scale(planar_cell, lift).range
-    assert len([found.samples.binding(k, side) for k in range(lift.time.size) for side in ("lower", "upper")]) > 0
-    assert asked == []
-    assert found.lower.rows is found.lower.rows
-    assert found.upper.rows is found.upper.rows
-    assert asked == [(float(np.min(found.samples.upper)), "upper")]  # at c² = 0 the cell stands still whatever the rows

@@ -14,8 +14,9 @@ import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.limits.rows import STANDSTILL
 from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.trajectory_programs import motion_ranges, motion_torques
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.timing.speed_regions import speed_regions
 
 SAME = 1e-12
@@ -61,7 +62,7 @@ def asked(name, folder, planar_cell, lift, dual_ur5):
 def with_velocities(cell, motion):
     """The cell with velocity limits of which one binds before the torques do."""
     robot = cell.robots[0]
-    fastest = np.sqrt(np.min(motion_ranges(cell.without_velocity_limits(), motion, "wrench", None, "kernel").upper))
+    fastest = np.sqrt(np.min(motion_ranges(motion_rows(cell.without_velocity_limits(), motion), "kernel").upper))
     robot = replace(robot, velocity_limit=0.9 * fastest * np.max(np.abs(motion.dq), axis=0))
     return replace(cell, robots=(robot,), enforces_velocity_limits=True)
 
@@ -93,7 +94,7 @@ def case(request, tmp_path, planar_cell, lift, dual_ur5):
 
 def test_ends_and_the_rows_that_set_them(case):
     cell, motion, sharing = case
-    found, known = (motion_ranges(cell, motion, "wrench", sharing, solver) for solver in ("kernel", BY_PROGRAMS))
+    found, known = (motion_ranges(motion_rows(cell, motion, sharing), solver) for solver in ("kernel", BY_PROGRAMS))
     assert found.status == known.status
     for ends in ("lower", "upper"):
         np.testing.assert_allclose(getattr(found, ends), getattr(known, ends), rtol=SAME, atol=0)
@@ -103,18 +104,9 @@ def test_ends_and_the_rows_that_set_them(case):
     assert found.fallbacks == known.fallbacks == 0
 
 
-def test_torques_are_those_of_the_rows(case):
-    cell, motion, sharing = case
-    problem = build_sample_problem(cell, motion, sharing=sharing)
-    torque, wrench, _ = motion_torques(cell, motion, "wrench", sharing, "kernel", 0.3, np.eye(motion.dq.shape[1]))
-    x = np.full((motion.samples, 1), 0.3)
-    for got, given in ((torque, problem.torque(x)), (wrench, problem.wrench(x))):
-        np.testing.assert_allclose(got, given, rtol=0, atol=SAME * np.max(np.abs(given)))
-
-
 def test_a_standstill_that_holds_is_named_alone(tmp_path):
     cell, path = arm_and_path(tmp_path)
-    found = motion_ranges(cell, along_spline(cell, path, 9), "wrench", None, "kernel")
+    found = motion_ranges(motion_rows(cell, along_spline(cell, path, 9)), "kernel")
     assert {row.name for k in range(9) for row in found.binding(k, "lower")} == {STANDSTILL}
 
 
@@ -129,7 +121,7 @@ def test_half_planes_of_an_arm_are_its_torques_by_pinocchio(seed, tmp_path):
     cell, model, path = one_arm(seed, tmp_path)
     cell, data = cell.without_velocity_limits(), model.createData()
     motion, rng = along_spline(cell, path, 23), np.random.default_rng(seed)
-    regions = speed_regions(build_sample_problem(cell, motion, varying=True), 1.0)
+    regions = speed_regions(build_sample_problem(motion_rows(cell, motion), varying=True), 1.0)
     limit = cell.robots[0].torque_upper
     u, x = rng.normal(size=motion.samples) * 10, rng.uniform(0, 20, motion.samples)
     inside = sides_at(regions, u, x)
@@ -143,5 +135,5 @@ def test_friction_in_proportion_to_speed_is_left_to_the_intervals(tmp_path):
     cell, path = arm_and_path(tmp_path)
     cell = equipped(cell, viscous=3.0)
     motion = along_spline(cell, path, 31)
-    found, known = (motion_ranges(cell, motion, "wrench", None, solver) for solver in ("kernel", "qpsol:qpoases"))
+    found, known = (motion_ranges(motion_rows(cell, motion), solver) for solver in ("kernel", "qpsol:qpoases"))
     np.testing.assert_allclose(found.upper, known.upper, rtol=1e-9)

@@ -12,6 +12,7 @@ from random_motors import drawn_motors
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.following.denser_motion import velocity_polynomials
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.program.widening import motion_widening, widening_at
@@ -35,7 +36,7 @@ def shipped(name, samples=SAMPLES):
 
 
 def by_highs(cell, motion, c2, load=None):
-    problem = build_sample_problem(cell, motion, load=load)
+    problem = build_sample_problem(motion_rows(cell, motion), load=load)
     return widening_at(problem, c2[:, None], "scipy:highs", "the widening")
 
 
@@ -56,11 +57,11 @@ def test_the_widening_is_the_one_of_highs(name, how):
     rng = np.random.default_rng([5, len(how), len(name)])
     given, motion = shipped(name)
     cell = changed(given, how, rng)
-    ranges = motion_ranges(cell, motion, "wrench", None, "kernel")
+    ranges = motion_ranges(motion_rows(cell, motion), "kernel")
     most = float(np.min(ranges.upper, where=ranges.upper > 0, initial=100.0))
     c2 = most * rng.choice([0.3, 0.999, 1.0, 1.001, 1.5, 4.0], size=motion.samples)
     c2[: motion.samples // 3] = most
-    found, theirs = motion_widening(cell, motion, c2), by_highs(cell, motion, c2)
+    found, theirs = motion_widening(motion_rows(cell, motion), c2), by_highs(cell, motion, c2)
     np.testing.assert_allclose(found, theirs, atol=AGREES, rtol=AGREES)
     assert np.max(theirs) > 0.1
     assert how in {"motors", "heavier"} or np.min(theirs) < AGREES
@@ -74,10 +75,10 @@ def test_some_samples_with_a_load_each_are_those_of_highs():
     c2 = rng.uniform(10, 30, 90)
     everywhere, all_c2 = np.tile(cell.load, (motion.samples, 1)), np.ones(motion.samples)
     everywhere[places], all_c2[places] = loads, c2
-    found = motion_widening(cell, motion, c2, load=loads, samples=places)
+    found = motion_widening(motion_rows(cell, motion), c2, load=loads, samples=places)
     np.testing.assert_allclose(found, by_highs(cell, motion, all_c2, everywhere)[places], atol=AGREES, rtol=AGREES)
     assert np.count_nonzero(found > AGREES) > 10
-    assert motion_widening(cell, motion, np.zeros(0), samples=np.zeros(0, dtype=np.intp)).shape == (0,)
+    assert motion_widening(motion_rows(cell, motion), np.zeros(0), samples=np.zeros(0, dtype=np.intp)).shape == (0,)
 
 
 def test_one_arm_leaves_nothing_to_choose(tmp_path):
@@ -86,7 +87,9 @@ def test_one_arm_leaves_nothing_to_choose(tmp_path):
     motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
     for c2 in (0.5, 2.0, 20.0):
         each = np.full(101, c2)
-        np.testing.assert_allclose(motion_widening(cell, motion, each), by_highs(cell, motion, each), rtol=AGREES)
+        np.testing.assert_allclose(
+            motion_widening(motion_rows(cell, motion), each), by_highs(cell, motion, each), rtol=AGREES
+        )
 
 
 def timed(motion):

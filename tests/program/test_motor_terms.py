@@ -8,6 +8,7 @@ from conftest import DATA
 
 import mrts
 from mrts.cell.motors.joint_motors import JointMotors
+from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms, travel_directions
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.torque_distribution import distribute_torques
@@ -56,7 +57,7 @@ def test_at_a_turning_point_limits_move_inward_by_the_dry_friction(planar_cell, 
     terms = motor_terms(cell, turning)
     assert np.array_equal(np.argwhere(terms.turning), [[4, 1]])
     assert terms.dry[4, 1] == 0
-    given, narrowed = (build_sample_problem(of, turning) for of in (planar_cell, cell))
+    given, narrowed = (build_sample_problem(motion_rows(of, turning)) for of in (planar_cell, cell))
     unit = given.unit[1]
     torque = 2.0 * np.sign(dq) / given.unit[: dq.shape[1]]
     assert narrowed.upper[4, 1] == pytest.approx(given.upper[4, 1] - 2.0 / unit)
@@ -76,9 +77,9 @@ def test_the_kernel_distributes_the_same_motor_torques_as_numpy(fixture, file, r
     curve = [[0, 400.0], [2.0, 400.0], [30.0, 100.0]]
     cell = with_motors(cell, armature=0.1, coulomb=1.5, viscous=0.7, torque_speed=curve)
     c2, W = 0.05, np.eye(motion.q.shape[1])
-    torque, wrench, fallbacks = motion_torques(cell, motion, "wrench", None, "kernel", c2, W)
+    torque, wrench, fallbacks = motion_torques(motion_rows(cell, motion), "kernel", c2, W)
     assert fallbacks == 0
-    problem = build_sample_problem(cell, motion)
+    problem = build_sample_problem(motion_rows(cell, motion))
     x, _ = distribute_torques(problem, c2, W, "scipy:highs")
     np.testing.assert_allclose(torque, problem.torque(x), atol=SAME * np.max(np.abs(torque)))
     np.testing.assert_allclose(wrench, problem.wrench(x), atol=SAME * np.max(np.abs(wrench)))

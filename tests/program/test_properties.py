@@ -7,6 +7,7 @@ from draws import seeds
 
 import mrts
 from mrts.limits import limit_rows
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import sample_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -39,7 +40,7 @@ def limit_violation(rows, torque, wrench, c2):
 def feasible_problem(case):
     """Its motion, sample problem and ranges, if at least two samples are feasible."""
     motion = mrts.follow_object(case.cell, case.motion)
-    problem = build_sample_problem(case.cell, motion)
+    problem = build_sample_problem(motion_rows(case.cell, motion))
     ranges = sample_ranges(problem, case.motion.time, DEFAULT_SOLVER)
     return (motion, problem, ranges) if len(feasible_samples(ranges)) > 1 else None
 

@@ -15,7 +15,6 @@ from mrts.plots.card import answer_card
 from mrts.plots.limit_shares import limiting_rows
 from mrts.report.tables import rates_table
 from mrts.scaling.limit_use import rate_uses
-from mrts.scaling.result import fallbacks_text
 
 pytestmark = pytest.mark.quick
 
@@ -87,15 +86,6 @@ def test_a_quintic_profile_has_no_step_at_its_ends(planar_cell, lift):
     assert mrts.scale(with_rates(planar_cell, 0.5), smooth, rates=True).warnings == ()
 
 
-def test_a_cell_without_rates_says_nothing_of_them(lifted, kept):
-    assert lifted.to_json()["rates"] == []
-    assert lifted.to_json()["kept_rates"] is None
-    assert not rates_table(lifted, limiting_rows(lifted, None)).rows
-    assert not any("rate" in line for line in scaling_lines(lifted, answer_card(lifted)))
-    assert not any(one.code == "rate-passed" for one in lifted.warnings)
-    assert "torque rate" in json.dumps(kept.to_json()["binding"]) or "jerk" in json.dumps(kept.to_json()["binding"])
-
-
 def test_a_saved_result_says_the_same(kept, tmp_path):
     mrts.save_result(kept, tmp_path / "kept.npz")
     again = mrts.load_result(tmp_path / "kept.npz")
@@ -149,8 +139,3 @@ def test_a_chosen_factor_beyond_the_rates_is_refused(planar_cell, lift):
     with pytest.raises(mrts.SelectionError, match=r"c² = 2 is outside .*upper end is set .*torque rate"):
         mrts.scale(planar_cell, lift, 2.0, rates=3.0)
     assert mrts.scale(planar_cell, lift, 1.0, rates=3.0).trajectory.c2 == 1.0
-
-
-def test_one_program_is_no_programs():
-    assert fallbacks_text(1) == "1 program was left by the chosen solver and solved by another"
-    assert fallbacks_text(2).startswith("2 programs were left")

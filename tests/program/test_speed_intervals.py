@@ -14,6 +14,7 @@ from speed_scan import Motors, SpeedScan
 import mrts
 from mrts.cell.motors.joint_motors import JointMotors
 from mrts.program.infeasibility import closest_speed
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import sample_ranges
 from mrts.program.trajectory_programs import motion_ranges
@@ -76,7 +77,7 @@ def random_case(seed, folder):
 
 def compared(seed, folder, seen):
     case, cell, motion, rng = random_case(seed, folder)
-    found = motion_ranges(cell, motion, "wrench", None, "kernel")
+    found = motion_ranges(motion_rows(cell, motion), "kernel")
     reference = ReferenceCell(case.cell_file)
     _, samples = reference.object_motion(case.motion_file)
     joints = reference.joint_motion(samples)
@@ -84,7 +85,7 @@ def compared(seed, folder, seen):
         Motors(robot.motors.armature, robot.motors.coulomb, robot.motors.viscous, list(robot.motors.torque_speed))
         for robot in cell.robots
     ]
-    below = motion_ranges(cell, motion, "wrench", None, "kernel", high=0.0)
+    below = motion_ranges(motion_rows(cell, motion), "kernel", high=0.0)
     several = np.flatnonzero(below.lower < found.lower)
     chosen = {
         int(rng.integers(1, motion.samples - 1)),
@@ -140,20 +141,20 @@ def checked_ends(problem, found, sample):
 )
 def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
     _, cell, motion, _ = random_case(seed, tmp_path)
-    fast = motion_ranges(cell, motion, "wrench", None, "kernel")
-    problem = build_sample_problem(cell, motion)
+    fast = motion_ranges(motion_rows(cell, motion), "kernel")
+    problem = build_sample_problem(motion_rows(cell, motion))
     solvers = SOLVERS if seed == 1 else SOLVERS[:2]
-    others = {name: motion_ranges(cell, motion, "wrench", None, name) for name in solvers}
+    others = {name: motion_ranges(motion_rows(cell, motion), name) for name in solvers}
     size = len(cell.wrench_components)
     if all(len(robot.joints) == size for robot in cell.robots):
-        others["torque form"] = motion_ranges(cell, motion, "torque", None, "kernel")
+        others["torque form"] = motion_ranges(motion_rows(cell, motion, None, "torque"), "kernel")
     for sample in range(motion.samples):
         ours = speeds(fast, sample)
         for name, other in others.items():
             np.testing.assert_allclose(speeds(other, sample), ours, rtol=SAME, atol=1e-9, err_msg=f"{name} {sample}")
         checked_ends(problem, fast, sample)
     assert all(found.status == fast.status for found in others.values())
-    lowest = [motion_ranges(cell, motion, "wrench", None, name, high=0.0) for name in ("kernel", solvers[0])]
+    lowest = [motion_ranges(motion_rows(cell, motion), name, high=0.0) for name in ("kernel", solvers[0])]
     for sample in range(motion.samples):
         np.testing.assert_allclose(*(speeds(found, sample) for found in lowest), rtol=SAME, atol=1e-9)
 
@@ -163,7 +164,7 @@ def test_samples_that_stop_the_kernel_have_their_range(seed, dual_ur5):
     """Degenerate programs of motored cells, near rest most of them: in other scales they are decided."""
     motion = mrts.follow_object(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
     cell = motored(np.random.default_rng(seed), dual_ur5, motion)
-    found, problem = motion_ranges(cell, motion, "wrench", None, "kernel"), build_sample_problem(cell, motion)
+    found, problem = motion_ranges(motion_rows(cell, motion), "kernel"), build_sample_problem(motion_rows(cell, motion))
     for sample in (1, 2, 3, 60):
         checked_ends(problem, found, sample)
     assert found.fallbacks == 0
@@ -172,9 +173,9 @@ def test_samples_that_stop_the_kernel_have_their_range(seed, dual_ur5):
 @pytest.mark.parametrize("seed", [1, pytest.param(5, marks=pytest.mark.slow)])
 def test_shared_loads_have_the_ends_of_their_rows(seed, tmp_path):
     _, cell, motion, _ = random_case(seed, tmp_path)
-    found = motion_ranges(cell, motion, "wrench", mrts.LoadSharing(), "kernel")
-    below = motion_ranges(cell, motion, "wrench", mrts.LoadSharing(), "kernel", high=0.0)
-    problem = build_sample_problem(cell, motion, sharing=mrts.LoadSharing())
+    found = motion_ranges(motion_rows(cell, motion, mrts.LoadSharing()), "kernel")
+    below = motion_ranges(motion_rows(cell, motion, mrts.LoadSharing()), "kernel", high=0.0)
+    problem = build_sample_problem(motion_rows(cell, motion, mrts.LoadSharing()))
     for sample in range(motion.samples):
         ours, one = {*speeds(found, sample), *speeds(below, sample)}, problem.at(np.array([sample]))
         tried = np.linspace(0, 1.3 * max((end for pair in ours for end in pair if np.isfinite(end)), default=3.0), 400)
@@ -189,7 +190,7 @@ def test_a_sample_without_any_speed_names_the_closest_and_what_conflicts_there(t
     seen = Counter()
     for seed in range(16):
         _, cell, motion, _ = random_case(seed, tmp_path / str(seed))
-        problem = build_sample_problem(cell, motion)
+        problem = build_sample_problem(motion_rows(cell, motion))
         for conflict in sample_ranges(problem, motion.object.time, "kernel").conflicts[:2]:
             one = problem.at(np.array([conflict.sample]))
             seen["found"] += 1
@@ -206,7 +207,7 @@ def test_a_sample_without_any_speed_names_the_closest_and_what_conflicts_there(t
 def test_the_closest_speed_is_found_in_a_narrow_dip_near_rest(planar_cell, lift):
     """Of 1.055 - 0.0005 c and 1.0529 + c the larger is least where both are one; another row says what is fast."""
     motion = mrts.follow_object(planar_cell, lift)
-    problem = build_sample_problem(planar_cell, motion, sharing=mrts.LoadSharing(), samples=np.array([50]))
+    problem = build_sample_problem(motion_rows(planar_cell, motion, mrts.LoadSharing()), samples=np.array([50]))
     rows = len(problem.names)
     square, speed, upper = np.zeros((1, rows, 1)), np.zeros((1, rows)), np.full((1, rows), np.inf)
     square[0, 2], speed[0, :2], upper[0, :3] = 0.5, (-0.0005, 1.0), (-1.055, -1.0529, 1.0)

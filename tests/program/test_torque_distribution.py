@@ -116,7 +116,7 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
     given = yaml.safe_load((DATA.parent / "dual_ur5" / "lift_and_turn.yaml").read_text()) | {"samples": SAMPLES}
     motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
     rows, inputs = motion_rows(cell, motion), motion.inputs(cell.load)
-    ends = motion_ranges(cell, motion, "wrench", None, "kernel")
+    ends = motion_ranges(motion_rows(cell, motion), "kernel")
     share = rng.choice([0.9, 1.0, 1.2], p=[0.8, 0.1, 0.1], size=SAMPLES)
     c2 = ends.lower + share * (np.minimum(ends.upper, 10 * np.median(ends.upper)) - ends.lower)
     no_number = rng.choice(SAMPLES, size=6, replace=False)

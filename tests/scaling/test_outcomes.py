@@ -12,6 +12,7 @@ from conftest import DATA
 
 import mrts
 from mrts.program.infeasibility import separation
+from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import rate_limits
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import BindingRows
@@ -53,7 +54,7 @@ def test_an_infeasible_motion_is_explained_by_a_certificate(planar_cell, lift):
     assert result.status is mrts.ScalingStatus.INFEASIBLE
     assert result.trajectory is None
     assert result.torque == {}
-    problem = build_sample_problem(heavy, result.motion)
+    problem = build_sample_problem(motion_rows(heavy, result.motion))
     conflicts = result.range.samples.conflicts
     assert conflicts
     for conflict in conflicts:
@@ -296,7 +297,7 @@ def test_a_result_judges_itself(planar_cell, lift):
 def test_one_arm_needs_no_program(tmp_path):
     """n = 1: the wrench follows from the motion, so the closed form of a share of 1 is the same."""
     case = random_planar_cell(np.random.default_rng(4), tmp_path, 1)
-    assert build_sample_problem(case.cell, mrts.follow_object(case.cell, case.motion)).unknowns == 1
+    assert build_sample_problem(motion_rows(case.cell, mrts.follow_object(case.cell, case.motion))).unknowns == 1
     alone, shared = (mrts.scale(case.cell, case.motion, sharing=s).range.samples for s in (None, mrts.LoadSharing()))
     np.testing.assert_allclose(alone.upper, shared.upper)
     np.testing.assert_allclose(alone.lower, shared.lower)

@@ -14,6 +14,7 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.base.load_box import load_vector
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import sample_ranges
 from mrts.scaling.range import intersect
@@ -67,7 +68,7 @@ def at_sample(motion, sample, count):
 
 def ends_of_loads(cell, motion, sample, loads, sharing=None):
     repeated = at_sample(motion, sample, max(2, len(loads)))
-    problem = build_sample_problem(cell, repeated, sharing=sharing, load=np.resize(loads, (len(repeated.q), 10)))
+    problem = build_sample_problem(motion_rows(cell, repeated, sharing), load=np.resize(loads, (len(repeated.q), 10)))
     return sample_ranges(problem, repeated.object.time, "qpsol:qpoases")
 
 
@@ -209,7 +210,7 @@ def test_the_guaranteed_range_of_a_fixed_rule_is_that_of_its_corners(seed, tmp_p
     rule = mrts.LoadSharing()
     result = scaled(cell, motion, sharing=rule)
     problems = [
-        build_sample_problem(cell, motion, sharing=rule, load=corner.load) for corner in cell.load_box.corners()
+        build_sample_problem(motion_rows(cell, motion, rule), load=corner.load) for corner in cell.load_box.corners()
     ]
     corners = [sample_ranges(problem, motion.object.time, "qpsol:qpoases") for problem in problems]
     found = result.range.samples

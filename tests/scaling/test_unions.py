@@ -8,6 +8,7 @@ from gantries import gantries
 from slowing_gantries import Slowing
 
 import mrts
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_ranges import BindingRows
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import common_range
@@ -78,7 +79,7 @@ def test_torque_speed_curves_leave_several_intervals_too(tmp_path):
     with pytest.raises(mrts.SelectionError, match="no slower one admits it"):
         mrts.scale(falling, Slowing().motion(), 1.0)
     motion = mrts.follow_object(falling, Slowing().motion())
-    below = motion_ranges(falling, motion, "wrench", None, "kernel", high=1.0)
+    below = motion_ranges(motion_rows(falling, motion), "kernel", high=1.0)
     assert np.max(below.lower) < np.min(below.upper) < 1
     slow = float(np.max(below.lower) + np.min(below.upper)) / 2
     assert mrts.scale(falling, motion, slow).trajectory.c2 == slow

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.motion.velocity_profile import PROFILES
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.trajectory_programs import motion_ranges
@@ -59,7 +60,7 @@ def test_limits_hold_at_both_ends_of_every_segment(arm, seed):
     assert np.any(part.profile.rise)
     assert np.ptp(part.piece.arc_speed) > 0
     for motion in at_segment_ends(part):
-        assert np.min(motion_ranges(path.cell, motion, "wrench", None, DEFAULT_SOLVER).upper) >= 1 - KEPT
+        assert np.min(motion_ranges(motion_rows(path.cell, motion), DEFAULT_SOLVER).upper) >= 1 - KEPT
 
 
 @pytest.mark.parametrize("seed", seeds(4, 4))
@@ -99,7 +100,10 @@ def test_a_path_with_added_samples_is_timed_by_its_arc_length(arm, seed):
 
 def both_profiles(cell, motion):
     """Durations of the fastest profile with a constant acceleration on each segment, and with rising ones."""
-    regions, step = speed_regions(build_sample_problem(cell, motion, varying=True), 1.0), np.diff(motion.object.time)
+    regions, step = (
+        speed_regions(build_sample_problem(motion_rows(cell, motion), varying=True), 1.0),
+        np.diff(motion.object.time),
+    )
     constant = fastest_profile(step, regions, (0.0, 0.0))
     if not isinstance(constant, SpeedProfile):
         return None, None

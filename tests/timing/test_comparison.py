@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import mrts
+from mrts.program.motion_rows import motion_rows
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.motion_remarks import REMARKED, interpolated_timing
 from mrts.scaling.range import intersect
@@ -38,7 +39,7 @@ def test_what_was_not_read_can_be_read_of_a_copy(timed, planar_cell, lift):
 
 
 def test_the_range_of_the_plan_is_that_of_its_motion(timed, planar_cell):
-    own = intersect(motion_ranges(planar_cell, timed.retimed.motion, "wrench", None, "kernel"))
+    own = intersect(motion_ranges(motion_rows(planar_cell, timed.retimed.motion), "kernel"))
     assert timed.retimed.range.to_json() == own.to_json()
     assert timed.retimed.range is timed.retimed.range
     assert timed.retimed.status is own.status

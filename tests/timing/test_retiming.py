@@ -15,6 +15,7 @@ from transcription import transcription
 
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
@@ -36,7 +37,7 @@ def test_one_arm_equals_toppra_pointwise(seed, tmp_path):
     cell, model, path = one_arm(seed, tmp_path)
     theirs = by_toppra(cell, model, path, grid)
     motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
-    regions = speed_regions(build_sample_problem(cell, motion, varying=True), 1.0)
+    regions = speed_regions(build_sample_problem(motion_rows(cell, motion), varying=True), 1.0)
     ours = fastest_profile(np.diff(grid), regions, (0.0, 0.0))
     assert (theirs is None) == isinstance(ours, Obstacle)
     if theirs is not None:
@@ -146,11 +147,11 @@ def test_every_load_of_a_box_follows_the_guaranteed_profile(planar_cell, lift):
     assert found.duration > mrts.retime(planar_cell, lift).duration
     played = found.retimed.motion
     for point in cell.load_box.draw(np.random.default_rng(8), 1000):
-        samples = motion_ranges(cell, played, "wrench", None, "kernel", point.load)
+        samples = motion_ranges(motion_rows(cell, played), "kernel", point.load)
         assert np.max(samples.lower) <= 1 + 1e-9
         assert np.min(samples.upper) >= 1 - 1e-9
     ends = [
-        np.min(motion_ranges(cell, played, "wrench", None, "kernel", point.load).upper)
+        np.min(motion_ranges(motion_rows(cell, played), "kernel", point.load).upper)
         for point in cell.load_box.corners()
     ]
     assert min(ends) == pytest.approx(1, abs=1e-6)  # some corner leaves no room
@@ -172,7 +173,7 @@ def test_regions_reach_as_far_as_highs_finds(seed, tmp_path):
     case = random_planar_cell(np.random.default_rng([99, seed]), tmp_path, 3, samples=11)
     cell = case.cell.without_velocity_limits()
     (piece,) = path_pieces(mrts.follow_object(cell, case.motion))
-    problem = build_sample_problem(cell, piece.path, varying=True)
+    problem = build_sample_problem(motion_rows(cell, piece.path), varying=True)
     regions = speed_regions(problem, float(np.sum(piece.step)))
     unit, compared = 1 / np.max(np.abs(problem.A), axis=1)[:, -2:], 0
     for sample in set(range(0, 11, 2)) - set(regions.undecided):

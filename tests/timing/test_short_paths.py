@@ -7,6 +7,7 @@ import pytest
 from scaled_paths import FILES, scaled_path
 
 import mrts
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.timing.fastest_profile import SpeedProfile, fastest_profile
 from mrts.timing.path_pieces import path_pieces
@@ -69,7 +70,10 @@ def test_arms_that_are_alike_but_for_the_last_digits(difference, planar_cell):
     """Limits that nearly meet in one corner, as where a pose is typed with eight digits."""
     motion = mrts.follow_object(planar_cell, scaled_path("planar_dual_arm", 0.5, 301, "sinusoid"))
     (piece,) = path_pieces(motion)
-    problem, length = build_sample_problem(planar_cell, piece.path, varying=True), float(np.sum(piece.step))
+    problem, length = (
+        build_sample_problem(motion_rows(planar_cell, piece.path), varying=True),
+        float(np.sum(piece.step)),
+    )
     noise = np.random.default_rng(0).uniform(-difference, difference, problem.A.shape)
     durations = []
     for A in (problem.A, problem.A * (1 + noise)):

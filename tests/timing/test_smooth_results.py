@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import mrts
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.timing.result import RetimingStatus
 from mrts.timing.retimed_motion import FastestPiece
@@ -59,7 +60,7 @@ def test_why_there_is_no_smooth_timing_has_its_limits_in_json(planar_cell, lift)
 def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, planar_cell):
     (part,) = smooth.pieces
     segment, share, x, u = part.between()
-    problem = build_sample_problem(planar_cell, part.piece.fine.at(part.piece.inside), varying=True)
+    problem = build_sample_problem(motion_rows(planar_cell, part.piece.fine.at(part.piece.inside)), varying=True)
     plan = part.plan[segment] * (1 - share[:, None]) + part.plan[segment + 1] * share[:, None]
     values = np.einsum("nrk,nk->nr", problem.A, np.column_stack([plan, u, x]))
     excess = np.max(np.maximum(values - problem.upper, problem.lower - values))

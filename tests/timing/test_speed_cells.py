@@ -9,6 +9,7 @@ from one_arm import duration
 from random_motors import equipped
 
 import mrts
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.timing import successive_profiles as successive
 from mrts.timing.fastest_profile import Obstacle
@@ -39,7 +40,7 @@ def on_an_arc(folder, **motors):
 
 def rows(cell, motion):
     (piece,) = path_pieces(mrts.follow_object(cell, motion))
-    return build_sample_problem(cell, piece.path, varying=True), piece
+    return build_sample_problem(motion_rows(cell, piece.path), varying=True), piece
 
 
 @pytest.mark.quick

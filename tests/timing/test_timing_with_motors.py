@@ -15,6 +15,7 @@ from scipy.optimize import brentq, linprog
 
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
@@ -44,7 +45,7 @@ def test_one_arm_with_inertia_and_dry_friction_equals_toppra(seed, tmp_path):
     cell = replace(cell, robots=(replace(cell.robots[0], motors=motors),))
     theirs = by_toppra(cell, model, path, grid)
     motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
-    problem = build_sample_problem(cell, motion, varying=True)
+    problem = build_sample_problem(motion_rows(cell, motion), varying=True)
     assert problem.speed is None
     ours = fastest_profile(np.diff(grid), speed_regions(problem, 1.0), (0.0, 0.0))
     assert (theirs is None) == isinstance(ours, Obstacle)
@@ -61,7 +62,7 @@ def drawn_case(seed, folder, samples=21):
     cell = drawn_motors(rng, case.cell.without_velocity_limits())
     motion = mrts.follow_object(cell, case.motion)
     (piece,) = path_pieces(motion)
-    return build_sample_problem(cell, piece.path, varying=True), piece, cell, motion
+    return build_sample_problem(motion_rows(cell, piece.path), varying=True), piece, cell, motion
 
 
 @pytest.mark.parametrize("seed", seeds(3, CELLS - 3))
@@ -227,7 +228,7 @@ def test_every_load_of_a_box_follows_the_guaranteed_profile(planar_cell, lift):
     assert len(found.loads) == 4
     assert found.duration > mrts.retime(cell, lift, load="nominal").duration
     for point in cell.load_box.draw(np.random.default_rng(8), 100):
-        samples = motion_ranges(cell, found.retimed.motion, "wrench", None, "kernel", point.load)
+        samples = motion_ranges(motion_rows(cell, found.retimed.motion), "kernel", point.load)
         assert np.max(samples.lower) <= 1 + FEASIBLE
         assert np.min(samples.upper) >= 1 - FEASIBLE
     even = mrts.retime(cell, lift, sharing=mrts.LoadSharing())

@@ -10,6 +10,7 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import limit_rows
+from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import BindingRows
 from mrts.program.torque_distribution import torque_weights
@@ -49,7 +50,7 @@ def test_torques_inside_the_range_are_those_of_mrts(dual_ur5, turning, share):
     state.choose_speed(share * state.trajectory.c)
     assert state.admissible
     motion, W = state.result.motion, torque_weights(None, dual_ur5)
-    torque, wrench, _ = motion_torques(dual_ur5, motion, "wrench", None, "kernel", c2, W)
+    torque, wrench, _ = motion_torques(motion_rows(dual_ur5, motion), "kernel", c2, W)
     np.testing.assert_allclose(state.trajectory.torque, torque, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(state.trajectory.wrench, wrench, rtol=1e-9, atol=1e-9)
     np.testing.assert_array_equal(state.excess, 0)
@@ -100,7 +101,7 @@ def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift
     state = PlayerState(planar_cell, lift)
     state.choose_speed(1.1 * state.trajectory.c)
     assert not state.admissible
-    problem = build_sample_problem(planar_cell, state.result.motion)
+    problem = build_sample_problem(motion_rows(planar_cell, state.result.motion))
     c2, count = state.trajectory.c2, 0
     for sample in range(0, problem.samples, 5):
         A, given = problem.A[sample], problem.A[sample][:, -1] * c2
