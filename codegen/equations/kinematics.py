@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.equations.spatial_algebra import axis_rotation, cross
+from mrts_codegen.equations.spatial_algebra import axis_rotation
 from mrts_codegen.urdf.robot_model import Joint, RobotModel
 
 
@@ -86,7 +86,7 @@ def frame_jacobian(robot: RobotModel, q: Any) -> Any:
     for joint, R, p in zip(robot.joints, pose.R_base_joint, pose.p_base_joint, strict=True):
         axis = R @ ca.SX(joint.axis)
         if joint.kind == "revolute":
-            columns.append(ca.vertcat(cross(axis, pose.p_base_tip - p), axis))
+            columns.append(ca.vertcat(ca.cross(axis, pose.p_base_tip - p), axis))
         else:
             columns.append(ca.vertcat(axis, ca.SX.zeros(3)))
     return ca.horzcat(*columns)
@@ -107,13 +107,13 @@ def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration
     for index, joint in enumerate(robot.joints):
         R, p = joint_transform(joint, q[index])
         axis = ca.SX(joint.axis)
-        a = R.T @ (a + cross(dw, p) + cross(w, cross(w, p)))
+        a = R.T @ (a + ca.cross(dw, p) + ca.cross(w, ca.cross(w, p)))
         w, dw = R.T @ w, R.T @ dw
         if joint.kind == "revolute":
-            dw = dw + axis * ddq[index] + cross(w, axis) * dq[index]
+            dw = dw + axis * ddq[index] + ca.cross(w, axis) * dq[index]
             w = w + axis * dq[index]
         else:
-            a = a + axis * ddq[index] + 2 * cross(w, axis) * dq[index]
+            a = a + axis * ddq[index] + 2 * ca.cross(w, axis) * dq[index]
         for values, value in zip((motion.R, motion.p, motion.w, motion.dw, motion.a), (R, p, w, dw, a), strict=True):
             values.append(value)
     return motion
@@ -126,4 +126,4 @@ def bias_acceleration(robot: RobotModel, q: Any, dq: Any) -> Any:
     w, dw, a = motion.w[-1], motion.dw[-1], motion.a[-1]
     p = ca.SX(robot.tip.p)
     R = forward_kinematics(robot, q).R_base_joint[-1]
-    return ca.vertcat(R @ (a + cross(dw, p) + cross(w, cross(w, p))), R @ dw)
+    return ca.vertcat(R @ (a + ca.cross(dw, p) + ca.cross(w, ca.cross(w, p))), R @ dw)

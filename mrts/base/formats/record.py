@@ -3,8 +3,9 @@
 
 import json
 import math
+import operator
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from inspect import get_annotations
 from pathlib import Path
@@ -56,34 +57,23 @@ class Rule:
             InputError: If it is outside of a limit.
         """
         for name, limit in self.limits.items():
-            kind = _KINDS[name]
-            if not _KEPT[name](value, limit):
+            kind, keeps = _LIMITS[name]
+            if not keeps(value, limit):
                 length = len(value) if name.endswith("length") else 0
                 kind = "string_too_short" if kind == "too_short" and isinstance(value, str) else kind
                 _fail(kind, given, **{name: limit, "actual_length": length})
 
 
-_KINDS = {
-    "gt": "greater_than",
-    "ge": "greater_than_equal",
-    "lt": "less_than",
-    "le": "less_than_equal",
-    "min_length": "too_short",
-    "max_length": "too_long",
-    "pattern": "string_pattern_mismatch",
-    "allow_inf_nan": "finite_number",
-    "smallest": "too_near_zero",
-}
-_KEPT: dict[str, Any] = {
-    "gt": lambda value, limit: value > limit,
-    "ge": lambda value, limit: value >= limit,
-    "lt": lambda value, limit: value < limit,
-    "le": lambda value, limit: value <= limit,
-    "min_length": lambda value, limit: len(value) >= limit,
-    "max_length": lambda value, limit: len(value) <= limit,
-    "pattern": lambda value, limit: re.search(limit, value) is not None and not value.endswith("\n"),
-    "allow_inf_nan": lambda value, limit: limit or math.isfinite(value),
-    "smallest": lambda value, limit: value == 0 or abs(value) >= limit,
+_LIMITS: dict[str, tuple[str, Callable[[Any, Any], bool]]] = {
+    "gt": ("greater_than", operator.gt),
+    "ge": ("greater_than_equal", operator.ge),
+    "lt": ("less_than", operator.lt),
+    "le": ("less_than_equal", operator.le),
+    "min_length": ("too_short", lambda value, limit: len(value) >= limit),
+    "max_length": ("too_long", lambda value, limit: len(value) <= limit),
+    "pattern": ("string_pattern_mismatch", lambda value, limit: re.fullmatch(limit, value) is not None),
+    "allow_inf_nan": ("finite_number", lambda value, limit: limit or math.isfinite(value)),
+    "smallest": ("too_near_zero", lambda value, limit: value == 0 or abs(value) >= limit),
 }
 
 
