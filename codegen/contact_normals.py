@@ -50,11 +50,6 @@ class Faces(NamedTuple):
 def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shape: ShapeRecord | None) -> list[Remark]:
     """Check that pads and suction cups press into the object, unless they say `pull: true`.
 
-    Args:
-        path: The cell file, for messages.
-        robots: What it says of them.
-        shape: Of the object; None if it is not known.
-
     Returns:
         Normals that seem to point the wrong way, where no face tells.
     """

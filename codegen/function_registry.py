@@ -157,13 +157,8 @@ def build_functions(
 ) -> dict[str, ca.Function]:
     """Functions of a cell as named CasADi Functions with named dense inputs and outputs.
 
-    Common subexpressions are merged, which saves 15 to 40 % of the instructions.
-
-    Args:
-        cell: The cell.
-        stem: First part of their names.
-        bake: Whether the cell's geometry is folded in; else it is the last input of each.
-        names: Of those that are wanted, of `BUILDERS`.
+    Common subexpressions are merged, which saves 15 to 40 % of the instructions. `bake` folds the cell's geometry in;
+    else it is the last input of each.
 
     Returns:
         Short name to Function; the Function itself is called `<stem>_<short name>`.

@@ -30,10 +30,8 @@ SAME_ROTATION = 1e-12
 def cell_file_text(manifest: CellManifest, folder: Path, beside: Path | None) -> str:
     """Text of a cell file that reads back to a cell.
 
-    Args:
-        manifest: Of the cell as it is now.
-        folder: That its URDFs are relative to, absolute.
-        beside: Where the file will stand, absolute; URDFs there or below are given relative to it.
+    URDFs are relative to `folder`; those that lie where the file will stand, `beside`, or below are named relative to
+    it.
     """
     where = Path(f"cell '{manifest.name}'")
     text = yaml_text(_described(where, manifest, folder, beside))

@@ -48,10 +48,6 @@ class ChainMotion:
 def joint_transform(joint: Joint, q: Any) -> tuple[Any, Any]:
     """Pose of a joint's moved frame in the frame before it.
 
-    Args:
-        joint: The joint.
-        q: Its position [rad or m].
-
     Returns:
         Rotation, Shape (3, 3), and position, Shape (3,) [m].
     """
@@ -62,12 +58,7 @@ def joint_transform(joint: Joint, q: Any) -> tuple[Any, Any]:
 
 
 def forward_kinematics(robot: RobotModel, q: Any) -> ChainPose:
-    """Poses of all joint frames and the tip in the base frame.
-
-    Args:
-        robot: The arm.
-        q: Joint positions, Shape (n,) [rad or m].
-    """
+    """Poses of all joint frames and the tip in the base frame."""
     R, p = ca.SX.eye(3), ca.SX.zeros(3)
     rotations, origins = [], []
     for index, joint in enumerate(robot.joints):

@@ -129,16 +129,7 @@ def build_robot_model(
     *,
     lenient: bool = False,
 ) -> RobotModel:
-    """Take the chain from `base_link` to `tip_link` out of a URDF; joints off the chain that are not held stay at zero.
-
-    Args:
-        path: The URDF file, for messages.
-        urdf: What `parse_urdf` returned.
-        base_link: First link; None takes the URDF's root.
-        tip_link: Last link.
-        held: Joints that stand still, with their positions, as from `held_positions`.
-        lenient: As in `link_inertia`.
-    """
+    """The chain from a base link (None: the root) to a tip link; joints off it that are not held stay at zero."""
     held = held or {}
     links = {link.name: link for link in urdf.links}
     joint_above = {joint.child: joint for joint in urdf.joints}

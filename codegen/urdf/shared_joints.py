@@ -34,14 +34,7 @@ def check_machines(path: Path, arms: Sequence["BuiltRobot"]) -> tuple[tuple[str,
 
 
 def root_in_base(path: Path, urdf: Urdf, base_link: str, held: Mapping[str, float]) -> RigidTransform:
-    """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero.
-
-    Args:
-        path: The URDF, for messages.
-        urdf: What `parse_urdf` returned.
-        base_link: The link.
-        held: Positions of joints that stand still [rad or m].
-    """
+    """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero."""
     T = RigidTransform.identity()
     for joint in joints_to({joint.child: joint for joint in urdf.joints}, base_link):
         T = T @ joint_pose(path, joint, held.get(joint.name, 0.0))

@@ -100,11 +100,7 @@ class Urdf(NamedTuple):
 
 
 def parse_urdf(path: Path, content: bytes) -> Urdf:
-    """Parse a URDF.
-
-    Returns:
-        Its links and joints.
-    """
+    """Parse a URDF."""
     return _parsed(path, text_of(path, "URDF", content))
 
 

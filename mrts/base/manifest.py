@@ -55,12 +55,7 @@ Size = Annotated[int, Rule(ge=1, le=LARGEST_SIZE)]
 
 
 def geometry_size(robots: int, held: int) -> int:
-    """Entries of a geometry vector.
-
-    Args:
-        robots: Number of them.
-        held: Numbers of all their `held_numbers`.
-    """
+    """Entries of a geometry vector."""
     return GRAVITY_SIZE + ROBOT_SIZE * robots + held
 
 
@@ -129,10 +124,6 @@ class Manifest(ChainsRecord):
 
 
 def check_source(where: Path | str, manifest: ChainsRecord, text: str) -> None:
-    """Check that a C text is the one that a manifest describes.
-
-    Raises:
-        InputError: If it is not.
-    """
+    """Check that a C text is the one that a manifest describes."""
     if hashlib.sha256(text.encode()).hexdigest() != manifest.source_sha256:
         raise InputError(where, "differs from what its manifest describes. Make both again: `mrts generate`.")

@@ -200,12 +200,7 @@ def plane_normal(plane: str) -> Array:
 
 
 def tilt(R: Array, plane: str) -> float:
-    """How far a rotation turns the normal of a plane out of itself: largest change of an entry.
-
-    Args:
-        R: Shape (3, 3).
-        plane: Such as "xy".
-    """
+    """How far a rotation turns the normal of a plane out of itself: largest change of an entry."""
     normal = plane_normal(plane)
     return float(np.max(np.abs(R @ normal - normal)))
 

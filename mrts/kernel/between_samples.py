@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.binding import structure
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
-from mrts.kernel.foreign_arrays import over_chunks
 from mrts.kernel.programs import STOPPED
 from mrts.kernel.sample_terms import SampleTerms
 
@@ -49,16 +48,7 @@ def path_places(
     count = len(weights[0]) * (len(path[0]) - 1)
     shapes = [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]
     found = [np.empty((count, *shape)) for shape in shapes]
-
-    def run(first: int, samples: int) -> None:
-        library.opened.mrts_path_places(
-            first,
-            samples,
-            along,
-            *[*asked, taken, *found],
-        )
-
-    over_chunks(library.opened, count, run)
+    library.opened.mrts_path_places(count, along, *asked, taken, *found)
     for array in found:
         array.setflags(write=False)  # so that motions share them
     by_columns = found[5]  # as generated functions want them, so that nobody has to turn them over for those

@@ -14,7 +14,7 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import CELL_FILES, TRACKING_FILES
-from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, over_chunks, work_arrays
+from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, work_arrays
 from mrts.kernel.programs import STOPPED, Programs, offer_programs
 from mrts.kernel.sample_terms import SampleTerms
 
@@ -247,9 +247,8 @@ class CellLibrary(MotionLibrary):
         for_all: tuple[Any, ...] = (),
         *,
         function: str = "wrench_form",
-        one_piece: int = 0,
     ) -> None:
-        """Call a C function of whole trajectories for all samples, in pieces.
+        """Call a C function of whole trajectories.
 
         Args:
             name: Of the function.
@@ -261,28 +260,13 @@ class CellLibrary(MotionLibrary):
             outputs: What it fills, likewise.
             for_all: What it takes besides, one for all samples.
             function: Short name of the generated function.
-            one_piece: Samples up to which one thread takes them all.
         """
         each = [np.ascontiguousarray(values) for values in asked]
         given, strides = sample_inputs(self.records[function], samples, inputs)
-        failures: list[int] = []
-
-        def run(first: int, count: int) -> None:
-            failed = getattr(self.opened, name)(
-                *(count, pointers(given, first, strides), strides, limits.structure),
-                terms.structure(first),
-                *(values[first:] for values in each),
-                *for_all,
-                *(output[first:] for output in outputs),
-                *work_arrays(self.opened, name, limits.rows),
-            )
-            failures.append(failed)
-
-        if samples <= one_piece:
-            run(0, samples)
-        else:
-            over_chunks(self.opened, samples, run)
-        assert not any(failures)  # noqa: S101 (`SparseLimits` has looked at the limits)
+        work = work_arrays(self.opened, name, limits.rows)
+        where = samples, pointers(given), strides, limits.structure, terms.structure()
+        failed = getattr(self.opened, name)(*where, *each, *for_all, *outputs, *work)
+        assert not failed  # noqa: S101 (`SparseLimits` has looked at the limits)
 
     def address(self, function: str) -> ctypes.c_void_p:
         """Of a generated function, by its short name."""
@@ -314,8 +298,6 @@ def _by_rows(value: Array) -> Array:
     return value[:, 0, :] if value.shape[1] == 1 else value.transpose(0, 2, 1)
 
 
-def pointers(arrays: list[Array], first: int = 0, strides: Any = None) -> Any:
-    """An array of pointers, each moved on to sample `first`."""
-    steps = [8 * first * stride for stride in strides] if strides is not None else [0] * len(arrays)
-    addresses = [array.ctypes.data + step for array, step in zip(arrays, steps, strict=True)]
-    return (ctypes.c_void_p * len(arrays))(*addresses)
+def pointers(arrays: list[Array]) -> Any:
+    """An array of pointers."""
+    return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))

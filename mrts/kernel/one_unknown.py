@@ -11,9 +11,6 @@ from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.foreign_arrays import INFINITY
 from mrts.kernel.sample_terms import SampleTerms
 
-ONE_PIECE = 16_384
-"""Samples up to which one thread takes them all: a few milliseconds' work, for which starting another does not pay."""
-
 
 @dataclass(frozen=True)
 class KnownRanges:
@@ -57,5 +54,5 @@ def known_ranges(
     found = KnownRanges(np.zeros(samples), np.zeros(samples), np.zeros(samples), tied)
     each, outputs = [np.minimum(most, INFINITY)], [found.lower, found.upper, found.effect, *tied]
     given = samples, inputs, limits, terms, each, outputs, run
-    library.over_samples("mrts_known_ranges", *given, function=function, one_piece=ONE_PIECE)
+    library.over_samples("mrts_known_ranges", *given, function=function)
     return found

@@ -12,7 +12,6 @@ from random_motors import equipped
 
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
-from mrts.kernel.one_unknown import ONE_PIECE
 from mrts.limits.rows import STANDSTILL
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.sample_problem import build_sample_problem
@@ -118,18 +117,6 @@ def test_a_standstill_that_holds_is_named_alone(tmp_path):
     cell, path = arm_and_path(tmp_path)
     found = motion_ranges(cell, along_spline(cell, path, 9), "wrench", None, "kernel")
     assert {row.name for k in range(9) for row in found.binding(k, "lower")} == {STANDSTILL}
-
-
-def test_pieces_of_a_long_motion_are_the_whole_to_the_bit(tmp_path):
-    """Threads take pieces of a motion of so many samples."""
-    cell, path = arm_and_path(tmp_path)
-    motion = along_spline(cell, path, 97)
-    places = np.arange(2 * ONE_PIECE + 5) % motion.samples
-    long = motion_ranges(cell, motion.at(places), "wrench", None, "kernel")
-    short = motion_ranges(cell, motion, "wrench", None, "kernel")
-    for ends in ("lower", "upper"):
-        np.testing.assert_array_equal(getattr(long, ends), getattr(short, ends)[places])
-    assert long.binding(-1, "upper") == short.binding(int(places[-1]), "upper")
 
 
 def sides_at(regions, u, x):

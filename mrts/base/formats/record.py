@@ -51,11 +51,7 @@ class Rule:
         self.limits = limits
 
     def check(self, value: Any, given: object) -> None:
-        """Check a value of the annotated type.
-
-        Raises:
-            InputError: If it is outside of a limit.
-        """
+        """Check a value of the annotated type."""
         for name, limit in self.limits.items():
             kind, keeps = _LIMITS[name]
             if not keeps(value, limit):
@@ -104,11 +100,7 @@ class Record:
 
     @classmethod
     def model_validate(cls, data: object) -> Self:
-        """The record that a mapping describes.
-
-        Raises:
-            InputError: If it is none, or a key or a value breaks a rule.
-        """
+        """The record that a mapping describes."""
         if isinstance(data, cls):
             return data
         if not isinstance(data, dict):
@@ -119,11 +111,7 @@ class Record:
 
     @classmethod
     def read(cls, where: Path | str, data: dict[Any, Any]) -> Self:
-        """The record that a mapping of a file describes.
-
-        Raises:
-            InputError: If a key or a value breaks a rule.
-        """
+        """The record that a mapping of a file describes."""
         try:
             return cls.model_validate(data)
         except InputError as error:
@@ -136,11 +124,7 @@ class Record:
 
     @classmethod
     def model_validate_json(cls, text: str) -> Self:
-        """The record that a JSON text describes.
-
-        Raises:
-            InputError: As `model_validate`.
-        """
+        """The record that a JSON text describes."""
         return cls.model_validate(read_json(text))
 
     def problem(self) -> str:
@@ -154,12 +138,7 @@ class Record:
         return record
 
     def model_dump(self, *, include: set[str] | None = None, exclude: set[str] | None = None) -> dict[str, Any]:
-        """Dictionaries, lists and values.
-
-        Args:
-            include: Keys to take; None takes all.
-            exclude: Keys to leave out.
-        """
+        """Dictionaries, lists and values."""
         names = (name for name in self.model_fields if include is None or name in include)
         return {name: _dumped(getattr(self, name)) for name in names if name not in (exclude or ())}
 
@@ -182,11 +161,7 @@ class Record:
 
 
 def read_json(text: str) -> Any:
-    """The value of a JSON text.
-
-    Raises:
-        InputError: If it is none, or holds a number that is not finite.
-    """
+    """The value of a JSON text."""
     try:
         return json.loads(text, parse_constant=_refuse)
     except (ValueError, RecursionError) as error:
@@ -246,11 +221,7 @@ def _each_at(entries: Iterable[tuple[str, Any, object]]) -> list[Any]:
 
 
 def checked(kind: Any, value: Any) -> Any:
-    """A value of a kind, see `Record`.
-
-    Raises:
-        InputError: If it is none.
-    """
+    """A value of a kind, see `Record`."""
     origin, parts = get_origin(kind), get_args(kind)
     if origin is Annotated:
         read = checked(parts[0], value)

@@ -9,28 +9,16 @@
 #include "speed_intervals.h"
 #include "trajectory.h"
 
-/* Builds the rows of a form that has what motors add; 1 if they are finite. */
-static int mrts_rows_of_form(const double *rotation, const mrts_limits *limits, const mrts_terms *terms, double *turned,
-                             mrts_form *form, mrts_rows *rows) {
-    mrts_turn_wrenches(MRTS_UNKNOWNS, MRTS_ROBOTS, MRTS_SIZE, limits, rotation, 1, 3, turned, form);
-    return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, terms, rows);
-}
-
-/* Evaluates the wrench form of a sample alone; arg, (MRTS_INPUTS), then has its inputs. */
-static void mrts_form_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                                const double **arg) {
-    double *const res[] = {form->torque_map, form->torque_offset, form->wrench_map, form->wrench_offset};
-    for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
-    MRTS_WRENCH_FORM(arg, res);
-}
-
 MRTS_LOCAL int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
                                    double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows) {
     const double *arg[MRTS_INPUTS];
+    double *const res[] = {form->torque_map, form->torque_offset, form->wrench_map, form->wrench_offset};
     const mrts_terms terms = mrts_terms_of_sample(all, sample, limits->rows);
-    mrts_form_of_sample(in, stride, sample, form, arg);
+    for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = in[i] + sample * stride[i];
+    MRTS_WRENCH_FORM(arg, res);
     mrts_add_motors(MRTS_UNKNOWNS, MRTS_JOINTS, &terms, form);
-    return mrts_rows_of_form(arg[MRTS_ROTATION], limits, &terms, turned, form, rows);
+    mrts_turn_wrenches(MRTS_UNKNOWNS, MRTS_ROBOTS, MRTS_SIZE, limits, arg[MRTS_ROTATION], 1, 3, turned, form);
+    return mrts_build_rows(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, form, limits, &terms, rows);
 }
 
 /* Reals and ints of work of mrts_ranges and mrts_torques for so many rows of limits. */
@@ -109,7 +97,6 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     for (long long n = 0; n < count; ++n) {
-        if (n % MRTS_CHUNK == 0) basis[0][0] = basis[1][0] = 0; /* so that chunks do not depend on each other */
         if (mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows)) {
             mrts_range_of_sample(limits, &rows, most[n], n, basis, &found, lp_work, lp_iwork);
         } else {
@@ -151,12 +138,9 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
     mrts_curve curve;
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
+    for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
     for (long long n = 0; n < count; ++n) {
         mrts_interval found;
-        if (n % MRTS_CHUNK == 0) {
-            ends.speed = 0;
-            for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
-        }
         const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows);
         status[n] = MRTS_STOPPED;
         if (!built) continue;
@@ -184,57 +168,29 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
     return 0;
 }
 
-/* What the torques of one sample are found with. */
-typedef struct {
-    const mrts_limits *limits;
-    mrts_weights weights;
-    double widening;
-    mrts_form form;
-    double *turned; /* memory for the wrenches in object axes */
-    mrts_rows rows;
-    int active[MRTS_UNKNOWNS], active_count; /* the rows that bind, those of the sample before; -1 where nothing is known */
-    double *qp_work;
-    int *qp_iwork;
-} mrts_torque_search;
-
-/* Torques and wrenches of one sample, whose form is there with what motors give; a status of mrts_qp. */
-static int mrts_torques_of_sample(mrts_torque_search *of, const double *rotation, const mrts_terms *terms, double c2,
-                                  double *torque, double *wrench) {
-    double work[MRTS_LEAST_TORQUES_WORK(MRTS_UNKNOWNS, MRTS_JOINTS)];
-    of->active_count = -1;
-    if (!mrts_rows_of_form(rotation, of->limits, terms, of->turned, &of->form, &of->rows)) return MRTS_STOPPED;
-    const int status = mrts_least_torques(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES, of->limits, &of->weights, c2, of->widening,
-                                          &of->form, &of->rows, of->active, &of->active_count, torque, wrench, work,
-                                          of->qp_work, of->qp_iwork);
-    if (status != MRTS_OPTIMAL) of->active_count = -1;
-    return status;
-}
-
 /* Torques and wrenches that minimise t'Wt at c2 (one value, or one a sample with c2_stride 1). Limits move outward by
  * `widening` of their unit where they are not equal; `terms` as in mrts_ranges. */
 MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const long long *stride,
                              const mrts_limits *limits, const mrts_terms *terms, const double *c2, int c2_stride,
                              const double *weights, double widening, double *torque, double *wrench,
                              unsigned char *status, double *work, int *iwork) {
-    enum { K = MRTS_UNKNOWNS, F = MRTS_UNKNOWNS - 1, M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
-    const double *arg[MRTS_INPUTS];
-    mrts_torque_search search = {.limits = limits, .weights = {weights, MRTS_JOINTS + 1}, .widening = widening, .turned = turned};
-    search.form = mrts_form_in(K, M, N, memory);
-    search.qp_work = work + MRTS_ROWS_WORK(K, limits->rows);
-    search.qp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
-    if (!mrts_rows_over(K, limits, work, iwork, &search.rows)) return 1;
+    double least[MRTS_LEAST_TORQUES_WORK(MRTS_UNKNOWNS, MRTS_JOINTS)], *qp_work = work + MRTS_ROWS_WORK(K, limits->rows);
+    int active[MRTS_UNKNOWNS], active_count, *qp_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
+    mrts_form form = mrts_form_in(K, M, N, memory);
+    mrts_weights W = {weights, MRTS_JOINTS + 1};
+    mrts_rows rows;
+    if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
     for (int i = 0; i < M * M; ++i) {
-        if (i % (M + 1) != 0 && weights[i] != 0) search.weights.apart = 0;
+        if (i % (M + 1) != 0 && weights[i] != 0) W.apart = 0;
     }
     for (long long n = 0; n < count; ++n) {
-        const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
-        if (n % MRTS_CHUNK == 0) search.active_count = -1; /* so that chunks do not depend on each other */
-        mrts_form_of_sample(in, stride, n, &search.form, arg);
-        mrts_add_motors(K, M, &here, &search.form);
-        status[n] = (unsigned char)mrts_torques_of_sample(&search, arg[MRTS_ROTATION], &here, c2[n * c2_stride], torque + n * M,
-                                                          wrench + n * N);
+        status[n] = MRTS_STOPPED;
+        if (!mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows)) continue;
+        status[n] = (unsigned char)mrts_least_torques(K, M, N, limits, &W, c2[n * c2_stride], widening, &form, &rows, active,
+                                                      &active_count, torque + n * M, wrench + n * N, least, qp_work, qp_iwork);
     }
     return 0;
 }

@@ -121,12 +121,10 @@ static void mrts_one_place(const mrts_places *to, long long n) {
     }
 }
 
-/* Places first .. first + count - 1 of all segments in a row, see mrts_places: the time from the first place of all, joints
- * and object. */
-MRTS_EXPORT void mrts_path_places(long long first, long long count, const mrts_joint_path *path, const double *x,
-                                  const double *u, const double *geometry, const int *components, double *time, double *q,
-                                  double *dq, double *ddq, double *position, double *rotation, double *twist,
-                                  double *acceleration) {
+/* All `count` places of all segments in a row, see mrts_places: the time from the first place of all, joints and object. */
+MRTS_EXPORT void mrts_path_places(long long count, const mrts_joint_path *path, const double *x, const double *u,
+                                  const double *geometry, const int *components, double *time, double *q, double *dq,
+                                  double *ddq, double *position, double *rotation, double *twist, double *acceleration) {
     const mrts_places to = {path, x, u, geometry, components, time, q, dq, ddq, position, rotation, twist, acceleration};
-    for (long long n = first; n < first + count; ++n) mrts_one_place(&to, n);
+    for (long long n = 0; n < count; ++n) mrts_one_place(&to, n);
 }

@@ -165,11 +165,9 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
     path.own_iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
     if (!mrts_rows_over(K, limits, work, iwork, &path.rows)) return 1;
     for (int i = 0; i < path.rows.count; ++i) path.rows.unit[i] = unit[path.rows.which[i]];
+    path.known.count = -1;
+    path.basis[0] = 0;
     for (long long n = 0; n < count; ++n) {
-        if (n % MRTS_CHUNK == 0) { /* so that chunks do not depend on each other */
-            path.known.count = -1;
-            path.basis[0] = 0;
-        }
         for (int j = 0; j < F && path.known.count < 0; ++j) path.known.wrench[j] = 0;
         if (!mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &path.rows)) {
             path.known.count = -1;

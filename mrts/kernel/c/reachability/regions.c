@@ -112,7 +112,7 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
                                     double *work, int *iwork) {
     const mrts_polytopes of = {count, k, all, rows, which, A, lower, upper, scale, least, most};
     double *project_work = work + MRTS_POLYTOPE_WORK(k, rows);
-    mrts_outline outline = {0, iwork};
+    mrts_outline outline = {.basis = iwork};
     int *project_iwork = outline.basis + MRTS_OUTLINE_IWORK(k);
     const mrts_polytope in = {k, rows, work, work + rows * k, work + rows * k + rows + k};
     for (int j = 0; j < k - 2; ++j) {
@@ -121,7 +121,6 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
     }
     for (long long n = 0; n < count; ++n) {
         double *found = corners + n * 2 * MRTS_CORNERS;
-        if (n % MRTS_CHUNK == 0) outline.count = 0;
         mrts_take_polytope(&of, n, &in);
         for (int attempt = 0; attempt < 2; ++attempt) {
             const int cold = outline.count == 0;
