@@ -49,10 +49,10 @@ def _kinematics(sample: Sample) -> tuple[Named, Named]:
     rotations, positions, jacobians = [], [], []
     geometry = sample.geometry
     for model, base, q_robot in zip(geometry.models, geometry.bases, sample.arms("q"), strict=True):
-        pose = forward_kinematics(model, q_robot)
+        R_base_tip, p_base_tip = forward_kinematics(model, q_robot)[-1]
         R_world_base = ca.SX(base.R)
-        positions.append(ca.SX(base.p) + R_world_base @ pose.p_base_tip)
-        rotations.append(R_world_base @ pose.R_base_tip)
+        positions.append(ca.SX(base.p) + R_world_base @ p_base_tip)
+        rotations.append(R_world_base @ R_base_tip)
         jacobians.append(frame_jacobian(model, q_robot)[list(sample.cell.components), :])
     return {"q": q}, {
         "position": ca.horzcat(*positions),

@@ -94,12 +94,8 @@ def check_writable(path: Path) -> None:
     with _named(target):
         if _is_special(target):
             return  # to open it may wait for a reader
-        with suppress(_TriedError), _temporary_file(target):
-            raise _TriedError
-
-
-class _TriedError(Exception):
-    """Takes back the folders that were made to try."""
+        with _temporary_file(target):
+            pass
 
 
 def _resolved(path: Path) -> Path:
@@ -137,16 +133,15 @@ def _system_error(error: BaseException | None) -> OSError | None:
 
 @contextmanager
 def _made(folder: Path) -> Iterator[None]:
-    """A folder and those above it; the ones that were missing go again if the block fails."""
+    """A folder and those above it; the ones that were missing go again if nothing was put into them."""
     missing = [each for each in (folder, *folder.parents) if not each.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         yield
-    except BaseException:
+    finally:
         for each in missing:
-            with suppress(OSError):
+            with suppress(OSError):  # it holds something
                 each.rmdir()
-        raise
 
 
 @contextmanager

@@ -47,9 +47,6 @@ MOST = 1000
 LARGEST_SIZE = 100_000
 """Rows or columns of an argument, likewise."""
 
-Matrix = list[list[float]]
-Vector3 = Annotated[list[float], Rule(min_length=3, max_length=3)]
-Matrix3 = Annotated[list[Vector3], Rule(min_length=3, max_length=3)]
 Identifier = Annotated[str, Rule(pattern=IDENTIFIER, max_length=100)]
 Size = Annotated[int, Rule(ge=1, le=LARGEST_SIZE)]
 
