@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Generated functions as straight-line C for either type of number, double or float."""
+"""Generated functions as straight-line C for any type of number: a double, a float, or several side by side."""
 
 from textwrap import wrap
 
@@ -20,10 +20,11 @@ OPERATIONS: dict[int, str] = {
     ca.OP_TWICE: "{0} + {0}",
     ca.OP_SQRT: "MRTS_MATH(sqrt, {0})",
     ca.OP_FABS: "MRTS_MATH(fabs, {0})",
-    ca.OP_SIN: "MRTS_MATH(sin, {0})",
-    ca.OP_COS: "MRTS_MATH(cos, {0})",
 }
 """C of CasADi's operations on scalars."""
+
+ANGLES: dict[int, tuple[str, str]] = {ca.OP_SIN: ("MRTS_SIN", "sin"), ca.OP_COS: ("MRTS_COS", "cos")}
+"""Those of an angle: the macro for a joint's, entry j of the first input, and the function of math.h for others."""
 
 DOUBLE = """#include <math.h>
 
@@ -34,6 +35,8 @@ DOUBLE = """#include <math.h>
 #define MRTS_NUMBER double
 #define MRTS_CONSTANT(value) value
 #define MRTS_MATH(function, a) function(a)
+#define MRTS_SIN(joint, a) sin(a)
+#define MRTS_COS(joint, a) cos(a)
 """
 """What the functions of `model_c` want to be of doubles."""
 
@@ -67,6 +70,7 @@ def function_record(name: str, function: ca.Function) -> FunctionRecord:
 
 
 def _body(function: ca.Function) -> str:
+    joints: dict[int, int] = {}  # variables that hold an entry of the first input
     lines = []
     for k in range(function.n_instructions()):
         code, given, found = function.instruction_id(k), function.instruction_input(k), function.instruction_output(k)
@@ -77,6 +81,10 @@ def _body(function: ca.Function) -> str:
             right = f"MRTS_CONSTANT({_constant(function, k)})"
         elif code == ca.OP_INPUT:
             right = f"arg[{given[0]}][{given[1]}]"
+        elif code in ANGLES:
+            of_joint, other = ANGLES[code]
+            joint = joints.get(given[0])
+            right = f"MRTS_MATH({other}, a{given[0]})" if joint is None else f"{of_joint}({joint}, a{given[0]})"
         elif code in OPERATIONS:
             right = OPERATIONS[code].format(*(f"a{place}" for place in given))
         else:
@@ -84,6 +92,9 @@ def _body(function: ca.Function) -> str:
                 function.name(),
                 f"uses CasADi's operation {code}, of which no C is known. Add it to OPERATIONS of codegen/model_c.py.",
             )
+        joints.pop(found[0], None)
+        if code == ca.OP_INPUT and given[0] == 0:
+            joints[found[0]] = given[1]
         lines.append(f"    a{found[0]} = {right};\n")
     variables = wrap(", ".join(f"a{place}" for place in range(function.sz_w())), LINE)
     declared = "".join(f"    MRTS_NUMBER {line.rstrip(',')};\n" for line in variables)

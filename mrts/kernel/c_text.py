@@ -7,11 +7,11 @@ from itertools import accumulate
 from pathlib import Path
 from posixpath import dirname, join, normpath
 
-from mrts.base.manifest import Manifest
+from mrts.base.manifest import GEOMETRY, Manifest
 
 PROGRAM_FILES = (
     *("linear_programs.c", "quadratic_programs.c", "basis/kept_basis.c", "speed_intervals.c", "batch.c"),
-    *(f"reachability/{name}.c" for name in ("projection", "regions")),
+    *(f"reachability/{name}.c" for name in ("projection", "lane_corners", "regions")),
 )
 """The programs, which need no cell."""
 
@@ -19,7 +19,8 @@ TRACKING_FILES = tuple(f"tracking/{name}.c" for name in ("null_space", "tracking
 """Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
 
 CELL_FILES = (
-    *(*PROGRAM_FILES, "rows.c", "least_torques.c", "trajectory.c", "one_unknown/one_unknown.c"),
+    *(*PROGRAM_FILES, "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
+    *("least_torques.c", "trajectory.c", "one_unknown/one_unknown.c"),
     *(*TRACKING_FILES, "tracking/closure.c"),
     *(f"dense/{name}.c" for name in ("path_places", "widening")),
     *(f"variants/{name}.c" for name in ("end_rows", "ranges")),
@@ -39,7 +40,10 @@ QUICKLY = """#if defined(__GNUC__) && !defined(__clang__)
 #endif"""
 """Generated statements, which stand in a row without a loop: more than this gcc takes long over, and gains little."""
 
-INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.h)"\n', re.MULTILINE)
+IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")
+"""Generated functions that are compiled for lanes too."""
+
+INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
 
 
 def one_file(name: str) -> str:
@@ -51,13 +55,15 @@ def one_file(name: str) -> str:
 def one_text(names: tuple[str, ...]) -> str:
     """Some C files of the kernel, in order, as one text: each header of ours stands where it is first included.
 
+    What is to be read more than once ends in .inc, and stands wherever it is included.
+
     Args:
         names: Of files in mrts/kernel/c, such as "linear_programs.c", or "smooth/fronts.c".
     """
     taken: set[str] = set()
 
     def text(name: str) -> str:
-        if name in taken:
+        if name in taken and name.endswith(".h"):
             return ""
         taken.add(name)
         return INCLUDED.sub(lambda found: text(normpath(join(dirname(name), found.group(1)))), one_file(name))
@@ -111,11 +117,25 @@ def motion_source(manifest: Manifest, generated: str) -> str:
 def cell_source(manifest: Manifest, generated: str) -> str:
     """The C text of a cell's library: generated functions, sizes, the whole kernel."""
     components = len(manifest.wrench_components)
+    read = manifest.functions["kinematics"].inputs
+    sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
     macros: dict[str, int | str] = {
         "MRTS_WRENCHES": components * len(manifest.robots),
         "MRTS_INPUTS": len(manifest.functions["wrench_form"].inputs),
+        "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
+        "MRTS_INPUT_NUMBERS": sum(sizes),
+        "MRTS_GEOMETRY_NUMBERS": next((one.shape[0] for one in read if one.name == GEOMETRY), 1),
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
-        "MRTS_WRENCH_FORM": manifest.functions["wrench_form"].symbol,
     }
+    in_lanes = {f"MRTS_{name.upper()}": manifest.functions[name].symbol for name in IN_LANES}
+    macros |= in_lanes | {f"{name}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()}
     defined = _defined(motion_macros(manifest) | macros)
-    return f"{QUICKLY.format(generated)}\n{defined}{one_text(CELL_FILES)}"
+    of_lanes = "".join(_one_function(generated, symbol) for symbol in in_lanes.values())
+    of_lanes = f"{one_file('lanes/model_of_lanes.inc')}{of_lanes}"
+    return f"{QUICKLY.format(generated)}\n{defined}{one_text(CELL_FILES)}\n{QUICKLY.format(of_lanes)}\n"
+
+
+def _one_function(generated: str, symbol: str) -> str:
+    """The definition of a function in a cell's generated C; nothing where it has none."""
+    start = generated.find(f"MRTS_MODEL({symbol},")
+    return generated[start : generated.index("\n}\n", start) + 3] if start >= 0 else ""

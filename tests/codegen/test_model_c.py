@@ -1,4 +1,4 @@
-"""Generated functions as C of doubles and floats: the numbers of CasADi's virtual machine."""
+"""Generated functions as C of doubles, floats and lanes: the numbers of CasADi's virtual machine."""
 
 import ctypes
 from functools import cache
@@ -6,14 +6,15 @@ from functools import cache
 import casadi as ca
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import DATA, ROOT
 from exported_library import run, tool
 from mrts_codegen.embedded.export_library import TEMPLATES, decided, filled
 from mrts_codegen.generate import generate_cell
-from mrts_codegen.model_c import OPERATIONS, model_c
+from mrts_codegen.model_c import ANGLES, OPERATIONS, model_c
 
 import mrts
 
+C = ROOT / "mrts" / "kernel" / "c"
 ROUNDING = {"double": 1e-13, "float": 1e-4}
 """Of some thousand operations, relative to the largest entry."""
 
@@ -26,14 +27,16 @@ def functions_of(cell):
 
 
 def compiled(functions, precision, folder):
-    """The functions as a shared library, as an export has them."""
+    """The functions as a shared library, as an export has them; in lanes as well where they are doubles."""
     words = {"NOTICE": "", "MODEL": model_c({f"x_{short}": one for short, one in functions.items()})}
     template = decided((TEMPLATES / "cell_model.c").read_text(), {"SINGLE": precision == "float"})
     text = filled(template.replace("cell_", "x_"), words)
     (folder / "x_model.h").write_text(f"typedef {precision} x_real;\n")
+    if precision == "double":
+        text += f'#include "lanes/lanes.h"\n#include "lanes/model_of_lanes.inc"\n{words["MODEL"]}'
     (folder / "model.c").write_text(text)
     run(tool("gcc", "gcc"), "-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion",
-        "-Wdouble-promotion", "-Werror", "-Wno-missing-prototypes", "-shared", "-fPIC", folder / "model.c",
+        "-Wdouble-promotion", "-Werror", "-Wno-missing-prototypes", f"-I{C}", "-shared", "-fPIC", folder / "model.c",
         "-lm", "-o", folder / "model.so")  # fmt: skip
     return ctypes.CDLL(str(folder / "model.so"))
 
@@ -51,12 +54,27 @@ def called(library, short, function, given, precision):
     return found
 
 
+def called_in_lanes(library, short, function, samples):
+    """Outputs of one function of four samples side by side, by columns."""
+    arrays = [np.stack([value.ravel(order="F") for value in given], axis=-1) for given in zip(*samples, strict=True)]
+    sines = np.stack([np.sin(arrays[0]), np.cos(arrays[0])], axis=1)
+    found = [np.zeros((function.numel_out(i), 4)) for i in range(function.n_out())]
+    kind = ctypes.c_double
+    getattr(library, f"x_{short}_lanes")(pointers(arrays, kind), *pointers([sines], kind), pointers(found, kind))
+    return [[values[:, lane] for values in found] for lane in range(4)]
+
+
 def agree(library, functions, precision, rng):
     for short, function in functions.items():
-        given = [rng.uniform(-1, 1, function.size_in(i)) for i in range(function.n_in())]
-        wanted = [np.asarray(value).ravel(order="F") for value in function.call(given)]
-        for one, other in zip(called(library, short, function, given, precision), wanted, strict=True):
-            assert np.max(np.abs(one - other)) <= ROUNDING[precision] * (1 + np.max(np.abs(other))), short
+        samples = [[rng.uniform(-1, 1, function.size_in(i)) for i in range(function.n_in())] for _ in range(4)]
+        answers = [[called(library, short, function, given, precision) for given in samples]]
+        if precision == "double":
+            answers.append(called_in_lanes(library, short, function, samples))
+        for found in answers:
+            for ours, given in zip(found, samples, strict=True):
+                wanted = [np.asarray(value).ravel(order="F") for value in function.call(given)]
+                for one, other in zip(ours, wanted, strict=True):
+                    assert np.max(np.abs(one - other)) <= ROUNDING[precision] * (1 + np.max(np.abs(other))), short
 
 
 @pytest.mark.parametrize("precision", ["double", "float"])
@@ -74,7 +92,7 @@ def test_every_operation_is_that_of_the_virtual_machine(precision, tmp_path):
     parts += [ca.sin(x[0]), ca.cos(x[1]), ca.sin(y[0]), ca.cos(y[1]), ca.sqrt(y[2]), ca.fabs(x[2])]
     function = ca.Function("each", [x], [ca.densify(ca.vertcat(*parts))])
     used = {function.instruction_id(k) for k in range(function.n_instructions())}
-    assert OPERATIONS.keys() <= used | {ca.OP_ASSIGN}  # an assignment is optimised away
+    assert OPERATIONS.keys() | ANGLES.keys() <= used | {ca.OP_ASSIGN}  # an assignment is optimised away
     agree(compiled({"each": function}, precision, tmp_path), {"each": function}, precision, np.random.default_rng(2))
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mrts.cell.cell_text import manifest_of
+from mrts.cell.cell_keys import manifest_of
 
 ROUNDING = 2e-15
 """Of an entry of a rotation."""

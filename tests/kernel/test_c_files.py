@@ -14,12 +14,18 @@ PLANAR = {
     "MRTS_JOINTS": "6",
     "MRTS_WRENCHES": "6",
     "MRTS_INPUTS": "8",
+    "MRTS_INPUT_SIZES": "{6, 6, 6, 9, 6, 6, 10, 51}",
+    "MRTS_INPUT_NUMBERS": "100",
+    "MRTS_GEOMETRY_NUMBERS": "51",
     "MRTS_UNKNOWNS": "4",
     "MRTS_MOST_JOINTS": "3",
     "MRTS_FIRST_JOINTS": "{0, 3, 6}",
     "MRTS_WRENCH_FORM": "wrench_form",
     "MRTS_KINEMATICS": "kinematics",
     "MRTS_BIAS_ACCELERATION": "bias_acceleration",
+    "MRTS_WRENCH_FORM_LANES": "wrench_form_lanes",
+    "MRTS_KINEMATICS_LANES": "kinematics_lanes",
+    "MRTS_BIAS_ACCELERATION_LANES": "bias_acceleration_lanes",
 }
 EXPORTED = ("basis/kept_basis.c", "least_torques.c", "linear_programs.c", "quadratic_programs.c", "rows.c")
 FILES = sorted(str(path.relative_to(C)) for path in C.rglob("*.c") if path.parent.name != "exported")

@@ -11,5 +11,7 @@
 #else
 #define MRTS_MATH(function, a) function(a)
 #endif
+#define MRTS_SIN(joint, a) MRTS_MATH(sin, a)
+#define MRTS_COS(joint, a) MRTS_MATH(cos, a)
 
 @MODEL@

@@ -28,10 +28,6 @@ static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long s
     return here;
 }
 
-/* Evaluates the wrench form of a sample and builds its rows; 1 if they are finite. `turned` is of MRTS_TURNED_WORK. */
-MRTS_LOCAL int mrts_rows_of_sample(const double *const *in, const long long *stride, long long sample, mrts_form *form,
-                                   double *turned, const mrts_limits *limits, const mrts_terms *all, mrts_rows *rows);
-
 /* See trajectory.c. */
 MRTS_EXPORT void mrts_ranges_work(int rows, long long *reals, long long *ints);
 MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long long *stride, const mrts_limits *limits,

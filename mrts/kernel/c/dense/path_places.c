@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * A retimed motion between the samples of its path: joints on polynomials through the samples, the
+ * A retimed motion between the samples of its path, several places at a time: joints on polynomials through the samples, the
  * object where the first arm carries it, both at their speeds.
  */
-#include "../tracking/tracking.h"
+#include "../lanes/lanes.h"
 
 /* A path of joints, Shape (samples, MRTS_JOINTS) each, with its places. */
 typedef struct {
@@ -26,56 +26,86 @@ typedef struct {
     double *time, *q, *dq, *ddq, *position, *rotation, *twist, *acceleration;
 } mrts_places;
 
-/* Joints at a place of a segment, by the parameter of the path. */
-static void mrts_joints_at(const mrts_joint_path *path, long long segment, int place, double h, double *q, double *dq,
-                           double *ddq) {
-    const double *weight = path->weight + 12 * place, at = path->at[place];
+/* Joints at some places, by the parameter of the path. */
+static void mrts_joints_at(const mrts_joint_path *path, const long long *segments, const long long *places,
+                                         mrts_lanes h, mrts_lanes at, mrts_lanes *q, mrts_lanes *dq, mrts_lanes *ddq) {
+    mrts_lanes weight[12];
+    long long start[MRTS_LANES];
+    MRTS_UNROLL
+    for (int lane = 0; lane < MRTS_LANES; ++lane) {
+        const int place = (int)(places[lane] - segments[lane] * path->places);
+        start[lane] = segments[lane] * MRTS_JOINTS;
+        for (int i = 0; i < 12; ++i) weight[i][lane] = path->weight[12 * place + i];
+    }
     for (int i = 0; i < MRTS_JOINTS; ++i) {
-        const long long here = segment * MRTS_JOINTS + i, next = here + MRTS_JOINTS;
-        const double given[4] = {path->dq[here], path->ddq[here] * h, path->dq[next], path->ddq[next] * h};
-        double way = 0, whole = 0, rate = 0, change = 0;
+        mrts_lanes given[4], before, after, way = mrts_each(0), whole = way, rate = way, change = way;
+        MRTS_UNROLL
+        for (int lane = 0; lane < MRTS_LANES; ++lane) {
+            const long long here = start[lane] + i, next = here + MRTS_JOINTS;
+            before[lane] = path->q[here];
+            after[lane] = path->q[next];
+            given[0][lane] = path->dq[here];
+            given[1][lane] = path->ddq[here];
+            given[2][lane] = path->dq[next];
+            given[3][lane] = path->ddq[next];
+        }
+        given[1] *= h;
+        given[3] *= h;
         for (int j = 0; j < 4; ++j) {
             way += weight[j] * given[j];
             rate += weight[4 + j] * given[j];
             change += weight[8 + j] * given[j];
             whole += path->whole[j] * given[j];
         }
-        q[i] = path->q[here] + h * way + at * (path->q[next] - path->q[here] - h * whole);
+        q[i] = before + h * way + at * (after - before - h * whole);
         dq[i] = rate;
         ddq[i] = change / h;
     }
 }
 
-/* v -= w x r */
-static void mrts_less_cross(const double *w, const double *r, double *v) {
+MRTS_LOCAL void mrts_less_cross(const mrts_lanes *w, const mrts_lanes *r, mrts_lanes *v) {
     v[0] -= w[1] * r[2] - w[2] * r[1];
     v[1] -= w[2] * r[0] - w[0] * r[2];
     v[2] -= w[0] * r[1] - w[1] * r[0];
 }
 
+MRTS_LOCAL void mrts_tip_by_joints(int first, int end, const mrts_lanes *J, const mrts_lanes *dq, const mrts_lanes *ddq,
+                                             mrts_lanes *rate, mrts_lanes *change) {
+    for (int i = 0; i < MRTS_SIZE; ++i) rate[i] = mrts_each(0);
+    for (int j = first; j < end; ++j) {
+        for (int i = 0; i < MRTS_SIZE; ++i) {
+            rate[i] += J[j * MRTS_SIZE + i] * dq[j];
+            change[i] += J[j * MRTS_SIZE + i] * ddq[j];
+        }
+    }
+}
+
 /* The rate of a tip in base axes and cell components, linear and angular in the world. */
-static void mrts_rate_in_world(const mrts_arm *arm, const int *components, const double *rate, double *world) {
+static void mrts_rate_in_world(const mrts_arm *arm, const int *components, const mrts_lanes *rate, mrts_lanes *world) {
     const double *R = arm->base_rotation;
-    double in_base[6];
-    for (int i = 0; i < 6; ++i) in_base[i] = 0;
+    mrts_lanes in_base[6];
+    for (int i = 0; i < 6; ++i) in_base[i] = mrts_each(0);
     for (int j = 0; j < MRTS_SIZE; ++j) in_base[components[j]] = rate[j];
     for (int i = 0; i < 6; ++i) {
-        const double *half = in_base + i / 3 * 3;
+        const mrts_lanes *half = in_base + i / 3 * 3;
         world[i] = R[3 * (i % 3)] * half[0] + R[3 * (i % 3) + 1] * half[1] + R[3 * (i % 3) + 2] * half[2];
     }
 }
 
 /* The object that the first arm carries: its pose by rows, its rates in the world. */
-static void mrts_carried(const mrts_places *places, const double *q, const double *dq, const double *ddq, double *position,
-                         double *rotation, double *twist, double *acceleration) {
+static void mrts_carried(const mrts_places *places, const mrts_lanes *geometry, const mrts_lanes *q, const mrts_lanes *dq,
+                                      const mrts_lanes *ddq, mrts_lanes *position, mrts_lanes *rotation, mrts_lanes *twist,
+                                      mrts_lanes *acceleration) {
     static const int first_joints[] = MRTS_FIRST_JOINTS;
     const mrts_arm *arm = MRTS_ARM(places->geometry, 0);
-    double tips[3 * MRTS_ROBOTS], turns[9 * MRTS_ROBOTS], J[MRTS_SIZE * MRTS_JOINTS], change[MRTS_SIZE * MRTS_ROBOTS];
-    double velocity[MRTS_SIZE], r[3], turning[3] = {0, 0, 0};
-    const double *const at[] = {q, places->geometry}, *const moving[] = {q, dq, places->geometry};
-    double *const poses[] = {tips, turns, J}, *const bias[] = {change};
-    MRTS_KINEMATICS(at, poses);
-    MRTS_BIAS_ACCELERATION(moving, bias);
+    mrts_lanes tips[3 * MRTS_ROBOTS], turns[9 * MRTS_ROBOTS], J[MRTS_SIZE * MRTS_JOINTS], change[MRTS_SIZE * MRTS_ROBOTS];
+    mrts_lanes sines[2 * MRTS_JOINTS], velocity[MRTS_SIZE], r[3], turning[3] = {mrts_each(0), mrts_each(0), mrts_each(0)};
+    const mrts_lanes *const at[] = {q, geometry}, *const moving[] = {q, dq, geometry};
+    mrts_lanes *const poses[] = {tips, turns, J}, *const bias[] = {change};
+    mrts_sines(first_joints[1], q, sines);
+    for (int i = 2 * first_joints[1]; i < 2 * MRTS_JOINTS; ++i) sines[i] = mrts_each(0); /* of other arms nothing is wanted */
+    MRTS_KINEMATICS_LANES(at, sines, poses);
+    MRTS_BIAS_ACCELERATION_LANES(moving, sines, bias);
     mrts_tip_by_joints(0, first_joints[1], J, dq, ddq, velocity, change);
     for (int i = 0; i < 3; ++i) { /* of the tip by columns, turned back by that of the grasp in the object */
         for (int j = 0; j < 3; ++j) {
@@ -96,29 +126,66 @@ static void mrts_carried(const mrts_places *places, const double *q, const doubl
     mrts_less_cross(twist + 3, turning, acceleration);
 }
 
-/* A place: see mrts_path_places. */
-static void mrts_one_place(const mrts_places *to, long long n) {
+/* Puts some numbers of each place where they belong. */
+static void mrts_put_numbers(int count, const mrts_lanes *numbers, const long long *places, double *all) {
+    double *own[MRTS_LANES];
+    for (int lane = 0; lane < MRTS_LANES; ++lane) own[lane] = all + places[lane] * count;
+    for (int i = 0; i < count; ++i) {
+        const mrts_lanes number = numbers[i];
+        MRTS_UNROLL
+        for (int lane = 0; lane < MRTS_LANES; ++lane) own[lane][i] = number[lane];
+    }
+}
+
+/* How fast the path is played at some places: x, its rate u, and the speed; u is a line on each segment. */
+static void mrts_speeds_at(const mrts_places *to, const long long *segments, mrts_lanes h, mrts_lanes at, mrts_lanes *x,
+                                         mrts_lanes *u, mrts_lanes *speed) {
+    mrts_lanes first, last, start;
+    MRTS_UNROLL
+    for (int lane = 0; lane < MRTS_LANES; ++lane) {
+        first[lane] = to->u[2 * segments[lane]];
+        last[lane] = to->u[2 * segments[lane] + 1];
+        start[lane] = to->x[segments[lane]];
+    }
+    *x = start + 2 * h * at * (first + (last - first) * at / 2);
+    *u = first + (last - first) * at;
+    MRTS_UNROLL
+    for (int lane = 0; lane < MRTS_LANES; ++lane) (*speed)[lane] = MRTS_SQRT((*x)[lane]);
+}
+
+/* Some places in a row: see mrts_path_places. */
+static void mrts_some_places(const mrts_places *to, const mrts_lanes *geometry, const long long *places) {
     const mrts_joint_path *path = to->path;
-    const long long segment = n / path->places;
-    const int place = (int)(n - segment * path->places);
-    const double h = path->time[segment + 1] - path->time[segment], at = path->at[place];
-    const double first = to->u[2 * segment], last = to->u[2 * segment + 1];
-    const double x = to->x[segment] + 2 * h * at * (first + (last - first) * at / 2), u = first + (last - first) * at;
-    const double speed = MRTS_SQRT(x);
-    double *dq = to->dq + n * MRTS_JOINTS, *ddq = to->ddq + n * MRTS_JOINTS;
-    double *twist = to->twist + 6 * n, *acceleration = to->acceleration + 6 * n, rotation[9];
-    mrts_joints_at(path, segment, place, h, to->q + n * MRTS_JOINTS, dq, ddq);
-    mrts_carried(to, to->q + n * MRTS_JOINTS, dq, ddq, to->position + 3 * n, rotation, twist, acceleration);
+    mrts_lanes q[MRTS_JOINTS], position[3], rotation[9], columns[9], x, u, speed, time, h, at;
+    long long segments[MRTS_LANES];
+    mrts_lanes rate[MRTS_JOINTS + 6], change[MRTS_JOINTS + 6], *twist = rate + MRTS_JOINTS, *acceleration = change + MRTS_JOINTS;
+    MRTS_UNROLL
+    for (int lane = 0; lane < MRTS_LANES; ++lane) {
+        segments[lane] = places[lane] / path->places;
+        time[lane] = path->time[segments[lane]];
+        h[lane] = path->time[segments[lane] + 1] - path->time[segments[lane]];
+        at[lane] = path->at[places[lane] - segments[lane] * path->places];
+    }
+    mrts_joints_at(path, segments, places, h, at, q, rate, change);
+    mrts_carried(to, geometry, q, rate, change, position, rotation, twist, acceleration);
+    mrts_speeds_at(to, segments, h, at, &x, &u, &speed);
     for (int i = 0; i < MRTS_JOINTS + 6; ++i) { /* eq. (10) and its derivative */
-        double *rate = i < MRTS_JOINTS ? dq + i : twist + i - MRTS_JOINTS;
-        double *change = i < MRTS_JOINTS ? ddq + i : acceleration + i - MRTS_JOINTS;
-        *change = *change * x + *rate * u;
-        *rate *= speed;
+        change[i] = change[i] * x + rate[i] * u;
+        rate[i] *= speed;
     }
-    to->time[n] = path->time[segment] + h * at - (path->time[0] + (path->time[1] - path->time[0]) * path->at[0]);
+    time += h * at;
+    time -= path->time[0] + (path->time[1] - path->time[0]) * path->at[0];
+    mrts_put_numbers(1, &time, places, to->time);
+    mrts_put_numbers(MRTS_JOINTS, q, places, to->q);
+    mrts_put_numbers(MRTS_JOINTS, rate, places, to->dq);
+    mrts_put_numbers(MRTS_JOINTS, change, places, to->ddq);
+    mrts_put_numbers(3, position, places, to->position);
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) to->rotation[9 * n + 3 * j + i] = rotation[3 * i + j];
+        for (int j = 0; j < 3; ++j) columns[3 * j + i] = rotation[3 * i + j];
     }
+    mrts_put_numbers(9, columns, places, to->rotation);
+    mrts_put_numbers(6, twist, places, to->twist);
+    mrts_put_numbers(6, acceleration, places, to->acceleration);
 }
 
 /* All `count` places of all segments in a row, see mrts_places: the time from the first place of all, joints and object. */
@@ -126,5 +193,11 @@ MRTS_EXPORT void mrts_path_places(long long count, const mrts_joint_path *path, 
                                   const double *geometry, const int *components, double *time, double *q, double *dq,
                                   double *ddq, double *position, double *rotation, double *twist, double *acceleration) {
     const mrts_places to = {path, x, u, geometry, components, time, q, dq, ddq, position, rotation, twist, acceleration};
-    for (long long n = 0; n < count; ++n) mrts_one_place(&to, n);
+    long long places[MRTS_LANES];
+    mrts_lanes numbers[MRTS_GEOMETRY_NUMBERS];
+    for (int i = 0; i < MRTS_GEOMETRY_NUMBERS; ++i) numbers[i] = mrts_each(geometry[i]);
+    for (long long n = 0; n < count; n += MRTS_LANES) { /* beyond the last the last is repeated */
+        for (int lane = 0; lane < MRTS_LANES; ++lane) places[lane] = n + lane < count ? n + lane : count - 1;
+        mrts_some_places(&to, numbers, places);
+    }
 }

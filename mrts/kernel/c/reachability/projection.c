@@ -112,20 +112,15 @@ static int mrts_is_final(const mrts_polytope *in, const mrts_polygon *of, int at
     return mrts_is_furthest(in, of, p, normal) || mrts_is_furthest(in, of, q, normal);
 }
 
-/* The corners furthest in the ways of an outline, each from its basis there, or, of fewer than three, along the axes; a
- * status of mrts_lp. */
-static int mrts_first_corners(const mrts_polytope *in, const mrts_outline *outline, mrts_polygon *found) {
+/* The corners furthest along the axes, the first from a basis (basis[0] == 0: cold); a status of mrts_lp. */
+static int mrts_axis_corners(const mrts_polytope *in, const int *basis, mrts_polygon *found) {
     static const double axes[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
-    const int warm = outline->count > 2;
-    for (int d = 0; d < (warm ? outline->count : 4); ++d) {
+    for (int d = 0; d < 4; ++d) {
         const int n = found->count;
-        const double *way = warm ? outline->way[d] : axes[d];
         const mrts_corner corner = mrts_corner_at(found, n), before = mrts_corner_at(found, n > 0 ? n - 1 : 0);
-        if (n > 0 && mrts_is_furthest(in, found, before, way)) continue;
-        for (int j = 0; j < in->k; ++j) {
-            corner.basis[j] = warm ? outline->basis[d * in->k + j] : n > 0 ? before.basis[j] : outline->basis[j];
-        }
-        const int status = mrts_furthest(in, found, way, corner);
+        if (n > 0 && mrts_is_furthest(in, found, before, axes[d])) continue;
+        for (int j = 0; j < in->k; ++j) corner.basis[j] = n > 0 ? before.basis[j] : basis[j];
+        const int status = mrts_furthest(in, found, axes[d], corner);
         if (status != MRTS_OPTIMAL) return status;
         if (n > 0 && mrts_same_corner(corner.at, before.at)) continue;
         if (n > 0) found->next[n - 1] = n;
@@ -172,7 +167,7 @@ MRTS_LOCAL int mrts_project(const mrts_polytope *in, mrts_outline *outline, int 
     found.places = work + MRTS_LP_WORK(k) + 3 * k;
     found.bases = iwork + MRTS_LP_IWORK(k, in->rows);
     if (outline->count == 0) outline->basis[0] = 0;
-    int status = mrts_first_corners(in, outline, &found);
+    int status = mrts_axis_corners(in, outline->basis, &found);
     if (status == MRTS_OPTIMAL) status = mrts_close(in, &found);
     outline->count = status == MRTS_OPTIMAL ? found.count : 0;
     *count = outline->count;
@@ -181,13 +176,6 @@ MRTS_LOCAL int mrts_project(const mrts_polytope *in, mrts_outline *outline, int 
         corners[2 * i] = corner.at[0];
         corners[2 * i + 1] = corner.at[1];
         for (int j = 0; j < k; ++j) outline->basis[i * k + j] = corner.basis[j];
-    }
-    for (int i = 0; i < outline->count; ++i) {
-        const double *p = corners + 2 * (i > 0 ? i - 1 : outline->count - 1), *q = corners + 2 * i;
-        const double *r = corners + 2 * (i + 1 < outline->count ? i + 1 : 0);
-        const double before = hypot(q[0] - p[0], q[1] - p[1]), after = hypot(r[0] - q[0], r[1] - q[1]);
-        outline->way[i][0] = (q[1] - p[1]) / before + (r[1] - q[1]) / after;
-        outline->way[i][1] = (p[0] - q[0]) / before + (q[0] - r[0]) / after;
     }
     return status;
 }

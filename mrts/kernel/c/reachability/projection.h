@@ -27,11 +27,10 @@ typedef struct {
 /* Reals of a polytope's memory. */
 #define MRTS_POLYTOPE_WORK(k, rows) ((rows) * (k) + 2 * ((rows) + (k)))
 
-/* The corners of a projection, from which the next one starts; none for a cold start. */
+/* The bases of a projection's corners, from the first of which the next projection starts; none for a cold start. */
 typedef struct {
     int count;
-    int *basis;                  /* (MRTS_CORNERS, k) */
-    double way[MRTS_CORNERS][2]; /* in which each lies furthest: the mean of the normals of its edges */
+    int *basis; /* (MRTS_CORNERS, k) */
 } mrts_outline;
 
 #define MRTS_OUTLINE_IWORK(k) (MRTS_CORNERS * (k))

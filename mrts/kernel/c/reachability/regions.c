@@ -3,7 +3,7 @@
  * The admissible pairs of u and x of whole batches in one call from Python.
  * Work is cut into chunks of fixed length by the caller, so results do not depend on the number of threads.
  */
-#include "projection.h"
+#include "lane_corners.h"
 
 /* The largest coefficient of each unknown in rows which[0 .. rows - 1] of `all` rows of A, without its sign: Shape (count, k).
  * Zeros on entry. */
@@ -63,30 +63,32 @@ MRTS_EXPORT void mrts_half_planes(long long count, const int *number, const doub
 
 /* Reals and ints of work of the projections below. */
 MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
-    *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k);
-    *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows);
+    *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k) + MRTS_LANE_POLYTOPES_WORK(k, rows);
+    *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows) + MRTS_LANE_POLYTOPES_IWORK(k, rows);
 }
 
-/* A limit as mrts_lp has it. */
-static double mrts_finite(double limit) {
-    return limit < -MRTS_INFINITY ? -MRTS_INFINITY : limit > MRTS_INFINITY ? MRTS_INFINITY : limit;
+/* Which unknown each row alone bounds, and which rows bound several. */
+static void mrts_learn_alone(const mrts_polytope *of, mrts_lane_polytopes *in) {
+    in->several_count = 0;
+    for (int i = 0; i < of->rows; ++i) {
+        int count = 0;
+        in->alone[i] = -1;
+        for (int j = 0; j < of->k; ++j) {
+            if (of->A[i * of->k + j] != 0) in->alone[i] = count++ ? -1 : j;
+        }
+        if (in->alone[i] < 0) in->several[in->several_count++] = i;
+    }
+    for (int n = in->several_count; n % 4 != 0; ++n) in->several[n] = in->several[in->several_count - 1];
 }
 
-/* Polytopes one after the other: rows which[0 .. rows - 1] of `all` rows of A, Shape (count, all, k), whose columns are
- * multiplied by scale, Shape (count, k), and bounds of u and x, the last two of the k unknowns, Shape (count, 2) each. */
-typedef struct {
-    long long count;
-    int k;
-    int all;
-    int rows;
-    const int *which;
-    const double *A;
-    const double *lower;
-    const double *upper;
-    const double *scale;
-    const double *least;
-    const double *most;
-} mrts_polytopes;
+/* The corners of one sample, in order. */
+static void mrts_take_outline(const mrts_lane_polytopes *in, int lane, int count, double *corners) {
+    for (int i = 0; i < count; ++i) {
+        const mrts_lanes *corner = in->corner + i * MRTS_LANE_CORNER(in->of->k);
+        corners[2 * i] = corner[0][lane];
+        corners[2 * i + 1] = corner[1][lane];
+    }
+}
 
 /* The polytope of a sample. */
 static void mrts_take_polytope(const mrts_polytopes *of, long long n, const mrts_polytope *in) {
@@ -112,21 +114,46 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
                                     double *work, int *iwork) {
     const mrts_polytopes of = {count, k, all, rows, which, A, lower, upper, scale, least, most};
     double *project_work = work + MRTS_POLYTOPE_WORK(k, rows);
-    mrts_outline outline = {.basis = iwork};
+    mrts_outline outline = {0, iwork};
     int *project_iwork = outline.basis + MRTS_OUTLINE_IWORK(k);
     const mrts_polytope in = {k, rows, work, work + rows * k, work + rows * k + rows + k};
     for (int j = 0; j < k - 2; ++j) {
         in.lower[rows + j] = -MRTS_INFINITY;
         in.upper[rows + j] = MRTS_INFINITY;
     }
+    mrts_lane_polytopes lanes =
+        mrts_lane_polytopes_in(&of, project_work + MRTS_PROJECT_WORK(k), project_iwork + MRTS_PROJECT_IWORK(k, rows));
+    mrts_lane_mask known = {0};
     for (long long n = 0; n < count; ++n) {
         double *found = corners + n * 2 * MRTS_CORNERS;
+        const int lane = (int)(n % MRTS_LANES);
+        if (lane == 0) {
+            known = (mrts_lane_mask){0};
+            if (outline.count > 2) {
+                mrts_take_polytopes(n, &lanes);
+                mrts_known_outline(&lanes, &outline, &known);
+            }
+        }
+        if (known[lane]) {
+            mrts_take_outline(&lanes, lane, outline.count, found);
+            corner_count[n] = outline.count;
+            status[n] = MRTS_OPTIMAL;
+            continue;
+        }
         mrts_take_polytope(&of, n, &in);
         for (int attempt = 0; attempt < 2; ++attempt) {
             const int cold = outline.count == 0;
             corner_count[n] = 0;
             status[n] = (unsigned char)mrts_project(&in, &outline, corner_count + n, found, project_work, project_iwork);
             if (status[n] == MRTS_OPTIMAL || status[n] == MRTS_INFEASIBLE || cold) break;
+        }
+        known = (mrts_lane_mask){0};
+        if (outline.count > 2) { /* for the samples beside this one */
+            mrts_learn_alone(&in, &lanes);
+            if (lane + 1 < MRTS_LANES) {
+                mrts_take_polytopes(n - lane, &lanes);
+                mrts_known_outline(&lanes, &outline, &known);
+            }
         }
     }
 }

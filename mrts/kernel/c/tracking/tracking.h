@@ -40,18 +40,6 @@ typedef struct {
 /* a x b. */
 MRTS_LOCAL void mrts_cross(const double *a, const double *b, double *out);
 
-/* The rates of a tip from those of its arm's joints, first .. end - 1 of all; `change` is the bias acceleration before. */
-static inline void mrts_tip_by_joints(int first, int end, const double *J, const double *dq, const double *ddq,
-                                      double *rate, double *change) {
-    for (int i = 0; i < MRTS_SIZE; ++i) rate[i] = 0;
-    for (int j = first; j < end; ++j) {
-        for (int i = 0; i < MRTS_SIZE; ++i) {
-            rate[i] += J[j * MRTS_SIZE + i] * dq[j];
-            change[i] += J[j * MRTS_SIZE + i] * ddq[j];
-        }
-    }
-}
-
 /* Velocity and acceleration of a grasp in base axes and cell components. */
 MRTS_LOCAL void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const double *rotation,
                                const double *twist, const double *acceleration, double *velocity, double *change);

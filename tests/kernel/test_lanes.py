@@ -1,0 +1,205 @@
+"""Samples in lanes: the same bits from registers of any width, the same answers as alone; sines and cosines."""
+
+import ctypes
+import platform
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+import yaml
+from conftest import DATA, ROOT
+
+import mrts
+from mrts.base.manifest import GEOMETRY
+from mrts.cell.generation import generated_in_cache
+from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
+from mrts.kernel.between_samples import path_places
+from mrts.kernel.c_text import cell_source
+from mrts.kernel.cell_library import CellLibrary, SparseLimits
+from mrts.kernel.compiler import FLAGS
+from mrts.kernel.programs import OPTIMAL
+from mrts.kernel.sample_terms import SampleTerms
+from mrts.kernel.tracking import closure_sizes
+from mrts.limits import limit_rows
+from mrts.program.sample_problem import build_sample_problem
+from mrts.program.torque_distribution import least_torques
+from mrts.timing.path_pieces import PLACES
+
+C = ROOT / "mrts" / "kernel" / "c"
+GCC = shutil.which("gcc") or "gcc"
+CELLS = {"planar_dual_arm": "lift.yaml", "dual_ur5": "lift_and_turn.yaml"}
+SAMPLES = 301
+"""Two chunks, and a last group that is not full."""
+
+WIDE = ("-mavx2",) if platform.machine() == "x86_64" else ()
+
+ROUNDING = 1e-12
+"""Of c², relative: two orders of the same operations."""
+
+HALF_A_UNIT = 2.0**-53
+"""In the last place of 1: what rounding leaves of a sine; entries of rotations are added to others of size 1."""
+
+SOLVED = 1e-10
+"""Of the largest widening or number of a motion: a linear program of rows that differ by rounding."""
+
+FINAL = 1e-8
+"""Of how far a projection reaches, relative and in limits: an edge is final if nothing lies 1e-9 outside."""
+
+ANGLES = """
+#include "lanes/lanes.h"
+MRTS_LANE_FUNCTION(MRTS_WRENCH_FORM_LANES) { (void)arg, (void)sines, (void)res; }
+void angles(long long count, const mrts_lanes *angle, mrts_lanes *sine, mrts_lanes *cosine) {
+    for (long long i = 0; i < count; ++i) {
+        mrts_lanes both[2];
+        mrts_sines(1, angle + i, both);
+        sine[i] = both[0];
+        cosine[i] = both[1];
+    }
+}
+"""
+
+
+@pytest.fixture(scope="module", params=["planar_dual_arm", pytest.param("dual_ur5", marks=pytest.mark.slow)])
+def answers(request, tmp_path_factory):
+    """What a library of a shipped cell, compiled with some flags, finds at some samples, by name, samples first."""
+    path = DATA.parent / request.param
+    folder = tmp_path_factory.mktemp(request.param)
+    manifest, generated = generated_in_cache(path / "cell.yaml")
+    (folder / "cell.c").write_text(cell_source(manifest, generated.read_text(encoding="utf-8")), encoding="utf-8")
+    cell = mrts.load_cell(path / "cell.yaml")
+    given = yaml.safe_load((path / CELLS[request.param]).read_text()) | {"samples": SAMPLES}
+    motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
+    rows = limit_rows(cell.without_velocity_limits(), motion)
+    matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
+    limits = SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=[name.unit for name in rows.names])
+    rng = np.random.default_rng(0)
+    size = np.where(np.isfinite(rows.upper), np.abs(rows.upper), 0)
+    terms = SampleTerms(
+        square=rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
+        offset=rng.normal(size=(SAMPLES, len(matrix))) * size * 1e-3,
+        margin=rng.random((SAMPLES, len(matrix))) * size * 1e-3,
+        torque_square=rng.normal(size=(SAMPLES, motion.q.shape[1])),
+        torque_offset=rng.normal(size=(SAMPLES, motion.q.shape[1])),
+    )
+    all_inputs = motion.inputs(cell.load) | {GEOMETRY: cell.geometry}
+    W = rng.uniform(0.5, 2.0, size=motion.q.shape[1])
+    all_c2 = np.repeat(rng.choice([0.5, 1.0, 2.0, 200.0], size=(SAMPLES + 19) // 20), 20)[:SAMPLES]
+    units = np.where(size > 0, size, 1.0)
+
+    problem = build_sample_problem(cell.without_velocity_limits(), motion, varying=True)
+
+    def found(library, at):
+        count, c2 = len(at), all_c2[at]
+        inputs = {name: value[at] if value.ndim > 1 else value for name, value in all_inputs.items()}
+        known = {}
+        for kind, added in (("plain", SampleTerms()), ("more", terms.at(at))):
+            lower, upper, effect, widening = np.zeros((4, count))
+            status, unread = np.zeros((3, count), dtype=np.uint8), np.zeros((2, count, library.unknowns))
+            of_ranges = [lower, upper, *status[:2], effect, *unread.astype(np.int16), *unread.astype(np.float32)]
+            library.over_samples("mrts_ranges", count, inputs, limits, added, [np.full(count, 1e300)], of_ranges)
+            library.over_samples("mrts_widenings", count, inputs, limits, added, [c2], [widening, status[2]], (units,))
+            numbers = {"lower": lower, "upper": upper, "effect": effect, "status": status[:2].T, "widening": widening}
+            known |= {f"{kind} {name}": value for name, value in numbers.items()}
+            for weights, W_all in (("diagonal", np.eye(len(W))), ("full", np.diag(W) + 0.1 * np.outer(W, W))):
+                speed = np.full(count, 0.5)
+                torque, _, status = least_torques(library, inputs, limits, added, speed, W_all)
+                known |= {f"{kind} {weights} torque": torque, f"{kind} {weights} status": status}
+        of_path = problem.at(at)
+        effect = np.max(np.abs(of_path.A), axis=1)
+        scale = np.divide(1.0, effect, out=np.zeros_like(effect), where=effect > 0)
+        far = np.full((count, 2), 1e5) * (scale[:, -2:] > 0)
+        number, corners, known["projected status"] = library.programs.projections(
+            of_path.A, of_path.lower, of_path.upper, scale, (np.column_stack([-far[:, 0], 0 * far[:, 1]]), far)
+        )
+        known["reach"] = np.array(reaches(number, corners))
+        return known
+
+    def of_all(library):
+        """What is found between samples, and of all of them at once."""
+        rng_of_speeds = np.random.default_rng(2)
+        path = (motion.object.time, motion.q, motion.dq, motion.ddq)
+        speeds = rng_of_speeds.random(SAMPLES) + 1, rng_of_speeds.random((SAMPLES - 1, 2))
+        weights = (PLACES, polynomial_weights(PLACES), WHOLE_WAY)
+        places = path_places(library, path, weights, speeds, cell.geometry, cell.wrench_rows)
+        closed = closure_sizes(library, all_inputs, motion.object.position + 1e-3, cell.geometry, cell.wrench_rows)
+        return [*places, *vars(closed).values()]
+
+    def compiled(*flags):
+        library = folder / f"lib{len(list(folder.iterdir()))}.so"
+        subprocess.run([GCC, *FLAGS, *flags, folder / "cell.c", "-o", library, "-lm"], check=True)
+        return CellLibrary(manifest, library)
+
+    return compiled, found, of_all
+
+
+def reaches(number, corners):
+    """How far each projection reaches in some directions: two may differ by a corner that is none but for rounding."""
+    angle = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    directions = np.array([np.cos(angle), np.sin(angle)])
+    return [np.max(polygon @ directions, axis=0) for polygon in np.split(corners, np.cumsum(number)[:-1])]
+
+
+def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_samples_alone(answers):
+    compiled, found, of_all = answers
+    narrow, wide = compiled("-O1"), compiled(*WIDE)
+    together = found(narrow, np.arange(SAMPLES))
+    for name, value in found(wide, np.arange(SAMPLES)).items():
+        np.testing.assert_array_equal(value, together[name], err_msg=name)
+    for one, other in zip(of_all(wide), of_all(narrow), strict=True):
+        np.testing.assert_array_equal(one, other)
+    some = np.arange(0, SAMPLES, 7)
+    alone = [found(narrow, np.array([sample])) for sample in some]
+    for name, value in together.items():
+        single = np.concatenate([one[name] for one in alone])
+        tolerance = {"reach": FINAL, "torque": SOLVED, "widening": SOLVED}.get(name.split()[-1], ROUNDING)
+        largest = np.max(np.abs(single), where=np.isfinite(single), initial=0)
+        np.testing.assert_allclose(value[some], single, rtol=tolerance, atol=tolerance * (1 + largest), err_msg=name)
+        if name.endswith(("upper", "torque", "reach")):
+            assert np.any(value[some] != single), "the lanes have not been at work"
+        if name.endswith(("diagonal status", "full status", "projected status")):
+            assert np.all(value == OPTIMAL)
+        if name.endswith("widening"):
+            assert np.any(value == 0)
+            assert np.max(value) > 1e-2
+
+
+@pytest.mark.parametrize("answers", ["planar_dual_arm"], indirect=True)
+def test_torques_of_many_arms_are_found_singly(answers):
+    """In lanes their programs would fill the stack."""
+    compiled, found, _ = answers
+    some = np.arange(20)
+    in_lanes, singly = found(compiled("-O1"), some), found(compiled("-O1", "-DMRTS_MOST_LANE_UNKNOWNS=1"), some)
+    for name in (name for name in in_lanes if name.endswith("torque")):
+        np.testing.assert_allclose(
+            in_lanes[name], singly[name], atol=SOLVED * np.max(np.abs(singly[name])), err_msg=name
+        )
+
+
+def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):
+    (tmp_path / "angles.c").write_text(ANGLES)
+    library = tmp_path / "angles.so"
+    kernel = [C / file for file in ("lanes/lanes.c", "basis/kept_basis.c", "linear_programs.c")]
+    subprocess.run([GCC, *FLAGS, f"-I{C}", tmp_path / "angles.c", *kernel, "-o", library, "-lm"], check=True)
+    rng = np.random.default_rng(1)
+    near = np.arange(-40, 41)[:, None] * (np.pi / 4) + rng.normal(size=500) * 1e-6
+    angle = np.concatenate(
+        [
+            rng.uniform(-7, 7, 200_000),
+            rng.uniform(-1e5, 1e5, 100_000),
+            near.ravel(),
+            [0.0, -0.0, 1e-300, 1e5, -1e5, 1e9],
+        ]
+    )
+    angle = angle[: len(angle) // 4 * 4]
+    sine, cosine = np.empty_like(angle), np.empty_like(angle)
+    pointers = (ctypes.c_void_p(array.ctypes.data) for array in (angle, sine, cosine))
+    ctypes.CDLL(str(library)).angles(ctypes.c_longlong(len(angle) // 4), *pointers)
+    for found, exact in ((sine, np.sin(angle.astype(np.longdouble))), (cosine, np.cos(angle.astype(np.longdouble)))):
+        assert np.max(np.abs(found - exact)) <= HALF_A_UNIT
+    not_numbers = np.array([np.nan, np.inf, 1e9, 0.5])
+    ctypes.CDLL(str(library)).angles(
+        ctypes.c_longlong(1), *(ctypes.c_void_p(array.ctypes.data) for array in (not_numbers, sine, cosine))
+    )
+    np.testing.assert_array_equal(np.isnan(sine[:4]), [True, True, False, False])
+    assert sine[2] == np.sin(1e9)
