@@ -19,7 +19,10 @@ ROUNDED_ANGLE = 1e-15
 """Rounding of an angle of 1 rad, by its sine and cosine."""
 
 ANGLE_DIGITS = 15
-"""Decimals of an angle that somebody may have typed."""
+"""Decimals of an angle: more are rounding."""
+
+LONG_DECIMAL = 15
+"""Characters of a number that nobody typed."""
 
 ROTATION_TOLERANCE = 1e-9
 """Largest entry of R Rᵀ - I of a constant rotation, far above the rounding of a product."""
@@ -105,7 +108,7 @@ def _turned(cr: Any, sr: Any, cp: Any, sp: Any, cy: Any, sy: Any) -> Array:
 
 
 def rpy_from_rotation(R: Array) -> list[float]:
-    """Roll, pitch, yaw [rad] of a rotation, Shape (3, 3), to rounding; short decimals where these give its numbers.
+    """Roll, pitch, yaw [rad] of a rotation, Shape (3, 3), to rounding; short decimals where these are as near.
 
     Of the two triples that any rotation has, the one with more zeros. Where pitch is ±π/2 yaw is 0.
     """
@@ -118,8 +121,8 @@ def rpy_from_rotation(R: Array) -> list[float]:
     else:
         triples = [(atan2(-R[1, 2], R[1, 1]), pitch, 0.0)]
     least = min(triples, key=lambda triple: sum(abs(angle) > ROUNDED_ANGLE for angle in triple))
-    rounded = [round(angle, ANGLE_DIGITS) + 0.0 for angle in least]
-    return rounded if np.array_equal(rotation_from_rpy(*rounded), R) else [angle + 0.0 for angle in least]
+    short = [round(angle, ANGLE_DIGITS) for angle in least]
+    return [one + 0.0 if len(repr(one)) < LONG_DECIMAL else angle for one, angle in zip(short, least, strict=True)]
 
 
 def rotations_from_quaternions(quaternions: Array) -> Array:
