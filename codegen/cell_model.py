@@ -88,10 +88,7 @@ def read_cell_model(path: Path) -> CellModel:
 def build_cell_model(path: Path, description: CellDescription, folder: Path | None = None) -> CellModel:
     """Read the URDFs of a cell and check every array of the cell file against them.
 
-    Args:
-        path: The cell file, for messages.
-        description: Its content.
-        folder: That URDFs are relative to, absolute; None is where the cell file stands.
+    Files are relative to `folder`, absolute; None is where the cell file stands.
     """
     folder = path.resolve().parent if folder is None else folder
     carried, mistakes = description.object, Mistakes()
@@ -159,16 +156,7 @@ def _build_object(
 def build_robot(
     path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path, *, lenient: bool
 ) -> BuiltRobot:
-    """Read the URDF of a robot and check all that the cell file says of it against it.
-
-    Args:
-        path: The cell file, for messages.
-        key: Of the robot in it, likewise.
-        robot: What it says.
-        plane: Of the cell.
-        folder: That URDFs are relative to, absolute.
-        lenient: As in `mrts_codegen.urdf.link_inertia.link_inertia`.
-    """
+    """Read the URDF of a robot and check all that the cell file says of it against it."""
     reference = robot.reference(f"{key}.urdf")
     urdf_path, content = reference.path(path, folder), reference.content(path, folder)
     urdf = parse_urdf(urdf_path, content)

@@ -6,7 +6,7 @@ A gripper's axis has no sign: what its two pads admit is the same both ways.
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mrts_codegen.hand_file import PadDescription, SuctionDescription
@@ -33,27 +33,13 @@ OUTWARD = 0.5
 """Cosine with a face's outward normal from which a direction points out of it, and below its negative into it: 60°."""
 
 
-class Faces(NamedTuple):
-    """Faces of a shape as seen from a point, its axes.
-
-    Attributes:
-        distance: Shape (f,) [m].
-        outward: Unit normals, Shape (f, 3).
-        size: Longest side of the shape [m].
-    """
-
-    distance: Array
-    outward: Array
-    size: float
+Faces = tuple[Array, Array, float]
+"""Faces of a shape as seen from a point, in its axes: distances, Shape (f,) [m], outward normals, Shape (f, 3), and the
+longest side of the shape [m]."""
 
 
 def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shape: ShapeRecord | None) -> list[Remark]:
     """Check that pads and suction cups press into the object, unless they say `pull: true`.
-
-    Args:
-        path: The cell file, for messages.
-        robots: What it says of them.
-        shape: Of the object; None if it is not known.
 
     Returns:
         Normals that seem to point the wrong way, where no face tells.
@@ -96,10 +82,9 @@ def _faces_at(shape: ShapeRecord, point: Array) -> Iterator[Array]:
     faces = _mesh_faces(shape, local) if shape.mesh is not None else _plain_faces(shape, local)
     if faces is None:
         return
-    nearest = np.min(faces.distance)
-    if nearest <= NEAR * faces.size:
-        within = NEAREST * nearest + ON_FACE * faces.size
-        yield from faces.outward[faces.distance <= within] @ T.R.T
+    distance, outward, size = faces
+    if np.min(distance) <= NEAR * size:
+        yield from outward[distance <= NEAREST * np.min(distance) + ON_FACE * size] @ T.R.T
 
 
 def _plain_faces(shape: ShapeRecord, point: Array) -> Faces:
@@ -118,7 +103,7 @@ def _plain_faces(shape: ShapeRecord, point: Array) -> Faces:
         outward = np.array([side, -side, up, -up])
         flat = min(off, radius) * side
         nearest = np.array([along + radius * side, along - radius * side, flat + half[2] * up, flat - half[2] * up])
-    return Faces(np.linalg.norm(point - nearest, axis=1), outward, float(2 * np.max(half)))
+    return np.linalg.norm(point - nearest, axis=1), outward, float(2 * np.max(half))
 
 
 def _mesh_faces(shape: ShapeRecord, point: Array) -> Faces | None:
@@ -133,4 +118,4 @@ def _mesh_faces(shape: ShapeRecord, point: Array) -> Faces | None:
     tiled = np.tile(point, (len(corners), 1))
     nearest = trimesh.triangles.closest_point(corners, tiled)  # type: ignore[no-untyped-call]  # trimesh has no types
     outward = np.asarray(surface.face_normals) * np.sign(surface.volume)
-    return Faces(np.linalg.norm(point - nearest, axis=1), outward, float(np.max(surface.extents)))
+    return np.linalg.norm(point - nearest, axis=1), outward, float(np.max(surface.extents))

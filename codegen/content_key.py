@@ -45,13 +45,7 @@ def is_as_made(path: Path, record: CellRecord) -> bool:
 
 
 def chains_key(cell: "CellModel", stem: str, *, bake: bool) -> str:
-    """Hash of what functions are generated of: the chains, not the numbers of a cell file.
-
-    Args:
-        cell: The cell.
-        stem: First part of their names.
-        bake: Whether its geometry is folded in.
-    """
+    """Hash of what functions are generated of: the chains, not the numbers of a cell file."""
     parts: list[object] = [stem, bake, cell.record.plane]
     for robot, model in zip(cell.record.robots, cell.models, strict=True):
         for joint in model.joints:

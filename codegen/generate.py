@@ -34,25 +34,14 @@ class Generated(Generic[Record]):
     functions: dict[str, ca.Function]
 
     def write(self, folder: Path, *, private: bool = False) -> None:
-        """Write the C file and, last, the record into `folder`, both or none.
-
-        Args:
-            folder: Where to.
-            private: Whether for this user alone.
-        """
+        """Write the C file and, last, the record into `folder`, both or none."""
         name = MANIFEST_NAME if isinstance(self.record, CellManifest) else CHAINS_NAME
         texts = {self.record.source: self.c_source, name: self.record.to_json()}
         write_together({folder / name: text_writer(text) for name, text in texts.items()}, private=private)
 
 
 def generate_cell(path: Path, *, bake: bool = False) -> Generated[CellManifest]:
-    """Generate a cell.
-
-    Args:
-        path: The cell file.
-        bake: Whether gravity, bases, grasps and held joints are folded into the functions as numbers; else they are
-            their last input.
-    """
+    """Generate a cell; `bake` folds its geometry into the functions, else that is their last input."""
     cell = read_cell_model(path)
     chains = generate_chains(cell, cell.record.name, bake=bake)
     return Generated(cell_manifest(cell, chains.record), chains.c_source, chains.functions)

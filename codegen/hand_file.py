@@ -96,15 +96,7 @@ def build_contacts(
     components: Sequence[str],
     R_object_tip: Array,
 ) -> tuple[Contact, ...]:
-    """The contacts of one robot.
-
-    Args:
-        path: The cell file, for messages.
-        key: Of the list, likewise.
-        descriptions: What stands there.
-        components: Of the cell's wrenches.
-        R_object_tip: Rotation of the robot's grasp, Shape (3, 3).
-    """
+    """The contacts of one robot."""
     in_tip = tip_components(components, R_object_tip)
     contacts = []
     for place, (given, name) in enumerate(

@@ -77,15 +77,7 @@ class MotorsDescription(Record):
 def build_motors(
     path: Path, key: str, robot: "RobotDescription", model: "RobotModel", limits: tuple[Array, Array]
 ) -> tuple[JointMotors, tuple[Remark, ...]]:
-    """The motors of a robot, and what to say of where their friction is from.
-
-    Args:
-        path: The cell file, for messages.
-        key: Of the block in it.
-        robot: What the file says of the robot.
-        model: Its chain.
-        limits: Its least and largest torques, each Shape (n,) [N m].
-    """
+    """The motors of a robot, and what to say of where their friction is from."""
     given, joints = robot.motors, [joint.name for joint in model.joints]
 
     def one_a_joint(name: str, values: float | list[float] | None, unknown: float = 0.0) -> Array:

@@ -59,13 +59,6 @@ def build_shape(
 ) -> tuple[ShapeRecord, Array, tuple[Remark, ...]]:
     """The shape of an object, and the inertia that it gives it.
 
-    Args:
-        path: The cell file, for messages.
-        folder: That a mesh file is relative to, absolute.
-        shape: What the cell file says.
-        mass: Of the object [kg].
-        inertia: As it is given, object axes, Shape (3, 3) [kg m²]; None is that of a uniform body.
-
     Returns:
         The shape, the inertia, and what to know.
     """

@@ -30,23 +30,13 @@ class FileReference:
     what: Literal["URDF", "mesh"] = "URDF"
 
     def path(self, cell_path: Path, folder: Path) -> Path:
-        """Where the file is.
-
-        Args:
-            cell_path: The cell file, for messages.
-            folder: That paths are relative to, absolute.
-        """
+        """Where the file is."""
         if is_uri(self.text):
             return file_of_uri(cell_path, self.text, folder / cell_path.name, key=self.key)
         return folder / self.text
 
     def content(self, cell_path: Path, folder: Path) -> bytes:
-        """The file's bytes; of a xacro, the URDF that it becomes with all that it includes.
-
-        Args:
-            cell_path: The cell file, for messages.
-            folder: That paths are relative to, absolute.
-        """
+        """The file's bytes; of a xacro, the URDF that it becomes with all that it includes."""
         path = self.path(cell_path, folder)
         if self.what == "mesh":
             return read_regular(path, self.what, MAX_FILE_BYTES)

@@ -52,16 +52,6 @@ def export_library(
 ) -> dict[str, str]:
     """Texts of all files of the library, by path inside its folder.
 
-    Args:
-        cell: The cell; its name is that of the library.
-        functions: Its generated functions, as CasADi has them.
-        limits: What the cell must keep.
-        vectors: Test vectors.
-        path_samples: The first so many of them are one motion with the nominal load.
-        kernel: The text of a file of mrts/kernel/c by its name.
-        precision: "double" or "float".
-        parts: Of `PARTS`.
-
     Raises:
         InputError: If a part or the precision does not exist, the name cannot be taken, or a function holds an
             operation that no C is known of.
@@ -157,11 +147,7 @@ def decided(text: str, holds: dict[str, bool]) -> str:
 
 
 def filled(text: str, words: dict[str, str]) -> str:
-    """A text with what stands for each @WORD@ in place.
-
-    Raises:
-        KeyError: If it wants a word that there is not.
-    """
+    """A text with what stands for each @WORD@ in place."""
     return re.sub(r"@([A-Z_]+)@", lambda match: words[match.group(1)], text)
 
 
@@ -178,11 +164,7 @@ def _kernel_files(text: str, kernel: Callable[[str], str]) -> list[str]:
 
 
 def write_library(folder: Path, texts: dict[str, str]) -> None:
-    """Write all files of a library, or none; what an earlier export has left beside them goes.
-
-    Raises:
-        InputError: If the folder cannot be written.
-    """
+    """Write all files of a library, or none; what an earlier export has left beside them goes."""
     write_together({folder / target: text_writer(text) for target, text in texts.items()})
     ours = {path for pattern in GENERATED for path in folder.glob(pattern) if _is_generated(folder, path)}
     for left in ours - {folder / target for target in texts}:

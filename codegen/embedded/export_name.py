@@ -18,11 +18,7 @@ C_HEADERS = frozenset(
 
 
 def check_library_name(name: str) -> None:
-    """Refuse a name that C or build systems do not take.
-
-    Raises:
-        InputError: If it is one.
-    """
+    """Refuse a name that C or build systems do not take."""
     if not re.fullmatch(IDENTIFIER, name) or len(name) > LONGEST_NAME:
         raise InputError(
             "--name",

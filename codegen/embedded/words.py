@@ -102,15 +102,7 @@ def vector_words(
     motors: EmbeddedMotors | None,
     macro: str,
 ) -> dict[str, str]:
-    """What stands for each @WORD@ of the vectors' header.
-
-    Args:
-        vectors: The vectors.
-        path_samples: The first so many of them are one motion with the nominal load.
-        precision: Of the inputs; answers are in double.
-        motors: Of the cell; None where they are ideal.
-        macro: What the library's constants begin with.
-    """
+    """What stands for each @WORD@ of the vectors' header."""
     fastest, changing = (max((abs(vector.inputs[k]).max() for vector in vectors), default=0.0) for k in (1, 2))
     rest = 0.0 if motors is None else motors.rest
     return {

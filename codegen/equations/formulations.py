@@ -14,7 +14,7 @@ import casadi as ca
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.equations.cooperative_terms import CooperativeTerms, inverse_jacobian_transpose, load_map
 from mrts_codegen.equations.geometry import Geometry
-from mrts_codegen.equations.spatial_algebra import block_diagonal, cross
+from mrts_codegen.equations.spatial_algebra import block_diagonal
 
 FORMULATION = ("torque_map", "torque_offset", "wrench_map", "wrench_offset", "equality_map", "equality_rhs")
 """Of the unknowns x (k of them, c² last): Shapes (m, k), (m,) [N m], (n w, k), (n w,) [N, N m], (e, k), (e,)."""
@@ -103,7 +103,7 @@ def _shared_wrench(cell: CellModel, geometry: Geometry, terms: CooperativeTerms,
     full[rows] = total
     f, M = full[:3], full[3:]
     for index, offset in enumerate(terms.offsets):
-        M = M - cross(offset, shares[index] * f)
+        M = M - ca.cross(offset, shares[index] * f)
     wrenches = []
     for index, base in enumerate(geometry.bases):
         R_base_world = ca.SX(base.R.T)

@@ -6,7 +6,6 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from mrts_codegen.equations.kinematics import chain_motion
-from mrts_codegen.equations.spatial_algebra import cross
 from mrts_codegen.urdf.robot_model import RobotModel
 
 from mrts.base.arrays import Array
@@ -31,14 +30,14 @@ def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any)
         joint = robot.joints[index]
         w, dw = motion.w[index], motion.dw[index]
         com, inertia = ca.SX(joint.body.com), ca.SX(joint.body.at_com)
-        own_f = joint.body.mass * (motion.a[index] + cross(dw, com) + cross(w, cross(w, com)))
-        own_n = inertia @ dw + cross(w, inertia @ w) + cross(com, own_f)
+        own_f = joint.body.mass * (motion.a[index] + ca.cross(dw, com) + ca.cross(w, ca.cross(w, com)))
+        own_n = inertia @ dw + ca.cross(w, inertia @ w) + ca.cross(com, own_f)
         f, n = f + own_f, n + own_n
         axis = ca.SX(joint.axis)
         torques.insert(0, ca.dot(axis, n if joint.kind == "revolute" else f))
         R, p = motion.R[index], motion.p[index]
         f = R @ f
-        n = R @ n + cross(p, f)
+        n = R @ n + ca.cross(p, f)
     return ca.vertcat(*torques)
 
 

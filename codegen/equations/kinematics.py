@@ -5,25 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.equations.spatial_algebra import axis_rotation, cross
+from mrts_codegen.equations.spatial_algebra import axis_rotation
 from mrts_codegen.urdf.robot_model import Joint, RobotModel
-
-
-@dataclass(frozen=True)
-class ChainPose:
-    """Where the frames of an arm are.
-
-    Attributes:
-        R_base_joint: Rotation of each joint's moved frame, each Shape (3, 3).
-        p_base_joint: Origin of each joint frame, each Shape (3,) [m].
-        R_base_tip: Rotation of the tip, Shape (3, 3).
-        p_base_tip: Position of the tip, Shape (3,) [m].
-    """
-
-    R_base_joint: list[Any]
-    p_base_joint: list[Any]
-    R_base_tip: Any
-    p_base_tip: Any
 
 
 @dataclass(frozen=True)
@@ -48,10 +31,6 @@ class ChainMotion:
 def joint_transform(joint: Joint, q: Any) -> tuple[Any, Any]:
     """Pose of a joint's moved frame in the frame before it.
 
-    Args:
-        joint: The joint.
-        q: Its position [rad or m].
-
     Returns:
         Rotation, Shape (3, 3), and position, Shape (3,) [m].
     """
@@ -61,32 +40,26 @@ def joint_transform(joint: Joint, q: Any) -> tuple[Any, Any]:
     return R, p + R @ (ca.SX(joint.axis) * q)
 
 
-def forward_kinematics(robot: RobotModel, q: Any) -> ChainPose:
-    """Poses of all joint frames and the tip in the base frame.
-
-    Args:
-        robot: The arm.
-        q: Joint positions, Shape (n,) [rad or m].
-    """
+def forward_kinematics(robot: RobotModel, q: Any) -> list[tuple[Any, Any]]:
+    """Rotation, Shape (3, 3), and origin, Shape (3,) [m], of all joints' moved frames and the tip in the base frame."""
     R, p = ca.SX.eye(3), ca.SX.zeros(3)
-    rotations, origins = [], []
-    for index, joint in enumerate(robot.joints):
-        R_step, p_step = joint_transform(joint, q[index])
+    frames = []
+    steps = [joint_transform(joint, q[index]) for index, joint in enumerate(robot.joints)]
+    for R_step, p_step in (*steps, (ca.SX(robot.tip.R), ca.SX(robot.tip.p))):
         p = p + R @ p_step
         R = R @ R_step
-        rotations.append(R)
-        origins.append(p)
-    return ChainPose(rotations, origins, R @ ca.SX(robot.tip.R), p + R @ ca.SX(robot.tip.p))
+        frames.append((R, p))
+    return frames
 
 
 def frame_jacobian(robot: RobotModel, q: Any) -> Any:
     """Jacobian J of the tip: [v; ω] = J q̇ in base axes, Shape (6, n)."""
-    pose = forward_kinematics(robot, q)
+    *frames, (_, p_tip) = forward_kinematics(robot, q)
     columns = []
-    for joint, R, p in zip(robot.joints, pose.R_base_joint, pose.p_base_joint, strict=True):
+    for joint, (R, p) in zip(robot.joints, frames, strict=True):
         axis = R @ ca.SX(joint.axis)
         if joint.kind == "revolute":
-            columns.append(ca.vertcat(cross(axis, pose.p_base_tip - p), axis))
+            columns.append(ca.vertcat(ca.cross(axis, p_tip - p), axis))
         else:
             columns.append(ca.vertcat(axis, ca.SX.zeros(3)))
     return ca.horzcat(*columns)
@@ -107,13 +80,13 @@ def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration
     for index, joint in enumerate(robot.joints):
         R, p = joint_transform(joint, q[index])
         axis = ca.SX(joint.axis)
-        a = R.T @ (a + cross(dw, p) + cross(w, cross(w, p)))
+        a = R.T @ (a + ca.cross(dw, p) + ca.cross(w, ca.cross(w, p)))
         w, dw = R.T @ w, R.T @ dw
         if joint.kind == "revolute":
-            dw = dw + axis * ddq[index] + cross(w, axis) * dq[index]
+            dw = dw + axis * ddq[index] + ca.cross(w, axis) * dq[index]
             w = w + axis * dq[index]
         else:
-            a = a + axis * ddq[index] + 2 * cross(w, axis) * dq[index]
+            a = a + axis * ddq[index] + 2 * ca.cross(w, axis) * dq[index]
         for values, value in zip((motion.R, motion.p, motion.w, motion.dw, motion.a), (R, p, w, dw, a), strict=True):
             values.append(value)
     return motion
@@ -125,5 +98,5 @@ def bias_acceleration(robot: RobotModel, q: Any, dq: Any) -> Any:
     motion = chain_motion(robot, q, dq, rest, ca.SX.zeros(3))
     w, dw, a = motion.w[-1], motion.dw[-1], motion.a[-1]
     p = ca.SX(robot.tip.p)
-    R = forward_kinematics(robot, q).R_base_joint[-1]
-    return ca.vertcat(R @ (a + cross(dw, p) + cross(w, cross(w, p))), R @ dw)
+    R = forward_kinematics(robot, q)[-2][0]
+    return ca.vertcat(R @ (a + ca.cross(dw, p) + ca.cross(w, ca.cross(w, p))), R @ dw)

@@ -4,7 +4,6 @@
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.equations.spatial_algebra import cross
 
 from mrts.base.arrays import Array
 from mrts.base.manifest import LOAD_ENTRIES
@@ -26,7 +25,7 @@ def linear_balance(mass: Any, h: Any, acceleration: Any, w: Any, dw: Any) -> Any
         w: Angular velocity in world axes, Shape (3,) [rad/s].
         dw: Angular acceleration in world axes, Shape (3,) [rad/s²].
     """
-    return mass * acceleration + cross(dw, h) + cross(w, cross(w, h))
+    return mass * acceleration + ca.cross(dw, h) + ca.cross(w, ca.cross(w, h))
 
 
 def angular_balance(inertia: Any, h: Any, acceleration: Any, w: Any, dw: Any) -> Any:
@@ -39,7 +38,7 @@ def angular_balance(inertia: Any, h: Any, acceleration: Any, w: Any, dw: Any) ->
         w: Angular velocity in world axes, Shape (3,) [rad/s].
         dw: Angular acceleration in world axes, Shape (3,) [rad/s²].
     """
-    return inertia @ dw + cross(w, inertia @ w) + cross(h, acceleration)
+    return inertia @ dw + ca.cross(w, inertia @ w) + ca.cross(h, acceleration)
 
 
 def object_terms(
@@ -64,7 +63,7 @@ def object_terms(
     a, dw = acceleration[:3], acceleration[3:]
     upward = -ca.SX(gravity)  # the weight acts like an acceleration upward
     P = ca.vertcat(linear_balance(m, h, a, w, dw), angular_balance(I_w, h, a, w, dw))
-    S = ca.vertcat(m * v + cross(w, h), I_w @ w + cross(h, v))
-    Q = ca.vertcat(m * upward, cross(h, upward))
+    S = ca.vertcat(m * v + ca.cross(w, h), I_w @ w + ca.cross(h, v))
+    Q = ca.vertcat(m * upward, ca.cross(h, upward))
     rows = list(components)
     return ca.densify(P[rows]), ca.densify(S[rows]), ca.densify(Q[rows])

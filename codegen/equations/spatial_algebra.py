@@ -14,8 +14,7 @@ from mrts.base.arrays import Array
 
 def skew(v: Any) -> Any:
     """Eq. (7): matrix S(v) with S(v) u = v × u, Shape (3, 3)."""
-    zero = ca.SX(0)
-    return ca.vertcat(ca.horzcat(zero, -v[2], v[1]), ca.horzcat(v[2], zero, -v[0]), ca.horzcat(-v[1], v[0], zero))
+    return ca.skew(v)
 
 
 def axis_rotation(axis: Array, angle: Any) -> Any:
@@ -38,12 +37,3 @@ def axis_rotation(axis: Array, angle: Any) -> Any:
 def block_diagonal(blocks: list[Any]) -> Any:
     """Dense block-diagonal matrix of rectangular blocks."""
     return ca.densify(ca.diagcat(*blocks))
-
-
-def cross(a: Any, b: Any) -> Any:
-    """Vector product a × b, Shape (3,)."""
-    return ca.vertcat(
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    )

@@ -79,11 +79,7 @@ def nearest_inertia(inertia: Array) -> Array:
 def link_inertia(path: Path, link: Link, remarks: list[Remark], *, lenient: bool = False) -> Inertia:
     """Mass properties of a link in its own frame; without mass there is no body.
 
-    Args:
-        path: The URDF, for messages.
-        link: Of a URDF.
-        remarks: What is let pass is added here.
-        lenient: Whether an inertia that no body has is moved to the nearest that one has.
+    What is let pass is added to `remarks`; `lenient` moves an inertia that no body has to the nearest that one has.
     """
     inertial = link.inertial
     if inertial is None:

@@ -21,17 +21,7 @@ def check_plane_kept(
     model: RobotModel,
     rotation_keys: tuple[str, str],
 ) -> None:
-    """Check that base, joints and grasp of an arm stay in the plane of the cell.
-
-    Args:
-        path: The cell file, for messages.
-        key: Of the robot, likewise.
-        plane: Of the cell.
-        T_world_base: Base link in the world.
-        T_object_tip: Tip link in the object frame.
-        model: The chain.
-        rotation_keys: What gives the rotation of base and grasp, for messages.
-    """
+    """Check that base, joints and grasp of an arm stay in the plane of the cell."""
     problem = base_leaves(plane, T_world_base.R)
     if problem:
         raise InputError(path, problem, key=f"{key}.base.{rotation_keys[0]}")

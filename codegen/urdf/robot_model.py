@@ -129,22 +129,12 @@ def build_robot_model(
     *,
     lenient: bool = False,
 ) -> RobotModel:
-    """Take the chain from `base_link` to `tip_link` out of a URDF; joints off the chain that are not held stay at zero.
-
-    Args:
-        path: The URDF file, for messages.
-        urdf: What `parse_urdf` returned.
-        base_link: First link; None takes the URDF's root.
-        tip_link: Last link.
-        held: Joints that stand still, with their positions, as from `held_positions`.
-        lenient: As in `link_inertia`.
-    """
+    """The chain from a base link (None: the root) to a tip link; joints off it that are not held stay at zero."""
     held = held or {}
     links = {link.name: link for link in urdf.links}
-    joint_above = {joint.child: joint for joint in urdf.joints}
     check_tree(path, links, urdf.joints)
-    base_link = base_link or next(name for name in links if name not in joint_above)
-    chain = _chain(path, links, joint_above, base_link, tip_link)
+    base_link = base_link or next(name for name in links if all(joint.child != name for joint in urdf.joints))
+    chain = _chain(path, urdf, base_link, tip_link)
     moving = [joint for joint in chain if joint.type in MOVING_TYPES and joint.name not in held]
     stops = {joint.child for joint in moving}
     hanging: dict[str, list[UrdfJoint]] = {}
@@ -242,20 +232,16 @@ def _check_kind(path: Path, joint: UrdfJoint, *, moves: bool) -> None:
         )
 
 
-def _chain(
-    path: Path, links: dict[str, Any], joint_above: dict[str, UrdfJoint], base_link: str, tip_link: str
-) -> list[UrdfJoint]:
+def _chain(path: Path, urdf: Urdf, base_link: str, tip_link: str) -> list[UrdfJoint]:
+    links = [link.name for link in urdf.links]
     for key, name in (("base_link", base_link), ("tip_link", tip_link)):
         if name not in links:
             raise InputError(path, f"there is no such link. Its links are: {', '.join(links)}.", key=key, value=name)
-    chain: list[UrdfJoint] = []
-    link = tip_link
-    while link != base_link:
-        if link not in joint_above:
-            raise InputError(path, f"is not below base_link '{base_link}'.", key="tip_link", value=tip_link)
-        chain.append(joint_above[link])
-        link = joint_above[link].parent
-    return chain[::-1]
+    joints = urdf.joints_to(tip_link)
+    place = [tip_link, *(joint.parent for joint in reversed(joints))]
+    if base_link not in place:
+        raise InputError(path, f"is not below base_link '{base_link}'.", key="tip_link", value=tip_link)
+    return joints[len(joints) - place.index(base_link) :]
 
 
 def check_tree(path: Path, links: Mapping[str, Any], joints: Sequence[UrdfJoint]) -> None:

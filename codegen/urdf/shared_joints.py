@@ -6,7 +6,7 @@ from itertools import combinations, permutations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrts_codegen.urdf.urdf_file import Urdf, UrdfJoint
+from mrts_codegen.urdf.urdf_file import Urdf
 from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, joint_pose
 
 from mrts.base.errors import InputError
@@ -34,27 +34,11 @@ def check_machines(path: Path, arms: Sequence["BuiltRobot"]) -> tuple[tuple[str,
 
 
 def root_in_base(path: Path, urdf: Urdf, base_link: str, held: Mapping[str, float]) -> RigidTransform:
-    """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero.
-
-    Args:
-        path: The URDF, for messages.
-        urdf: What `parse_urdf` returned.
-        base_link: The link.
-        held: Positions of joints that stand still [rad or m].
-    """
+    """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero."""
     T = RigidTransform.identity()
-    for joint in joints_to({joint.child: joint for joint in urdf.joints}, base_link):
+    for joint in urdf.joints_to(base_link):
         T = T @ joint_pose(path, joint, held.get(joint.name, 0.0))
     return T.inverse()
-
-
-def joints_to(joint_above: Mapping[str, UrdfJoint], link: str) -> list[UrdfJoint]:
-    """Joints from the URDF's root to a link."""
-    joints: list[UrdfJoint] = []
-    while link in joint_above:
-        joints.insert(0, joint_above[link])
-        link = joints[0].parent
-    return joints
 
 
 def _moving(arm: "BuiltRobot") -> dict[str, float]:
@@ -63,7 +47,7 @@ def _moving(arm: "BuiltRobot") -> dict[str, float]:
 
 def _still(arm: "BuiltRobot") -> set[str]:
     """Joints that could move, but are taken to stand still by an arm."""
-    below = joints_to({joint.child: joint for joint in arm.urdf.joints}, arm.model.tip_link)
+    below = arm.urdf.joints_to(arm.model.tip_link)
     names = {joint.name for joint in below if joint.type in MOVING_TYPES}
     return names.union(arm.robot.held).difference(arm.robot.joints)
 

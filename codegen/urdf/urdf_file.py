@@ -98,13 +98,18 @@ class Urdf(NamedTuple):
     links: tuple[Link, ...]
     joints: tuple[UrdfJoint, ...]
 
+    def joints_to(self, link: str) -> list[UrdfJoint]:
+        """Joints from the root to a link."""
+        above = {joint.child: joint for joint in self.joints}
+        joints: list[UrdfJoint] = []
+        while link in above:
+            joints.insert(0, above[link])
+            link = joints[0].parent
+        return joints
+
 
 def parse_urdf(path: Path, content: bytes) -> Urdf:
-    """Parse a URDF.
-
-    Returns:
-        Its links and joints.
-    """
+    """Parse a URDF."""
     return _parsed(path, text_of(path, "URDF", content))
 
 

@@ -56,12 +56,6 @@ def urdf_tree(path: Path, urdf: Urdf) -> UrdfTree:
 def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:
     """The chain of a URDF from a base link to a tip link, which stands and holds nowhere yet.
 
-    Args:
-        path: The file, for messages.
-        urdf: What `parse_urdf` returned.
-        base_link: Where it begins; None is the root.
-        tip_link: Where it ends.
-
     Returns:
         The arm, efforts that the URDF lacks infinite, and the centre of mass of what each joint carries up to the next,
         base frame with every joint at zero, Shape (n, 3) [m].

@@ -62,13 +62,7 @@ def check_type(name: str, value: object, *kinds: type) -> None:
 
 
 def is_number(value: object, low: float = -inf, high: float = inf) -> bool:
-    """Whether an argument is a finite number within bounds.
-
-    Args:
-        value: What was given; a truth value counts as no number.
-        low: Least value, which is allowed.
-        high: Largest value, likewise.
-    """
+    """Whether an argument is a finite number within bounds."""
     if isinstance(value, bool) or not isinstance(value, Real):
         return False
     try:
@@ -79,31 +73,19 @@ def is_number(value: object, low: float = -inf, high: float = inf) -> bool:
 
 
 def check_list(name: str, value: object, kind: type) -> None:
-    """Check that an argument is a list or tuple of values of one type.
-
-    Raises:
-        InputError: If it is something else.
-    """
+    """Check that an argument is a list or tuple of values of one type."""
     if not isinstance(value, list | tuple) or not all(isinstance(each, kind) for each in value):
         raise InputError(name, f"must be a tuple, each of it {WORDS[kind.__name__]}.", value=value)
 
 
 def check_callable(name: str, value: object) -> None:
-    """Check that an argument can be called.
-
-    Raises:
-        InputError: If it cannot.
-    """
+    """Check that an argument can be called."""
     if not callable(value):
         raise InputError(name, f"must be a function; it is of type {type(value).__name__}.", value=value)
 
 
 def as_path(name: str, value: Any) -> Path:
-    """An argument as a path.
-
-    Raises:
-        InputError: If it is neither, or empty.
-    """
+    """An argument as a path."""
     check_type(name, value, str, PathLike)
     if value == "":
         raise InputError(name, "must not be empty: name a file or a folder.", value=value)

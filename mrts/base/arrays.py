@@ -70,13 +70,6 @@ def median(values: Array) -> float:
 def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *, finite: bool) -> None:
     """Make an attribute of a frozen value an array of its own that nobody can write to.
 
-    Args:
-        owner: The value.
-        name: Of the attribute.
-        where: What the value is, for the message.
-        shape: That it must have.
-        finite: Whether infinity is refused; what is no number always is.
-
     Raises:
         InputError: If it is not such an array.
     """

@@ -57,11 +57,7 @@ def write_together(files: Mapping[Path, Write], *, private: bool = False) -> Non
 
 
 def write_text_atomically(path: Path, text: str, *, private: bool = False) -> None:
-    """Write `text` as UTF-8 with Unix line ends, whole or not at all; otherwise as `write_atomically`.
-
-    Raises:
-        InputError: If the folder cannot be made or written.
-    """
+    """Write `text` as UTF-8 with Unix line ends, whole or not at all; otherwise as `write_atomically`."""
     write_atomically(path, text_writer(text), private=private)
 
 
@@ -73,10 +69,6 @@ def text_writer(text: str) -> Write:
 
 def make_folder_atomically(folder: Path, make: Write) -> None:
     """Let `make` make a temporary folder beside `folder`, then rename it into place.
-
-    Args:
-        folder: Must not exist; missing folders above it are made.
-        make: Makes the folder whose path it is given.
 
     Raises:
         InputError: If it cannot be made; then no other folder has been made either.
@@ -95,9 +87,6 @@ def make_folder_atomically(folder: Path, make: Write) -> None:
 def check_writable(path: Path) -> None:
     """Try whether a file can be written, and leave nothing behind: to be known before long work.
 
-    Args:
-        path: As in `write_atomically`.
-
     Raises:
         InputError: If it cannot.
     """
@@ -105,20 +94,12 @@ def check_writable(path: Path) -> None:
     with _named(target):
         if _is_special(target):
             return  # to open it may wait for a reader
-        with suppress(_TriedError), _temporary_file(target):
-            raise _TriedError
-
-
-class _TriedError(Exception):
-    """Takes back the folders that were made to try."""
+        with _temporary_file(target):
+            pass
 
 
 def _resolved(path: Path) -> Path:
-    """The path without links.
-
-    Raises:
-        InputError: If no file can have it: a null byte, a loop of links, letters that the system cannot write.
-    """
+    """The path without links."""
     try:
         return path.resolve()
     except (OSError, RuntimeError, ValueError) as error:
@@ -152,25 +133,20 @@ def _system_error(error: BaseException | None) -> OSError | None:
 
 @contextmanager
 def _made(folder: Path) -> Iterator[None]:
-    """A folder and those above it; the ones that were missing go again if the block fails."""
+    """A folder and those above it; the ones that were missing go again if nothing was put into them."""
     missing = [each for each in (folder, *folder.parents) if not each.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         yield
-    except BaseException:
+    finally:
         for each in missing:
-            with suppress(OSError):
+            with suppress(OSError):  # it holds something
                 each.rmdir()
-        raise
 
 
 @contextmanager
 def _temporary_file(path: Path) -> Iterator[Path]:
-    """An empty file beside `path`, gone at the end unless it was renamed.
-
-    Raises:
-        InputError: If `path` is a folder.
-    """
+    """An empty file beside `path`, gone at the end unless it was renamed."""
     if path.is_dir():
         raise InputError(path, "cannot be written: it is a folder; name a file.")
     with _made(path.parent):

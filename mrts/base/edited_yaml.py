@@ -80,11 +80,7 @@ def _with_key(text: str, node: Any, key: Key, value: Any) -> str:
 
 
 def flow(value: Any) -> str:
-    """A value on one line of YAML; numbers with all their digits.
-
-    Args:
-        value: Mappings with plain keys, lists, texts, numbers, None.
-    """
+    """A value on one line of YAML; numbers with all their digits."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key}: {flow(part)}" for key, part in value.items()) + "}"
     if isinstance(value, str):

@@ -25,11 +25,7 @@ _VALUES.maxstring = _VALUES.maxother = 120  # a name whole; of a longer path its
 
 
 class MrtsError(Exception):
-    """Root of every exception that mrts raises on purpose.
-
-    Args:
-        message: One paragraph; may quote what a user wrote.
-    """
+    """Root of every exception that mrts raises on purpose."""
 
     has_lines: ClassVar[bool] = False
 
@@ -115,11 +111,7 @@ class Mistakes:
                 self.found.append(each)
 
     def raise_noted(self) -> None:
-        """Go on if there is none.
-
-        Raises:
-            InputError: The first, which carries the others.
-        """
+        """Go on if there is none."""
         if self.found:
             first, *others = self.found
             raise first.with_others(others)
@@ -136,11 +128,7 @@ def _shown(value: object) -> str:
 
 
 def as_array(name: str, value: object) -> "NDArray[np.float64]":
-    """An argument of the Python API as an array of numbers, its own unless nobody can write to the one given.
-
-    Raises:
-        InputError: If it is not numbers of one shape.
-    """
+    """An argument of the Python API as an array of numbers, its own unless nobody can write to the one given."""
     import numpy as np  # noqa: PLC0415 (so that `mrts --help` does without)
 
     if type(value) is np.ndarray and value.dtype == np.float64 and value.base is None and not value.flags.writeable:

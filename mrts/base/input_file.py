@@ -49,11 +49,6 @@ Format = TypeVar("Format")
 def read_text(path: Path, what: str, most: int = MAX_FILE_BYTES) -> str:
     """Text of an input file, with Unix line ends.
 
-    Args:
-        path: The file.
-        what: What the file is, for the message: "cell file".
-        most: Bytes that it may have.
-
     Raises:
         InputError: If it is missing, no regular file, unreadable, too large, or not UTF-8.
     """
@@ -61,11 +56,7 @@ def read_text(path: Path, what: str, most: int = MAX_FILE_BYTES) -> str:
 
 
 def text_of(path: Path, what: str, content: bytes) -> str:
-    """Text of an input file's bytes, with Unix line ends; arguments as `read_text`.
-
-    Raises:
-        InputError: If it is not UTF-8.
-    """
+    """Text of an input file's bytes, with Unix line ends; arguments as `read_text`."""
     try:
         text = content.decode()
     except UnicodeDecodeError:
@@ -75,11 +66,6 @@ def text_of(path: Path, what: str, content: bytes) -> str:
 
 def read_model(path: Path, model: type[Format], what: str) -> Format:
     """Read and validate a YAML file.
-
-    Args:
-        path: The file.
-        model: The format that it must have.
-        what: What the file is, for messages: "cell file".
 
     Raises:
         InputError: If the file is missing, not YAML, or breaks a rule of the format.
@@ -109,12 +95,6 @@ def read_data(path: Path, what: str) -> Any:
 def validated(where: Path | str, data: object, model: type[Format], what: str) -> Format:
     """What a file or a dictionary says, validated.
 
-    Args:
-        where: The file, or what the dictionary is, for messages.
-        data: Mappings, lists, texts and numbers.
-        model: The format that it must have.
-        what: What it is, for messages: "cell file".
-
     Raises:
         InputError: If it breaks a rule of the format.
     """
@@ -140,11 +120,6 @@ def _check_kind(where: Path | str, data: dict[Any, Any], what: str) -> None:
 
 def plain(where: str, data: object, depth: int = MAX_YAML_DEPTH) -> object:
     """A value as a YAML file could hold it: numpy's arrays and numbers, tuples and paths become lists, numbers, text.
-
-    Args:
-        where: What the value is, for messages.
-        data: A dictionary made in Python.
-        depth: How deep lists and dictionaries may lie in each other.
 
     Raises:
         InputError: If they lie deeper, as where one holds itself.

@@ -5,14 +5,7 @@ import numpy as np
 
 
 def interval_text(low: float, high: float, unit: str = "", digits: int = 4) -> str:
-    """Such as `[0, 3.062]`, `[-80, 80] N m`, `[0, ∞)`; "unbounded" without any end, "empty" where they are crossed.
-
-    Args:
-        low: Lower end, minus infinity where there is none.
-        high: Upper end, infinity where there is none.
-        unit: Of both.
-        digits: Significant digits.
-    """
+    """Such as `[0, 3.062]`, `[-80, 80] N m`, `[0, ∞)`; "unbounded" without any end, "empty" where they are crossed."""
     if low > high:
         return f"empty (at least {low:.{digits}g}, but at most {high:.{digits}g})"
     if not (np.isfinite(low) or np.isfinite(high)):

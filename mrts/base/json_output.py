@@ -22,9 +22,5 @@ class JsonOutput(ABC):
         return json.dumps(self.to_json(), allow_nan=False, ensure_ascii=False)
 
     def write_json(self, path: Path | str) -> None:
-        """Write `json_text` to a file, whole or not at all.
-
-        Raises:
-            InputError: If it cannot be written.
-        """
+        """Write `json_text` to a file, whole or not at all."""
         write_text_atomically(as_path("path", path), self.json_text() + "\n")

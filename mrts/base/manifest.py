@@ -47,20 +47,12 @@ MOST = 1000
 LARGEST_SIZE = 100_000
 """Rows or columns of an argument, likewise."""
 
-Matrix = list[list[float]]
-Vector3 = Annotated[list[float], Rule(min_length=3, max_length=3)]
-Matrix3 = Annotated[list[Vector3], Rule(min_length=3, max_length=3)]
 Identifier = Annotated[str, Rule(pattern=IDENTIFIER, max_length=100)]
 Size = Annotated[int, Rule(ge=1, le=LARGEST_SIZE)]
 
 
 def geometry_size(robots: int, held: int) -> int:
-    """Entries of a geometry vector.
-
-    Args:
-        robots: Number of them.
-        held: Numbers of all their `held_numbers`.
-    """
+    """Entries of a geometry vector."""
     return GRAVITY_SIZE + ROBOT_SIZE * robots + held
 
 
@@ -138,10 +130,6 @@ class Manifest(ChainsRecord):
 
 
 def check_source(where: Path | str, manifest: ChainsRecord, text: str) -> None:
-    """Check that a C text is the one that a manifest describes.
-
-    Raises:
-        InputError: If it is not.
-    """
+    """Check that a C text is the one that a manifest describes."""
     if hashlib.sha256(text.encode()).hexdigest() != manifest.source_sha256:
         raise InputError(where, "differs from what its manifest describes. Make both again: `mrts generate`.")

@@ -35,14 +35,6 @@ def open_regular(path: Path, what: str, most: int) -> Iterator[BinaryIO]:
 
     What is checked is what is read: the same open file, whatever happens to the path meanwhile.
 
-    Args:
-        path: The file.
-        what: What it is, for messages: "cell file".
-        most: Bytes that it may have.
-
-    Yields:
-        The open file.
-
     Raises:
         InputError: If it is missing, no regular file, too large, or cannot be read.
     """

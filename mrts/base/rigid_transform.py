@@ -5,19 +5,21 @@ The generated C carries these numbers, so products avoid BLAS, whose kernels dif
 """
 
 from dataclasses import dataclass
-from itertools import product
-from math import atan2, copysign, cos, hypot, inf, nextafter, pi, sin
+from math import atan2, copysign, cos, hypot, pi, sin
 from typing import Any
 
 import numpy as np
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, EqualByNumbers
 
 SNAP = 1e-15
 """Entries this close to 0 or ±1 are rounding of cos(π/2) and the like; exact ones vanish from the C."""
 
 ROUNDED_ANGLE = 1e-15
-"""An angle of a rotation is known to this share of it, or of 1 rad: rounding of its sine and cosine."""
+"""Rounding of an angle of 1 rad, by its sine and cosine."""
+
+ANGLE_DIGITS = 15
+"""Decimals of an angle: more are rounding."""
 
 LONG_DECIMAL = 15
 """Characters of a number that nobody typed."""
@@ -33,7 +35,7 @@ SAME_PLACE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class RigidTransform:
+class RigidTransform(EqualByNumbers):
     """Pose of frame b in frame a: `x_a = R x_b + p`.
 
     Attributes:
@@ -43,11 +45,6 @@ class RigidTransform:
 
     R: Array
     p: Array
-
-    __hash__ = None  # type: ignore[assignment]  # it holds arrays
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, RigidTransform) and np.array_equal(self.numbers, other.numbers)
 
     def __matmul__(self, other: "RigidTransform") -> "RigidTransform":
         return RigidTransform(multiply(self.R, other.R), self.p + multiply(self.R, other.p))
@@ -111,53 +108,21 @@ def _turned(cr: Any, sr: Any, cp: Any, sp: Any, cy: Any, sy: Any) -> Array:
 
 
 def rpy_from_rotation(R: Array) -> list[float]:
-    """Roll, pitch, yaw [rad] of a rotation, Shape (3,): those of `rotation_from_rpy` that give its very numbers.
+    """Roll, pitch, yaw [rad] of a rotation, Shape (3, 3), to rounding; short decimals where these are as near.
 
-    Of the two triples that any rotation has, the one with more zeros comes first; near each angle a short decimal is
-    tried first. Where pitch is ±π/2 roll and yaw turn about one axis, and yaw is 0: there, and where it was given
-    with a pitch beyond ±π/2 or another angle beyond ±π, the rotation comes back to rounding.
-
-    Args:
-        R: Shape (3, 3).
+    Of the two triples that any rotation has, the one with more zeros. Where pitch is ±π/2 yaw is 0.
     """
     level = hypot(R[0, 0], R[1, 0])
     pitch = atan2(-R[2, 0], level)
     if level > ROUNDED_ANGLE:
-        first = (atan2(R[2, 1], R[2, 2]), pitch, atan2(R[1, 0], R[0, 0]))
-        second = (first[0] - copysign(pi, first[0]), copysign(pi, pitch) - pitch, first[2] - copysign(pi, first[2]))
-        triples: list[tuple[float, ...]] = sorted(
-            (first, second), key=lambda triple: sum(abs(each) > ROUNDED_ANGLE for each in triple)
-        )
-        for sign, triple in product((-1, 1), tuple(triples)):
-            triples.append(tuple(angle - 2 * pi * sign if angle * sign > 0 else angle for angle in triple))
+        roll, yaw = atan2(R[2, 1], R[2, 2]), atan2(R[1, 0], R[0, 0])
+        other = (roll - copysign(pi, roll), copysign(pi, pitch) - pitch, yaw - copysign(pi, yaw))
+        triples = [(roll, pitch, yaw), other]
     else:
         triples = [(atan2(-R[1, 2], R[1, 1]), pitch, 0.0)]
-    best, least = list(triples[0]), np.inf
-    for triple in triples:
-        for tried in sorted(product(*map(_ranked, triple)), key=lambda ranked: sum(rank for rank, _ in ranked)):
-            rpy = [angle for _, angle in tried]
-            off = float(np.max(np.abs(rotation_from_rpy(*rpy) - R)))
-            if off < least:
-                best, least = rpy, off
-            if off == 0:
-                return best
-    return best
-
-
-def _ranked(angle: float) -> list[tuple[int, float]]:
-    """Numbers that an angle may be a rounding of, ranked: a short decimal, itself, its neighbours, -π for π."""
-    near = ROUNDED_ANGLE * max(1.0, abs(angle))
-    decimals = [rounded for digits in range(17) if abs((rounded := round(angle, digits)) - angle) <= near]
-    short = [value for value in decimals[:1] if len(repr(value)) < LONG_DECIMAL]
-    below, above = nextafter(angle, -inf), nextafter(angle, inf)
-    others = [
-        below,
-        above,
-        nextafter(below, -inf),
-        nextafter(above, inf),
-        *([-angle] if pi - abs(angle) <= near else []),
-    ]
-    return list(enumerate(dict.fromkeys(value + 0.0 for value in (*short, angle, *decimals, *others))))
+    least = min(triples, key=lambda triple: sum(abs(angle) > ROUNDED_ANGLE for angle in triple))
+    short = [round(angle, ANGLE_DIGITS) for angle in least]
+    return [one + 0.0 if len(repr(one)) < LONG_DECIMAL else angle for one, angle in zip(short, least, strict=True)]
 
 
 def rotations_from_quaternions(quaternions: Array) -> Array:
@@ -238,12 +203,7 @@ def plane_normal(plane: str) -> Array:
 
 
 def tilt(R: Array, plane: str) -> float:
-    """How far a rotation turns the normal of a plane out of itself: largest change of an entry.
-
-    Args:
-        R: Shape (3, 3).
-        plane: Such as "xy".
-    """
+    """How far a rotation turns the normal of a plane out of itself: largest change of an entry."""
     normal = plane_normal(plane)
     return float(np.max(np.abs(R @ normal - normal)))
 

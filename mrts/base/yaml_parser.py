@@ -89,11 +89,7 @@ class _StrictDumper(yaml.SafeDumper):
 
 
 def yaml_text(value: Any) -> str:
-    """YAML text of a value, keys in their order, lists of numbers in one line; `parse_yaml` reads the same value.
-
-    Args:
-        value: Dictionaries with texts for keys, lists, texts, numbers, None.
-    """
+    """YAML text of a value, keys in their order, lists of numbers in one line; `parse_yaml` reads the same value."""
     text: str = yaml.dump(
         value, Dumper=_StrictDumper, default_flow_style=None, sort_keys=False, allow_unicode=True, width=LINE
     )

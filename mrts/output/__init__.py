@@ -32,10 +32,6 @@ class TrajectoryFormat:
     def write(self, result: "ScalingResult", path: Path) -> None:
         """Write a trajectory; the writer is imported now.
 
-        Args:
-            result: A result with a trajectory.
-            path: The file, or the folder, which must not exist.
-
         Raises:
             InputError: If there is no trajectory, or it cannot be written.
         """

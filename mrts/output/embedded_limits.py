@@ -21,9 +21,6 @@ from mrts.motion.rows_at_rest import REST
 def embedded_limits(cell: Cell) -> EmbeddedLimits:
     """All limits of the cell, those without a limit too: it may get one at run time; and what motors add.
 
-    Args:
-        cell: The cell; velocity limits that it does not enforce are unlimited.
-
     Raises:
         InputError: If a limit, those of velocities and motors aside, depends on the motion: the library has tables for
             those that do not; or if the cell keeps a reserve.

@@ -33,12 +33,7 @@ STATUS = {RangeStatus.FEASIBLE: 0, RangeStatus.UNBOUNDED: 1, RangeStatus.INFEASI
 
 
 def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
-    """All samples of a motion with the nominal load first, then with other masses.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-    """
+    """All samples of a motion with the nominal load first, then with other masses."""
     vectors: list[EmbeddedVector] = []
     for factor in MASS_FACTORS:
         heavy = cell.with_mass(cell.mass * factor)
@@ -84,11 +79,7 @@ def _vector(
 
 
 def own_motion(cell: Cell) -> CoordinatedMotion:
-    """A short lift against gravity from where the first robot's posture puts the object.
-
-    Raises:
-        InputError: If the arms cannot follow it.
-    """
+    """A short lift against gravity from where the first robot's posture puts the object."""
     q = cell.posture
     poses = cell.functions("kinematics", 1, {"q": q})
     first = cell.robots[0]

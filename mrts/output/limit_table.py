@@ -23,11 +23,7 @@ AT_LIMIT = 0.9995
 
 
 def limit_table(result: "ScalingResult") -> Iterator[str]:
-    """The tables of `mrts.scaling.limit_use.limit_tables` below one another.
-
-    Args:
-        result: A result with a trajectory.
-    """
+    """The tables of `mrts.scaling.limit_use.limit_tables` below one another."""
     tables = list(limit_tables(result))
     names = max(LEAST_NAME_WIDTH, *(len(INDENT + row[0]) for table in tables for row in table.rows))
     yield f"{'':<{names}} {'least':>11} {'largest':>11} {'used':>6}  limits"
@@ -38,11 +34,7 @@ def limit_table(result: "ScalingResult") -> Iterator[str]:
 
 
 def next_limits_line(result: "ScalingResult") -> Iterator[str]:
-    """The limits that are nearest after those that are met, with what is left of them.
-
-    Args:
-        result: A result with a trajectory.
-    """
+    """The limits that are nearest after those that are met, with what is left of them."""
     kept = (use for use in limit_uses(result) if use.name.kind != "velocity" or result.cell.enforces_velocity_limits)
     following = [use for use in kept if use.share < AT_LIMIT][:NEXT_SHOWN]
     if following:

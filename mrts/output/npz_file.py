@@ -36,11 +36,6 @@ DIRECTORY_BYTES = 100_000
 class ArrayArchive:
     """An open archive.
 
-    Args:
-        path: The file, for messages.
-        archive: Its members.
-        size: Of the file in bytes.
-
     Attributes:
         names: Of its arrays.
         size: Of the file in bytes.
@@ -53,10 +48,6 @@ class ArrayArchive:
 
     def read(self, name: str, most: int | None = None) -> NDArray[Any]:
         """One array; none that would have to be unpickled.
-
-        Args:
-            name: Of `names`.
-            most: Bytes that it may have; None sets no bound of its own.
 
         Raises:
             InputError: If it is too large.
@@ -77,14 +68,6 @@ class ArrayArchive:
 def open_arrays(path: Path, what: str, advice: str) -> Iterator[ArrayArchive]:
     """Open an .npz file.
 
-    Args:
-        path: The file.
-        what: What it is, for messages: "saved result".
-        advice: What to do where it is damaged.
-
-    Yields:
-        The archive.
-
     Raises:
         InputError: If it is missing, no regular file, no such archive, or damaged; also of what its reading raises.
     """
@@ -93,9 +76,9 @@ def open_arrays(path: Path, what: str, advice: str) -> Iterator[ArrayArchive]:
             size = _checked_size(file)
             with ZipFile(file) as archive:
                 yield ArrayArchive(path, archive, size)
-        except InputError:
-            raise
-        except Exception as error:  # noqa: BLE001 (what zipfile, zlib and numpy raise of other files is no short list)
+        except Exception as error:
+            if isinstance(error, InputError) and error.where == str(path):
+                raise
             raise InputError(path, f"is no {what} of mrts, or damaged ({error}). {advice}") from None
 
 

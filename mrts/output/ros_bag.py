@@ -31,10 +31,6 @@ def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
     the object at the contact, in the robot's base axes) at every sample. Where motors have friction also
     /ROBOT/joint_friction (sensor_msgs/JointState with effort alone): the part of the effort that overcomes it.
 
-    Args:
-        result: A result with a trajectory.
-        folder: Must not exist.
-
     Raises:
         InputError: If there is no trajectory, or the folder exists or cannot be made.
     """

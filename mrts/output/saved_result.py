@@ -54,11 +54,7 @@ OTHER_LIMITS = "other-limits"
 
 
 class LostLimit:
-    """A limit that a cell was given in Python when a result was found: a file knows its name alone, so it has no rows.
-
-    Args:
-        name: Its name.
-    """
+    """A limit that a cell was given in Python when a result was found: a file knows its name, so it has no rows."""
 
     def __init__(self, name: str) -> None:
         self.__name__ = name
@@ -116,10 +112,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
     remarks: dict[str, Remark] = {}
 
     def read_cell(reader: TreeReader, entry: dict[str, Any], place: str) -> Cell:
-        try:
-            manifest = CellManifest.model_validate(entry["manifest"])
-        except InputError as error:
-            raise ValueError(error.rule) from None  # told as the other damages
+        manifest = CellManifest.model_validate(entry["manifest"])
         functions = saved_functions(manifest, path) if cell is None else _functions_of(cell, manifest, path)
         names, given = entry["limits"], () if cell is None else cell.limits
         if names != (others := list(map(limit_name, given))):

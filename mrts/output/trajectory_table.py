@@ -41,11 +41,7 @@ class PlayedRows:
 
 
 def played_rows(done: ScaledTrajectory) -> PlayedRows:
-    """The rows of a table or a bag.
-
-    Args:
-        done: The trajectory.
-    """
+    """The rows of a table or a bag."""
     samples = PlayedRows(
         time=done.time,
         q=done.q,
@@ -77,14 +73,7 @@ def played_rows(done: ScaledTrajectory) -> PlayedRows:
 
 
 def trajectory_to_write(result: ScalingResult) -> ScaledTrajectory:
-    """The trajectory of a result.
-
-    Args:
-        result: The result.
-
-    Raises:
-        InputError: If it has none.
-    """
+    """The trajectory of a result."""
     check_type("result", result, ScalingResult)
     if result.trajectory is None:
         raise InputError("trajectory", "there is none to write: no c² was chosen.", value=result.status.value)
@@ -95,9 +84,6 @@ def trajectory_columns(result: ScalingResult) -> dict[str, Array]:
     """Columns t, then q.ROBOT/JOINT, dq., ddq. and tau. of every joint, then F.ROBOT/COMPONENT, each Shape (R,).
 
     Where motors have friction, tau_friction. of every joint follows tau.: the part of it that overcomes friction.
-
-    Args:
-        result: A result with a trajectory.
 
     Raises:
         InputError: If there is none.
@@ -114,14 +100,7 @@ def trajectory_columns(result: ScalingResult) -> dict[str, Array]:
 
 
 def trajectory_csv(result: ScalingResult) -> str:
-    """The `trajectory_columns` at the chosen speed, one row a sample.
-
-    Args:
-        result: A result with a trajectory.
-
-    Raises:
-        InputError: If there is none.
-    """
+    """The `trajectory_columns` at the chosen speed, one row a sample."""
     columns = trajectory_columns(result)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

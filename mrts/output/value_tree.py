@@ -100,11 +100,7 @@ class TreeReader:
         self._kinds = cache(self._kinds_of)
 
     def value(self, kind: Any, entry: Any, path: str) -> Any:
-        """The value of an entry.
-
-        Raises:
-            TypeError: If the entry is of another kind; also LookupError, ValueError.
-        """
+        """The value of an entry."""
         options = get_args(kind) if get_origin(kind) in {Union, UnionType} else (kind,)
         for option in options:
             if _fits(option, entry):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from mrts.base.arrays import cross
 from mrts.base.rigid_transform import (
     angles_of_rotations,
     quaternions_from_rotations,
@@ -97,9 +96,3 @@ def test_angles_are_the_lengths_of_rotation_vectors():
     angles = np.concatenate([[0.0, 1e-12, 1e-6, np.pi - 1e-6], rng.uniform(0, np.pi, 196)])
     R = Rotation.from_rotvec(axes / np.linalg.norm(axes, axis=1)[:, None] * angles[:, None]).as_matrix()
     np.testing.assert_allclose(angles_of_rotations(R), angles, rtol=0, atol=ROUNDING)
-
-
-def test_cross_products_are_those_of_numpy():
-    """To the bit."""
-    first, second = np.random.default_rng(8).standard_normal((2, 50, 3))
-    np.testing.assert_array_equal(cross(first, second), np.cross(first, second))

@@ -69,6 +69,7 @@ FORGERIES = {
     "an array that is not": lambda d: d["result"]["motion"].update(q={"array": "nowhere"}),
     "an array of texts": lambda d: d["result"]["trajectory"]["holding"]["torque"].update(dtype="U9"),
     "a hostile name": lambda d: d["result"]["cell"]["manifest"]["cell"].update(name="../../x"),
+    "a reserve of twice all": lambda d: d["result"]["cell"].update(reserve=2.0),
     "a hostile source": lambda d: d["result"]["cell"]["manifest"].update(source="../x.c"),
     "no result": lambda d: d.pop("result"),
     "a list": lambda d: d.update(result=[]),

@@ -39,12 +39,6 @@ def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Pa
     ROS and Gazebo look by their environment variables; in share folders of installed packages; in the installed Python
     package NAME. The first that holds the file is taken.
 
-    Args:
-        where: The file that names it, for messages.
-        uri: The reference.
-        near: A file in whose package or workspace it may be.
-        key: Where it stands in the file, for messages.
-
     Raises:
         InputError: If no package holds it, or it would lead out of the package.
     """
@@ -67,11 +61,7 @@ def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Pa
 
 
 def no_package(package: str) -> str:
-    """What is said of a package that is nowhere, up to the ways to find it.
-
-    Args:
-        package: Its name.
-    """
+    """What is said of a package that is nowhere, up to the ways to find it."""
     looked = ", ".join(map(str, _share_folders())) or "no share folder"
     return (
         f"the package '{package}' is not found. Looked in the folders above that file, where those of "
@@ -81,12 +71,7 @@ def no_package(package: str) -> str:
 
 
 def package_folder(package: str, near: Path) -> Path | None:
-    """The folder of a package, as `file_of_uri` finds it; None where there is none.
-
-    Args:
-        package: Its name.
-        near: A file in whose package or workspace it may be.
-    """
+    """The folder of a package, as `file_of_uri` finds it; None where there is none."""
     return next(_package_folders(package, near), None)
 
 

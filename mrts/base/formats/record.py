@@ -3,8 +3,9 @@
 
 import json
 import math
+import operator
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from inspect import get_annotations
 from pathlib import Path
@@ -50,40 +51,25 @@ class Rule:
         self.limits = limits
 
     def check(self, value: Any, given: object) -> None:
-        """Check a value of the annotated type.
-
-        Raises:
-            InputError: If it is outside of a limit.
-        """
+        """Check a value of the annotated type."""
         for name, limit in self.limits.items():
-            kind = _KINDS[name]
-            if not _KEPT[name](value, limit):
+            kind, keeps = _LIMITS[name]
+            if not keeps(value, limit):
                 length = len(value) if name.endswith("length") else 0
                 kind = "string_too_short" if kind == "too_short" and isinstance(value, str) else kind
                 _fail(kind, given, **{name: limit, "actual_length": length})
 
 
-_KINDS = {
-    "gt": "greater_than",
-    "ge": "greater_than_equal",
-    "lt": "less_than",
-    "le": "less_than_equal",
-    "min_length": "too_short",
-    "max_length": "too_long",
-    "pattern": "string_pattern_mismatch",
-    "allow_inf_nan": "finite_number",
-    "smallest": "too_near_zero",
-}
-_KEPT: dict[str, Any] = {
-    "gt": lambda value, limit: value > limit,
-    "ge": lambda value, limit: value >= limit,
-    "lt": lambda value, limit: value < limit,
-    "le": lambda value, limit: value <= limit,
-    "min_length": lambda value, limit: len(value) >= limit,
-    "max_length": lambda value, limit: len(value) <= limit,
-    "pattern": lambda value, limit: re.search(limit, value) is not None and not value.endswith("\n"),
-    "allow_inf_nan": lambda value, limit: limit or math.isfinite(value),
-    "smallest": lambda value, limit: value == 0 or abs(value) >= limit,
+_LIMITS: dict[str, tuple[str, Callable[[Any, Any], bool]]] = {
+    "gt": ("greater_than", operator.gt),
+    "ge": ("greater_than_equal", operator.ge),
+    "lt": ("less_than", operator.lt),
+    "le": ("less_than_equal", operator.le),
+    "min_length": ("too_short", lambda value, limit: len(value) >= limit),
+    "max_length": ("too_long", lambda value, limit: len(value) <= limit),
+    "pattern": ("string_pattern_mismatch", lambda value, limit: re.fullmatch(limit, value) is not None),
+    "allow_inf_nan": ("finite_number", lambda value, limit: limit or math.isfinite(value)),
+    "smallest": ("too_near_zero", lambda value, limit: value == 0 or abs(value) >= limit),
 }
 
 
@@ -114,11 +100,7 @@ class Record:
 
     @classmethod
     def model_validate(cls, data: object) -> Self:
-        """The record that a mapping describes.
-
-        Raises:
-            InputError: If it is none, or a key or a value breaks a rule.
-        """
+        """The record that a mapping describes."""
         if isinstance(data, cls):
             return data
         if not isinstance(data, dict):
@@ -129,11 +111,7 @@ class Record:
 
     @classmethod
     def read(cls, where: Path | str, data: dict[Any, Any]) -> Self:
-        """The record that a mapping of a file describes.
-
-        Raises:
-            InputError: If a key or a value breaks a rule.
-        """
+        """The record that a mapping of a file describes."""
         try:
             return cls.model_validate(data)
         except InputError as error:
@@ -146,11 +124,7 @@ class Record:
 
     @classmethod
     def model_validate_json(cls, text: str) -> Self:
-        """The record that a JSON text describes.
-
-        Raises:
-            InputError: As `model_validate`.
-        """
+        """The record that a JSON text describes."""
         return cls.model_validate(read_json(text))
 
     def problem(self) -> str:
@@ -164,12 +138,7 @@ class Record:
         return record
 
     def model_dump(self, *, include: set[str] | None = None, exclude: set[str] | None = None) -> dict[str, Any]:
-        """Dictionaries, lists and values.
-
-        Args:
-            include: Keys to take; None takes all.
-            exclude: Keys to leave out.
-        """
+        """Dictionaries, lists and values."""
         names = (name for name in self.model_fields if include is None or name in include)
         return {name: dumped(getattr(self, name)) for name in names if name not in (exclude or ())}
 
@@ -192,11 +161,7 @@ class Record:
 
 
 def read_json(text: str) -> Any:
-    """The value of a JSON text.
-
-    Raises:
-        InputError: If it is none, or holds a number that is not finite.
-    """
+    """The value of a JSON text."""
     try:
         return json.loads(text, parse_constant=_refuse)
     except (ValueError, RecursionError) as error:
@@ -256,11 +221,7 @@ def _each_at(entries: Iterable[tuple[str, Any, object]]) -> list[Any]:
 
 
 def checked(kind: Any, value: Any) -> Any:
-    """A value of a kind, see `Record`.
-
-    Raises:
-        InputError: If it is none.
-    """
+    """A value of a kind, see `Record`."""
     origin, parts = get_origin(kind), get_args(kind)
     if origin is Annotated:
         read = checked(parts[0], value)

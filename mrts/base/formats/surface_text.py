@@ -25,12 +25,7 @@ CORNERS = 3
 
 
 def packed_surface(vertices: Array, triangles: NDArray[np.integer[Any]]) -> tuple[str, str]:
-    """Base64 of both by rows: vertices as 32-bit floating-point numbers, triangles as 16-bit indices of vertices.
-
-    Args:
-        vertices: Shape (V, 3) [m].
-        triangles: Shape (T, 3).
-    """
+    """Base64 of both by rows: vertices as 32-bit floating-point numbers, triangles as 16-bit indices of vertices."""
     parts = vertices.astype("<f4").tobytes(), triangles.astype("<u2").tobytes()
     return base64.b64encode(parts[0]).decode(), base64.b64encode(parts[1]).decode()
 
@@ -64,12 +59,9 @@ def _numbers(text: str, kind: str) -> NDArray[Any]:
 def coarser_surface(
     points: Array, corners: NDArray[np.integer[Any]], most: int
 ) -> tuple[Array, NDArray[np.integer[Any]]]:
-    """A surface of few triangles that looks alike: vertices in one cell of a grid become one, their mean.
+    """A surface of at most `most` triangles that looks alike: vertices in one cell of a grid become one, their mean.
 
-    Args:
-        points: Vertices, Shape (V, 3) [m].
-        corners: Triangles, Shape (T, 3).
-        most: Triangles that remain at most; with no more the surface stays as it is.
+    Vertices have Shape (V, 3) [m], triangles Shape (T, 3).
     """
     used, corners = np.unique(corners, return_inverse=True)
     points, corners = points[used], corners.reshape(-1, 3)

@@ -306,7 +306,6 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     double memory[MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES)];
     double turned[MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES)];
     const double *arg[MRTS_INPUTS];
-    mrts_forms forms;
     mrts_torque_search search = {.limits = limits, .weights = {weights, MRTS_JOINTS + 1}, .widening = widening, .turned = turned};
     search.form = mrts_form_in(K, M, N, memory);
     search.qp_work = work + MRTS_ROWS_WORK(K, limits->rows);
@@ -325,7 +324,6 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
     lanes.program.rows.upper = lanes.program.rows.lower + search.rows.count + K;
 #endif
     const int in_lanes = MRTS_TORQUE_LANES && F > 0 && !limits->base;
-    if (!in_lanes) mrts_begin_forms(in, stride, count, &forms);
     search.active_count = -1;
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
@@ -342,11 +340,7 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
             continue;
         }
 #endif
-        if (in_lanes) {
-            mrts_form_of_sample(in, stride, n, &search.form, arg);
-        } else {
-            mrts_next_form(&forms, n, &search.form, arg);
-        }
+        mrts_form_of_sample(in, stride, n, &search.form, arg);
         mrts_add_motors(K, M, &here, &search.form);
         status[n] = (unsigned char)mrts_torques_of_sample(&search, arg[MRTS_ROTATION], &here, c2[n * c2_stride], torque + n * M,
                                                           wrench + n * N);

@@ -204,24 +204,3 @@ MRTS_LOCAL void mrts_take_lane(int count, const mrts_lanes *from, int lane, doub
     const double *numbers = (const double *)(const void *)from + lane;
     for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];
 }
-
-MRTS_LOCAL void mrts_begin_forms(const double *const *in, const long long *stride, long long count, mrts_forms *forms) {
-    forms->in = in;
-    forms->stride = stride;
-    forms->count = count;
-    if (count > 0) mrts_take_inputs(in, stride, 0, count, 1, &forms->inputs);
-}
-
-MRTS_LOCAL void mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg) {
-    for (int i = 0; i < MRTS_INPUTS; ++i) arg[i] = forms->in[i] + sample * forms->stride[i];
-    const int lane = (int)(sample % MRTS_LANES);
-    if (lane == 0) {
-        mrts_lanes *const found[4] = {forms->torque_map, forms->torque_offset, forms->wrench_map, forms->wrench_offset};
-        mrts_take_inputs(forms->in, forms->stride, sample, forms->count, 0, &forms->inputs);
-        mrts_lane_form(forms->inputs.arg, found);
-    }
-    mrts_take_lane(MRTS_UNKNOWNS * MRTS_JOINTS, forms->torque_map, lane, form->torque_map);
-    mrts_take_lane(MRTS_JOINTS, forms->torque_offset, lane, form->torque_offset);
-    mrts_take_lane(MRTS_UNKNOWNS * MRTS_WRENCHES, forms->wrench_map, lane, form->wrench_map);
-    mrts_take_lane(MRTS_WRENCHES, forms->wrench_offset, lane, form->wrench_offset);
-}

@@ -110,21 +110,4 @@ MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *strid
 /* One lane of some numbers. */
 MRTS_LOCAL void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to);
 
-/* The forms of the samples of a call. */
-typedef struct {
-    const double *const *in;
-    const long long *stride;
-    long long count; /* of samples */
-    mrts_lane_inputs inputs;
-    mrts_lanes torque_map[MRTS_UNKNOWNS * MRTS_JOINTS], torque_offset[MRTS_JOINTS];
-    mrts_lanes wrench_map[MRTS_UNKNOWNS * MRTS_WRENCHES], wrench_offset[MRTS_WRENCHES];
-} mrts_forms;
-
-/* Those of samples 0 .. count - 1. */
-MRTS_LOCAL void mrts_begin_forms(const double *const *in, const long long *stride, long long count, mrts_forms *forms);
-
-/* The next form, that of a sample, which are asked for one after the other from 0 on; arg, (MRTS_INPUTS), then has the
- * sample's inputs. */
-MRTS_LOCAL void mrts_next_form(mrts_forms *forms, long long sample, mrts_form *form, const double **arg);
-
 #endif

@@ -3,7 +3,7 @@
  * Samples whose wrenches the object's balance fixes, of one arm or by given shares of the load: every row is a line in c^2,
  * so there is no program to solve.
  */
-#include "../lanes/lanes.h"
+#include "../cell_sizes.h"
 #include "../trajectory.h"
 
 /* Rows bind together if their ends differ by no more than this share; `BINDING_TOLERANCE` of mrts/program/range_ends.py. */
@@ -17,22 +17,10 @@ typedef struct {
     const double *const *in;
     const long long *stride;
     const double *arg[MRTS_INPUTS + 2]; /* of the sample that was evaluated last */
-    int in_forms; /* whether it is the wrench form, which is evaluated for several samples at a time */
-    mrts_forms forms;
 } mrts_known;
 
-/* The samples 0 .. count - 1 of a call; what else a function has for inputs than the wrench form follows those. */
-static void mrts_begin_known(long long count, mrts_known *known) {
-    known->in_forms = MRTS_UNKNOWNS == 1 && known->run == MRTS_WRENCH_FORM;
-    if (known->in_forms) mrts_begin_forms(known->in, known->stride, count, &known->forms);
-}
-
-/* Evaluates the function at a sample, the next one. */
+/* Evaluates the function at a sample. */
 static void mrts_known_at(mrts_known *known, long long sample, mrts_form *form) {
-    if (known->in_forms) {
-        mrts_next_form(&known->forms, sample, form, known->arg);
-        return;
-    }
     for (int i = 0; i < known->inputs; ++i) known->arg[i] = known->in[i] + sample * known->stride[i];
     double *const res[] = {form->torque_map, form->torque_offset, form->wrench_map, form->wrench_offset};
     known->run(known->arg, res);
@@ -95,7 +83,6 @@ MRTS_EXPORT int mrts_known_ranges(long long count, const double *const *in, cons
     mrts_row_ends ends;
     mrts_rows rows;
     if (!mrts_rows_over(1, limits, work, iwork, &rows)) return 1;
-    mrts_begin_known(count, &known);
     ends.least = work + MRTS_ROWS_WORK(1, limits->rows);
     ends.most = ends.least + limits->rows;
     ends.least_side = (signed char *)(ends.most + limits->rows);
