@@ -117,7 +117,7 @@ def good(planar_cell):
         "load_cell": {"path": DATA / "cell.yaml"},
         "load_motion": {"path": DATA / "lift.yaml"},
         "load_result": {"path": "good.npz", "cell": planar_cell},
-        "rank_configurations": search | with_solver | {"cap": 1},
+        "rank_configurations": search | with_solver,
         "place": {"study": study, "starts": 1, "looked_at": 2, "seconds": None}
         | {"between": None, "progress": lambda _done, _total: None},
         "read_study": {"path": DATA.parent / "dual_ur5" / "study.yaml"},
