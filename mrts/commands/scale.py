@@ -39,23 +39,6 @@ examples:
 
 PROFILES = ("constant", "optimal", "smooth")
 
-GOES_WITH = {
-    "fastest": ("constant",),
-    "nominal": ("constant",),
-    "c2": ("constant",),
-    "formulation": ("constant",),
-    "solver": ("constant",),
-    "what_if": ("constant", "optimal"),
-    "start_speed": ("optimal", "smooth"),
-    "end_speed": ("optimal", "smooth"),
-    "rates": ("constant", "smooth"),
-    "weigh": ("smooth",),
-    "least_energy_in": ("smooth",),
-    "start_torque": ("smooth",),
-    "end_torque": ("smooth",),
-}
-"""The profiles that an argument goes with; those that are not here go with all."""
-
 STYLES: dict[str, Style] = {"free": "plain", "near": "note", "reached": "bad"}
 """Of the limits that are told, by how near they are."""
 
@@ -143,7 +126,7 @@ def run(
     from mrts.scaling.result import ScalingResult, fallbacks_text
     from mrts.scaling.scale import SelectionError, torques_for_load
 
-    _check(profile, {**given, "what_if": what_if or None})
+    _check(profile, given | ({"what_if": True} if what_if else {}))
     files = take(given, FILES)
     motion_given = load_motion(motion)
     limited = options.limited_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
@@ -183,14 +166,21 @@ def run(
 
 def _check(profile: str, given: dict[str, Any]) -> None:
     """That the arguments given go with the profile, and with one another."""
-    for name, profiles in GOES_WITH.items():
-        if given.get(name) is not None and profile not in profiles:
-            raise InputError(name, f"goes with --profile {' or '.join(profiles)}, not with {profile}.")
+    from inspect import signature
+
+    from mrts.scaling.scale import scale
+    from mrts.timing.retime import retime
+
+    known = {*signature(scale if profile == "constant" else retime).parameters, *FILES, *options.LIMITS}
+    known |= {*SELECTIONS} if profile == "constant" else set()
+    known |= {"what_if"} if profile != "smooth" else set()
+    known -= {"rates"} if profile == "optimal" else set()
+    for name in given:
+        if name not in known:
+            raise InputError(name, f"does not go with --profile {profile}.")
     if len(chosen := [name for name in SELECTIONS if name in given]) > 1:
         raise InputError(chosen[1], f"does not go with --{chosen[0]}.")
-    if "weigh" in given and "least_energy_in" in given:
-        raise InputError("weigh", "does not go with --least-energy-in, which weighs the energy alone.")
-    if given["what_if"] and given.get("load") == "possible":
+    if "what_if" in given and given.get("load") == "possible":
         raise InputError("what_if", "goes with --load guaranteed, not with what is possible with some load.")
     if "weights" in given and "sharing" in given and profile != "smooth":
         raise InputError("weights", "does not go with --share, which leaves no torques to choose.")
