@@ -7,12 +7,14 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
+
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Rule
 from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES, read_data, read_text, validated
-from mrts.base.regular_file import is_folder, open_regular, read_regular
+from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
@@ -29,13 +31,6 @@ from mrts.scaling.loads import mass_grid
 from mrts.studies.parameters import Parameter, read_parameters
 from mrts.studies.sampling import MAX_HYPERCUBE_NUMBERS, MAX_VARIANTS, SampleName, grid_size
 from mrts.studies.study import Study, StudyFile, StudyQuestion
-
-MAX_BAG_FILE_BYTES = 10**10
-"""Of one file of a ROS 2 bag; as large as its reader can bear."""
-
-
-HASHED_AT_A_TIME = 1 << 20
-"""Bytes of a file."""
 
 
 class StudyDescription(StudyQuestion):
@@ -92,7 +87,7 @@ def read_study(path: Path | str) -> Study:
     asked = repr((parameters, described.sample, variants, seed, question))
     content = [json.dumps([__version__, asked, given["cell"], own]).encode(), *(file.content for file in urdfs)]
     content += [] if mesh is None else [mesh.content]
-    hashes = [*map(_hash, content), *([] if poses else _table_hashes(given["motion"]))]
+    content += [] if poses else _table_content(motion)
     return Study(
         path=path.absolute(),
         folder=cell_path.resolve().parent,
@@ -107,7 +102,7 @@ def read_study(path: Path | str) -> Study:
         urdfs=urdfs,
         mesh=mesh,
         joints={robot.name: robot.joints for robot in cell.robots},
-        digest=_hash(b"".join(hashes)).hex(),
+        digest=hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in content)).hexdigest(),
     )
 
 
@@ -201,21 +196,11 @@ def _is_path_of_poses(given: dict[str, Any]) -> bool:
     return not (set(KINDS) - {"start", "waypoints"}) & set(given)
 
 
-def _table_hashes(motion: dict[str, Any]) -> list[bytes]:
-    named = Path(motion.get("file") or motion["joints"])
-    files = sorted(each for each in named.rglob("*") if each.is_file()) if named.is_dir() else [named]
-    hashes = []
-    for path in files:
-        digest = hashlib.sha256()
-        with open_regular(path, "table of motion", MAX_BAG_FILE_BYTES) as file:
-            while part := file.read(HASHED_AT_A_TIME):
-                digest.update(part)
-        hashes.append(digest.digest())
-    return hashes
-
-
-def _hash(content: bytes) -> bytes:
-    return hashlib.sha256(content).digest()
+def _table_content(table: ObjectMotion | JointTable) -> list[bytes]:
+    """The numbers of a table, and the names of its columns."""
+    parts = [part if isinstance(part, dict) else {"": part} for part in vars(table).values()]
+    columns = [(name, values) for part in parts for name, values in part.items() if isinstance(values, np.ndarray)]
+    return [content for name, values in columns for content in (name.encode(), np.ascontiguousarray(values).tobytes())]
 
 
 def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None:
