@@ -4,6 +4,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -168,10 +169,9 @@ def _check(profile: str, given: dict[str, Any]) -> None:
     """That the arguments given go with the profile, and with one another."""
     from inspect import signature
 
-    from mrts.scaling.scale import scale
-    from mrts.timing.retime import retime
-
-    known = {*signature(scale if profile == "constant" else retime).parameters, *FILES, *options.LIMITS}
+    module, name = ("scaling", "scale") if profile == "constant" else ("timing", "retime")
+    solve = getattr(import_module(f"mrts.{module}.{name}"), name)
+    known = {*signature(solve).parameters, *FILES, *options.LIMITS}
     known |= {*SELECTIONS} if profile == "constant" else set()
     known |= {"what_if"} if profile != "smooth" else set()
     known -= {"rates"} if profile == "optimal" else set()

@@ -3,6 +3,7 @@
 
 import hashlib
 import json
+from collections.abc import Iterator
 from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any
@@ -79,14 +80,13 @@ def read_study(path: Path | str) -> Study:
         "motion": _filled_motion(given["motion"]) if poses else {},
     }
     parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
-    urdfs, mesh = _study_files(cell_path, given["cell"])
+    files = tuple(_study_files(cell_path, given["cell"]))
     question = StudyQuestion(**{name: getattr(described, name) for name in StudyQuestion.model_fields})
     variants, seed = _variants(path, described, parameters), described.seed or 0
     where = {"file", "joints"}  # what such a table says is hashed
     own = {key: value for key, value in given["motion"].items() if key not in where}
     asked = repr((parameters, described.sample, variants, seed, question))
-    content = [json.dumps([__version__, asked, given["cell"], own]).encode(), *(file.content for file in urdfs)]
-    content += [] if mesh is None else [mesh.content]
+    content = [json.dumps([__version__, asked, given["cell"], own]).encode(), *(file.content for file in files)]
     content += [] if poses else _table_content(motion)
     return Study(
         path=path.absolute(),
@@ -99,27 +99,25 @@ def read_study(path: Path | str) -> Study:
         cell=given["cell"],
         motion=given["motion"],
         table=None if poses else motion,
-        urdfs=urdfs,
-        mesh=mesh,
+        files=files,
         joints={robot.name: robot.joints for robot in cell.robots},
         digest=hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in content)).hexdigest(),
     )
 
 
-def _study_files(path: Path, given: dict[str, Any]) -> tuple[tuple[StudyFile, ...], StudyFile | None]:
+def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
     """The files that a cell file names; where that is a xacro, the URDF that it became takes its place in the keys."""
-    urdfs, found = [], [reference.path(path, path.resolve().parent) for reference in described(path).references]
-    origins, meshes = found[: len(given["robots"])], found[len(given["robots"]) :]
-    for robot, (file, _), origin in zip(given["robots"], urdf_files(path).values(), origins, strict=True):
-        content = read_regular(file, "URDF", MAX_URDF_BYTES)
+    origins = [reference.path(path, path.resolve().parent).absolute() for reference in described(path).references]
+    for number, (robot, (file, _)) in enumerate(zip(given["robots"], urdf_files(path).values(), strict=True)):
+        content, origin = read_regular(file, "URDF", MAX_URDF_BYTES), origins[number]
         arguments = robot.pop("xacro_args", None) or {}
-        urdfs.append(StudyFile(robot["urdf"], str(file.absolute()), content, str(origin.absolute()), arguments))
-        if file != origin:
+        keys = ("robots", number, "urdf")
+        yield StudyFile(keys, robot["urdf"], str(file.absolute()), content, str(origin), arguments)
+        if file.absolute() != origin:
             robot["urdf"] = str(file)
-    if not meshes:
-        return tuple(urdfs), None
-    content, where = read_regular(meshes[0], "mesh", MAX_FILE_BYTES), str(meshes[0].absolute())
-    return tuple(urdfs), StudyFile(given["object"]["shape"]["mesh"], where, content, where)
+    for mesh in origins[len(given["robots"]) :]:
+        content, reference = read_regular(mesh, "mesh", MAX_FILE_BYTES), given["object"]["shape"]["mesh"]
+        yield StudyFile(("object", "shape", "mesh"), reference, str(mesh), content, str(mesh))
 
 
 def _described(path: Path) -> StudyDescription:

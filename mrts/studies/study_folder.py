@@ -251,7 +251,7 @@ def study_content(study: Study) -> dict[str, Any]:
             "cell": study.cell,
             "motion": study.motion,
             "limits": list(map(limit_name, study.limits)),
-            "urdfs": {each.reference: f"SHA-256 {hashlib.sha256(each.content).hexdigest()}" for each in study.urdfs},
+            "files": {each.reference: f"SHA-256 {hashlib.sha256(each.content).hexdigest()}" for each in study.files},
         },
     }  # fmt: skip
     same: dict[str, Any] = json.loads(json.dumps(content))
