@@ -100,7 +100,8 @@ class Command(click.Command):
         with self._errors_of_options(ctx):
             _, _, order = self.make_parser(ctx).parse_args(list(args))
             for param in order:
-                if isinstance(param, click.Option) and not (param.multiple or param.is_flag) and order.count(param) > 1:
+                once = isinstance(param, click.Option) and not (param.multiple or param.is_flag)
+                if once and order.count(param) > 1:
                     raise InputError(param.name or "", "is given twice.")
             return super().parse_args(ctx, args)
 
@@ -293,7 +294,7 @@ def _rates(text: str) -> bool | float:
     return share
 
 
-HTML = Written(".html", ".htm", needs=("plotly",), extra="report")
+HTML = Written(".html", ".htm", needs=("jinja2", "plotly"), extra="report")
 
 cell = argument("cell", type=Named(), metavar="CELL", help="cell file, or a folder that `mrts generate` wrote")
 motion = argument(

@@ -23,8 +23,8 @@ from mrts.console.terminal import say, warn
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from mrts.viewer.guard import GuardedServer
     from mrts.viewer.plots.other_result import Others
+    from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
     from mrts.viewer.workbench.choices import Given
 

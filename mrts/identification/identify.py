@@ -12,7 +12,7 @@ from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
-from mrts.following.joint_columns import columns_by_joint, meant_instead
+from mrts.following.coordinate import columns_by_joint, meant_instead
 from mrts.following.joint_limits import PRINTED_TOLERANCE, within_limits
 from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
 from mrts.identification.motor_regression import PARAMETERS, fit_joint

@@ -3,7 +3,6 @@
 
 import ctypes
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from mrts.base.manifest import FunctionRecord, Manifest
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import CELL_FILES, TRACKING_FILES
 from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, work_arrays
-from mrts.kernel.programs import STOPPED, Programs, offer_programs
+from mrts.kernel.programs import Programs, offer_programs
 from mrts.kernel.sample_terms import SampleTerms
 
 LIMITS = structure("rows.h", "mrts_limits")
@@ -71,31 +70,6 @@ class SparseLimits:
         if base is not None:
             self._arrays += [np.ascontiguousarray(base), np.array(axes, dtype=np.int32)]
         self.structure = LIMITS(self.rows, *(array.ctypes.data for array in self._arrays))
-
-
-@dataclass(frozen=True, kw_only=True)
-class KernelRanges:
-    """What the kernel found at N samples; k unknowns, c² last.
-
-    Attributes:
-        lower: c²⁻(t), Shape (N,).
-        upper: c²⁺(t), Shape (N,), infinity where nothing bounds it.
-        status: Of the programs, Shape (2, N), or (1, N) where rows have terms in c.
-        effect: Largest effect of c² = 1, or of c = 1 squared, on a row in its unit, Shape (N,).
-        basis: Rows that determine each end, Shape (2, N, k): 1 + row at an upper, -1 - row at a lower limit, 0 for
-            none; k + 1 of them where rows have terms in c.
-        dual: Their multipliers, likewise.
-        gap: A c² in the gap between the interval and a lower one, 0 where there is no other, Shape (N,); None where no
-            row has a term in c.
-    """
-
-    lower: Array
-    upper: Array
-    status: NDArray[np.uint8]
-    effect: Array
-    basis: NDArray[np.int16]
-    dual: NDArray[np.float32]
-    gap: Array | None = None
 
 
 class MotionLibrary:
@@ -168,70 +142,6 @@ class CellLibrary(MotionLibrary):
             (ctypes.c_longlong * len(outputs))(*(item.shape[0] * item.shape[1] for item in record.outputs)),
         )
         return {name: _by_rows(value) for name, value in outputs.items()}
-
-    def ranges(
-        self,
-        samples: int,
-        inputs: dict[str, Array],
-        limits: SparseLimits,
-        terms: SampleTerms,
-        most: Array,
-        *,
-        speeds: bool = False,
-    ) -> KernelRanges:
-        """Least and largest c² at every sample.
-
-        Args:
-            samples: N.
-            inputs: Of the wrench form, by name.
-            limits: Rows over torques and wrenches.
-            terms: What is added at every sample.
-            most: Largest c² that the velocities allow or that is asked for, Shape (N,), infinity where none is.
-            speeds: Whether rows have terms in c: then the ends are those of the highest interval.
-        """
-        rows, N = self.unknowns + speeds, samples
-        found = KernelRanges(
-            lower=np.zeros(N),
-            upper=np.zeros(N),
-            status=np.full((1 if speeds else 2, N), STOPPED, dtype=np.uint8),
-            effect=np.zeros(N),
-            basis=np.zeros((2, N, rows), dtype=np.int16),
-            dual=np.zeros((2, N, rows), dtype=np.float32),
-            gap=np.zeros(N) if speeds else None,
-        )
-        between = [] if found.gap is None else [found.gap]
-        outputs = [found.lower, found.upper, *between, *found.status, found.effect, *found.basis, *found.dual]
-        name = "mrts_speed_ranges" if speeds else "mrts_ranges"
-        self.over_samples(name, samples, inputs, limits, terms, [np.minimum(most, INFINITY)], outputs)
-        return found
-
-    def torques(
-        self,
-        samples: int,
-        inputs: dict[str, Array],
-        limits: SparseLimits,
-        terms: SampleTerms,
-        c2: Array,
-        weights: Array,
-        widening: float,
-    ) -> tuple[Array, Array, NDArray[np.uint8]]:
-        """Torques τ, Shape (N, m), wrenches F, Shape (N, n w), that minimise τᵀWτ at c², and statuses, Shape (N,).
-
-        Args:
-            samples: N.
-            inputs: Of the wrench form, by name.
-            limits: Rows over torques and wrenches.
-            terms: What is added at every sample.
-            c2: Shape (N,).
-            weights: W, Shape (m, m).
-            widening: By which limits are moved outward, as a share of each.
-        """
-        torque, wrench = np.zeros((samples, self.joints)), np.zeros((samples, self.wrenches))
-        status = np.full(samples, STOPPED, dtype=np.uint8)
-        W = np.ascontiguousarray(weights)
-        outputs: list[NDArray[Any]] = [torque, wrench, status]
-        self.over_samples("mrts_torques", samples, inputs, limits, terms, [c2], outputs, (1, W, widening))
-        return torque, wrench, status
 
     def over_samples(
         self,

@@ -13,10 +13,10 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
+from mrts.cell.number_paths import value_at
 from mrts.cell.remarks import NO_COLLISIONS
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.scaling.result import ScalingResult, kept_text
-from mrts.studies.number_paths import value_at
 from mrts.studies.study import Study
 
 NO_GAIN = 1e-9

@@ -8,7 +8,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.plots.colours import COLOURS
-from mrts.plots.labels import contact_failure, short_name
+from mrts.plots.labels import short_name
 from mrts.plots.limit_shares import AT_LIMIT, LimitingRows, LimitShares, all_shares, shares_by_kind
 from mrts.plots.plot import Axis, Cells, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel
 from mrts.scaling.result import ScalingResult
@@ -40,7 +40,7 @@ def limits_plot(result: ScalingResult, title: str, without: Sequence[str] = ()) 
     Raises:
         ValueError: If there is no trajectory.
     """
-    kinds = shares_by_kind(*all_shares(result), contact_failure)
+    kinds = shares_by_kind(*all_shares(result))
     panels = [_percent_panel(of, result) for of in kinds if of.kind not in without]
     return Plot(
         name="limits", title=title, rows=[panels[at : at + 2] for at in range(0, len(panels), 2)], clock="played"

@@ -4,124 +4,87 @@
 import gzip
 import json
 from base64 import b85encode
-from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from mrts.base.errors import InputError
-from mrts.plots.plot import Plot
+from mrts.base.printable import printable
 from mrts.plots.plotly_drawer import plotly_figure
-from mrts.report.markup import Html, contents, element, html, joined, plot_place
-
-Plots = dict[str, dict[str, Any]]
-"""What a document draws, as plotly reads it, by its place."""
 
 
 @cache
 def plot_library() -> str:
-    """The text of plotly.js, packed: it is nearly all of a page.
+    """The text of plotly.js, packed: it is nearly all of a page."""
+    from plotly.offline import get_plotlyjs  # noqa: PLC0415 (the extra 'report')
 
-    Raises:
-        InputError: If plotly is not installed.
-    """
-    try:
-        from plotly.offline import get_plotlyjs  # noqa: PLC0415 (the extra 'report')
-    except ModuleNotFoundError:
-        raise InputError("report", "needs plotly: pip install 'mrts[report]'.") from None
     return packed(get_plotlyjs())
 
 
 def packed(text: str) -> str:
-    """Text for a script element of the page, compressed: base 85 of gzip, with "," for "<", which could end it.
-
-    Args:
-        text: Any.
-
-    Returns:
-        The same for the same text.
-    """
+    """Text for a script element of the page: base 85 of gzip, with "," for "<", which could end it."""
     return b85encode(gzip.compress(text.encode(), mtime=0)).decode().replace("<", ",")
 
 
-def placed(plots: Plots, *drawn: Plot) -> Html:
-    """Plots beside each other, which become those of the document.
-
-    Args:
-        plots: Of the document.
-        *drawn: What is added to them.
-    """
-    return element("div", joined(place_figure(plots, plot.name, plot.title, plotly_figure(plot)) for plot in drawn),
-                   class_="plots")  # fmt: skip
-
-
-def place_figure(plots: Plots, name: str, title: str, figure: dict[str, Any]) -> Html:
-    """Where a figure of plotly goes, which becomes one of the document."""
-    plots[f"plot-{name}"] = figure
-    return plot_place(f"plot-{name}", title, figure["layout"]["height"])
-
-
-def document(
-    title: str,
-    head: str,
-    pieces: Sequence[str],
-    plots: Plots,
-    **data: Mapping[str, Any],
-) -> str:
+def document(template: str, title: str, data: dict[str, Any], **context: Any) -> str:
     """A document that opens offline; the same parts give the same text.
 
     Args:
+        template: Of its head and its sections, in `templates`.
         title: Of the window.
-        head: What stands above all, HTML.
-        pieces: HTML; the sections among them are listed.
-        plots: What is drawn into their places of the body.
-        **data: What its script needs beside the plots.
+        data: What its script needs beside the plots.
+        **context: What the template names.
 
     Raises:
-        InputError: If plotly is not installed.
+        InputError: If plotly or Jinja is not installed.
     """
-    library = plot_library()
-    text = packed(json.dumps({"plots": plots, **data}, allow_nan=False, separators=(",", ":")))
-    compiles = any(trace.get("type") == "parcoords" for plot in plots.values() for trace in plot["data"])
-    return f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{policy(compiles=compiles)}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<meta name="generator" content="mrts">
-<title>{html(title)}</title>
-<style>
-{_file("report.css")}</style>
-</head>
-<body>
-<header>
-<button id="theme" type="button" hidden>Dark</button>
-{html(head)}
-<p id="drawing" class="note">Plots are drawn by a browser of 2024 or later that may run scripts.</p>
-</header>
-{contents(pieces)}
-<main>
-{joined(pieces)}
-</main>
-<script type="text/plain" id="plot-library">{library}</script>
-<script type="text/plain" id="report-data">{text}</script>
-<script>
-{_file("report.js")}</script>
-</body>
-</html>
-"""
+    try:
+        from jinja2 import Environment, PackageLoader, StrictUndefined  # noqa: PLC0415 (the extra 'report')
+
+        library = plot_library()
+    except ModuleNotFoundError as error:
+        raise InputError("report", f"needs {error.name}: pip install 'mrts[report]'.") from None
+    plots: dict[str, dict[str, Any]] = {}
+
+    def place(name: str, drawn: dict[str, Any]) -> str:
+        """The identifier of a figure's place; it becomes one of the document."""
+        plots[f"plot-{name}"] = drawn
+        return f"plot-{name}"
+
+    def packed_data() -> str:
+        return packed(json.dumps({"plots": plots, **data}, allow_nan=False, separators=(",", ":")))
+
+    def scripts() -> str:
+        """What the browser lets the page run: plotly's parallel coordinates are compiled."""
+        compiles = any(trace.get("type") == "parcoords" for plot in plots.values() for trace in plot["data"])
+        return "'unsafe-inline' 'unsafe-eval'" if compiles else "'unsafe-inline'"
+
+    environment = Environment(
+        loader=PackageLoader("mrts.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        extensions=["jinja2.ext.do"],
+        finalize=lambda value: printable(value, lines=True) if type(value) is str else value,  # else it is HTML
+    )
+    environment.filters["sentence"] = _sentence
+    return environment.get_template(template).render(
+        title=title,
+        contents=[],
+        style=_file("report.css"),
+        script=_file("report.js"),
+        library=library,
+        data=packed_data,
+        place=place,
+        scripts=scripts,
+        plotly_figure=plotly_figure,
+        **context,
+    )
 
 
-def policy(*, compiles: bool) -> str:
-    """What the browser lets the page do: nothing from outside.
-
-    Args:
-        compiles: Whether the page may compile scripts: plotly's parallel coordinates do.
-    """
-    scripts = "'unsafe-inline' 'unsafe-eval'" if compiles else "'unsafe-inline'"
-    return f"default-src 'none'; script-src {scripts}; style-src 'unsafe-inline'; img-src data: blob:"
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}." if text else ""
 
 
 def _file(name: str) -> str:

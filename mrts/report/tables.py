@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Tables of the report: what was given, the range, limits and how far they are used, conflicts, loads."""
+"""Tables of the report of a result: what was given, the range, limits and how far they are used, conflicts, loads."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -10,30 +11,104 @@ from mrts.base.interval_text import interval_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import JOINT_HEAD
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.plots.labels import contact_failure, range_facts, range_text, row_text, short_name
+from mrts.plots.card import Card
+from mrts.plots.labels import range_facts, range_text, row_text, short_name
 from mrts.plots.limit_shares import LimitingRows
 from mrts.plots.range_plots import ranked_loads
 from mrts.plots.what_if_plot import MOST_BARS, changed_shares
 from mrts.program.infeasibility import Conflict
-from mrts.report.markup import Html, bar, element, html, joined, table
 from mrts.scaling.limit_use import limit_uses, rate_uses
+from mrts.scaling.loads import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.what_if import WhatIf
+from mrts.timing.result import RetimingResult
 
 MOST_CONFLICTS = 10
 MOST_LOADS = 16
 """Rows of the tables of conflicts and loads; the rest is counted."""
 
 MOST_LISTED = 12
-"""Changes that are listed in words: with which it cannot be played, or can where it could not before."""
+"""Limits of a timing, and changes in words; the rest is counted."""
 
 DECIMALS = 9
 """Of numbers in SI units: what is less is left over from sums of larger terms."""
 
 
-def inputs_table(result: ScalingResult) -> Html:
-    """Cell, object, motion and how the load is shared."""
+class Bar(NamedTuple):
+    """A cell with a bar, which a share of 1 fills, and a text."""
+
+    share: float
+    text: str
+    state: str = ""
+
+
+class Styled(NamedTuple):
+    """A cell whose text has a style of its own."""
+
+    text: str
+    style: str
+
+
+Entry: TypeAlias = "str | Bar | Styled | tuple[Entry, ...]"
+"""Of a table; a tuple has its parts below each other."""
+
+
+class Table(NamedTuple):
+    """Titles of the columns, rows, and what is left out."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[Entry]]
+    more: str = ""
+
+
+def bar(share: float, digits: int = 0, state: str = "") -> Bar:
+    """A share as a bar with its percentage."""
+    return Bar(share, f"{100 * share:.{digits}f} %", state)
+
+
+def more(count: int, what: str) -> str:
+    """How many are left out; empty if none are."""
+    return f"{count} more {what}" if count > 0 else ""
+
+
+def nearest_table(card: Card) -> Table:
+    """The limits that are nearest."""
+    rows = [(one.label, bar(one.share, 1, one.nearness), f"at {one.time:.4g} s") for one in card.bars]
+    return Table(("nearest limits", "used at most", ""), rows)
+
+
+def durations_table(found: RetimingResult) -> Table:
+    """A timing beside the best constant factor and the given motion."""
+    given, best, smooth = float(found.motion.object.time[-1]), found.factor, found.smooth
+    longest = max(given, found.duration or 0.0, best.duration or 0.0)
+
+    def row(name: str, duration: float | None, more: str = "") -> tuple[Entry, ...]:
+        if duration is None:
+            return (name, "none", "", more)
+        return (name, f"{duration:.4g} s", Bar(duration / longest, f"{100 * duration / given:.4g} %"), more)
+
+    saving = ""
+    if found.saving is not None:
+        less = "less" if found.saving >= 0 else "more"
+        saving = f"{100 * abs(found.saving):.3g} % {less} than the best constant factor"
+    rows = [row(smooth.what if smooth is not None else "fastest timing", found.duration, saving)]
+    if smooth is not None and smooth.bound is not None:
+        rows.append(row("fastest without limits of rates", smooth.bound, "no timing takes less"))
+    at = "" if best.c2 is None else f"c² = {best.c2:.4g}"
+    rows += [row("best constant factor", best.duration, at), row("as given", given)]
+    return Table(("timing", "duration", "of the given time", ""), rows)
+
+
+def timing_limits_table(found: RetimingResult) -> Table:
+    """What limits a timing, and for how much of it."""
+    rows = [(name, bar(share)) for name, share in found.limits[:MOST_LISTED]]
+    head = ("what limits the speed", "for this share of the duration")
+    return Table(head, rows, more(len(found.limits) - MOST_LISTED, "limits"))
+
+
+def inputs(result: ScalingResult) -> list[tuple[str, str]]:
+    """Cell, object, motion and how the load is shared, by name."""
     cell, given = result.cell, result.motion.object
     where = f"planar in {cell.plane}" if cell.plane else "spatial"
     path = f"from {_vector(given.position[0])} m to {_vector(given.position[-1])} m"
@@ -60,7 +135,7 @@ def inputs_table(result: ScalingResult) -> Html:
     if result.reserve is not None:
         entries.append(("reserve", str(result.reserve)))
     entries.append(("between the samples", _between_text(result)))
-    return element("dl", joined(joined([element("dt", name), element("dd", text)]) for name, text in entries))
+    return entries
 
 
 def _object_text(cell: Cell) -> str:
@@ -98,16 +173,16 @@ def _distribution_text(result: ScalingResult) -> str:
     return f"a fixed distribution, shares {', '.join(f'{share:.4g}' for share in sharing.shares)}"
 
 
-def joints_table(cell: Cell) -> Html:
+def joints_table(cell: Cell) -> Table:
     """Limits of every joint."""
     rows = [(robot.name, *row) for robot in cell.robots for row in robot.joint_rows()]
     *head, velocity = ("robot", "joint", *JOINT_HEAD)
-    return table((*head, velocity if cell.enforces_velocity_limits else f"{velocity} (not enforced)"), rows)
+    return Table((*head, velocity if cell.enforces_velocity_limits else f"{velocity} (not enforced)"), rows)
 
 
-def motors_table(cell: Cell) -> list[Html]:
-    """What is known of the motors, where that is more than their largest torque; nothing if all are ideal."""
-    rows = []
+def motors_table(cell: Cell) -> Table:
+    """What is known of the motors, where that is more than their largest torque; no rows if all are ideal."""
+    rows: list[tuple[Entry, ...]] = []
     for robot in cell.robots:
         motors = robot.motors
         for j, joint in enumerate(robot.joints):
@@ -116,15 +191,14 @@ def motors_table(cell: Cell) -> list[Html]:
             corners = [] if curve is None else [f"{most:g} {torque} at {dq:g} {speed}" for dq, most in curve.tolist()]
             numbers = (motors.armature[j], motors.coulomb[j], motors.viscous[j])
             rated = f"{motors.rated[j]:g} {torque}" if np.isfinite(motors.rated[j]) else ""
-            known = (*(f"{value:g}" if value else "" for value in numbers), _lines(corners), rated)
+            known: tuple[Entry, ...] = (*(f"{value:g}" if value else "" for value in numbers), tuple(corners), rated)
             if any(known):
                 rows.append((f"{robot.name}/{joint}", *known))
     head = ("joint", "armature", "Coulomb friction", "viscous friction", "torque-speed curve", "rated torque")
-    note = "Armature in kg m², friction in N m and N m s/rad; of prismatic joints in kg, N and N s/m."
-    return [table(head, rows), element("p", note, class_="note")] if rows else []
+    return Table(head, rows)
 
 
-def wrench_limits_table(cell: Cell) -> Html:
+def wrench_limits_table(cell: Cell) -> Table:
     """Limits of every contact wrench, and what else the hands can exert where that is told."""
     rows: list[tuple[str, ...]] = []
     for robot in cell.robots:
@@ -135,12 +209,12 @@ def wrench_limits_table(cell: Cell) -> Html:
         head = (*head, "hand")
         hands = [", ".join(f"{own.name} ({len(own.rows)} rows)" for own in robot.contacts) for robot in cell.robots]
         rows = [(*row, hand) for row, hand in zip(rows, hands, strict=True)]
-    return table(head, rows)
+    return Table(head, rows)
 
 
-def range_table(found: ScalingRange) -> list[Html]:
-    """Both ends of the range and what sets them; nothing if there are none."""
-    rows = []
+def range_table(found: ScalingRange) -> Table:
+    """Both ends of the range and what sets them."""
+    rows: list[tuple[Entry, ...]] = []
     ends = [("c²⁻", found.lower), ("c²⁺", found.upper)]
     for name, end in ends:
         if end is None:
@@ -149,40 +223,39 @@ def range_table(found: ScalingRange) -> list[Html]:
             rows.append((name, "∞", "∞", "", "nothing limits it"))
             continue
         place = f"{end.time:.4g} s" + ("" if end.load is None else f", {end.load}")
-        rows.append((name, f"{end.c2:.6g}", f"{np.sqrt(max(end.c2, 0)):.4g} ×", place, _rows_list(end.rows)))
-    return [table(("end", "c²", "speed", "set at", "by"), rows)] if rows else []
+        rows.append((name, f"{end.c2:.6g}", f"{np.sqrt(max(end.c2, 0)):.4g} ×", place, _limits(end.rows)))
+    return Table(("end", "c²", "speed", "set at", "by"), rows)
 
 
-def margins_table(result: ScalingResult, limiting: LimitingRows) -> Html:
+def margins_table(result: ScalingResult, limiting: LimitingRows) -> Table:
     """Every limit by falling share that the trajectory uses; those that set the speed first, each hand's failure once.
 
     Args:
         result: A result.
         limiting: Which rows set its speed.
     """
-    rows: dict[str, tuple[str, ...]] = {}
+    rows: dict[str, tuple[Entry, ...]] = {}
     for use in sorted(limit_uses(result), key=lambda use: use.name not in limiting.setting):
         values = interval_text(use.lower, use.upper, use.name.unit), f"{use.least:.4g}", f"{use.largest:.4g}"
-        told = ("", "", "") if contact_failure(use.name) else values  # of what there is no value that people know
+        told = ("", "", "") if use.name.failure else values  # of what there is no value that people know
         share = bar(use.share, 1), f"{use.time:.4g} s"
         rows.setdefault(short_name(use.name), (_marked(use.name, limiting), *told, *share))
-    return table(("limit", "from … to", "least", "largest", "share used", "most used at"), rows.values())
+    return Table(("limit", "from … to", "least", "largest", "share used", "most used at"), [*rows.values()])
 
 
-def _marked(name: RowName, limiting: LimitingRows) -> Html:
+def _marked(name: RowName, limiting: LimitingRows) -> tuple[Entry, ...]:
     """The name of a limit with what is to be said of it below."""
-    sets = limiting.setting.get(name)
-    words = limiting.reached.get(name, "") if sets is None else sets
-    mark = element("span", words, class_="mark" if sets is None else "mark limiting")
-    return joined([html(short_name(name)), *([Html("<br>"), mark] if words else [])])
+    if name in limiting.setting:
+        return short_name(name), Styled(limiting.setting[name], "mark limiting")
+    words = limiting.reached.get(name)
+    return (short_name(name), *([Styled(words, "mark")] if words else []))
 
 
-def duty_table(result: ScalingResult) -> Html:
+def duty_table(result: ScalingResult) -> Table:
     """What the motion asks of every motor, with the share of what it bears where that is known."""
     done = result.trajectory
-    if done is None:
-        return Html("")
-    rows = []
+    assert done is not None  # noqa: S101 (only a trajectory asks anything)
+    rows: list[tuple[Entry, ...]] = []
     for robot, duty in zip(result.cell.robots, done.duty.values(), strict=True):
         for j, joint in enumerate(robot.joints):
             torque, speed = robot.torque_units[j], f"{robot.position_units[j]}/s"
@@ -198,27 +271,22 @@ def duty_table(result: ScalingResult) -> Html:
                 )
             )
     head = ("joint", "rms torque", "peak torque", "peak speed", "power given / taken", "torque rate", "jerk")
-    return table(head, rows)
+    return Table(head, rows)
 
 
-def rates_table(result: ScalingResult, limiting: LimitingRows) -> list[Html]:
-    """Every rate that is limited by falling share; nothing if none is.
+def rates_table(result: ScalingResult, limiting: LimitingRows) -> Table:
+    """Every rate that is limited by falling share.
 
     Args:
         result: A result.
         limiting: Which rows set its speed.
     """
-    if result.trajectory is None:
-        return []
-    rows, uses = [], rate_uses(result)
-    for use in sorted(uses, key=lambda use: use.name not in limiting.setting):
+    rows: list[tuple[Entry, ...]] = []
+    for use in sorted(rate_uses(result), key=lambda use: use.name not in limiting.setting):
         unit = use.name.unit
         numbers = (f"{use.upper:.4g} {unit}", f"{use.size:.4g} {unit}", f"{100 * use.share:.1f} %")
         rows.append((_marked(use.name, limiting), *numbers, f"{use.time:.4g} s"))
-    kept = "They are kept" if result.options.rates is not None else "They are reported, and bound nothing"
-    note = f"{kept}; differences of neighbouring samples."
-    head = ("limited rate", "limit", "largest", "share", "at")
-    return [table(head, rows), element("p", note, class_="note")] if rows else []
+    return Table(("limited rate", "limit", "largest", "share", "at"), rows)
 
 
 def _cleared(value: float) -> float:
@@ -226,81 +294,69 @@ def _cleared(value: float) -> float:
     return float(np.round(value, DECIMALS) + 0.0)
 
 
-def _of_limit(value: float, unit: str, share: float) -> Html:
-    shown = html(f"{_cleared(value):.4g} {unit}")
-    return joined([shown, *([Html("<br>"), html(f"{100 * share:.1f} %")] if share > 0 else [])])
+def _of_limit(value: float, unit: str, share: float) -> tuple[Entry, ...]:
+    return (f"{_cleared(value):.4g} {unit}", *([f"{100 * share:.1f} %"] if share > 0 else []))
 
 
-def conflicts_table(conflicts: Sequence[Conflict]) -> Html:
+def conflicts_table(conflicts: Sequence[Conflict]) -> Table:
     """Which limits conflict and when; conflicts of the same limits share a row, which tells of their worst sample."""
     groups: dict[str, list[Conflict]] = {}
     for conflict in sorted(conflicts, key=lambda conflict: -conflict.widening):
         load = "" if conflict.load is None else f" with {conflict.load}"
         groups.setdefault(f"{sorted(map(str, conflict.rows))}{load}", []).append(conflict)
-    rows = []
+    rows: list[tuple[Entry, ...]] = []
     for alike in list(groups.values())[:MOST_CONFLICTS]:
         worst = alike[0]
         moves = zip(worst.rows, worst.moves, strict=True)
-        named = _lines(f"{row_text(row)}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
+        named = tuple(f"{row_text(row)}: by {move:.3g} {row.name.unit}".rstrip() for row, move in moves)
         times = [conflict.time for conflict in alike]
-        when = html(f"{worst.time:.4g} s")
+        when: Entry = f"{worst.time:.4g} s"
         if len(alike) > 1:
             span = f"{len(alike)} samples from {min(times):.4g} s to {max(times):.4g} s,"
-            when = _lines((span, f"worst at {worst.time:.4g} s"))
+            when = span, f"worst at {worst.time:.4g} s"
         load = "" if worst.load is None else str(worst.load)
         rows.append((when, f"{100 * worst.widening:.3g} %", named, load))
     head = ("t", "all limits wider by", "these conflict, and how far each would have to move", "load")
     with_load = any(row[-1] for row in rows)
-    whole = table(head if with_load else head[:-1], rows if with_load else [row[:-1] for row in rows])
-    return joined([whole, *_rest(len(groups) - MOST_CONFLICTS, "sets of limits that conflict")])
+    rest = more(len(groups) - MOST_CONFLICTS, "sets of limits that conflict")
+    return Table(head if with_load else head[:-1], rows if with_load else [row[:-1] for row in rows], rest)
 
 
-def loads_table(result: ScalingResult) -> Html:
-    """Ranges by load, the worst first; nothing if no load was looked at by itself."""
-    study = result.load
-    if study is None or not study.ranges:
-        return Html("")
-    rows = []
+def loads_table(study: LoadStudy) -> Table:
+    """Ranges by load, the worst first."""
+    rows: list[tuple[Entry, ...]] = []
     for index in ranked_loads(study)[:MOST_LOADS]:
         found = study.ranges[index]
-        ends, by = range_text(found), _lines(range_facts(found))
+        ends, by = range_text(found), tuple(range_facts(found))
         if found.upper is not None and found.status.admits_motion:
-            by = _rows_list(found.upper.rows)
+            by = _limits(found.upper.rows)
         rows.append((str(study.points[index]), ends, by))
-    whole = table(("load", "c²", "c²⁺ is set by"), rows)
-    return joined([whole, *_rest(len(study.ranges) - MOST_LOADS, "loads")])
+    return Table(("load", "c²", "c²⁺ is set by"), rows, more(len(study.ranges) - MOST_LOADS, "loads"))
 
 
-def what_if_notes(found: WhatIf) -> list[Html]:
-    """What the bars of changes do not show, in words."""
-    first, *_ = found.lines(gains=0, losses=0)
-    told = [element("p", f"{first[0].upper()}{first[1:]}.", class_="note")]
-    more, _, lost = found.sorted()
-    for title, listed in (
-        ("With these it can be played:", [one for one in more if one.faster is None]),
+def changes_in_words(found: WhatIf) -> list[tuple[str, list[str]]]:
+    """Changes that bars do not show, under their titles: with which it cannot be played, or can for the first time."""
+    gains, _, lost = found.sorted()
+    told = (
+        ("With these it can be played:", [one for one in gains if one.faster is None]),
         ("With these it cannot be played:", lost),
-    ):
-        if listed:
-            lines = [element("li", str(one)) for one in listed[:MOST_LISTED]]
-            rest = len(listed) - MOST_LISTED
-            lines += [element("li", f"… and {rest} more")] if rest > 0 else []
-            told += [element("p", title), element("ul", joined(lines))]
+    )
+    return [
+        (title, [*map(str, listed[:MOST_LISTED]), *filter(None, [more(len(listed) - MOST_LISTED, "changes")])])
+        for title, listed in told
+        if listed
+    ]
+
+
+def changes_left_out(found: WhatIf) -> list[str]:
+    """What else there is to know of changes, a sentence each."""
     hidden = len(changed_shares(found)) - MOST_BARS
-    rest_of_bars = f"{hidden} more do less than these" if hidden > 0 else ""
-    sentences = [text for text in (rest_of_bars, found.nothing_else(), found.left_out) if text]
-    return [*told, *(element("p", f"{text[0].upper()}{text[1:]}.", class_="note") for text in sentences)]
+    rest = f"{hidden} more do less than these" if hidden > 0 else ""
+    return [text for text in (rest, found.nothing_else(), found.left_out) if text]
 
 
-def _rest(count: int, what: str) -> list[Html]:
-    return [element("p", f"… and {count} more {what}.")] if count > 0 else []
-
-
-def _rows_list(rows: Sequence[ActiveRow]) -> Html:
-    return _lines(dict.fromkeys(map(row_text, rows)))
-
-
-def _lines(lines: Iterable[str]) -> Html:
-    return Html("<br>".join(html(line) for line in lines))
+def _limits(rows: Sequence[ActiveRow]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(map(row_text, rows)))
 
 
 def _vector(values: Array) -> str:

@@ -15,8 +15,7 @@ from mrts.base.formats.pose import Finite, Positive
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.cell.cell import Cell
-from mrts.studies.distributions import Distribution
-from mrts.studies.number_paths import (
+from mrts.cell.number_paths import (
     Keys,
     PathError,
     find_keys,
@@ -26,6 +25,7 @@ from mrts.studies.number_paths import (
     value_at,
     with_place,
 )
+from mrts.studies.distributions import Distribution
 from mrts.studies.sampling import MAX_STEPS, SampleName
 
 RESERVED_NAMES = (

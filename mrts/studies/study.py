@@ -22,10 +22,10 @@ from mrts.base.input_file import MAX_FILE_BYTES
 from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
+from mrts.cell.number_paths import Keys, set_value, value_at
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.studies.number_paths import Keys, set_number, value_at
 from mrts.studies.parameters import Parameter
 from mrts.studies.sampling import SampleName, sample_points
 
@@ -174,7 +174,7 @@ class Study:
         files = {"cell": deepcopy(self.cell), "motion": deepcopy(self.motion)}
         for parameter, value in zip(self.parameters, values.tolist(), strict=True):
             for target in parameter.targets:
-                set_number(files, target.keys, target.value(value))
+                set_value(files, target.keys, target.value(value))
         return files["cell"], files["motion"]
 
     def at_hand(self) -> Self:
@@ -189,7 +189,7 @@ class Study:
             path = folder / f"{number}{Path(file.path).suffix}"
             if not _holds(path, file.content):
                 write_atomically(path, partial(_write, content=file.content), private=True)
-            value_at(cell, file.keys[:-1])[file.keys[-1]] = path.name
+            set_value(cell, file.keys, path.name)
         return replace(self, folder=folder, cell=cell)
 
     def write_variant(self, index: int, folder: Path | str) -> tuple[Path, Path]:
@@ -229,10 +229,9 @@ class Study:
         """
         written = deepcopy(keys)
         for file in self.files:
-            holder = value_at(written, file.keys[:-1])
-            holder[file.keys[-1]] = file.named_in(folder)
+            set_value(written, file.keys, file.named_in(folder))
             if file.xacro_args:
-                holder["xacro_args"] = dict(file.xacro_args)
+                value_at(written, file.keys[:-1])["xacro_args"] = dict(file.xacro_args)
         return yaml_text(written)
 
 

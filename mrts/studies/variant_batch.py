@@ -13,7 +13,7 @@ from mrts.base.errors import MrtsError
 from mrts.base.rigid_transform import rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
-from mrts.following.variant_tracking import TrackedVariants, VariantTracking
+from mrts.following.variant_tracking import TrackedVariants, track_variants
 from mrts.kernel.cell_library import SparseLimits
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
@@ -101,7 +101,6 @@ class VariantBatch:
     def __init__(self, study: Study, cell: Cell, motion: ObjectMotion, entries: Sequence[Entry]) -> None:
         self._study, self._cell, self._motion, self._entries = study, cell, motion, entries
         self._reserve = cell.reserve if study.question.reserve is None else study.question.reserve
-        self._tracking = VariantTracking(cell)
         self._base = base_numbers(study, cell)
         m = sum(len(robot.joints) for robot in cell.robots)
         still = np.zeros((len(motion.time), m))
@@ -150,7 +149,7 @@ class VariantBatch:
         geometry, path = numbers.geometry(self._cell), self._path(numbers, refused)
         if self._cell.plane is not None:
             refused |= leaves_plane(self._cell, path["twist"])
-        tracked = self._tracking.follow(path, geometry, numbers["posture"], refused)
+        tracked = track_variants(self._cell, path, geometry, numbers["posture"], refused)
         given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits(numbers)}
         found = variant_ranges(self._cell.library, tracked.joints, self._sparse, SampleTerms(), given)
         return given, tracked, found

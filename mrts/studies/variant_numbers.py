@@ -12,7 +12,7 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
-from mrts.studies.number_paths import Keys
+from mrts.cell.number_paths import Keys
 from mrts.studies.parameters import Target
 from mrts.studies.study import Study
 

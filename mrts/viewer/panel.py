@@ -103,14 +103,15 @@ def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
         coarse: Whether another follows that also keeps the limits between the samples.
     """
     result = state.result
-    text = html_text(state.sentence())
+    admits = result.status.admits_motion and not state.refusal
+    text = f"<b>{html_text(state.card.outcome)}</b><br>" if admits else ""
+    text += html_text(state.sentence())
     if coarse:
         samples = len(result.motion.object.time)
         text = f"<b>Coarse, the whole answer follows</b> (limits are kept at {samples} samples only): {text}"
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     text += "".join(f"<br>{html_text(str(remark))}" for remark in result.warnings)
-    admits = result.status.admits_motion and not state.refusal
     return _paragraph("outcome", text, "inherit" if admits else OVER)
 
 

@@ -3,8 +3,8 @@
 
 import re
 from copy import copy
-from dataclasses import dataclass
-from math import isfinite, sqrt
+from dataclasses import dataclass, replace
+from math import isfinite
 from typing import Any, Literal
 
 import numpy as np
@@ -18,14 +18,14 @@ from mrts.limits import all_rows, limit_rows
 from mrts.limits.rows import RowName
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.plots.card import Card, answer_card
 from mrts.program.excess import BETWEEN
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.rate_limits import Rates
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
-from mrts.scaling.scale import SelectionError, conflict_at, scale
+from mrts.scaling.scale import SelectionError, conflict_at, distributed_torques, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scaling.torques import distributed_torques
 from mrts.scene.scene import DecidingLimit, Scene, deciding_limit
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime
@@ -36,9 +36,6 @@ DIRECTION = re.compile(r" ([+-][ab]?|[ab]|\d+)$")
 """The end of a contact's row that tells it from others of its kind: `+a` of "pad friction +a"."""
 
 Profile = Literal["constant", "optimal", "smooth"]
-
-OWN_BARS = ("torque", "wrench", "velocity")
-"""Kinds of limits that have bars of their own; others stand below them."""
 
 
 @dataclass(frozen=True)
@@ -153,8 +150,7 @@ class PlayerState:
         else:
             found = retime(cell, motion, rates=rates if profile == "smooth" else False, **asked)
             self._take_timing(found)
-        self.trajectory, self.excess = self._distribute(self.speeds.c2(self.speeds.start))
-        self._rows = all_rows(self.result.cell, self.result.motion)
+        self._play(self.speeds.c2(self.speeds.start))
 
     def _take_timing(self, found: RetimingResult) -> None:
         if found.retimed is None:
@@ -170,18 +166,13 @@ class PlayerState:
 
         Args:
             result: With a trajectory.
-
-        Raises:
-            InputError: If it has none.
         """
         done = result.trajectory
-        if done is None:
-            raise InputError("result", f"has no motion to play: {result.status.value}.")
+        assert done is not None  # noqa: S101 (what is shown has one)
         state = cls.__new__(cls)
         state.sample, state.profile, state.timing, state.refusal, state.is_saved = 0, "constant", None, "", True
-        state.result, state.trajectory, state.speeds = result, done, Speeds({}, done.c, done.c, 1.0, done.c)
-        state.excess = _excess(done)
-        state._rows = all_rows(result.cell, result.motion)  # noqa: SLF001 (its own)
+        state.result, state.speeds = result, Speeds({}, done.c, done.c, 1.0, done.c)
+        state._take(done)  # noqa: SLF001 (its own)
         return state
 
     @property
@@ -191,15 +182,22 @@ class PlayerState:
         return Scene(self.result.cell, motion.q, motion.object.position, motion.object.rotation, self.excess > 0)
 
     @property
+    def played(self) -> ScalingResult:
+        """The result with the trajectory at the chosen speed, whether or not that is admissible."""
+        done, result = self.trajectory, self.result
+        return replace(result, found=result.range, c2=done.c2, trajectory=done)
+
+    @property
+    def card(self) -> Card:
+        """The answer in one line, and the limits that are nearest; where no speed is admissible, why."""
+        if self.timing is not None and self.trajectory.c2 == 1:
+            return answer_card(self.timing)
+        return answer_card(self.played if self.result.status.admits_motion else self.result)
+
+    @property
     def deciding(self) -> DecidingLimit | None:
         """The limit that decides how fast the motion may be played."""
         return deciding_limit(self.trajectory, self.result.range)
-
-    @property
-    def given_duration(self) -> float:
-        """Of the motion before any timing [s]."""
-        motion = self.result.motion if self.timing is None else self.timing.motion
-        return float(motion.object.time[-1])
 
     def sentence(self) -> str:
         """The outcome in a sentence."""
@@ -224,11 +222,6 @@ class PlayerState:
     def time(self) -> float:
         """Of the chosen sample, at the chosen speed [s]."""
         return float(self.trajectory.time[self.sample])
-
-    @property
-    def keeps_velocities(self) -> bool:
-        """Whether velocity limits bound the speed, or are reported only."""
-        return self.result.cell.enforces_velocity_limits
 
     @property
     def admissible(self) -> bool:
@@ -258,32 +251,30 @@ class PlayerState:
         if not (isfinite(c) and c >= least):
             raise InputError("c", f"must be finite and >= {least:.3g}.", value=c)
         if not self.is_saved:
-            self.trajectory, self.excess = self._distribute(self.speeds.c2(c))
+            self._play(self.speeds.c2(c))
 
-    def torque_bars(self) -> dict[str, list[Bar]]:
-        """Joint torques at the chosen time, by robot."""
-        return self._bars("torque")
-
-    def wrench_bars(self) -> dict[str, list[Bar]]:
-        """Contact wrenches at the chosen time, by robot."""
-        return self._bars("wrench")
-
-    def velocity_bars(self) -> dict[str, list[Bar]]:
-        """Joint velocities at the chosen time, by robot."""
-        return {robot: bars for robot, bars in self._bars("velocity").items() if robot != "object"}
-
-    def further_bars(self) -> dict[str, dict[str, list[Bar]]]:
-        """What limits beside those of a cell file bound at the chosen time, by kind and robot."""
-        kinds = dict.fromkeys(name.kind for name in self._rows.names if name.kind not in OWN_BARS)
-        return {kind: self._contact_bars() if kind == "contact" else self._bars(kind) for kind in kinds}
+    def bars(self) -> dict[str, dict[str, list[Bar]]]:
+        """What is limited at the chosen time, by kind and robot; of what a hand holds, the worst direction in %."""
+        rows, at = self._rows, self.sample
+        value, lower, upper, used = (part[at] for part in (self._value, self._lower, self._upper, self._used))
+        found: dict[str, dict[str, list[Bar]]] = {}
+        holds: dict[tuple[str, str], float] = {}
+        for row, name in enumerate(rows.names):
+            bars = found.setdefault(name.kind, {}).setdefault(name.robot, [])
+            if name.kind == "contact":
+                of = name.robot, DIRECTION.sub("", name.element)
+                holds[of] = max(float(used[row]), holds.get(of, 0.0))
+            else:
+                bars.append(Bar(name.element, float(value[row]), float(lower[row]), float(upper[row]), name.unit))
+        for (robot, what), share in holds.items():
+            found["contact"][robot].append(Bar(what, 100 * share, -np.inf, 100.0, "%"))
+        return found
 
     def violations(self) -> list[Violation]:
         """Limits that are passed at some sample, the worst first."""
-        done = self.trajectory
-        excess = self._rows.excess(self._rows.value(done.torque, done.wrench, 0.0, done.c))
-        worst, samples = np.max(excess, axis=0), np.argmax(excess, axis=0)
+        worst, samples = np.max(self._beyond, axis=0), np.argmax(self._beyond, axis=0)
         found = [
-            Violation(name, float(share), float(done.time[sample]))
+            Violation(name, float(share), float(self.trajectory.time[sample]))
             for name, share, sample in zip(self._rows.names, worst, samples, strict=True)
             if share > LIMIT_TOLERANCE
         ]
@@ -291,39 +282,8 @@ class PlayerState:
 
     def joints_beyond_velocity(self) -> int:
         """How many joints pass their velocity limit at some time."""
-        done, names = self.trajectory, self._rows.names
-        rows = self._rows.only(np.array([name.kind == "velocity" and name.robot != "object" for name in names]))
-        excess = rows.excess(rows.value(done.torque, done.wrench, 0.0, done.c))
-        return int(np.count_nonzero(np.any(excess > LIMIT_TOLERANCE, axis=0)))
-
-    def _bars(self, kind: str) -> dict[str, list[Bar]]:
-        """What rows of one kind limit at the chosen time, by robot."""
-        here, done = slice(self.sample, self.sample + 1), self.trajectory
-        rows = self._rows.at(here)
-        moving = rows.moving(done.c)[0]
-        value = rows.value(done.torque[here], done.wrench[here], 0.0, done.c)[0] - moving
-        lower, upper = rows.lower - moving, rows.upper - moving
-        bars: dict[str, list[Bar]] = {}
-        for row, name in enumerate(rows.names):
-            if name.kind == kind:
-                bar = Bar(name.element, float(value[row]), float(lower[row]), float(upper[row]), name.unit)
-                bars.setdefault(name.robot, []).append(bar)
-        return bars
-
-    def _contact_bars(self) -> dict[str, list[Bar]]:
-        """How much of what each hand can hold is in use at the chosen time, of friction in its worst direction."""
-        here, done = slice(self.sample, self.sample + 1), self.trajectory
-        rows = self._rows.at(here)
-        share = rows.share(rows.value(done.torque[here], done.wrench[here], 0.0, done.c))[0]
-        most: dict[tuple[str, str], float] = {}
-        for row, name in enumerate(rows.names):
-            if name.kind == "contact":
-                of = name.robot, DIRECTION.sub("", name.element)
-                most[of] = max(float(share[row]), most.get(of, 0.0))
-        bars: dict[str, list[Bar]] = {}
-        for (robot, what), used in most.items():
-            bars.setdefault(robot, []).append(Bar(what, 100 * used, -np.inf, 100.0, "%"))
-        return bars
+        rows = [name.kind == "velocity" and name.robot != "object" for name in self._rows.names]
+        return int(np.count_nonzero(np.any(self._beyond[:, rows] > LIMIT_TOLERANCE, axis=0)))
 
     def _admits(self, c2: float) -> bool:
         """Whether a c² is in the range, or in a lower interval."""
@@ -333,7 +293,7 @@ class PlayerState:
             return found.admitted(c2, 0.0) is not None
         return conflict_at(result, c2) is None
 
-    def _distribute(self, c2: float) -> tuple[ScaledTrajectory, Array]:
+    def _play(self, c2: float) -> None:
         result = self.result
         cell, motion, options = result.cell, result.motion, result.options
         if self.timing is not None and c2 == 1:
@@ -343,16 +303,18 @@ class PlayerState:
             torque, wrench, _ = distributed_torques(cell, motion, options, c2)
         else:
             torque, wrench = widened_torques(cell, motion, options, c2)
-        done = ScaledTrajectory(cell, motion, c2, torque, wrench)
-        return done, _excess(done)
+        self._take(ScaledTrajectory(cell, motion, c2, torque, wrench))
 
-
-def _excess(done: ScaledTrajectory) -> Array:
-    """Share by which a limit is overstepped at most at each sample, 0 for rounding, Shape (N,)."""
-    rows = limit_rows(done.cell, done.motion)
-    excess: Array = np.max(rows.excess(rows.value(done.torque, done.wrench, 0.0, sqrt(done.c2))), axis=1, initial=0.0)
-    excess[excess <= LIMIT_TOLERANCE] = 0.0
-    return excess
+    def _take(self, done: ScaledTrajectory) -> None:
+        """What a trajectory makes of all limits, and how far it passes those that are kept."""
+        rows = self._rows = all_rows(done.cell, done.motion)
+        value = rows.value(done.torque, done.wrench, 0.0, done.c)
+        moving = np.broadcast_to(rows.moving(done.c), value.shape)  # what the speed takes of a motor's torque
+        self._value, self._lower, self._upper = value - moving, rows.lower - moving, rows.upper - moving
+        self._used, self._beyond = rows.share(value), rows.excess(value)
+        kept = limit_rows(done.cell, done.motion)
+        excess = np.max(kept.excess(kept.value(done.torque, done.wrench, 0.0, done.c)), axis=1, initial=0.0)
+        self.trajectory, self.excess = done, np.where(excess > LIMIT_TOLERANCE, excess, 0.0)
 
 
 def _scaled(cell: Cell, motion: ObjectMotion | JointTable, solver: str, asked: dict[str, Any]) -> ScalingResult:

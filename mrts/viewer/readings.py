@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Bars of torques, wrenches and velocities against their limits; needs the extra 'view'."""
 
+from math import inf
+
 import viser
 
 from mrts.scene.scene import FORCE, MOMENT
 from mrts.viewer.panel import arrows_html, bars_html
-from mrts.viewer.player_state import PlayerState
+from mrts.viewer.player_state import Bar, PlayerState
 from mrts.viewer.scene import ViewerScene
 from mrts.viewer.workbench.answer import Answer
 
@@ -20,6 +22,8 @@ class Readings:
 
     def __init__(self, gui: viser.GuiApi, scene: ViewerScene) -> None:
         self._scene = scene
+        with gui.add_folder("Nearest limits, at most"):
+            self._nearest = gui.add_html("")
         with gui.add_folder("Joint torques"):
             self._torques = gui.add_html("")
         with gui.add_folder("Contact wrenches on the object, base axes"):
@@ -28,9 +32,12 @@ class Readings:
             self._velocities = gui.add_html("")
 
     def show_answer(self, answer: Answer) -> None:
-        """Say what the arrows mean."""
+        """Show the limits that are nearest, and say what the arrows mean."""
         scene = self._scene
         lengths = (1 / scene.metres_per_newton, 1 / scene.metres_per_newton_metre)
+        nearest = [] if answer.state is None else answer.state.card.bars
+        bars = [Bar(one.label, 100 * one.share, -inf, 100.0, "%") for one in nearest]
+        self._nearest.content = bars_html("nearest", {"": bars} if bars else {})
         self._arrows.content = "" if answer.state is None else arrows_html(FORCE, lengths[0], MOMENT, lengths[1])
 
     def show_moment(self, state: PlayerState | None) -> None:
@@ -38,9 +45,11 @@ class Readings:
         if state is None:
             self._torques.content = self._wrenches.content = self._velocities.content = ""
             return
-        colours = self._scene.colours
-        self._torques.content = bars_html("torque", state.torque_bars(), colours)
-        self._wrenches.content = bars_html("wrench", state.wrench_bars(), colours)
-        further = "".join(bars_html(kind, bars, colours) for kind, bars in state.further_bars().items())
-        velocities = bars_html("velocity", state.velocity_bars(), colours, kept=state.keeps_velocities)
-        self._velocities.content = velocities + further
+        colours, bars = self._scene.colours, state.bars()
+        self._torques.content = bars_html("torque", bars.pop("torque"), colours)
+        self._wrenches.content = bars_html("wrench", bars.pop("wrench"), colours)
+        velocities = {robot: of for robot, of in bars.pop("velocity").items() if robot != "object"}
+        kept = state.result.cell.enforces_velocity_limits
+        self._velocities.content = bars_html("velocity", velocities, colours, kept=kept) + "".join(
+            bars_html(kind, of_kind, colours) for kind, of_kind in bars.items()
+        )

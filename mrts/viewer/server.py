@@ -1,19 +1,51 @@
 # SPDX-License-Identifier: MIT
-"""The server that a viewer is reached at; needs the extra 'view' (viser)."""
+"""The server of a viewer: who may reach it, and what may be sent to it; needs the extra 'view' (viser).
+
+Viser lets every page of every browser, and every program on the machine, connect and set whatever it likes.
+"""
 
 import contextlib
+import hmac
 import io
+import logging
+import secrets
 import socket
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from errno import EADDRNOTAVAIL
+from http import HTTPStatus
+from ipaddress import ip_address
+from math import isfinite
 from os import strerror
+from typing import Any
+from urllib.parse import urlsplit
 
+import msgspec
 import viser
+import websockets.asyncio.server
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
 
 from mrts.base.errors import InputError
-from mrts.viewer.guard import GuardedServer
+
+LARGEST_MESSAGE = 16_384
+"""From a browser [bytes]: a control's new value or a camera takes some hundred. Who sends more is cut off."""
+
+LONGEST_TEXT = 200
+"""Of a text field: a name of a file."""
+
+FARTHEST = 1e3
+"""Where a gizmo can be dragged to along an axis [m]."""
+
+CAMERA = {"wxyz": 4, "position": 3, "look_at": 3, "up_direction": 3,
+          **dict.fromkeys(("fov", "near", "far", "image_height", "image_width"), 0)}  # fmt: skip
+"""What a browser says of where it looks from: how many numbers each, 0 for a single one."""
+
+GIZMO_MOVED = "TransformControlsUpdateMessage"
+GIZMO_HELD = {"TransformControlsDragStartMessage", "TransformControlsDragEndMessage"}
 
 
-def open_server(host: str, port: int, label: str) -> GuardedServer:
+def open_server(host: str, port: int, label: str) -> "GuardedServer":
     """Start the server, guarded against other pages and other users.
 
     Args:
@@ -47,3 +79,172 @@ def close_server(server: viser.ViserServer) -> None:
     """Stop the server, without a word."""
     with contextlib.redirect_stdout(io.StringIO()):
         server.stop()
+
+
+class GuardedServer(viser.ViserServer):
+    """A viser server that is reached only by those who know its address, and takes only what its controls can send.
+
+    Args:
+        host: Name or address of this machine to listen at.
+        port: 0 takes any free one.
+        label: Title of the panel.
+
+    Attributes:
+        token: First part of the path of every address; another one each run.
+
+    Raises:
+        InputError: If this version of viser cannot be guarded.
+    """
+
+    def __init__(self, host: str, port: int, label: str) -> None:
+        self._host, self.token, self._is_guarded = host, secrets.token_urlsafe(16), False
+        with self._guarding():
+            super().__init__(host, port, label, verbose=False)
+        registers = (
+            getattr(self.gui, "_gui_input_handle_from_uuid", None),
+            getattr(self.scene, "_handle_from_transform_controls_name", None),
+        )
+        if not self._is_guarded or not all(isinstance(register, dict) for register in registers):
+            self.stop()
+            raise InputError(
+                "viser",
+                "this version cannot be guarded against other web pages: pip install 'viser==1.1.1'.",
+                value=viser.__version__,
+            )
+
+    @property
+    def url(self) -> str:
+        """Address of the page, as a browser on this machine reaches it; whoever knows it can steer the viewer."""
+        host = "localhost" if self._host in {"0.0.0.0", "::"} else self._host  # noqa: S104 (every one, as the user says)
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.get_port()}/{self.token}/"
+
+    @property
+    def controls(self) -> dict[str, Any]:
+        """Viser's handles of all controls, by the identifier that a browser calls each by."""
+        return self.gui._gui_input_handle_from_uuid  # noqa: SLF001 (viser tells it no other way)
+
+    @contextlib.contextmanager
+    def _guarding(self) -> Iterator[None]:
+        """Guard the server that viser starts meanwhile; viser has no setting for that."""
+        module, guard = vars(websockets.asyncio.server), self
+        serve = module["serve"]
+        silent = logging.getLogger("mrts.viewer.connections")  # what strangers send is no news
+        silent.disabled = True
+
+        class Connection(ServerConnection):
+            """Hands on what a control or a camera can have sent; all else is as if it had not been sent."""
+
+            async def recv(self, decode: bool | None = None) -> Any:  # noqa: FBT001 (websockets' signature)
+                while (message := guard.checked(await super().recv(decode))) is None:
+                    pass
+                return message
+
+        def guarded(*given: Any, process_request: Callable[..., Response | None], **options: Any) -> Any:
+            def checked_request(connection: ServerConnection, request: Request) -> Response | None:
+                token, _, inside = request.path.removeprefix("/").partition("?")[0].partition("/")
+                if problem := self._problem(request, token):
+                    return connection.respond(HTTPStatus.FORBIDDEN, f"{problem}\n")
+                return process_request(connection, replace(request, path=f"/{inside}"))
+
+            options |= {"max_size": LARGEST_MESSAGE, "create_connection": Connection, "logger": silent}
+            self._is_guarded = True
+            return serve(*given, process_request=checked_request, **options)
+
+        module["serve"] = guarded
+        try:
+            yield
+        finally:
+            module["serve"] = serve
+
+    def _problem(self, request: Request, token: str) -> str:
+        """Why a request is refused; empty if it is not."""
+        hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
+        if len(hosts) != 1 or not names_this_machine(hosts[0], self._host):
+            return "This viewer has another name: start it with --host and the name that you want to reach it by."
+        if origins not in ([], [f"http://{hosts[0]}"]):
+            return "This viewer answers its own page only."
+        if not hmac.compare_digest(token.encode(errors="replace"), self.token.encode()):
+            return "Open the whole address that `mrts view` printed."
+        return ""
+
+    def checked(self, message: str | bytes) -> bytes | None:
+        """A message as viser may read it: values in the range of their control; None for what no control can send."""
+        try:
+            allowed = self._allowed(msgspec.msgpack.decode(message)) if isinstance(message, bytes) else None
+        except (msgspec.MsgspecError, RecursionError, ValueError):
+            return None
+        return None if allowed is None else msgspec.msgpack.encode(allowed)
+
+    def _allowed(self, read: Any) -> dict[str, Any] | None:
+        """What of a message a control, a camera or a gizmo can have sent; None for any other."""
+        match read:
+            case {"type": "GuiUpdateMessage" as kind, "uuid": str(uuid), "updates": {"value": value}}:
+                possible = _possible(self.controls.get(uuid), value)
+                return None if possible is None else {"type": kind, "uuid": uuid, "updates": {"value": possible}}
+            case {"type": "ViewerCameraMessage" as kind} if _are_numbers(read, CAMERA):
+                return {"type": kind, **{name: read[name] for name in CAMERA}}
+            case {"type": str(kind), "name": str(name)} if kind in {GIZMO_MOVED, *GIZMO_HELD} and not read.get("owner"):
+                gizmo = self.scene._handle_from_transform_controls_name.get(name)  # noqa: SLF001 (as `controls`)
+                if gizmo is None or not gizmo.visible:
+                    return None
+                if kind in GIZMO_HELD:
+                    return {"type": kind, "name": name}
+                if _are_numbers(read, {"wxyz": 4, "position": 3}) and any(read["wxyz"]):
+                    near = max(map(abs, read["position"])) <= FARTHEST
+                    return {key: read[key] for key in ("type", "name", "wxyz", "position")} if near else None
+        return None
+
+
+def names_this_machine(header: str, listens: str) -> bool:
+    """Whether a Host header names this machine: a name of somebody else's choice may lead here, a number cannot.
+
+    Args:
+        header: Of a request.
+        listens: Where the server listens.
+    """
+    try:
+        name = (urlsplit(f"http://{header}").hostname or "").lower()
+    except ValueError:
+        return False
+    if name in {"localhost", listens.lower()}:
+        return True
+    only_local = listens == "localhost" or _is_loopback(listens) is True
+    loopback = _is_loopback(name)
+    if loopback is None:
+        return not only_local and name == socket.gethostname().lower()
+    return loopback or not only_local
+
+
+def _is_loopback(host: str) -> bool | None:
+    """None for what is no number."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return None
+
+
+def _are_numbers(read: dict[str, Any], lengths: dict[str, int]) -> bool:
+    """Whether a message has as many finite numbers by name."""
+    for name, length in lengths.items():
+        parts = read.get(name) if length else [read.get(name)]
+        if not isinstance(parts, list) or len(parts) != max(length, 1):
+            return False
+        if not all(isinstance(part, int | float) and not isinstance(part, bool) and isfinite(part) for part in parts):
+            return False
+    return True
+
+
+def _possible(control: Any, value: Any) -> bool | float | str | None:
+    """The value nearest to the given one that a control can have; None if it has no such values, or is not seen."""
+    if control is None or not control.visible:
+        return None
+    match control:
+        case viser.GuiSliderHandle(disabled=False) if _are_numbers({"": value}, {"": 0}):
+            return min(max(float(value), control.min), control.max)
+        case viser.GuiDropdownHandle(disabled=False) | viser.GuiButtonGroupHandle(disabled=False):
+            return value if isinstance(value, str) and value in control.options else None
+        case viser.GuiTextHandle(disabled=False) if isinstance(value, str):
+            return value if len(value) <= LONGEST_TEXT and value.isprintable() else None
+        case viser.GuiCheckboxHandle(disabled=False) | viser.GuiButtonHandle(disabled=False) if value in [True, False]:
+            return bool(value)
+    return None

@@ -11,12 +11,18 @@ from shown_results import AWKWARD, with_all_rates, with_awkward_names
 import mrts
 from mrts.base.notebook.in_notebooks import InNotebooks
 
-CLASSES = {
-    name: kind
-    for name in mrts.__all__
-    if inspect.isclass(kind := getattr(mrts, name)) and hasattr(kind, "notebook_tables")
-    if kind.notebook_tables is not InNotebooks.notebook_tables
-}
+
+def shown_by_notebooks(kind):
+    """Classes that are made of a class and have tables."""
+    for sub in kind.__subclasses__():
+        if sub.notebook_tables is not InNotebooks.notebook_tables and not inspect.isabstract(sub):
+            yield sub.__name__, sub
+        yield from shown_by_notebooks(sub)
+
+
+for name in mrts.__all__:
+    getattr(mrts, name)  # imports every class
+CLASSES = dict(shown_by_notebooks(InNotebooks))
 
 LONGEST_PAGE = 40_000
 """Characters: what a notebook shows of one object stays a screen or two."""

@@ -41,5 +41,6 @@ def test_the_directions_of_a_hands_friction_make_one_line():
     folder = DATA.parent / "squeeze"
     result = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
     (of,) = (of for of in limit_shares(result.trajectory) if of.kind == "contact")
-    assert len(of.labels) == sum(len(robot.contacts) for robot in result.cell.robots)
+    assert of.labels[:4] == ("left/pad normal force", "left/pad slips", "left/pad tips", "left/pad twists")
+    assert len(of.labels) == 4 * sum(len(robot.contacts) for robot in result.cell.robots)
     assert np.max(of.share) <= 1 + 1e-6

@@ -10,8 +10,8 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import limit_rows
-from mrts.program.range_ends import BindingRows, no_codes
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import BindingRows
 from mrts.program.torque_distribution import torque_weights
 from mrts.program.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
@@ -33,12 +33,12 @@ def turning():
 def synthetic(lower, upper):
     lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
     status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
-    rows = BindingRows((), np.zeros((2, 0)), no_codes(len(lower)))
+    rows = BindingRows((), np.zeros((2, 0)), np.zeros((2, len(lower), 0), int))
     return intersect(mrts.SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, (), 0))
 
 
 def red_bars(state):
-    groups = (*state.torque_bars().values(), *state.wrench_bars().values(), *state.velocity_bars().values())
+    groups = (*state.bars()["torque"].values(), *state.bars()["wrench"].values(), *state.bars()["velocity"].values())
     return [bar for bars in groups for bar in bars if bar.over]
 
 
@@ -133,7 +133,7 @@ def test_an_infeasible_motion_still_plays(planar_cell, lift):
     assert "these limits conflict" in outcome_html(state)
     assert "Outside the admissible range" in speed_html(state)
     assert "no torques carry the object" in moment_html(state)
-    assert 'data-over="true"' in bars_html("torque", state.torque_bars())
+    assert 'data-over="true"' in bars_html("torque", state.bars()["torque"])
 
 
 def test_a_velocity_that_forbids_more_is_not_taken_for_a_torque(dual_ur5, turning):
@@ -278,9 +278,9 @@ def test_every_limit_of_the_cell_is_on_a_bar(dual_ur5, turning):
     bars = [
         (kind, robot, bar.name, bar.unit, bar.lower, bar.upper)
         for kind, groups in (
-            ("torque", state.torque_bars()),
-            ("wrench", state.wrench_bars()),
-            ("velocity", state.velocity_bars()),
+            ("torque", state.bars()["torque"]),
+            ("wrench", state.bars()["wrench"]),
+            ("velocity", state.bars()["velocity"]),
         )
         for robot, of_robot in groups.items()
         for bar in of_robot
@@ -295,7 +295,7 @@ def test_bars_of_hands_say_how_much_of_what_they_hold_is_in_use():
     state = PlayerState(mrts.load_cell(squeeze / "cell.yaml"), mrts.load_motion(squeeze / "lift_and_turn.yaml"))
     for sample in (0, 30, 100):
         state.sample = sample
-        bars = state.further_bars()["contact"]
+        bars = state.bars()["contact"]
         assert [bar.name for bar in bars["left"]] == ["pad normal force", "pad friction", "pad tilt", "pad torsion"]
         used = [bar.share for of_robot in bars.values() for bar in of_robot]
         assert max(used) == pytest.approx(1.0, abs=1e-6)

@@ -9,6 +9,7 @@ from PIL import Image
 from viewer_browser import SECONDS, chromium, open_page, running_viewer
 
 import mrts
+from mrts.viewer.plots.time_plots import time_panels
 
 assert chromium  # a fixture, imported for pytest
 
@@ -43,7 +44,7 @@ def test_plots_follow_a_saved_result_and_its_picture_is_taken(chromium, lifted, 
         plots = page.locator("[data-plot]:not([data-plot=names])").evaluate_all(
             "all => all.map(each => each.dataset.plot)"
         )
-        assert plots == ["compared", "c2", "torque", "wrench", "phase"]
+        assert plots == ["compared", *time_panels(lifted)]
         assert page.locator(".uplot canvas").count() == len(plots) - 1
         assert page.locator("[data-plot=compared]").inner_text().startswith("Shown: 0.2992 s, 2.47 × as fast as slow")
         assert page.evaluate(OFF) < 1

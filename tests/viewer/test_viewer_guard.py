@@ -9,7 +9,6 @@ from threading import enumerate as threads
 from types import SimpleNamespace
 from urllib.parse import urlsplit
 
-import msgspec
 import numpy as np
 import pytest
 import viser.infra._infra as viser_server
@@ -22,8 +21,7 @@ from websockets.sync.client import connect
 import mrts
 from mrts.film import film
 from mrts.motion.motion_file import described_motion
-from mrts.viewer.guard import LARGEST_MESSAGE, ViewerGuard
-from mrts.viewer.server import close_server, open_server
+from mrts.viewer.server import LARGEST_MESSAGE, close_server, names_this_machine, open_server
 from mrts.viewer.viewer import Viewer
 from mrts.viewer.workbench.choices import Given
 from mrts.viewer.workbench.workbench import Workbench
@@ -56,7 +54,7 @@ def update(viewer, label, value):
 
 
 def answer(viewer, path, **headers):
-    """Status, headers and text of an answer; a header may be a list."""
+    """Status and text of an answer; a header may be a list."""
     parts = urlsplit(viewer.url)
     with closing(http.client.HTTPConnection(parts.hostname, parts.port, timeout=PATIENCE)) as asked:
         asked.putrequest("GET", path, skip_host=True)
@@ -65,16 +63,15 @@ def answer(viewer, path, **headers):
                 asked.putheader(name, value)
         asked.endheaders()
         got = asked.getresponse()
-        return got.status, got.headers, got.read().decode()
+        return got.status, got.read().decode()
 
 
 def test_the_page_is_at_the_whole_address_only(viewer):
     path = urlsplit(viewer.url).path
-    status, headers, text = answer(viewer, path)
+    assert len(viewer.server.token) >= 22  # 128 bits
+    status, text = answer(viewer, path)
     assert status == 200
     assert "<html" in text
-    assert headers["Referrer-Policy"] == "no-referrer"
-    assert "default-src 'self'" in headers["Content-Security-Policy"]
     for wrong in (
         "/",
         "/index.html",
@@ -85,14 +82,8 @@ def test_the_page_is_at_the_whole_address_only(viewer):
         f"/?token={path}",
         "//",
     ):
-        status, _, text = answer(viewer, wrong)
+        status, text = answer(viewer, wrong)
         assert (status, "Open the whole address" in text) == (403, True), wrong
-
-
-def test_every_run_has_another_token():
-    tokens = {ViewerGuard("127.0.0.1", lambda _: None).token for _ in range(20)}
-    assert len(tokens) == 20
-    assert min(map(len, tokens)) >= 22  # 128 bits
 
 
 FOREIGN = {
@@ -121,7 +112,7 @@ def test_other_pages_and_names_are_refused_even_with_the_token(kind, upgrade, vi
     }
     if upgrade:
         upgrade = upgrade | {"Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==", "Sec-WebSocket-Version": "13"}
-    status, _, text = answer(viewer, parts.path, **headers, **upgrade)
+    status, text = answer(viewer, parts.path, **headers, **upgrade)
     assert status == 403
     assert parts.path not in text
 
@@ -140,8 +131,7 @@ def test_a_forwarded_port_and_other_names_of_this_machine_are_served(viewer):
     ("robot.example", "other.example:8080", False),
 ])  # fmt: skip
 def test_whom_an_open_viewer_answers(listens, host, served):
-    guard = ViewerGuard(listens, lambda _: None)
-    assert guard.answers_to(host) == served
+    assert names_this_machine(host, listens) == served
 
 
 def test_a_websocket_takes_the_token_and_the_own_page(viewer):
@@ -154,15 +144,6 @@ def test_a_websocket_takes_the_token_and_the_own_page(viewer):
     ):
         with pytest.raises(InvalidStatus, match="403"), connect(address, subprotocols=PROTOCOL, origin=origin):
             pass
-
-
-def test_another_version_of_the_page_is_refused_in_silence(viewer, capfd):
-    """Viser would print what it sends."""
-    address = viewer.url.replace("http", "ws")
-    for versions in (["viser-v0.0.1"], None):
-        with pytest.raises(InvalidStatus, match="403"), connect(address, subprotocols=versions):
-            pass
-    assert capfd.readouterr() == ("", "")
 
 
 def test_what_is_no_request_is_refused_in_silence(viewer, capfd):
@@ -229,15 +210,13 @@ BAD_GIZMO = [
 
 
 def test_a_gizmo_moves_only_while_it_is_seen_and_to_a_place(viewer):
-    """What is let through has a quaternion of length 1; the base follows it in the plane of the cell."""
-    guard, menu = viewer.server.guard, viewer.controls["move"][1]
+    """The base follows it in the plane of the cell."""
+    guard, menu = viewer.server, viewer.controls["move"][1]
     assert guard.checked(pack(GIZMO)) is None  # hidden
     menu.value = "left base"
     viewer.settle()
     for bad in BAD_GIZMO:
         assert guard.checked(pack(GIZMO | bad)) is None, bad
-    turned = msgspec.msgpack.decode(guard.checked(pack(GIZMO | {"wxyz": [2, 0, 0, 2]})))
-    np.testing.assert_allclose(turned["wxyz"], [np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
     with connected(viewer.url) as opened:
         opened.send(pack({"type": "TransformControlsDragStartMessage", "name": "/gizmo"}))
         opened.send(pack(GIZMO | {"position": [-0.02, 0.01, 0.7]}))
@@ -255,7 +234,7 @@ def test_a_gizmo_moves_only_while_it_is_seen_and_to_a_place(viewer):
 
 @pytest.mark.parametrize("text", ["../evil.yaml\n", "a" * 201, "\x1b[31m", 3, None])
 def test_a_text_field_takes_a_short_line(viewer, text):
-    assert viewer.server.guard.checked(update(viewer, "cell file", text)) is None
+    assert viewer.server.checked(update(viewer, "cell file", text)) is None
 
 
 def test_a_film_comes_to_the_page_that_asked_for_it(viewer, monkeypatch):
@@ -318,7 +297,7 @@ def test_what_no_control_can_send_is_ignored(viewer):
     messages += [update(viewer, label, value) for label, values in BAD_VALUES.items() for value in values]
     with connected(viewer.url) as other, connected(viewer.url) as hostile:
         for message in messages:
-            assert viewer.server.guard.checked(message) is None, message[:40]
+            assert viewer.server.checked(message) is None, message[:40]
             hostile.send(message)
         wait = hostile.ping()
         assert wait.wait(PATIENCE)

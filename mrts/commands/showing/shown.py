@@ -73,7 +73,9 @@ def played(path: Path) -> "ScalingResult":
     found = load_result(path)
     result = found if isinstance(found, ScalingResult) else found.retimed
     if result is None or result.trajectory is None:
-        raise InputError(path, f"has no motion to play: {found.status.value}.")
+        possible = "what some load admits chooses no c² and no torques"
+        why = possible if found.status.admits_motion else found.status.value
+        raise InputError(path, f"has no motion to play: {why}.")
     return result
 
 

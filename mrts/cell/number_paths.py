@@ -174,8 +174,8 @@ def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> N
         here = here[key]
 
 
-def set_number(file: dict[str, Any], keys: Keys, value: float) -> None:
-    """Write a number at a place, from the file's own keys inward."""
+def set_value(file: dict[str, Any], keys: Keys, value: Any) -> None:
+    """Write a value at a place, from the file's own keys inward."""
     value_at(file, keys[:-1])[keys[-1]] = value
 
 
