@@ -20,8 +20,9 @@ from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
+from mrts.cell.cell_keys import cell_keys
 from mrts.cell.loading import load_cell
-from mrts.cell.robot import Robot
+from mrts.cell.number_paths import ONE_FOR_ALL
 from mrts.cell.source_files import described, urdf_files
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
@@ -73,10 +74,12 @@ def read_study(path: Path | str) -> Study:
     motion = load_motion(motion_path)
     _check_question(path, described, cell)
     given = {"cell": _given_keys(cell_path, "cell file"), "motion": _given_motion(motion_path, motion)}
-    _angles_for_quaternions(given)
-    poses = _is_path_of_poses(given["motion"])
+    _angles_for_quaternions(given["cell"]["robots"], given["motion"])
+    poses, full = _is_path_of_poses(given["motion"]), cell_keys(cell)
+    for motors in (robot["motors"] for robot in full["robots"]):  # one number stands for all joints
+        motors |= {key: motors[key][0] for key in ONE_FOR_ALL & motors.keys() if len({*motors[key]}) == 1}
     filled = {
-        "cell": _filled_cell(cell_path, given["cell"], cell),
+        "cell": _overlaid(full, given["cell"]),
         "motion": _filled_motion(given["motion"]) if poses else {},
     }
     parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
@@ -151,11 +154,9 @@ def _given_keys(path: Path, what: str) -> dict[str, Any]:
     return unshared
 
 
-def _angles_for_quaternions(files: dict[str, dict[str, Any]]) -> None:
+def _angles_for_quaternions(robots: list[dict[str, Any]], motion: dict[str, Any]) -> None:
     """Give poses by roll, pitch and yaw, of which each can vary by itself."""
-    motion = files.get("motion", {})
-    holders = [*files["cell"]["robots"], motion]
-    poses = [holder.get(key) for holder in holders for key in ("base", "grasp", "start", "end")]
+    poses = [holder.get(key) for holder in (*robots, motion) for key in ("base", "grasp", "start", "end")]
     for pose in filter(None, [*poses, *(motion.get("waypoints") or [])]):
         if any(name.startswith("quaternion") for name in pose):
             read = Pose.model_validate(dict(pose))
@@ -163,25 +164,14 @@ def _angles_for_quaternions(files: dict[str, dict[str, Any]]) -> None:
             pose.update(xyz=read.xyz, rpy=rpy_from_rotation(read.rotation()))
 
 
-def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any]:
-    """A cell file's keys with all that it leaves out, and limits that it does not give as empty places."""
-    filled: dict[str, Any] = described(path).model_dump()
-    _angles_for_quaternions({"cell": filled})
-    for robot, arm, as_given in zip(filled["robots"], cell.robots, given["robots"], strict=True):
-        _fill_robot(robot, arm, len(cell.wrench_components))
-        robot["contact"] = deepcopy(as_given.get("contact") or [])
-    return filled
-
-
-def _fill_robot(robot: dict[str, Any], arm: Robot, components: int) -> None:
-    if robot["torque"] is None:
-        robot["torque"] = arm.torque_upper.tolist()  # the URDF's effort is symmetric
-    for side in ("lower", "upper"):
-        robot["wrench"][side] = robot["wrench"][side] or [None] * components
-    robot["contact_rate"] = robot["contact_rate"] or [None, None]
-    if not isinstance(robot["motors"]["friction"], dict):
-        friction = {"coulomb": arm.motors.coulomb.tolist(), "viscous": arm.motors.viscous.tolist()}
-        robot["motors"]["friction"] = friction
+def _overlaid(full: Any, given: Any) -> Any:
+    """What is given, with all that it leaves out; a word, such as `none`, leaves out what it stands for."""
+    if isinstance(full, dict) and isinstance(given, dict):
+        return full | {key: _overlaid(full.get(key), value) for key, value in given.items()}
+    if isinstance(full, list) and isinstance(given, list) and len(full) == len(given):
+        return [_overlaid(each, own) for each, own in zip(full, given, strict=True)]
+    leaves_out = given is None or (isinstance(given, str) and isinstance(full, dict))
+    return deepcopy(full if leaves_out else given)
 
 
 def _filled_motion(given: dict[str, Any]) -> dict[str, Any]:
