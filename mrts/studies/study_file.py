@@ -28,8 +28,8 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
-from mrts.program.excess import checked_tolerance
 from mrts.scaling.loads import mass_grid
+from mrts.scaling.options import Options
 from mrts.studies.parameters import Parameter, read_parameters
 from mrts.studies.sampling import MAX_HYPERCUBE_NUMBERS, MAX_VARIANTS, SampleName, grid_size
 from mrts.studies.study import Study, StudyFile, StudyQuestion
@@ -192,10 +192,7 @@ def _table_content(table: ObjectMotion | JointTable) -> list[bytes]:
 
 
 def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None:
-    load, box = described.load, cell.load_box
-    if load not in {"auto", "nominal"} and box is None:
-        rule = "the object's load is known: the cell file gives no 'variation'. Ask for nominal, or leave this key out."
-        raise InputError(path, rule, key="load", value=load)
+    load = described.load
     if load == "possible" and described.torques:
         rule = "what is possible leaves open which load it is, so there are no torques. Leave one of the two out."
         raise InputError(path, rule, key="torques", value=True)
@@ -203,9 +200,9 @@ def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None
         rule = "must be guaranteed or nominal where the speed varies (profile: optimal)."
         raise InputError(path, rule, key="load", value=load)
     try:
-        checked_tolerance(described.between)
-        if box is not None and load.startswith("grid"):
-            mass_grid(box, load)
+        Options(load=load, between=described.between).checked(cell)
+        if cell.load_box is not None and load.startswith("grid"):
+            mass_grid(cell.load_box, load)
     except InputError as error:
         raise InputError(path, error.rule.replace("None", "null"), key=error.where, value=error.value) from None
 

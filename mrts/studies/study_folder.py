@@ -11,9 +11,8 @@ import json
 import logging
 import os
 import re
-import socket
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -24,6 +23,7 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
+from mrts.base.regular_file import is_folder
 from mrts.base.version import __version__
 from mrts.limits.row_check import limit_name
 from mrts.studies.study import Study
@@ -269,6 +269,9 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
     content = study_content(study)
     if not str(path).isprintable():  # pyarrow takes names in UTF-8 only
         raise InputError("folder", "must be the name of a folder in printable characters.", value=str(path))
+    if is_folder(path) and not (path / STUDY_FILE).exists():
+        if others := sorted(file.name for file in path.iterdir() if not file.name.startswith(".")):
+            raise InputError(path, f"holds no study, but {others[0]}: name a new or empty folder.")
     with _locked(path):
         for file in [*path.iterdir(), *(path / ROWS).glob("*")]:
             if TEMPORARY_FILE.fullmatch(file.name):
@@ -278,8 +281,6 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
             _check_same(folder, content)
             folder.drop_damaged()
         else:
-            if others := sorted(file.name for file in path.iterdir() if file.name != LOCK_FILE):
-                raise InputError(path, f"holds no study, but {others[0]}: name a new or empty folder.")
             record = {"format": FORMAT, "chunk": chunk_size(), **content}
             checked = json.dumps(record | {"check": _check(record)}, indent=1, ensure_ascii=False)
             write_text_atomically(path / STUDY_FILE, f"{checked}\n")
@@ -292,35 +293,17 @@ def _locked(path: Path) -> Iterator[None]:
     """Make a folder, and let no other sweep into it; the system forgets the lock of a process that is gone."""
     try:
         path.mkdir(parents=True, exist_ok=True)
-        file = (path / LOCK_FILE).open("a+", encoding="utf-8")
+        file = (path / LOCK_FILE).open("a", encoding="utf-8")
     except (OSError, ValueError) as error:
         raise InputError(path, f"cannot be written: {getattr(error, 'strerror', None) or error}.") from None
     with file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            file.seek(0)
-            raise InputError(path, f"another sweep writes into it ({file.read().strip()}): let it end first.") from None
+            raise InputError(path, "another sweep writes into it: let it end first.") from None
         except OSError as error:
             logger.warning("%s cannot be locked (%s): let no other sweep write into it", path, error.strerror)
-        with suppress(OSError):  # a full disk will be told where rows are lost
-            file.truncate(0)
-            file.write(f"process {os.getpid()} on {socket.gethostname()}")
-            file.flush()
-        with _gone_if_unused(path):
-            yield
-
-
-@contextmanager
-def _gone_if_unused(path: Path) -> Iterator[None]:
-    """Take back the lock, and a folder that was made for nothing, where no study has begun."""
-    try:
         yield
-    finally:
-        if not (path / STUDY_FILE).exists():
-            with suppress(OSError):
-                (path / LOCK_FILE).unlink()
-                path.rmdir()
 
 
 def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
