@@ -23,7 +23,6 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
-from mrts.base.regular_file import is_folder
 from mrts.base.version import __version__
 from mrts.limits.row_check import limit_name
 from mrts.studies.study import Study
@@ -269,9 +268,9 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
     content = study_content(study)
     if not str(path).isprintable():  # pyarrow takes names in UTF-8 only
         raise InputError("folder", "must be the name of a folder in printable characters.", value=str(path))
-    if is_folder(path) and not (path / STUDY_FILE).exists():
-        if others := sorted(file.name for file in path.iterdir() if not file.name.startswith(".")):
-            raise InputError(path, f"holds no study, but {others[0]}: name a new or empty folder.")
+    there = sorted(file.name for file in path.glob("[!.]*"))
+    if there and STUDY_FILE not in there:
+        raise InputError(path, f"holds no study, but {there[0]}: name a new or empty folder.")
     with _locked(path):
         for file in [*path.iterdir(), *(path / ROWS).glob("*")]:
             if TEMPORARY_FILE.fullmatch(file.name):
