@@ -48,7 +48,6 @@ def run(cell: Path, motion: Path | None = None, json: Path | None = None, xacro_
 
 
 def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "CellCheck | UrdfCheck":
-    """What is found of what the line names."""
     from mrts.diagnosis.check import check
     from mrts.starting.urdf_check import check_urdf, is_urdf
 

@@ -103,7 +103,6 @@ def run(
 
 
 def _base(numbers: "Array", *, degrees: bool) -> "RigidTransform":
-    """A pose from x, y, z and maybe roll, pitch, yaw."""
     import numpy as np
 
     from mrts.base.rigid_transform import RigidTransform
@@ -148,7 +147,6 @@ def _name(given: str | None, folder: Path) -> str:
 
 
 def _tell_arms(request: "Request") -> None:
-    """What was read: the chain of each arm, its joints and limits, and what is missing."""
     from mrts.starting.cell_writing import missing
     from mrts.starting.urdf_check import joint_lines
 
@@ -168,7 +166,6 @@ def _tell_arms(request: "Request") -> None:
 
 
 def _copies(request: "Request", folder: Path, *, force: bool) -> dict[Path, str]:
-    """Names in the new folder for copies of the URDFs, by where they are."""
     from mrts.base.formats.package_uri import is_xacro
 
     names: dict[Path, str] = {}
@@ -187,7 +184,6 @@ def _copies(request: "Request", folder: Path, *, force: bool) -> dict[Path, str]
 
 
 def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
-    """Write the files, all or none."""
     from mrts.base.atomic_file import Write, text_writer, write_together
     from mrts.starting.cell_writing import cell_file, motion_file
 
@@ -200,7 +196,6 @@ def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
 
 
 def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
-    """What was written, what it can do, and what to do next."""
     from mrts.cell.remarks import NO_COLLISIONS
 
     lift = max(abs(proposal.layout.lift))

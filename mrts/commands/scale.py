@@ -50,7 +50,6 @@ FILES = ("json", "save", *(name.replace("-", "_") for name in TRAJECTORY_FORMATS
 
 
 def _trajectory_files(function: Callable[..., Any]) -> Callable[..., Any]:
-    """An option for each format of the trajectory."""
     for name, form in reversed(TRAJECTORY_FORMATS.items()):
         package, extra = form.needs or ("", "")
         kind = Written(folder=form.is_folder, new=form.is_folder, needs=(package,) if package else (), extra=extra)
@@ -166,7 +165,6 @@ def run(
 
 
 def _check(profile: str, given: dict[str, Any]) -> None:
-    """That the arguments given go with the profile, and with one another."""
     from inspect import signature
 
     module, name = ("scaling", "scale") if profile == "constant" else ("timing", "retime")
@@ -189,7 +187,6 @@ def _check(profile: str, given: dict[str, Any]) -> None:
 def _solved(
     cell: "Cell", motion: "ObjectMotion | JointTable", profile: str, given: dict[str, Any]
 ) -> "ScalingResult | RetimingResult":
-    """The best speed: one factor for the whole motion, or one that varies along the path."""
     from mrts.scaling.scale import scale
 
     if profile == "constant":
@@ -219,7 +216,6 @@ def _replaced(
 
 
 def _known_load(cell: "Cell", text: str | None, question: str | None) -> "Array | None":
-    """The load of `--carry`."""
     if text is None:
         return None
     if cell.load_box is None:

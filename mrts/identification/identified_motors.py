@@ -197,7 +197,6 @@ def _cell(found: MotorParameter, place: int) -> str:
 
 
 def _block(arm: ArmMotors) -> list[str]:
-    """The lines of one robot's block."""
     rms = ", ".join(f"{value:.3g} {unit}" for value, unit in zip(arm.residual_rms, arm.robot.torque_units, strict=True))
     told = [f"{arm.time[-1] - arm.time[0]:.3g} s, filter {arm.cutoff:.4g} Hz; residual rms {rms}"]
     motors: dict[str, Any] = {}
@@ -218,6 +217,5 @@ def _block(arm: ArmMotors) -> list[str]:
 
 
 def _units(name: str, arms: Sequence[ArmMotors]) -> list[str]:
-    """Units of a parameter of every joint."""
     turning, sliding = UNITS[name]
     return [turning if unit == "rad" else sliding for arm in arms for unit in arm.robot.position_units]

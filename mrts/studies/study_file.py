@@ -185,7 +185,6 @@ def _is_path_of_poses(given: dict[str, Any]) -> bool:
 
 
 def _table_content(table: ObjectMotion | JointTable) -> list[bytes]:
-    """The numbers of a table, and the names of its columns."""
     parts = [part if isinstance(part, dict) else {"": part} for part in vars(table).values()]
     columns = [(name, values) for part in parts for name, values in part.items() if isinstance(values, np.ndarray)]
     return [content for name, values in columns for content in (name.encode(), np.ascontiguousarray(values).tobytes())]

@@ -306,7 +306,6 @@ def _locked(path: Path) -> Iterator[None]:
 
 
 def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
-    """Check that a folder is of the study that is to be solved."""
     if folder.digest == content["digest"]:
         return
     before, now = folder.record, content
