@@ -82,19 +82,12 @@ def _wrapped(text: str, stream: TextIO) -> str:
     if not stream.isatty():
         return text
     width = max(LEAST_WIDTH, shutil.get_terminal_size().columns)
-    return "\n".join(line if len(line) <= width else _broken(line, width) for line in text.split("\n"))
-
-
-def _broken(line: str, width: int) -> str:
-    start = line[: len(line) - len(line.lstrip())]
-    return textwrap.fill(
-        line.lstrip(),
-        width,
-        initial_indent=start,
-        subsequent_indent=start + HANGING,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    lines = []
+    for line in text.split("\n"):
+        start = line[: len(line) - len(line.lstrip())] + HANGING
+        wrap = textwrap.TextWrapper(width, subsequent_indent=start, break_long_words=False, break_on_hyphens=False)
+        lines.append(line if len(line) <= width else wrap.fill(line))
+    return "\n".join(lines)
 
 
 def put(text: str) -> None:
