@@ -10,7 +10,6 @@ import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
 from mrts.base.json_output import JsonOutput
 from mrts.cell.cell import Cell
 from mrts.following.branches import branches_at_start
@@ -94,12 +93,7 @@ class ConfigurationStudy(JsonOutput):
 
         Args:
             rows: Most configurations to show.
-
-        Raises:
-            InputError: If that is negative.
         """
-        if rows < 0:
-            raise InputError("--show", "must be at least 0.", value=rows)
         kinds = Counter(b.failure.kind for every in self.branches.values() for b in every if b.failure is not None)
         lost = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
         lines = [f"{self.combinations} configurations reach the end, by falling c²⁺"]
