@@ -47,7 +47,6 @@ def run(cell: Path, motion: Path | None = None, json: Path | None = None, xacro_
 
 
 def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "CellCheck":
-    """What is found of what the line names."""
     from mrts.diagnosis.cell_check import is_urdf
     from mrts.diagnosis.check import check
     from mrts.starting.urdf_check import check_urdf

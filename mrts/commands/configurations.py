@@ -15,7 +15,7 @@ from mrts.console.progress import working
 EXAMPLES = """\
 examples:
   mrts configurations cell.yaml motion.yaml --show 5
-  mrts configurations cell.yaml motion.yaml --share equal --cap 100 --json ranking.json"""
+  mrts configurations cell.yaml motion.yaml --share equal --json ranking.json"""
 
 
 @options.command(EXAMPLES)
@@ -24,7 +24,6 @@ examples:
 @options.share
 @options.between
 @options.limits
-@option("--cap", type=int, help="most combinations to evaluate (default: 1024)")
 @option("--show", type=IntRange(0), default=10, show_default=True, metavar="N", help="rows to print")
 @options.solver
 @options.json

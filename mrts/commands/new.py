@@ -104,7 +104,6 @@ def run(
 
 
 def _base(numbers: "Array", *, degrees: bool) -> "RigidTransform":
-    """A pose from x, y, z and maybe roll, pitch, yaw."""
     import numpy as np
 
     from mrts.base.rigid_transform import RigidTransform
@@ -149,7 +148,6 @@ def _name(given: str | None, folder: Path) -> str:
 
 
 def _tell_arms(request: "Request") -> None:
-    """What was read: the chain of each arm, its joints and limits, and what is missing."""
     from mrts.cell.remarks import joint_assumptions, joint_sources
     from mrts.diagnosis.cell_check import joint_table
 
@@ -170,7 +168,6 @@ def _tell_arms(request: "Request") -> None:
 
 
 def _copies(request: "Request", folder: Path, *, force: bool) -> dict[Path, str]:
-    """Names in the new folder for copies of the URDFs, by where they are."""
     from mrts.base.formats.package_uri import is_xacro
 
     names: dict[Path, str] = {}
@@ -189,7 +186,6 @@ def _copies(request: "Request", folder: Path, *, force: bool) -> dict[Path, str]
 
 
 def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
-    """Write the files, all or none."""
     from mrts.base.atomic_file import Write, text_writer, write_together
     from mrts.starting.cell_writing import cell_file, motion_file
 
@@ -202,7 +198,6 @@ def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
 
 
 def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
-    """What was written, what it can do, and what to do next."""
     from mrts.cell.remarks import NO_COLLISIONS
 
     lift = max(abs(proposal.layout.lift))

@@ -140,7 +140,6 @@ def write_demo_files(folder: Path, rows: list[DemoRow]) -> bool:
 
 
 def _figure_writers(rows: list[DemoRow]) -> dict[str, Write]:
-    """What writes each figure, by file name; none without matplotlib."""
     try:
         from mrts.plots import load_plot, trajectory_plot
         from mrts.plots.matplotlib_drawer import figure_writer

@@ -35,7 +35,6 @@ def run(result: Path, output: Path) -> int:
 
 
 def _report_study(folder: Path, output: Path) -> int:
-    """Write the report of what a sweep has found so far."""
     from mrts.plots.study_table import read_study_table
     from mrts.plots.study_words import outcome_text
     from mrts.report import write_study_report

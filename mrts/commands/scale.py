@@ -4,6 +4,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,23 +40,6 @@ examples:
 
 PROFILES = ("constant", "optimal", "smooth")
 
-GOES_WITH = {
-    "fastest": ("constant",),
-    "nominal": ("constant",),
-    "c2": ("constant",),
-    "formulation": ("constant",),
-    "solver": ("constant",),
-    "what_if": ("constant", "optimal"),
-    "start_speed": ("optimal", "smooth"),
-    "end_speed": ("optimal", "smooth"),
-    "rates": ("constant", "smooth"),
-    "weigh": ("smooth",),
-    "least_energy_in": ("smooth",),
-    "start_torque": ("smooth",),
-    "end_torque": ("smooth",),
-}
-"""The profiles that an argument goes with; those that are not here go with all."""
-
 STYLES: dict[str, Style] = {"free": "plain", "near": "note", "reached": "bad"}
 """Of the limits that are told, by how near they are."""
 
@@ -66,7 +50,6 @@ FILES = ("json", "save", *(name.replace("-", "_") for name in TRAJECTORY_FORMATS
 
 
 def _trajectory_files(function: Callable[..., Any]) -> Callable[..., Any]:
-    """An option for each format of the trajectory."""
     for name, form in reversed(TRAJECTORY_FORMATS.items()):
         package, extra = form.needs or ("", "")
         kind = Written(folder=form.is_folder, new=form.is_folder, needs=(package,) if package else (), extra=extra)
@@ -143,7 +126,7 @@ def run(
     from mrts.scaling.result import ScalingResult, fallbacks_text
     from mrts.scaling.scale import SelectionError, torques_for_load
 
-    _check(profile, {**given, "what_if": what_if or None})
+    _check(profile, given | ({"what_if": True} if what_if else {}))
     files = take(given, FILES)
     motion_given = load_motion(motion)
     limited = options.limited_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
@@ -182,15 +165,20 @@ def run(
 
 
 def _check(profile: str, given: dict[str, Any]) -> None:
-    """That the arguments given go with the profile, and with one another."""
-    for name, profiles in GOES_WITH.items():
-        if given.get(name) is not None and profile not in profiles:
-            raise InputError(name, f"goes with --profile {' or '.join(profiles)}, not with {profile}.")
+    from inspect import signature
+
+    module, name = ("scaling", "scale") if profile == "constant" else ("timing", "retime")
+    solve = getattr(import_module(f"mrts.{module}.{name}"), name)
+    known = {*signature(solve).parameters, *FILES, *options.LIMITS}
+    known |= {*SELECTIONS} if profile == "constant" else set()
+    known |= {"what_if"} if profile != "smooth" else set()
+    known -= {"rates"} if profile == "optimal" else set()
+    for name in given:
+        if name not in known:
+            raise InputError(name, f"does not go with --profile {profile}.")
     if len(chosen := [name for name in SELECTIONS if name in given]) > 1:
         raise InputError(chosen[1], f"does not go with --{chosen[0]}.")
-    if "weigh" in given and "least_energy_in" in given:
-        raise InputError("weigh", "does not go with --least-energy-in, which weighs the energy alone.")
-    if given["what_if"] and given.get("load") == "possible":
+    if "what_if" in given and given.get("load") == "possible":
         raise InputError("what_if", "goes with --load guaranteed, not with what is possible with some load.")
     if "weights" in given and "sharing" in given and profile != "smooth":
         raise InputError("weights", "does not go with --share, which leaves no torques to choose.")
@@ -199,7 +187,6 @@ def _check(profile: str, given: dict[str, Any]) -> None:
 def _solved(
     cell: "Cell", motion: "ObjectMotion | JointTable", profile: str, given: dict[str, Any]
 ) -> "ScalingResult | RetimingResult":
-    """The best speed: one factor for the whole motion, or one that varies along the path."""
     from mrts.scaling.scale import scale
 
     if profile == "constant":
@@ -229,7 +216,6 @@ def _replaced(
 
 
 def _known_load(cell: "Cell", text: str | None, question: str | None) -> "Array | None":
-    """The load of `--carry`."""
     if text is None:
         return None
     if cell.load_box is None:

@@ -122,7 +122,6 @@ def _serve(
 
 
 def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[str, Any]) -> "Given":
-    """What the workbench starts from; without a motion the arms hold the object still."""
     from mrts.viewer.workbench.choices import Given
 
     if motion is None:
@@ -145,7 +144,6 @@ def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[
 
 
 def _serve_saved(path: Path, others: "Others", host: str, port: int, follow: "Callable[..., None]") -> int:
-    """Show a saved result, which takes neither its cell's files nor a compiler."""
     from mrts.viewer.player_state import PlayerState
     from mrts.viewer.viewer import Viewer
 
@@ -158,7 +156,6 @@ def _serve_saved(path: Path, others: "Others", host: str, port: int, follow: "Ca
 
 @contextmanager
 def _server(host: str, port: int, name: str) -> "Iterator[GuardedServer]":
-    """A server as long as it is needed."""
     from mrts.viewer.server import close_server, open_server
 
     server = open_server(host, port, f"mrts: {name}")
@@ -169,7 +166,6 @@ def _server(host: str, port: int, name: str) -> "Iterator[GuardedServer]":
 
 
 def _follow(server: "GuardedServer", viewer: "Viewer", outcome: str, *, host: str, opens: bool) -> None:
-    """Say where the viewer is, and follow its controls until Ctrl-C."""
     if host not in LOCAL:
         warn(f"everyone who reaches {host} and knows the address can watch and steer this viewer")
     say(outcome)

@@ -27,6 +27,9 @@ CODES: dict[Style, str] = {"strong": "\x1b[1m", "bad": "\x1b[1;31m", "note": "\x
 
 CLEAR_LINE = "\r\x1b[K"
 
+SPELT_OUT = str.maketrans({"²": "^2", "∈": "in", "×": "x", "≤": "<=", "≥": ">=", "∞": "inf", "−": "-"})
+"""What stands for a letter in ASCII, where Unicode knows none."""
+
 LEAST_WIDTH = 40
 """A terminal that says it is narrower is written as if it were this wide [columns]."""
 
@@ -57,7 +60,7 @@ def open_closed_streams() -> None:
 
 
 def encode_anything() -> None:
-    """Let the streams print what their encoding lacks in ASCII: 2 for ², `?` for what has none."""
+    """Let the streams print what their encoding lacks in ASCII: c^2 for c², `?` for what has none."""
     codecs.register_error("mrts_ascii", _in_ascii)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -67,7 +70,7 @@ def encode_anything() -> None:
 def _in_ascii(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    text = unicodedata.normalize("NFKD", error.object[error.start : error.end])
+    text = unicodedata.normalize("NFKD", error.object[error.start : error.end].translate(SPELT_OUT))
     return "".join(letter if letter.isascii() else "?" for letter in text), error.end
 
 
@@ -82,19 +85,12 @@ def _wrapped(text: str, stream: TextIO) -> str:
     if not stream.isatty():
         return text
     width = max(LEAST_WIDTH, shutil.get_terminal_size().columns)
-    return "\n".join(line if len(line) <= width else _broken(line, width) for line in text.split("\n"))
-
-
-def _broken(line: str, width: int) -> str:
-    start = line[: len(line) - len(line.lstrip())]
-    return textwrap.fill(
-        line.lstrip(),
-        width,
-        initial_indent=start,
-        subsequent_indent=start + HANGING,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    lines = []
+    for line in text.split("\n"):
+        start = line[: len(line) - len(line.lstrip())] + HANGING
+        wrap = textwrap.TextWrapper(width, subsequent_indent=start, break_long_words=False, break_on_hyphens=False)
+        lines.append(line if len(line) <= width else wrap.fill(line))
+    return "\n".join(lines)
 
 
 def put(text: str) -> None:

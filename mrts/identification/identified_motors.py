@@ -4,6 +4,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import indent
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
+from mrts.base.yaml_parser import yaml_text
 from mrts.cell.robot import Robot
 
 DIGITS = 5
@@ -194,50 +197,25 @@ def _cell(found: MotorParameter, place: int) -> str:
 
 
 def _block(arm: ArmMotors) -> list[str]:
-    """The lines of one robot's block."""
-    time = f"{arm.time[-1] - arm.time[0]:.3g} s, filter {arm.cutoff:.4g} Hz"
-    units = arm.robot.torque_units
-    rms = ", ".join(f"{value:.3g} {unit}" for value, unit in zip(arm.residual_rms, units, strict=True))
-    lines = [f"    # {time}; residual rms {rms}"]
-    kept = {name: found for name, found in arm.estimates.items() if np.all(found.identified)}
-    frictions = sorted(kept.keys() - {"armature"})
-    lines += ["    motors:"] if kept else []
-    lines += _entry(arm, "armature", "      ") if "armature" in kept else []
-    lines += ["      friction:"] if frictions else []
-    for name in frictions:
-        lines += _entry(arm, name, "        ")
+    rms = ", ".join(f"{value:.3g} {unit}" for value, unit in zip(arm.residual_rms, arm.robot.torque_units, strict=True))
+    told = [f"{arm.time[-1] - arm.time[0]:.3g} s, filter {arm.cutoff:.4g} Hz; residual rms {rms}"]
+    motors: dict[str, Any] = {}
     for name, found in arm.estimates.items():
-        if name not in kept:
-            without = [place for place, known in enumerate(found.identified) if not known]
-            lines.append(f"      # {name} is not known of every joint, so it is left out:")
-            lines += [f"      #   {printable(arm.robot.joints[place])}: {found.reasons[place]}" for place in without]
-            known = [
-                f"{printable(joint)} {_cell(found, place)}"
-                for place, joint in enumerate(arm.robot.joints)
-                if found.identified[place]
-            ]
-            lines += [f"      #   known: {', '.join(known)}"] if known else []
-    return lines
-
-
-def _entry(arm: ArmMotors, name: str, indent: str) -> list[str]:
-    """A list of numbers, which are floats to any parser of YAML, and what is known of them."""
-    found = arm.estimates[name]
-    values = ", ".join(_number(value) for value in found.value.tolist())
-    units = dict.fromkeys(_units(name, [arm]))
-    widths = ", ".join(f"{width:.2g}" for width in found.half_width)
-    bounded = [printable(arm.robot.joints[place]) for place in np.flatnonzero(found.bounded)]
-    zero = f"; held at 0: {', '.join(bounded)}" if bounded else ""
-    return [f"{indent}{name}: [{values}]  # {' or '.join(units)}; ± {widths}{zero}"]
+        joints = zip(arm.robot.joints, found.reasons, strict=True)
+        if all(found.identified):
+            block = motors if name == "armature" else motors.setdefault("friction", {})
+            block[name] = [float(f"{value:.{DIGITS}g}") for value in found.value]
+            zero = ", ".join(np.array(arm.robot.joints)[found.bounded])
+            widths = ", ".join(f"{width:.2g}" for width in found.half_width)
+            units = " or ".join(dict.fromkeys(_units(name, [arm])))
+            told.append(f"{name} in {units} ± {widths}{f'; held at 0: {zero}' if zero else ''}")
+        else:
+            told.append(f"{name} is not known of every joint, so it is left out:")
+            told += [f"  {joint}: {why or _cell(found, place)}" for place, (joint, why) in enumerate(joints)]
+    block_text = yaml_text({"motors": motors}) if motors else ""
+    return [f"    # {printable(line)}" for line in told] + indent(block_text, "    ").splitlines()
 
 
 def _units(name: str, arms: Sequence[ArmMotors]) -> list[str]:
-    """Units of a parameter of every joint."""
     turning, sliding = UNITS[name]
     return [turning if unit == "rad" else sliding for arm in arms for unit in arm.robot.position_units]
-
-
-def _number(value: float) -> str:
-    text = f"{value:.{DIGITS}g}"
-    mantissa, mark, exponent = text.partition("e")
-    return (mantissa if "." in mantissa else f"{mantissa}.0") + mark + exponent

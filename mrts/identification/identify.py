@@ -80,7 +80,6 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
 
 
 def _recorded_arms(cell: Cell, recording: JointRecording) -> list[tuple[Robot, list[RecordedJoint]]]:
-    """The arms that were recorded, with what was measured of their joints."""
     columns = [*recording.joints, *recording.unusable]
     found = columns_by_joint(cell, recording.path, columns)
     extra = [name for name in columns if name not in found.values()]

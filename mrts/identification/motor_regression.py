@@ -152,7 +152,6 @@ def _standard_errors(
 
 
 def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torque_limit: float) -> tuple[str, ...]:
-    """Why each parameter is not identified, "" where it is."""
     one_way = np.min(columns[:, 2]) * np.max(columns[:, 2]) > 0
     reasons = []
     for place in range(3):

@@ -165,7 +165,6 @@ def _step(time: Array) -> float:
 
 
 def _cutoff(rate: float, given: float | None) -> float:
-    """The cutoff of the filter [Hz]."""
     if given is None:
         return min(DEFAULT_CUTOFF, rate / SLOW_SAMPLING)
     if given > rate / FEWEST_SAMPLES:

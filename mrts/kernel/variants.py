@@ -40,7 +40,6 @@ def variant_ranges(
     followed: FollowedVariants,
     limits: SparseLimits,
     terms: SampleTerms,
-    order: NDArray[np.intp],
     given: Mapping[str, Array],
 ) -> NDArray[np.void]:
     """The range of c² over the whole motion of each variant that followed, Shape (V,) of `range_record`.
@@ -50,7 +49,6 @@ def variant_ranges(
         followed: The joints.
         limits: Rows over torques and wrenches; which limits there are is the same for all variants.
         terms: What is added at every sample, those of all variants one after the other.
-        order: In which the samples are looked at, Shape (N,): those that may set the range first.
         given: By name, with V first, or 1 where all share one: the path's "rotation", "twist" and "acceleration" as in
             `mrts.kernel.tracking.follow_variants`, "load", Shape (V, 10), "geometry" as there, "velocity", limits of
             the joints and of the object's linear and angular one, infinity where there is none, Shape (V, m + 2),
@@ -65,11 +63,10 @@ def variant_ranges(
     joints = {"q": followed.q, "dq": followed.dq, "ddq": followed.ddq}
     bounds = {name: np.clip(given[name], -INFINITY, INFINITY) for name in ("velocity", "lower", "upper")}
     arrays, strides = strided(variants, shapes, {**given, **joints, **bounds})
-    first = np.ascontiguousarray(order, dtype=np.int32)
     skipped = np.ascontiguousarray(~followed.followed, dtype=np.uint8)
     found = np.zeros(variants, dtype=range_record(library.unknowns))
     library.opened.mrts_variant_ranges(
-        *(variants, samples, pointers(arrays), strides, limits.structure, terms.structure(), first, skipped, found),
+        *(variants, samples, pointers(arrays), strides, limits.structure, terms.structure(), skipped, found),
         *work_arrays(library.opened, "mrts_variant_ranges", limits.rows, samples),
     )
     return found

@@ -2,8 +2,7 @@
 """All inverse-kinematics branches of every arm, followed along the motion and ranked by c²⁺ (section VI, 6.3)."""
 
 from collections import Counter
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
@@ -11,7 +10,6 @@ import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
 from mrts.base.json_output import JsonOutput
 from mrts.cell.cell import Cell
 from mrts.following.branches import branches_at_start
@@ -27,8 +25,6 @@ from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.options import Options
 from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.scale import admissible_range
-
-DEFAULT_CAP = 1024
 
 
 @dataclass(frozen=True)
@@ -79,32 +75,29 @@ class ConfigurationStudy(JsonOutput):
     Attributes:
         branches: All branches by robot, those that fail included.
         ranked: Configurations by falling c²⁺, infeasible ones last.
-        combinations: Number of combinations of branches that reach the end.
     """
 
     branches: dict[str, list[Branch]]
     ranked: tuple[Configuration, ...]
-    combinations: int
+
+    @property
+    def combinations(self) -> int:
+        """Number of combinations of branches that reach the end."""
+        return len(self.ranked)
 
     def __repr__(self) -> str:
-        return f"<ConfigurationStudy: {self.combinations} configurations reach the end, {len(self.ranked)} evaluated>"
+        return f"<ConfigurationStudy: {self.combinations} configurations reach the end>"
 
     def table(self, rows: int) -> str:
         """The best configurations and the branches that they are made of, as text.
 
         Args:
             rows: Most configurations to show.
-
-        Raises:
-            InputError: If that is negative.
         """
-        if rows < 0:
-            raise InputError("--show", "must be at least 0.", value=rows)
-        done = len(self.ranked)
-        evaluated = f"{done} evaluated"
-        if done < self.combinations:
-            evaluated += " (the best of a fixed distribution; raise --cap for all)"
-        lines = [f"{self.combinations} configurations reach the end, {evaluated}, by falling c²⁺{self._left_out()}:"]
+        kinds = Counter(b.failure.kind for every in self.branches.values() for b in every if b.failure is not None)
+        lost = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+        lines = [f"{self.combinations} configurations reach the end, by falling c²⁺"]
+        lines[0] += f"; branches left out: {lost}:" if lost else ":"
         names = [*self.branches]
         lines.append(f"{'rank':>4}  " + "  ".join(f"{name:>8}" for name in names) + f"  {'c²⁺':>9}  limited at")
         for rank, configuration in enumerate(self.ranked[:rows], start=1):
@@ -120,13 +113,6 @@ class ConfigurationStudy(JsonOutput):
             if not good and branches[0].failure is not None:
                 lines.append(f"{branches[0].robot:>8}   -  none; the first: {branches[0].failure.message}")
         return "\n".join(lines)
-
-    def _left_out(self) -> str:
-        kinds = Counter(
-            b.failure.kind for of_robot in self.branches.values() for b in of_robot if b.failure is not None
-        )
-        counts = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-        return f"; branches left out: {counts}" if counts else ""
 
     def to_json(self) -> dict[str, Any]:
         """The whole study as JSON values."""
@@ -159,7 +145,6 @@ def rank_configurations(
     motion: ObjectMotion,
     *,
     sharing: LoadSharing | None = None,
-    cap: int = DEFAULT_CAP,
     solver: str = DEFAULT_SOLVER,
     between: float | None = BETWEEN,
     progress: Progress = lambda _done, _total: None,
@@ -167,59 +152,36 @@ def rank_configurations(
     """Evaluate every combination of inverse-kinematics branches.
 
     Branches come from the planar closed form, or else from seeded random starts; for a redundant arm these settle
-    where they come locally nearest to its posture. Positions outside the joint limits do not count. More combinations
-    than `cap` are ordered by c²⁺ of the fixed distribution (`sharing`, else the even one, without contacts), which is
-    cheap, and the first `cap` evaluated. Ranges of an uncertain load are the guaranteed ones.
+    where they come locally nearest to its posture. Positions outside the joint limits do not count. Ranges of an
+    uncertain load are the guaranteed ones.
 
     Args:
         cell: The cell.
         motion: Motion of the object.
         sharing: A fixed distribution of the load; None leaves it free.
-        cap: Most combinations to evaluate.
         solver: Name in the registry.
         between: As in `mrts.scale`.
         progress: Told how many of how many evaluations are done.
 
     Raises:
-        InputError: If the cap is below 1, or an arm has too few joints.
+        InputError: If an arm has too few joints.
         MotionError: If the object leaves the plane of a planar cell.
     """
     check_type("cell", cell, Cell)
     check_type("motion", motion, ObjectMotion)
-    check_type("cap", cap, int)
     check_callable("progress", progress)
     options = Options(sharing=sharing, solver=solver, between=between).checked(cell)
-    if cap < 1:
-        raise InputError("cap", "must be at least 1.", value=cap)
     check_motion(cell, motion)
     starts = [branches_at_start(cell, index, motion) for index in range(len(cell.robots))]
     tracks, branches = _follow(cell, motion, starts)
     good = [[branch for branch in branches[robot.name] if branch.failure is None] for robot in cell.robots]
     combinations = int(np.prod([len(of_robot) for of_robot in good]))
-    chosen: Iterable[tuple[Branch, ...]] = product(*good)
-    scores = combinations if combinations > cap else 0
-    total = scores + (0 if scores and sharing is not None else min(combinations, cap))
-
-    def evaluate(choices: Iterable[tuple[Branch, ...]], before: int, of: Cell, how: Options) -> list[Configuration]:
-        found = []
-        for number, choice in enumerate(choices, start=before):
-            progress(number, total)
-            found.append(_evaluate(of, motion, tracks, choice, how))
-        return sorted(found, key=lambda configuration: -configuration.c2_upper)
-
-    if scores:
-        of = cell if sharing is not None else _without_hands(cell)
-        ranked = evaluate(chosen, 0, of, replace(options, sharing=sharing or LoadSharing()))[:cap]
-        chosen = [configuration.branches for configuration in ranked]
-    if not scores or sharing is None:
-        ranked = evaluate(chosen, scores, cell, options)
-    progress(total, total)
-    return ConfigurationStudy(branches, tuple(ranked), combinations)
-
-
-def _without_hands(cell: Cell) -> Cell:
-    """The cell without contact rows: an even distribution does not squeeze, and would order palms by chance."""
-    return replace(cell, robots=tuple(replace(robot, contacts=()) for robot in cell.robots))
+    ranked = []
+    for number, choice in enumerate(product(*good)):
+        progress(number, combinations)
+        ranked.append(_evaluate(cell, motion, tracks, choice, options))
+    progress(combinations, combinations)
+    return ConfigurationStudy(branches, tuple(sorted(ranked, key=lambda one: -one.c2_upper)))
 
 
 def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[FollowedVariants, dict[str, list[Branch]]]:

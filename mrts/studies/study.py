@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -21,7 +22,7 @@ from mrts.base.input_file import MAX_FILE_BYTES
 from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
-from mrts.cell.number_paths import set_value
+from mrts.cell.number_paths import Keys, set_value, value_at
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
@@ -55,13 +56,15 @@ class StudyFile:
     """A URDF or a mesh that a cell file names, so that a study can be solved where its files are not.
 
     Attributes:
-        reference: As the cell file gives it.
+        keys: Where the cell file names it.
+        reference: As it does.
         path: Where it was read; of a xacro, the URDF that it became.
         content: Its bytes.
         origin: Where the file is that the reference means.
         xacro_args: Values of a xacro's arguments, as the cell file gives them.
     """
 
+    keys: Keys
     reference: str
     path: str
     content: bytes
@@ -88,8 +91,7 @@ class Study:
         cell: Keys and values of the cell file, with those that are varied.
         motion: Keys and values of the motion file, likewise; a table's are where it is.
         table: The motion, where it is a table: no number of it varies.
-        urdfs: The robots' URDFs, in the order of the cell file.
-        mesh: That of the object, None where it has none.
+        files: URDFs and mesh that the cell file names.
         joints: Names of each robot's joints, base to tip, by robot.
         digest: Hash of all that the answers depend on.
         limits: Further limits of the cell, as `mrts.Cell.with_limits` takes them.
@@ -105,8 +107,7 @@ class Study:
     cell: dict[str, Any]
     motion: dict[str, Any]
     table: ObjectMotion | JointTable | None
-    urdfs: tuple[StudyFile, ...]
-    mesh: StudyFile | None
+    files: tuple[StudyFile, ...]
     joints: dict[str, tuple[str, ...]]
     digest: str
     limits: tuple[Callable[..., Any], ...] = ()
@@ -181,16 +182,14 @@ class Study:
 
         It is itself where they still are; elsewhere, or where one has changed, they are written into the user's cache.
         """
-        if all(_holds(Path(file.path), file.content) for file in (*self.urdfs, self.mesh) if file is not None):
+        if all(_holds(Path(file.path), file.content) for file in self.files):
             return self
-        folder = cache_folder("studies", self.digest)
-        cell = deepcopy(self.cell)
-        for index, (robot, urdf) in enumerate(zip(cell["robots"], self.urdfs, strict=True)):
-            robot["urdf"] = f"{index}.urdf"
-            _keep(folder / robot["urdf"], urdf.content)
-        if self.mesh is not None:
-            cell["object"]["shape"]["mesh"] = f"object{Path(self.mesh.path).suffix}"
-            _keep(folder / cell["object"]["shape"]["mesh"], self.mesh.content)
+        folder, cell = cache_folder("studies", self.digest), deepcopy(self.cell)
+        for number, file in enumerate(self.files):
+            path = folder / f"{number}{Path(file.path).suffix}"
+            if not _holds(path, file.content):
+                write_atomically(path, partial(_write, content=file.content), private=True)
+            set_value(cell, file.keys, path.name)
         return replace(self, folder=folder, cell=cell)
 
     def write_variant(self, index: int, folder: Path | str) -> tuple[Path, Path]:
@@ -228,20 +227,16 @@ class Study:
             keys: Its keys and values, as from `descriptions`.
             folder: Where it is to stand: paths of its files are relative to it.
         """
-        robots = [dict(robot) for robot in keys["robots"]]
-        for robot, urdf in zip(robots, self.urdfs, strict=True):
-            robot["urdf"] = urdf.named_in(folder)
-            if urdf.xacro_args:
-                robot["xacro_args"] = dict(urdf.xacro_args)
-        carried = keys["object"]
-        if self.mesh is not None:
-            carried = carried | {"shape": carried["shape"] | {"mesh": self.mesh.named_in(folder)}}
-        return yaml_text(keys | {"object": carried, "robots": robots})
+        written = deepcopy(keys)
+        for file in self.files:
+            set_value(written, file.keys, file.named_in(folder))
+            if file.xacro_args:
+                value_at(written, file.keys[:-1])["xacro_args"] = dict(file.xacro_args)
+        return yaml_text(written)
 
 
-def _keep(path: Path, content: bytes) -> None:
-    if not _holds(path, content):
-        write_atomically(path, lambda temporary: temporary.write_bytes(content), private=True)
+def _write(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
 
 
 def _holds(path: Path, content: bytes) -> bool:

@@ -3,39 +3,36 @@
 
 import hashlib
 import json
+from collections.abc import Iterator
 from copy import deepcopy
 from pathlib import Path
 from typing import Annotated, Any
+
+import numpy as np
 
 from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Rule
 from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES, read_data, read_text, validated
-from mrts.base.regular_file import is_folder, open_regular, read_regular
+from mrts.base.regular_file import is_folder, read_regular
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
+from mrts.cell.cell_keys import cell_keys
 from mrts.cell.loading import load_cell
-from mrts.cell.robot import Robot
+from mrts.cell.number_paths import ONE_FOR_ALL
 from mrts.cell.source_files import described, urdf_files
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
-from mrts.program.excess import checked_tolerance
 from mrts.scaling.loads import mass_grid
+from mrts.scaling.options import Options
 from mrts.studies.parameters import Parameter, read_parameters
 from mrts.studies.sampling import MAX_HYPERCUBE_NUMBERS, MAX_VARIANTS, SampleName, grid_size
 from mrts.studies.study import Study, StudyFile, StudyQuestion
-
-MAX_BAG_FILE_BYTES = 10**10
-"""Of one file of a ROS 2 bag; as large as its reader can bear."""
-
-
-HASHED_AT_A_TIME = 1 << 20
-"""Bytes of a file."""
 
 
 class StudyDescription(StudyQuestion):
@@ -77,22 +74,23 @@ def read_study(path: Path | str) -> Study:
     motion = load_motion(motion_path)
     _check_question(path, described, cell)
     given = {"cell": _given_keys(cell_path, "cell file"), "motion": _given_motion(motion_path, motion)}
-    _angles_for_quaternions(given)
-    poses = _is_path_of_poses(given["motion"])
+    _angles_for_quaternions(given["cell"]["robots"], given["motion"])
+    poses, full = _is_path_of_poses(given["motion"]), cell_keys(cell)
+    for motors in (robot["motors"] for robot in full["robots"]):  # one number stands for all joints
+        motors |= {key: motors[key][0] for key in ONE_FOR_ALL & motors.keys() if len({*motors[key]}) == 1}
     filled = {
-        "cell": _filled_cell(cell_path, given["cell"], cell),
+        "cell": _overlaid(full, given["cell"]),
         "motion": _filled_motion(given["motion"]) if poses else {},
     }
     parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
-    urdfs, mesh = _study_files(cell_path, given["cell"])
+    files = tuple(_study_files(cell_path, given["cell"]))
     question = StudyQuestion(**{name: getattr(described, name) for name in StudyQuestion.model_fields})
     variants, seed = _variants(path, described, parameters), described.seed or 0
     where = {"file", "joints"}  # what such a table says is hashed
     own = {key: value for key, value in given["motion"].items() if key not in where}
     asked = repr((parameters, described.sample, variants, seed, question))
-    content = [json.dumps([__version__, asked, given["cell"], own]).encode(), *(file.content for file in urdfs)]
-    content += [] if mesh is None else [mesh.content]
-    hashes = [*map(_hash, content), *([] if poses else _table_hashes(given["motion"]))]
+    content = [json.dumps([__version__, asked, given["cell"], own]).encode(), *(file.content for file in files)]
+    content += [] if poses else _table_content(motion)
     return Study(
         path=path.absolute(),
         folder=cell_path.resolve().parent,
@@ -104,27 +102,25 @@ def read_study(path: Path | str) -> Study:
         cell=given["cell"],
         motion=given["motion"],
         table=None if poses else motion,
-        urdfs=urdfs,
-        mesh=mesh,
+        files=files,
         joints={robot.name: robot.joints for robot in cell.robots},
-        digest=_hash(b"".join(hashes)).hex(),
+        digest=hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in content)).hexdigest(),
     )
 
 
-def _study_files(path: Path, given: dict[str, Any]) -> tuple[tuple[StudyFile, ...], StudyFile | None]:
+def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
     """The files that a cell file names; where that is a xacro, the URDF that it became takes its place in the keys."""
-    urdfs, found = [], [reference.path(path, path.resolve().parent) for reference in described(path).references]
-    origins, meshes = found[: len(given["robots"])], found[len(given["robots"]) :]
-    for robot, (file, _), origin in zip(given["robots"], urdf_files(path).values(), origins, strict=True):
-        content = read_regular(file, "URDF", MAX_URDF_BYTES)
+    origins = [reference.path(path, path.resolve().parent).absolute() for reference in described(path).references]
+    for number, (robot, (file, _)) in enumerate(zip(given["robots"], urdf_files(path).values(), strict=True)):
+        content, origin = read_regular(file, "URDF", MAX_URDF_BYTES), origins[number]
         arguments = robot.pop("xacro_args", None) or {}
-        urdfs.append(StudyFile(robot["urdf"], str(file.absolute()), content, str(origin.absolute()), arguments))
-        if file != origin:
+        keys = ("robots", number, "urdf")
+        yield StudyFile(keys, robot["urdf"], str(file.absolute()), content, str(origin), arguments)
+        if file.absolute() != origin:
             robot["urdf"] = str(file)
-    if not meshes:
-        return tuple(urdfs), None
-    content, where = read_regular(meshes[0], "mesh", MAX_FILE_BYTES), str(meshes[0].absolute())
-    return tuple(urdfs), StudyFile(given["object"]["shape"]["mesh"], where, content, where)
+    for mesh in origins[len(given["robots"]) :]:
+        content, reference = read_regular(mesh, "mesh", MAX_FILE_BYTES), given["object"]["shape"]["mesh"]
+        yield StudyFile(("object", "shape", "mesh"), reference, str(mesh), content, str(mesh))
 
 
 def _described(path: Path) -> StudyDescription:
@@ -158,11 +154,9 @@ def _given_keys(path: Path, what: str) -> dict[str, Any]:
     return unshared
 
 
-def _angles_for_quaternions(files: dict[str, dict[str, Any]]) -> None:
+def _angles_for_quaternions(robots: list[dict[str, Any]], motion: dict[str, Any]) -> None:
     """Give poses by roll, pitch and yaw, of which each can vary by itself."""
-    motion = files.get("motion", {})
-    holders = [*files["cell"]["robots"], motion]
-    poses = [holder.get(key) for holder in holders for key in ("base", "grasp", "start", "end")]
+    poses = [holder.get(key) for holder in (*robots, motion) for key in ("base", "grasp", "start", "end")]
     for pose in filter(None, [*poses, *(motion.get("waypoints") or [])]):
         if any(name.startswith("quaternion") for name in pose):
             read = Pose.model_validate(dict(pose))
@@ -170,25 +164,14 @@ def _angles_for_quaternions(files: dict[str, dict[str, Any]]) -> None:
             pose.update(xyz=read.xyz, rpy=rpy_from_rotation(read.rotation()))
 
 
-def _filled_cell(path: Path, given: dict[str, Any], cell: Cell) -> dict[str, Any]:
-    """A cell file's keys with all that it leaves out, and limits that it does not give as empty places."""
-    filled: dict[str, Any] = described(path).model_dump()
-    _angles_for_quaternions({"cell": filled})
-    for robot, arm, as_given in zip(filled["robots"], cell.robots, given["robots"], strict=True):
-        _fill_robot(robot, arm, len(cell.wrench_components))
-        robot["contact"] = deepcopy(as_given.get("contact") or [])
-    return filled
-
-
-def _fill_robot(robot: dict[str, Any], arm: Robot, components: int) -> None:
-    if robot["torque"] is None:
-        robot["torque"] = arm.torque_upper.tolist()  # the URDF's effort is symmetric
-    for side in ("lower", "upper"):
-        robot["wrench"][side] = robot["wrench"][side] or [None] * components
-    robot["contact_rate"] = robot["contact_rate"] or [None, None]
-    if not isinstance(robot["motors"]["friction"], dict):
-        friction = {"coulomb": arm.motors.coulomb.tolist(), "viscous": arm.motors.viscous.tolist()}
-        robot["motors"]["friction"] = friction
+def _overlaid(full: Any, given: Any) -> Any:
+    """What is given, with all that it leaves out; a word, such as `none`, leaves out what it stands for."""
+    if isinstance(full, dict) and isinstance(given, dict):
+        return full | {key: _overlaid(full.get(key), value) for key, value in given.items()}
+    if isinstance(full, list) and isinstance(given, list) and len(full) == len(given):
+        return [_overlaid(each, own) for each, own in zip(full, given, strict=True)]
+    leaves_out = given is None or (isinstance(given, str) and isinstance(full, dict))
+    return deepcopy(full if leaves_out else given)
 
 
 def _filled_motion(given: dict[str, Any]) -> dict[str, Any]:
@@ -201,28 +184,14 @@ def _is_path_of_poses(given: dict[str, Any]) -> bool:
     return not (set(KINDS) - {"start", "waypoints"}) & set(given)
 
 
-def _table_hashes(motion: dict[str, Any]) -> list[bytes]:
-    named = Path(motion.get("file") or motion["joints"])
-    files = sorted(each for each in named.rglob("*") if each.is_file()) if named.is_dir() else [named]
-    hashes = []
-    for path in files:
-        digest = hashlib.sha256()
-        with open_regular(path, "table of motion", MAX_BAG_FILE_BYTES) as file:
-            while part := file.read(HASHED_AT_A_TIME):
-                digest.update(part)
-        hashes.append(digest.digest())
-    return hashes
-
-
-def _hash(content: bytes) -> bytes:
-    return hashlib.sha256(content).digest()
+def _table_content(table: ObjectMotion | JointTable) -> list[bytes]:
+    parts = [part if isinstance(part, dict) else {"": part} for part in vars(table).values()]
+    columns = [(name, values) for part in parts for name, values in part.items() if isinstance(values, np.ndarray)]
+    return [content for name, values in columns for content in (name.encode(), np.ascontiguousarray(values).tobytes())]
 
 
 def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None:
-    load, box = described.load, cell.load_box
-    if load not in {"auto", "nominal"} and box is None:
-        rule = "the object's load is known: the cell file gives no 'variation'. Ask for nominal, or leave this key out."
-        raise InputError(path, rule, key="load", value=load)
+    load = described.load
     if load == "possible" and described.torques:
         rule = "what is possible leaves open which load it is, so there are no torques. Leave one of the two out."
         raise InputError(path, rule, key="torques", value=True)
@@ -230,9 +199,9 @@ def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None
         rule = "must be guaranteed or nominal where the speed varies (profile: optimal)."
         raise InputError(path, rule, key="load", value=load)
     try:
-        checked_tolerance(described.between)
-        if box is not None and load.startswith("grid"):
-            mass_grid(box, load)
+        Options(load=load, between=described.between).checked(cell)
+        if cell.load_box is not None and load.startswith("grid"):
+            mass_grid(cell.load_box, load)
     except InputError as error:
         raise InputError(path, error.rule.replace("None", "null"), key=error.where, value=error.value) from None
 

@@ -11,9 +11,8 @@ import json
 import logging
 import os
 import re
-import socket
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -251,7 +250,7 @@ def study_content(study: Study) -> dict[str, Any]:
             "cell": study.cell,
             "motion": study.motion,
             "limits": list(map(limit_name, study.limits)),
-            "urdfs": {each.reference: f"SHA-256 {hashlib.sha256(each.content).hexdigest()}" for each in study.urdfs},
+            "files": {each.reference: f"SHA-256 {hashlib.sha256(each.content).hexdigest()}" for each in study.files},
         },
     }  # fmt: skip
     same: dict[str, Any] = json.loads(json.dumps(content))
@@ -269,6 +268,9 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
     content = study_content(study)
     if not str(path).isprintable():  # pyarrow takes names in UTF-8 only
         raise InputError("folder", "must be the name of a folder in printable characters.", value=str(path))
+    there = sorted(file.name for file in path.glob("[!.]*"))
+    if there and STUDY_FILE not in there:
+        raise InputError(path, f"holds no study, but {there[0]}: name a new or empty folder.")
     with _locked(path):
         for file in [*path.iterdir(), *(path / ROWS).glob("*")]:
             if TEMPORARY_FILE.fullmatch(file.name):
@@ -278,8 +280,6 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
             _check_same(folder, content)
             folder.drop_damaged()
         else:
-            if others := sorted(file.name for file in path.iterdir() if file.name != LOCK_FILE):
-                raise InputError(path, f"holds no study, but {others[0]}: name a new or empty folder.")
             record = {"format": FORMAT, "chunk": chunk_size(), **content}
             checked = json.dumps(record | {"check": _check(record)}, indent=1, ensure_ascii=False)
             write_text_atomically(path / STUDY_FILE, f"{checked}\n")
@@ -292,39 +292,20 @@ def _locked(path: Path) -> Iterator[None]:
     """Make a folder, and let no other sweep into it; the system forgets the lock of a process that is gone."""
     try:
         path.mkdir(parents=True, exist_ok=True)
-        file = (path / LOCK_FILE).open("a+", encoding="utf-8")
+        file = (path / LOCK_FILE).open("a", encoding="utf-8")
     except (OSError, ValueError) as error:
         raise InputError(path, f"cannot be written: {getattr(error, 'strerror', None) or error}.") from None
     with file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            file.seek(0)
-            raise InputError(path, f"another sweep writes into it ({file.read().strip()}): let it end first.") from None
+            raise InputError(path, "another sweep writes into it: let it end first.") from None
         except OSError as error:
             logger.warning("%s cannot be locked (%s): let no other sweep write into it", path, error.strerror)
-        with suppress(OSError):  # a full disk will be told where rows are lost
-            file.truncate(0)
-            file.write(f"process {os.getpid()} on {socket.gethostname()}")
-            file.flush()
-        with _gone_if_unused(path):
-            yield
-
-
-@contextmanager
-def _gone_if_unused(path: Path) -> Iterator[None]:
-    """Take back the lock, and a folder that was made for nothing, where no study has begun."""
-    try:
         yield
-    finally:
-        if not (path / STUDY_FILE).exists():
-            with suppress(OSError):
-                (path / LOCK_FILE).unlink()
-                path.rmdir()
 
 
 def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
-    """Check that a folder is of the study that is to be solved."""
     if folder.digest == content["digest"]:
         return
     before, now = folder.record, content

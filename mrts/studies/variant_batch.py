@@ -4,7 +4,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,9 +43,6 @@ from mrts.studies.variant_rows import UNREACHABLE, Columns, Row, columns_of, end
 
 BLOCK_BYTES = 8_000_000
 """Of the arrays of the variants that one native call solves: small enough to stay near the processor."""
-
-STRIDE = 8
-"""Samples between those that are looked at first, after those that set the range of the unvaried cell."""
 
 KEPT = 4
 """Studies whose cells are kept ready."""
@@ -129,9 +125,6 @@ class VariantBatch:
         varied = {entry.name for entry in entries}
         each = len(motion.time) * (3 * m + (0 if varied.isdisjoint(PATH_ENDS) else 25)) * 8
         self.block = max(1, BLOCK_BYTES // each)
-        self._order = self._first_looked_at(np.arange(len(motion.time)))
-        _, _, found = self._answers(VariantNumbers(self._base, (), np.zeros((1, 0))))
-        self._order = self._first_looked_at(found[0]["sample"][::-1])
 
     def solve(self, points: Array, first: int) -> Columns:
         """The rows of variants, as `mrts.studies.variant_rows.solve_variants` gives them.
@@ -158,7 +151,7 @@ class VariantBatch:
             refused |= leaves_plane(self._cell, path["twist"])
         tracked = track_variants(self._cell, path, geometry, numbers["posture"], refused)
         given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits(numbers)}
-        found = variant_ranges(self._cell.library, tracked.joints, self._sparse, SampleTerms(), self._order, given)
+        found = variant_ranges(self._cell.library, tracked.joints, self._sparse, SampleTerms(), given)
         return given, tracked, found
 
     def _path(self, numbers: VariantNumbers, refused: NDArray[np.bool_]) -> dict[str, Array]:
@@ -195,12 +188,6 @@ class VariantBatch:
             sides = {side: np.array([getattr(rows, side) for rows in shrunk]) for side in sides}
             velocity = (1 - self._reserve) * velocity
         return {**sides, "velocity": velocity, "values": self._sparse.values[None]}
-
-    def _first_looked_at(self, ends: NDArray[Any]) -> NDArray[np.intp]:
-        """The samples in the order in which they are looked at, Shape (N,): given ones, some of all, the rest."""
-        samples = len(self._motion.time)
-        order = [*(end for end in ends.tolist() if end >= 0), *range(0, samples, STRIDE), *range(samples)]
-        return np.array(list(dict.fromkeys(order)))
 
     def _rows(
         self, given: Mapping[str, Array], tracked: TrackedVariants, found: NDArray[np.void]

@@ -13,7 +13,6 @@ from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.cell.number_paths import Keys
-from mrts.cell.robot import Robot
 from mrts.studies.parameters import Target
 from mrts.studies.study import Study
 
@@ -34,6 +33,20 @@ POSES = ("base_xyz", "base_rpy", "grasp_xyz", "grasp_rpy")
 
 PATH_ENDS = ("start_xyz", "start_rpy", "end_xyz", "end_rpy", "duration")
 """Of a motion from pose to pose, Shape (V, 3), and (V,)."""
+
+
+ARRAYS = {
+    ("cell", "gravity"): "gravity",
+    ("cell", "object", "mass"): "mass",
+    ("cell", "object", "inertia"): "inertia",
+    ("cell", "object", "velocity", "linear"): "object_velocity",
+    ("cell", "object", "velocity", "angular"): "object_velocity",
+    ("cell", "robots", "posture"): "posture",
+    ("motion", "duration"): "duration",
+}
+ARRAYS |= {("cell", "robots", *name.split("_")): name for name in (*POSES, *LIMITS)}
+ARRAYS |= {("motion", *name.split("_")): name for name in PATH_ENDS[:4]}
+"""Array of a number by the keys on its way."""
 
 
 @dataclass(frozen=True)
@@ -63,51 +76,33 @@ def varied_entries(study: Study, cell: Cell) -> tuple[Entry, ...] | None:
 
 
 def target_entries(target: Target, column: int, study: Study, cell: Cell) -> list[Entry]:
-    """The places that a target of a parameter sets; none where it has no array here."""
+    """The places that a target of a parameter, which has a column, sets; none where it has no array here."""
     places = _places(target.keys, study, cell)
     return [Entry(column, name, index, sign * target.factor, sign * target.offset) for name, index, sign in places]
 
 
 def _places(keys: Keys, study: Study, cell: Cell) -> list[tuple[str, tuple[int, ...], float]]:
     """Arrays, indices and signs that a number of the files stands for; none where it has no array."""
-    found: tuple[str, tuple[int, ...]] | None = None
-    match keys:
-        case ("cell", "robots", int(robot), "posture" | "torque" | "wrench", *_):
-            return _places_of_limits(keys[3:], cell, robot)
-        case ("cell", "robots", int(robot), "base" | "grasp" as frame, "xyz" | "rpy" as part, int(axis)):
-            looks = frame == "grasp" and _looks(study.cell["robots"][robot])  # then each number turns the tip
-            found = None if looks else (f"{frame}_{part}", (robot, axis))
-        case ("cell", "gravity", int(axis)):
-            found = "gravity", (axis,)
-        case ("cell", "object", "mass") if study.cell["object"].get("inertia") is not None:
-            found = "mass", ()
-        case ("cell", "object", "inertia", int(axis)):
-            found = "inertia", (axis, axis)
-        case ("cell", "object", "inertia", int(row), int(column)):
-            found = "inertia", (row, column)
-        case ("cell", "object", "velocity", "linear" | "angular" as part):
-            found = "object_velocity", (("linear", "angular").index(part),)
-        case ("motion", "start" | "end" as pose, "xyz" | "rpy" as part, int(axis)) if "waypoints" not in study.motion:
-            found = f"{pose}_{part}", (axis,)
-        case ("motion", "duration") if "waypoints" not in study.motion:
-            found = "duration", ()
-    return [] if found is None else [(*found, 1.0)]
-
-
-def _places_of_limits(rest: Sequence[str | int], cell: Cell, robot: int) -> list[tuple[str, tuple[int, ...], float]]:
-    """The same of a robot's posture and limits; a torque limit without sides is both."""
-    name = cell.robots[robot].name
-    joint, component = cell.joint_slices[name].start, cell.wrench_slices[name].start
-    match rest:
-        case ("posture", int(place)):
-            return [("posture", (joint + place,), 1.0)]
-        case ("torque", int(place)):
-            return [("torque_upper", (joint + place,), 1.0), ("torque_lower", (joint + place,), -1.0)]
-        case ("torque", "lower" | "upper" as side, int(place)):
-            return [(f"torque_{side}", (joint + place,), 1.0)]
-        case ("wrench", "lower" | "upper" as side, int(place)):
-            return [(f"wrench_{side}", (component + place,), 1.0)]
-    return []
+    words = tuple(key for key in keys if isinstance(key, str))
+    index = tuple(key for key in keys if isinstance(key, int))
+    if words == ("cell", "robots", "torque"):  # without sides it is both
+        sides = (_places((*keys[:4], side, *keys[4:]), study, cell) for side in ("lower", "upper"))
+        return [(name, at, sign) for (sign, ((name, at, _),)) in zip((-1.0, 1.0), sides, strict=True)]
+    name = ARRAYS.get(words, "")
+    looks = words[2:3] == ("grasp",) and _looks(study.cell["robots"][index[0]])  # then each number turns the tip
+    along = words[0] == "motion" and "waypoints" in study.motion
+    scaled = name == "mass" and study.cell["object"].get("inertia") is None  # then it is that of the shape
+    if not name or looks or along or scaled:
+        return []
+    if name == "posture" or name in LIMITS:
+        slices = cell.wrench_slices if name.startswith("wrench") else cell.joint_slices
+        robot, place = index
+        index = (list(slices.values())[robot].start + place,)
+    elif name == "inertia" and len(index) == 1:
+        index *= 2
+    elif name == "object_velocity":
+        index = (("linear", "angular").index(words[-1]),)
+    return [(name, index, 1.0)]
 
 
 def base_numbers(study: Study, cell: Cell) -> dict[str, Array]:
@@ -125,7 +120,10 @@ def base_numbers(study: Study, cell: Cell) -> dict[str, Array]:
         poses = [robot.get(frame) or {} for robot in study.cell["robots"]]
         if frame == "grasp":
             placed = zip(poses, study.cell["robots"], robots, strict=True)
-            poses = [_with_angles(pose, ours) if _looks(robot) else pose for pose, robot, ours in placed]
+            poses = [
+                {"xyz": pose.get("xyz"), "rpy": rpy_from_rotation(ours.T_object_tip.R)} if _looks(robot) else pose
+                for pose, robot, ours in placed
+            ]
         numbers |= {f"{frame}_{part}": _triples(poses, part) for part in ("xyz", "rpy")}
     if "duration" in study.motion and "waypoints" not in study.motion:
         numbers["duration"] = np.float64(study.motion["duration"])
@@ -136,10 +134,6 @@ def base_numbers(study: Study, cell: Cell) -> dict[str, Array]:
 
 def _looks(robot: Mapping[str, Any]) -> bool:
     return (robot.get("grasp") or {}).get("look_at") is not None
-
-
-def _with_angles(pose: Mapping[str, Any], robot: Robot) -> dict[str, Any]:
-    return {"xyz": pose.get("xyz"), "rpy": rpy_from_rotation(robot.T_object_tip.R)}
 
 
 def _triples(poses: Sequence[Mapping[str, Any]], part: str) -> Array:

@@ -12,17 +12,16 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
-from mrts.limits.rows import ActiveRow
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.range_status import RangeStatus
 from mrts.scaling.options import Options
-from mrts.scaling.range import RangeEnd, ScalingRange
+from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import SelectionError, admissible_range, scale
 from mrts.studies.study import Study
-from mrts.timing.result import RetimingStatus
+from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retime import retime
 
 UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
@@ -85,33 +84,6 @@ def columns_of(study: Study, points: Array, first: int, rows: Sequence[Row]) -> 
     return columns | {name: [row.get(name) for row in rows] for name in column_types(study) if name not in columns}
 
 
-def limit_text(rows: Sequence[ActiveRow], time: float, load: object = None) -> str:
-    """What binds at an end of the range, as the tables of studies have it: "right/elbow torque upper at t = 0.31 s".
-
-    Args:
-        rows: Rows that bind.
-        time: When [s].
-        load: The load that sets it, if the load is uncertain.
-    """
-    of_load = "" if load is None else f" with {load}"
-    return f"{', '.join(map(str, rows))} at t = {time:.4g} s{of_load}"
-
-
-def range_row(found: ScalingRange, given_duration: float) -> Row:
-    """What a range says of a variant.
-
-    Args:
-        found: The range.
-        given_duration: Of the motion as it is given [s].
-    """
-    row: Row = {"status": found.status.value}
-    if found.status is not RangeStatus.FEASIBLE:
-        row["reason"] = found.explain() or found.status.advice
-    if not found.status.admits_motion or found.lower is None or found.upper is None:
-        return row
-    return row | ends_row(found.lower, found.upper, given_duration)
-
-
 def ends_row(lower: RangeEnd, upper: RangeEnd, given_duration: float) -> Row:
     """What the ends of a range that admits motion say of a variant.
 
@@ -120,11 +92,17 @@ def ends_row(lower: RangeEnd, upper: RangeEnd, given_duration: float) -> Row:
         upper: c²⁺.
         given_duration: Of the motion as it is given [s].
     """
+
+    def limit(end: RangeEnd) -> str:
+        """Such as "right/elbow torque (upper, 80 N m) at t = 0.31 s"."""
+        of_load = "" if end.load is None else f" with {end.load}"
+        return f"{', '.join(map(str, end.rows))} at t = {end.time:.4g} s{of_load}"
+
     row: Row = {"c2_lower": lower.c2}
     if lower.c2 > 0 and lower.time is not None:
-        row["lower_limit"] = limit_text(lower.rows, lower.time, lower.load)
+        row["lower_limit"] = limit(lower)
     if upper.time is not None:
-        row |= {"c2_upper": upper.c2, "upper_limit": limit_text(upper.rows, upper.time, upper.load)}
+        row |= {"c2_upper": upper.c2, "upper_limit": limit(upper)}
         row["duration"] = given_duration / math.sqrt(upper.c2) if upper.c2 > 0 else None
     return row
 
@@ -153,31 +131,25 @@ def solved_row(study: Study, point: Array) -> Row:
 
 def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
     question = study.question
+    asked: dict[str, Any] = {"load": question.load, "reserve": question.reserve, "between": question.between}
     if question.profile == "optimal":
-        return _retimed(study, cell, motion)
+        return _timed_row(study, retime(cell, motion, **asked))
     if question.torques:
-        return _scaled(study, cell, motion)
+        try:
+            result = scale(cell, motion, **asked)
+        except SelectionError as error:
+            if error.result is None:
+                raise
+            return _range_row(error.result) | {"reason": str(error)}
+        return _range_row(result) | _torques(study, result)
     cell = cell if question.reserve is None else cell.with_reserve(question.reserve)
     options = Options(load=question.load, between=question.between).checked(cell)
-    return _row(admissible_range(cell, coordinate(cell, motion, None), options)[0])
+    return _range_row(admissible_range(cell, coordinate(cell, motion, None), options)[0])
 
 
-def _scaled(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
-    question = study.question
-    try:
-        result = scale(cell, motion, load=question.load, reserve=question.reserve, between=question.between)
-    except SelectionError as error:
-        if error.result is None:
-            raise
-        return _row(error.result) | {"reason": str(error)}
-    return _row(result) | _torques(study, result)
-
-
-def _retimed(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
-    """The row of a variant whose fastest timing is wanted: the range is that of a constant factor."""
-    question = study.question
-    found = retime(cell, motion, load=question.load, reserve=question.reserve, between=question.between)
-    row = _row(found.factor) | {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
+def _timed_row(study: Study, found: RetimingResult) -> Row:
+    """The range is that of a constant factor."""
+    row = _range_row(found.factor) | {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
     if found.status.admits_motion:
         return row | ({} if found.retimed is None else _torques(study, found.retimed))
     unbounded = found.status is RetimingStatus.UNBOUNDED
@@ -185,8 +157,14 @@ def _retimed(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row
     return row | {"status": status.value, "reason": found.explanation or found.status.value}
 
 
-def _row(result: ScalingResult) -> Row:
-    return range_row(result.range, float(result.motion.object.time[-1]))
+def _range_row(result: ScalingResult) -> Row:
+    found = result.range
+    row: Row = {"status": found.status.value}
+    if found.status is not RangeStatus.FEASIBLE:
+        row["reason"] = found.explain() or found.status.advice
+    if not found.status.admits_motion or found.lower is None or found.upper is None:
+        return row
+    return row | ends_row(found.lower, found.upper, float(result.motion.object.time[-1]))
 
 
 def _torques(study: Study, result: ScalingResult) -> Row:

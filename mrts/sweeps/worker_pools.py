@@ -105,9 +105,12 @@ def _local_processes(stack: ExitStack, workers: int | None) -> WorkerPool:
     executor: Any = ProcessPoolExecutor(workers, env=ONE_THREAD, initializer=_leave_with, initargs=(os.getpid(),))
 
     def submit(function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        with _without_interrupts():
-            future: Future[Any] = executor.submit(function, *arguments)
-            return future
+        try:
+            with _without_interrupts():
+                future: Future[Any] = executor.submit(function, *arguments)
+        except OSError as error:  # a worker that is killed while it is started
+            raise BrokenProcessPool(str(error)) from None
+        return future
 
     def close() -> None:
         # loky forgets the calls that wait and then looks up those whose numbers are still queued: a KeyError

@@ -117,7 +117,7 @@ def good(planar_cell):
         "load_cell": {"path": DATA / "cell.yaml"},
         "load_motion": {"path": DATA / "lift.yaml"},
         "load_result": {"path": "good.npz", "cell": planar_cell},
-        "rank_configurations": search | with_solver | {"cap": 1},
+        "rank_configurations": search | with_solver,
         "place": {"study": study, "starts": 1, "looked_at": 2, "seconds": None}
         | {"between": None, "progress": lambda _done, _total: None},
         "read_study": {"path": DATA.parent / "dual_ur5" / "study.yaml"},
@@ -220,7 +220,6 @@ def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_ce
         (lambda: mrts.load_cell(""), "path = '': must not be empty: name a file or a folder."),
         (lambda: mrts.load_motion(None), "path: must be text or a Path; it is None."),
         (lambda: mrts.save_result(1, 2), "result = 1: must be a result of mrts.scale or one of mrts.retime; it is of"),
-        (lambda: mrts.rank_configurations(cell, lift, cap="x"), "cap = 'x': must be a whole number; it is of"),
         (lambda: mrts.scale(cell, lift, sharing="equal"), "sharing = 'equal': must be a LoadSharing"),
         (lambda: mrts.retime(cell, lift, start_speed=1e200), "start_speed = 1e+200: must be a number from 0 to 1e+12"),
         (lambda: mrts.retime(cell, lift, end_speed=1e200), "end_speed = 1e+200: must be a number from 0 to 1e+12"),

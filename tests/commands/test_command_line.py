@@ -101,7 +101,8 @@ def test_a_terminal_without_superscripts_gets_ascii():
     environment = os.environ | {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}
     done = mrts_process("scale", DATA / "cell.yaml", DATA / "lift.yaml", env=environment)
     assert done.returncode == 0
-    assert "c2 ? [0, 3.062]" in done.stdout
+    assert "c^2 in [0, 3.062]" in done.stdout
+    assert "1.75 x as fast" in done.stdout
 
 
 def test_options_choose_the_speed_and_the_sharing():

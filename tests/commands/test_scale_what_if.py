@@ -77,7 +77,7 @@ def test_an_infeasible_motion_says_what_would_help(tmp_path, capsys):
     [
         (
             ("--profile", "smooth", "--rates", "11"),
-            "--what-if: goes with --profile constant or optimal, not with smooth",
+            "--what-if: does not go with --profile smooth",
         ),
         (("--load", "possible"), "--what-if: goes with --load guaranteed, not with what is possible"),
     ],

@@ -112,4 +112,4 @@ def test_two_sweeps_at_once_are_refused(tmp_path):
             assert processes(first.pid)
         second = mrts_command("sweep", path, "-o", tmp_path / "out")
         assert second.returncode == 2
-        assert f"another sweep writes into it (process {first.pid} on " in second.stderr
+        assert "another sweep writes into it" in second.stderr

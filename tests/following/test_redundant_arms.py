@@ -263,9 +263,9 @@ def test_stretched_positions_and_their_derivatives(panda_and_ur5):
 def test_ranked_configurations_are_what_their_postures_lead_to(panda_and_ur5):
     cell, middle = panda_and_ur5
     given = from_to(middle, [0.03, 0.08, 0.08], samples=21)
-    study = mrts.rank_configurations(cell, given, sharing=mrts.LoadSharing(), cap=2)
+    study = mrts.rank_configurations(cell, given, sharing=mrts.LoadSharing())
     assert study.combinations >= 2
-    for configuration in study.ranked:
+    for configuration in study.ranked[:2]:
         again = mrts.scale(cell.with_postures(configuration.postures()), given, sharing=mrts.LoadSharing())
         assert again.motion.remarks == ()
         assert again.range.upper.c2 == pytest.approx(configuration.c2_upper, rel=1e-6)

@@ -297,7 +297,7 @@ def test_sliding_joints_have_units_of_their_own(tmp_path):
         values = np.concatenate([value_of(arm, kind) for arm in found.arms])
         np.testing.assert_allclose(values, getattr(motors, kind), rtol=1e-4)
     text = found.to_yaml()
-    for units in ("# kg or kg m²; ±", "# N or N m; ±", "# N s/m or N m s/rad; ±"):
+    for units in ("in kg or kg m² ±", "in N or N m ±", "in N s/m or N m s/rad ±"):
         assert units in text
     assert [line.split()[-1] for line in found.table().splitlines()[1:4]] == ["N", "N", "m"]
 

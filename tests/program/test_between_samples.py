@@ -244,7 +244,7 @@ def test_a_configuration_has_the_range_that_scale_gives(dual_ur5):
         duration=0.8, samples=13, profile="sinusoid", start={"xyz": [0, 0.1, 0.35]}, end={"xyz": [0.05, 0.25, 0.5]}
     )
     motion = mrts.sample_motion(path)
-    best = mrts.rank_configurations(cell, motion, cap=3).ranked[0]
+    best = mrts.rank_configurations(cell, motion).ranked[0]
     alone = mrts.scale(cell.with_postures(best.postures()), motion)
     assert best.c2_upper == pytest.approx(alone.range.upper.c2, rel=1e-7)
     assert best.c2_upper < mrts.scale(cell.with_postures(best.postures()), motion, between=None).range.upper.c2

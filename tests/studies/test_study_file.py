@@ -212,6 +212,9 @@ def test_a_motion_file_that_names_a_table_is_found_from_anywhere(tmp_path, lift)
     written = mrts.load_motion(study.write_variant(1, tmp_path / "a" / "b")[1])
     np.testing.assert_array_equal(written.position, study.table.position)
     assert len(written.time) == 41
+    rows[3, 1] += 1e-4
+    np.savetxt(tmp_path / "tables" / "lift.csv", rows, delimiter=",", header="t,px,py,pz,qx,qy,qz,qw", comments="")
+    assert planar_study(tmp_path, BASE, motion=motion) != study
     with pytest.raises(
         mrts.InputError, match=r"vary.motion.samples = .*: the motion is a table, of which no number varies"
     ):

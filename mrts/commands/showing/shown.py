@@ -88,7 +88,6 @@ def shown_urdfs(cell: Path) -> dict[str, tuple[Path, str | None]]:
 
 
 def _study(path: Path) -> "Study":
-    """A study, from its file or the folder of its sweep."""
     from mrts.studies.study_file import read_study
 
     if not is_folder(path):

@@ -134,14 +134,14 @@ static int mrts_conflict(mrts_variant_motion *in, long long n, mrts_variant_rang
     return status;
 }
 
-/* The range of one variant, of whose samples those are known. `order` is that in which a sample without one is looked for. */
-static int mrts_range_of_variant(mrts_variant_motion *in, const int *order, mrts_variant_range *range) {
+/* The range of one variant, of whose samples those are known. */
+static int mrts_range_of_variant(mrts_variant_motion *in, mrts_variant_range *range) {
     const mrts_samples_found *found = &in->found;
     double largest = 0, low = 0, high = MRTS_INFINITY;
     for (long long n = 0; n < in->samples; ++n) largest = fmax(largest, found->effect[n]);
     if (!(largest < MRTS_INFINITY)) return MRTS_STOPPED;
-    for (long long place = 0; place < in->samples; ++place) {
-        const int n = order[place], at_rest = found->effect[n] <= MRTS_REST * largest;
+    for (long long n = 0; n < in->samples; ++n) {
+        const int at_rest = found->effect[n] <= MRTS_REST * largest;
         if (found->status[0][n] == MRTS_INFEASIBLE) return mrts_conflict(in, n, range);
         if (found->status[0][n] != MRTS_OPTIMAL || found->status[1][n] != MRTS_OPTIMAL) return MRTS_STOPPED;
         if (at_rest && found->end[0][n] > 0) return MRTS_STOPPED;
@@ -169,8 +169,8 @@ MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *real
  * over. */
 MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const double *const *given,
                                      const long long *stride, const mrts_limits *limits, const mrts_terms *terms,
-                                     const int *order, const unsigned char *skipped, mrts_variant_range *range,
-                                     double *work, int *iwork) {
+                                     const unsigned char *skipped, mrts_variant_range *range, double *work,
+                                     int *iwork) {
     enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, VELOCITY, LOWER, UPPER, VALUES, GIVEN };
     enum { M = MRTS_JOINTS, ROWS_MOST = MRTS_MOST_NAMED };
     static const long long apart[] = {M, M, M, 9, 6, 6, 0, 0};
@@ -213,6 +213,6 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
         mrts_ranges(samples, inputs, apart, &here, &own, found->most, found->end[0], found->end[1], found->status[0],
                     found->status[1], found->effect, found->basis[0], found->basis[1], found->dual[0], found->dual[1],
                     ranges_work, ranges_iwork);
-        range[v].status = mrts_range_of_variant(&in, order, range + v);
+        range[v].status = mrts_range_of_variant(&in, range + v);
     }
 }
