@@ -11,23 +11,26 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from mrts.plots.card import answer_card
-    from mrts.plots.configuration_plot import ranking_plot
-    from mrts.plots.figure_files import (
-        matplotlib_figure,
-        write_motor_plots,
-        write_plot,
-        write_result_plots,
-        write_study_plots,
-    )
-    from mrts.plots.limit_plots import limits_plot
-    from mrts.plots.motor_plots import motor_plot
-    from mrts.plots.phase_plane import phase_plane_plot
-    from mrts.plots.range_plots import load_plot, load_study_plot, range_plot
-    from mrts.plots.study_plots import durations_plot, study_map_plot
-    from mrts.plots.study_table import read_study_table
-    from mrts.plots.study_words import managed_texts, next_steps
-    from mrts.plots.trajectory_plots import power_plot, trajectory_plot
+    from mrts.plots.card import answer_card as answer_card
+    from mrts.plots.configuration_plot import ranking_plot as ranking_plot
+    from mrts.plots.figure_files import matplotlib_figure as matplotlib_figure
+    from mrts.plots.figure_files import write_motor_plots as write_motor_plots
+    from mrts.plots.figure_files import write_plot as write_plot
+    from mrts.plots.figure_files import write_result_plots as write_result_plots
+    from mrts.plots.figure_files import write_study_plots as write_study_plots
+    from mrts.plots.limit_plots import limits_plot as limits_plot
+    from mrts.plots.motor_plots import motor_plot as motor_plot
+    from mrts.plots.phase_plane import phase_plane_plot as phase_plane_plot
+    from mrts.plots.range_plots import load_plot as load_plot
+    from mrts.plots.range_plots import load_study_plot as load_study_plot
+    from mrts.plots.range_plots import range_plot as range_plot
+    from mrts.plots.study_plots import durations_plot as durations_plot
+    from mrts.plots.study_plots import study_map_plot as study_map_plot
+    from mrts.plots.study_table import read_study_table as read_study_table
+    from mrts.plots.study_words import managed_texts as managed_texts
+    from mrts.plots.study_words import next_steps as next_steps
+    from mrts.plots.trajectory_plots import power_plot as power_plot
+    from mrts.plots.trajectory_plots import trajectory_plot as trajectory_plot
 
 _HOMES = {
     "answer_card": "card",
@@ -51,29 +54,6 @@ _HOMES = {
     "write_result_plots": "figure_files",
     "write_study_plots": "figure_files",
 }
-
-__all__ = [
-    "answer_card",
-    "durations_plot",
-    "limits_plot",
-    "load_plot",
-    "load_study_plot",
-    "managed_texts",
-    "matplotlib_figure",
-    "motor_plot",
-    "next_steps",
-    "phase_plane_plot",
-    "power_plot",
-    "range_plot",
-    "ranking_plot",
-    "read_study_table",
-    "study_map_plot",
-    "trajectory_plot",
-    "write_motor_plots",
-    "write_plot",
-    "write_result_plots",
-    "write_study_plots",
-]
 
 
 def __getattr__(name: str) -> Any:

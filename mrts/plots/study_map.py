@@ -270,25 +270,12 @@ def map_remark(table: StudyTable, drawn: StudyMap) -> str:
     return text
 
 
-@dataclass(frozen=True)
-class Binding:
-    """Which limit binds where on a map.
+def map_binding(table: StudyTable, drawn: StudyMap) -> tuple[list[str], Index]:
+    """Which limit binds at c²⁺ of the best in each cell of a map; of several at once, the first.
 
-    Attributes:
-        names: Of the limits, the most frequent first; the last one may stand for several.
-        codes: Which binds at c²⁺ of the best in each cell, -1 where there is none; Shape of the map.
-    """
-
-    names: tuple[str, ...]
-    codes: Index
-
-
-def map_binding(table: StudyTable, drawn: StudyMap) -> Binding:
-    """Which limit binds where, at most as many as there are colours; of several at once, the first.
-
-    Args:
-        table: The study.
-        drawn: Its map.
+    Returns:
+        Names, the most frequent first, at most as many as there are colours: the last may stand for several; and the
+        number of each cell's, -1 where there is none, Shape of the map.
     """
     firsts = [name.split(", ")[0] for name in table.limit.names]
     first = {name: code for code, name in enumerate(dict.fromkeys(firsts))}
@@ -301,4 +288,4 @@ def map_binding(table: StudyTable, drawn: StudyMap) -> Binding:
         names = [*names[: most - 1], f"{len(order) - most + 1} other limits"]
     place = np.full(len(first) + 1, -1)
     place[order] = np.minimum(np.arange(len(order)), most - 1)
-    return Binding(tuple(names), place[limits])
+    return names, place[limits]

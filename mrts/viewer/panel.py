@@ -2,6 +2,7 @@
 """What a player says of its state, as HTML: outcome, speed, time, and bars against the limits."""
 
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from types import MappingProxyType
 
 import numpy as np
@@ -38,46 +39,8 @@ MOST_NAMED = 5
 PANEL = 400
 """Width of the panel beside the scene [pixels]; the scene has the rest of the window."""
 
-DOCKED = f'div[style*="position: absolute"][style*="width: {PANEL + 4}px"]'
-"""What holds the panel beside the scene, with its edges, as long as nobody draws it wider or closes it."""
-
-STYLE = """<style>
-:root { --mrts-over: #D40000; }
-:root[data-mantine-color-scheme="dark"] { --mrts-over: #FF7B7B; }
-[data-text] { overflow-wrap: anywhere; }
-[data-text=outcome], [data-text=speed], [data-text=moment], [data-bars], [data-plot] { opacity: var(--mrts-answer, 1); }
-div:has(> [data-verdict]) { position: sticky; top: 0; z-index: 9; background: var(--mantine-color-body); }
-div[style*="overflow"]:has(> div > div > div > [data-verdict]) { overflow: visible !important; }
-[data-verdict] { position: relative; padding-bottom: 8px; }
-[data-verdict] > div, [data-text=speed], [data-text=moment] { overflow-y: auto; }
-[data-verdict] > div { height: 96px; }
-[data-text=speed] { height: 64px; margin-bottom: 8px; }
-[data-text=moment] { height: 48px; margin-bottom: 8px; }
-[data-text=computing] { position: absolute; bottom: 4px; right: 9px; font-size: 12px; }
-[data-text=computing] { background: var(--mantine-color-body); }
-.mantine-Slider-root + .mantine-NumberInput-root { width: 3.75rem !important; }
-[data-bars] { padding: 0 6px; }
-[data-bars] td { overflow-wrap: anywhere; vertical-align: top; }
-.mantine-Slider-label { display: none; }
-[data-bars] .track { background: #8883; }
-[data-bars] .limit { background: #888; }
-@media (max-width: 36em) {
-  div:has(> .mantine-Paper-root [data-mrts]) > div:has(canvas) { height: 45% !important; }
-  .mantine-Paper-root:has([data-mrts]) { width: 100% !important; height: 55%; max-height: 55% !important; }
-  .mantine-Paper-root:has([data-mrts]) div[style*="20em"] { width: 100% !important; }
-}
-@media (min-width: 36.01em) and (max-width: 50em) {
-  [data-verdict] > div { height: 64px; }
-  [data-text=speed], [data-text=moment] { height: 32px; }
-  div:has(> DOCKED [data-mrts]) > div:has(> canvas) { inset: 0 0 55% 0 !important; }
-  div:has(> DOCKED [data-mrts]) > DOCKED { top: 45% !important; width: 100% !important; }
-  DOCKED div[style*="width: EDGEDpx"] { width: 100% !important; }
-}
-</style><span data-mrts></span>""".replace("DOCKED", DOCKED).replace("EDGED", str(PANEL + 4))
-"""Of the page. On a narrow window viser lays the panel over the scene, on a wider one the panel leaves little of it;
-here it stands below, and covers nothing. Texts above controls have fixed heights and scroll, so that no control moves
-under a hand; the verdict stays in view. What is shown of an answer fades once another is asked for. A slider's value
-stands beside it, not above it as well."""
+STYLE = f"<style>{(files('mrts') / 'viewer' / 'viewer.css').read_text(encoding='utf-8')}</style><span data-mrts></span>"
+"""Of the page."""
 
 
 def verdict_html(outcome: str, error: str, *, computing: bool, outdated: bool) -> str:

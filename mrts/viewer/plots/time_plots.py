@@ -38,17 +38,6 @@ OVER, FAINT = "#F03E3E", "#8888"
 
 PHASE = "Phase plane: speed along the path"
 
-PLOT_STYLE = """<style>
-:root { --mrts-cursor: 0; --mrts-along: 0; }
-.u-over::after { content: ""; position: absolute; top: 0; bottom: 0; border-left: 1.2px solid currentColor; }
-.u-over::after { left: calc(var(--mrts-cursor) * 100%); }
-.uplot:has(.u-title) .u-over::after { left: calc(var(--mrts-along) * 100%); }
-.uplot .u-title { font: 9px sans-serif; }
-.uplot-container { opacity: var(--mrts-answer, 1); border: none !important; }
-[data-plot].title { font-size: 12px; font-weight: bold; padding: 8px 9px 0; }
-[data-plot].names { font-size: 11px; line-height: 15px; padding: 0 9px; overflow-wrap: anywhere; }
-</style>"""
-
 
 def time_panels(result: ScalingResult) -> dict[str, Panel]:
     """What is plotted of a result with a trajectory, by title; the abscissa of the last is no time but the way."""
@@ -139,7 +128,6 @@ class PlotPanel:
 
     def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle, others: Others = ()) -> None:
         self._gui, self._tab = gui, tab
-        gui.add_html(PLOT_STYLE)
         self.cursor, self._compared = gui.add_html(""), gui.add_html("")
         self._plots: dict[str, tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle, viser.GuiHtmlHandle]] = {}
         self._other = next(iter(others), None)
