@@ -213,7 +213,6 @@ class SceneRenderer:
         return drawn
 
     def _add_path(self) -> None:
-        """The line along which the object moves, and the object's edges at its ends."""
         capsule, size, scene = self._mujoco.mjtGeom.mjGEOM_CAPSULE, self._view.size, self._clip.scene
         for start, end in pairwise(self._path):
             self._connect(capsule, start, end, PATH_RADIUS * size, PATH)

@@ -266,7 +266,6 @@ def _grid(x: Array, y: Array, z: Array, texts: Sequence[Sequence[str]], unit: st
 
 
 def _key(name: str, color: str, symbol: str) -> dict[str, Any]:
-    """An entry of the legend for what is no trace."""
     if symbol == "line":
         return {"x": [None], "y": [None], "mode": "lines", "line": {"color": color}} | _named(name)
     marker = {"symbol": symbol, "size": 12, "color": color, "line": {"width": 1, "color": "#666"}}

@@ -148,7 +148,6 @@ def binding_lanes(found: ScalingRange) -> list[Lane]:
 
 
 def _rows(found: ScalingRange, side: Side) -> tuple[list[tuple[ActiveRow, ...]], Sequence[ActiveRow]]:
-    """The rows at one end of every sample, and those that set the end over the motion."""
     end = found.lower if side == "lower" else found.upper
     rows = [found.binding(sample, side) for sample in range(len(found.samples.time))]
     return rows, () if end is None else end.rows

@@ -93,7 +93,6 @@ def study_map_plot(table: StudyTable, over: Sequence[str] = ()) -> Plot:
 
 
 def _title(table: StudyTable, *remarks: str) -> str:
-    """What was found, the best, and what a figure shows, a line each."""
     return "\n".join([f"{table.name}: {outcome_text(table)}", best_text(table), *filter(None, remarks)])
 
 
@@ -130,7 +129,6 @@ def _best(table: StudyTable, x: Array, y: Array) -> list[Item]:
 
 
 def _texts(table: StudyTable, drawn: StudyMap) -> list[list[str]]:
-    """What is said of each cell: its best variant, or what became of it."""
     texts = np.full(drawn.best.shape, "", dtype=object)
     for place, best in np.ndenumerate(drawn.best):
         row = int(best)
@@ -173,13 +171,11 @@ def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
 
 
 def _pale(color: str) -> str:
-    """A colour behind a line."""
     red, green, blue = (255 - (255 - int(color[at : at + 2], 16)) * 3 // 10 for at in (1, 3, 5))
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
 def _neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """Ends of neighbouring cells as one."""
     steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int))).reshape(-1, 2)
     return [(float(edges[first]), float(edges[last])) for first, last in steps]
 

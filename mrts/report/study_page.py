@@ -44,9 +44,6 @@ def write_study_report(study: StudyTable | Path | str, path: Path | str) -> None
 def study_html(found: StudyTable) -> str:
     """The report of a study as text; the same study gives the same text.
 
-    Args:
-        found: The study, with at least one variant.
-
     Raises:
         InputError: If plotly is not installed.
     """
@@ -82,13 +79,11 @@ def _best_table(found: StudyTable) -> Table:
 
 
 def _weights_table(found: StudyTable) -> Table:
-    """How much each number matters."""
     rows = [(found.knobs[each.knob].path, bar(each.duration), bar(each.playable)) for each in weights(found)]
     return Table(("number", "of how the durations spread", "of whether it can be played"), rows)
 
 
 def _limits_table(found: StudyTable) -> Table:
-    """Which limit binds how often."""
     best = np.isin(np.arange(found.variants), study_words.best_part(found))
     counts, of_best = found.limit_counts(found.admitted), dict(found.limit_counts(best))
     total, total_best = int(np.sum(found.admitted)), max(1, int(np.sum(best)))

@@ -81,12 +81,7 @@ class DecidingLimit:
 
 
 def deciding_limit(done: ScaledTrajectory, found: ScalingRange) -> DecidingLimit | None:
-    """The limit that decides; None where nothing does.
-
-    Args:
-        done: A motion as it is played.
-        found: Its range.
-    """
+    """The limit that decides; None where nothing does."""
     names, share = used_shares(done)
     end = found.upper
     if end is not None and end.sample is not None:

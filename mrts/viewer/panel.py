@@ -67,7 +67,7 @@ def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
     """
     result = state.result
     admits = result.status.admits_motion and not state.refusal
-    text = f"<b>{html_text(state.card.outcome)}</b><br>" if admits else ""
+    text = f"<b>{html_text(state.card.outcome)}</b><br>" if admits and state.admissible else ""
     text += html_text(state.sentence())
     if coarse:
         samples = len(result.motion.object.time)
@@ -79,11 +79,7 @@ def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
 
 
 def held_html(held: HeldPoses) -> str:
-    """What the arms hold without a motion; of one that they cannot follow, why, and how far from its samples they stay.
-
-    Args:
-        held: Where the arms are.
-    """
+    """What the arms hold without a motion; of one that they cannot follow, why, and how far they stay from it."""
     stands = not held.message
     lost = [
         f"{html_text(robot.name)}{'' if stands else f' at {np.count_nonzero(~reached)} of {len(reached)} samples'}, "
@@ -228,7 +224,6 @@ def _table(rows: Sequence[str], widths: Sequence[int] = BAR_COLUMNS) -> str:
 
 
 def _robot_row(robot: str, colours: Mapping[str, Rgb], *columns: str) -> str:
-    """The name of an arm in its colour, and those of the columns below."""
     mark = f'<span style="color:rgb{colours[robot]}">■</span> ' if robot in colours else ""
     cells = "".join(f'<td style="padding-top:2px">{column}</td>' for column in columns)
     span = 3 - len(columns)
@@ -269,6 +264,8 @@ def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
 
 
 def _value(bar: Bar) -> str:
+    if bar.unit == "%":
+        return f"{_number(bar.value)} %"
     if bar.limit is None:
         return f"{_number(bar.value)} {bar.unit} (no limit)"
     return f"{_number(bar.value)} of {_number(bar.limit)} {bar.unit}"

@@ -163,11 +163,7 @@ class PlayerState:
 
     @classmethod
     def saved(cls, result: ScalingResult) -> "PlayerState":
-        """A result that was read from a file, at its own speed: other torques take the functions of its cell.
-
-        Args:
-            result: With a trajectory.
-        """
+        """A result that was read from a file, at its own speed: other torques take the functions of its cell."""
         done = result.trajectory
         assert done is not None  # noqa: S101 (what is shown has one)
         state = cls.__new__(cls)
@@ -207,9 +203,6 @@ class PlayerState:
 
     def at_speed(self, c: float) -> "PlayerState":
         """The same outcome played at another speed: torques are distributed anew; this state stays as it is.
-
-        Args:
-            c: As in `choose_speed`.
 
         Raises:
             InputError: As `choose_speed`.

@@ -264,7 +264,6 @@ class ViewerScene:
         self._fitted = {client_id: (np.inf, put) for client_id, (_, put) in self._fitted.items()}
 
     def _show_names(self) -> None:
-        """Of start and goal where they are two."""
         poses = np.hstack([self._course.position, self._course.rotation.reshape(-1, 9)])
         moves = bool(np.any(np.ptp(poses, axis=0) > 0))
         for label in self._names:

@@ -196,7 +196,6 @@ class Viewer:
             self.bench.close()
 
     def _follow_choices(self, elapsed: float) -> None:
-        """Show what became ready, and ask for what the controls were changed to."""
         if (bench := self.bench) is None:
             return
         news = bench.take()
@@ -225,7 +224,6 @@ class Viewer:
         return state.trajectory.c
 
     def _held(self) -> RigidTransform:
-        """The object's pose at the moment that is shown."""
         return self._scene.held_pose(self._sample)
 
     def _step_back(self, which: str) -> None:
@@ -291,7 +289,6 @@ class Viewer:
         return float(answer.held.time[-1])
 
     def _show_answer(self, answer: Answer) -> None:
-        """Show all that depends on choices and speed, and the moment."""
         others = answer is self._answer or not _is_same_outcome(answer.state, self._answer.state)
         self._error = "" if answer.error is None else error_html(str(answer.error))
         if answer.error is not None:
@@ -326,11 +323,6 @@ class Viewer:
         return float(np.interp(time, state.trajectory.time, np.arange(len(state.trajectory.time))))
 
     def _show_moment(self, *, read: bool) -> None:
-        """Show all that depends on the time.
-
-        Args:
-            read: Whether numbers are renewed too.
-        """
         answer, at = self._answer, self.playback.time
         with self.server.atomic():
             if answer.state is not None:
@@ -353,7 +345,6 @@ class Viewer:
 
 
 def _is_same_outcome(state: PlayerState | None, other: PlayerState | None) -> bool:
-    """Whether two states differ in speed and time alone."""
     return state is not None and other is not None and state.result is other.result
 
 

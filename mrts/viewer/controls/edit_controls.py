@@ -60,9 +60,6 @@ class EditControls:
     def changed(self, choices: Choices) -> tuple[Choices, str] | None:
         """Choices as a user changed them since the last call, and which control did it; None if none did.
 
-        Args:
-            choices: As they are.
-
         Raises:
             InputError: If a value breaks a rule.
         """
@@ -217,7 +214,6 @@ def _limit_text(name: Changed) -> str:
 
 
 def _common_share(names: list[Changed], now: Choices) -> float:
-    """The share of the first of some limits [%]."""
     return round(100 * now.limits.get(names[0], 1.0), DECIMALS)
 
 

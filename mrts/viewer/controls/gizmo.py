@@ -73,11 +73,7 @@ class PlaceGizmo:
         self._handle.wxyz = wxyz(now.R @ given.R.T)
 
     def moved(self, choices: Choices) -> tuple[Choices | None, bool]:
-        """Choices as the gizmo was moved since the last call, None if it was not, and whether it was let go.
-
-        Args:
-            choices: As they are.
-        """
+        """Choices as the gizmo was moved since the last call, None if it was not, and whether it was let go."""
         last, ended = None, False
         try:
             while True:

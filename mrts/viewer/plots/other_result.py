@@ -87,7 +87,6 @@ class OtherResult:
             self._view.look_beside(self._offset())
 
     def _offset(self) -> Array:
-        """From where it would stand over the first, Shape (3,) [m]."""
         return self.offset if self._shown == BESIDE else np.zeros(3)
 
     def _draw(self) -> None:

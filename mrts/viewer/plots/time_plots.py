@@ -85,7 +85,7 @@ def uplot_props(panel: Panel, other: Panel | None = None) -> dict[str, Any]:
     x = np.unique(np.concatenate([line.x[shown_samples(len(line.x), line.y)] for line in lines]))
     y = [np.interp(x, line.x, np.clip(line.y, low, high), left=np.nan, right=np.nan) for line in lines]
     series = [
-        {"label": line.label, "stroke": line.color, "width": 1.5, "points": {"show": False},
+        {"label": line.label, "stroke": line.color if line.label else FAINT, "width": 1.5, "points": {"show": False},
          **({"dash": (4, 4)} if line.label == "the other" else {})}
         for line in lines
     ]  # fmt: skip

@@ -177,11 +177,6 @@ class Choices:
 def with_machine_at(cell: Cell, name: str, base: RigidTransform) -> Cell:
     """The same cell with a robot's base elsewhere; the other arms of its machine move along.
 
-    Args:
-        cell: The cell.
-        name: Of the robot.
-        base: Its base link in the world.
-
     Raises:
         InputError: If a number breaks a rule of the cell, or the functions hold the bases as numbers.
     """

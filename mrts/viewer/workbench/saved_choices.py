@@ -83,7 +83,6 @@ def save_choices(
 
 
 def _target(folder: Path, where: str, name: str) -> Path:
-    """The path of a file in the folder, and nowhere else."""
     is_name = name.isprintable() and Path(name).name == name and not name.startswith(".") and "\\" not in name
     if not is_name or Path(name).suffix.lower() not in SUFFIXES or len(name.encode()) > LONGEST_NAME:
         rule = f"must be a name of at most {LONGEST_NAME} bytes that ends in .yaml, without a folder."
@@ -172,7 +171,6 @@ def _numbers(cell: Cell) -> Mapping[str, Array]:
 
 
 def _same(one: Cell, other: Cell) -> bool:
-    """Whether two cells of the same chains have the same numbers."""
     ours, theirs = _numbers(one), _numbers(other)
     return ours.keys() == theirs.keys() and all(
         np.allclose(ours[key], theirs[key], rtol=SAME, atol=SAME) for key in ours
