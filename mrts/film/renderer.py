@@ -83,9 +83,7 @@ class Clip:
     @cached_property
     def scene(self) -> Scene:
         """Where everything is at the trajectory's samples."""
-        carried = self.trajectory.motion.object
-        nothing = np.zeros(len(carried.time), dtype=bool)
-        return Scene(self.trajectory.cell, self.trajectory.q, carried.position, carried.rotation, nothing)
+        return Scene.of(self.trajectory)
 
     def place(self, time: float) -> float:
         """Where a time is among the samples, between two of them too; before the start and after the end it stands.

@@ -46,8 +46,8 @@ def limit_label(name: str, side: str) -> str:
         name: Of its row, as `RowName.short`.
         side: "upper" or "lower"; a speed is limited alike in both directions and needs no arrow.
     """
-    if found := CONTACT_ROW.fullmatch(name):
-        return f"{found[1]} {FAILURES[found[2]]}"
+    if failure := _failure(name):
+        return failure
     return name if name.endswith(tuple(SPEEDS)) else f"{name} {'↑' if side == 'upper' else '↓'}"
 
 
@@ -59,7 +59,11 @@ def row_label(row: ActiveRow) -> str:
 
 def contact_failure(name: RowName) -> str:
     """`left/pad slips`: what a hand does at a limit of its contact; empty for what limits no such thing."""
-    found = CONTACT_ROW.fullmatch(name.short)
+    return _failure(name.short)
+
+
+def _failure(name: str) -> str:
+    found = CONTACT_ROW.fullmatch(name)
     return "" if found is None else f"{found[1]} {FAILURES[found[2]]}"
 
 

@@ -181,6 +181,11 @@ def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
         where: Which samples count, Shape (N,).
     """
     edges = np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]])
+    return neighbours(edges, where)
+
+
+def neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """Ends of neighbouring cells as one."""
     steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))
     return [(float(edges[start]), float(edges[end])) for start, end in steps.reshape(-1, 2)]
 

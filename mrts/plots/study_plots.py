@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.plots.colours import COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.plot import Axis, Bars, Cells, HeatMap, Item, Line, Panel, Plot, Points, Rule, Spans
 from mrts.plots.plotly_drawer import numbers, plot_text
+from mrts.plots.range_plots import neighbours
 from mrts.plots.study_map import (
     LIMIT_COLOURS,
     StudyMap,
@@ -158,7 +158,7 @@ def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
         if name in WITHOUT
     ]
     items: list[Item] = [
-        Spans(ends=_neighbours(cells.edges, where), label=name, color=color, hatch=hatch)
+        Spans(ends=neighbours(cells.edges, where), label=name, color=color, hatch=hatch)
         for where, name, color, hatch in fills
         if np.any(where)
     ]
@@ -173,11 +173,6 @@ def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
 def _pale(color: str) -> str:
     red, green, blue = (255 - (255 - int(color[at : at + 2], 16)) * 3 // 10 for at in (1, 3, 5))
     return f"#{red:02x}{green:02x}{blue:02x}"
-
-
-def _neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int))).reshape(-1, 2)
-    return [(float(edges[first]), float(edges[last])) for first, last in steps]
 
 
 def durations_plot(table: StudyTable) -> Plot:

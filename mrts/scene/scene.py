@@ -111,6 +111,13 @@ class Scene:
     rotation: Array
     passed: NDArray[np.bool_]
 
+    @classmethod
+    def of(cls, done: ScaledTrajectory, passed: NDArray[np.bool_] | None = None) -> "Scene":
+        """A motion at its samples."""
+        carried = done.motion.object
+        nowhere = np.zeros(len(carried.time), dtype=bool)
+        return cls(done.cell, done.q, carried.position, carried.rotation, nowhere if passed is None else passed)
+
     @cached_property
     def bodies(self) -> tuple[tuple[Array, Array], ...]:
         """By arm, where its bodies are: Shape (k, n_i + 1, 3, 3), and Shape (k, n_i + 1, 3) [m]."""

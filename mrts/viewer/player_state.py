@@ -175,8 +175,7 @@ class PlayerState:
     @property
     def scene(self) -> Scene:
         """What is drawn of it."""
-        motion = self.result.motion
-        return Scene(self.result.cell, motion.q, motion.object.position, motion.object.rotation, self.excess > 0)
+        return Scene.of(self.trajectory, self.excess > 0)
 
     @property
     def played(self) -> ScalingResult:

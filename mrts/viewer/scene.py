@@ -92,7 +92,7 @@ class ViewerScene:
         self._draw_surroundings()
         radius = THICKNESS * self.size
         self._arms = [
-            DrawnArm(self._scene, robot.name, len(robot.joints) + 1, parts)
+            DrawnArm(self._scene, f"/arms/{robot.name}", len(robot.joints) + 1, parts)
             for robot, parts in zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True)
         ]
         self._names = [

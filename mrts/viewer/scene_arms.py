@@ -17,7 +17,7 @@ class DrawnArm:
 
     Args:
         scene: Where.
-        name: Of the arm.
+        name: Of the arm in the scene.
         bodies: How many it has.
         parts: What they carry.
         colour: Of all parts; None leaves each its own.
@@ -26,12 +26,12 @@ class DrawnArm:
     def __init__(
         self, scene: viser.SceneApi, name: str, bodies: int, parts: Sequence[ArmMesh], colour: Rgb | None = None
     ) -> None:
-        self._frames = [scene.add_frame(f"/arms/{name}/body{index}", show_axes=False) for index in range(bodies)]
+        self._frames = [scene.add_frame(f"{name}/body{index}", show_axes=False) for index in range(bodies)]
         self._parts = [
             (
                 part,
                 scene.add_mesh_simple(
-                    f"/arms/{name}/body{part.body}/mesh{number}", part.mesh.vertices, part.mesh.faces,
+                    f"{name}/body{part.body}/mesh{number}", part.mesh.vertices, part.mesh.faces,
                     color=colour or part.own, flat_shading=False,
                 ),
             )
