@@ -38,11 +38,6 @@ ANEW = (
 Edits = dict[tuple[Key, ...], Any]
 
 
-def saving_folder(given: Given) -> Path | None:
-    """The folder that choices are saved in, that of the cell file; None where the cell is from none."""
-    return None if given.cell_path is None else given.cell_path.resolve().parent
-
-
 def save_choices(
     given: Given, choices: Choices, cell_name: str, motion_name: str, *, overwrite: bool
 ) -> tuple[list[Path], str]:
@@ -61,9 +56,9 @@ def save_choices(
     Raises:
         InputError: If a name is no name of a file, a file exists, or cannot be written.
     """
-    folder = saving_folder(given)
-    if folder is None or given.cell_path is None:
+    if given.cell_path is None:
         raise InputError("saving", "takes a cell file; this cell is from generated files, or a variant of a study.")
+    folder = given.cell_path.resolve().parent
     texts: dict[Path, str] = {}
     target = _target(folder, "cell file", cell_name)
     texts[target], remark = _cell_text(given, choices, given.cell_path, target)
