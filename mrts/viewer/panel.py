@@ -125,8 +125,7 @@ def speed_html(state: PlayerState | None) -> str:
     done, samples = state.trajectory, len(state.excess)
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
     if fast := state.joints_beyond_velocity():
-        verb = "pass their" if fast > 1 else "passes its"
-        text += f"{fast} of {done.q.shape[1]} joints {verb} velocity limit. "
+        text += f"{fast} of {done.q.shape[1]} joints beyond their velocity limit. "
     if state.admissible:
         return _paragraph("speed", f"{text}Inside the admissible range.")
     over = int(np.count_nonzero(state.excess))
@@ -134,7 +133,7 @@ def speed_html(state: PlayerState | None) -> str:
     if over == 0:
         load = ", though the load shown keeps all limits" if state.result.load is not None else ""
         return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
-    text += f"{over} of {samples} samples pass{'' if over > 1 else 'es'} a limit (red): "
+    text += f"{over} of {samples} samples beyond a limit (red): "
     passed = state.violations()
     text += "; ".join(
         f"{html_text(one.name.short)} by {_percent(one.excess)} at {one.time:.3g} s" for one in passed[:MOST_NAMED]

@@ -90,9 +90,3 @@ def test_the_histogram_and_the_curve_are_shares_of_all_variants():
     marks = only(above, Points)
     assert (marks.x.tolist(), marks.y.tolist()) == ([half], [50.0])  # 85 % can be played at all
     assert only(above, Line).y[-1] == pytest.approx(100 * len(table.ranked) / table.variants)
-
-
-def test_a_long_study_says_that_it_is_shown_in_part():
-    table = drawn_study(100_000, 4)
-    assert parallel_figure(table)["remark"] == "an even choice of 600 of 100000 variants"
-    assert "each of 60 × 60 cells shows the best of its variants" in study_map_plot(table).title
