@@ -20,9 +20,6 @@ from mrts.base.load_box import PARAMETERS, range_problem
 INERTIA_TOLERANCE = 1e-9
 """Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
 
-DESCRIBED = Path("cell description")
-"""What messages call the dictionary that stands for a cell file."""
-
 ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
 """Keys that stand beside the robots' names in the JSON result."""
 
@@ -189,10 +186,9 @@ def read_cell_description(path: Path) -> CellDescription:
     return read_model(path, CellDescription, "cell file")
 
 
-def cell_description(data: object) -> CellDescription:
+def cell_description(data: object, where: str) -> CellDescription:
     """A dictionary made in Python, validated as a cell file; numpy's numbers as well."""
-    where = str(DESCRIBED)
-    return validated(DESCRIBED, plain(where, data), CellDescription, where)
+    return validated(Path(where), plain(where, data), CellDescription, where)
 
 
 def xacro_text(value: str | float) -> str:

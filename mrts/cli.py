@@ -14,6 +14,7 @@ import click
 
 from mrts.base.errors import MrtsError
 from mrts.base.printable import message_text
+from mrts.base.regular_file import FILES_READ
 from mrts.base.version import __version__
 from mrts.commands.options import EVERYWHERE, printing
 from mrts.console.defect import describe_defect, trace
@@ -116,6 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     open_closed_streams()
     encode_anything()
     logging.basicConfig(handlers=[RemarkHandler()], level=logging.WARNING)
+    FILES_READ.clear()
     QUIET.set(False)
     DEBUG.set(False)
     words = [*(sys.argv[1:] if arguments is None else arguments)]

@@ -4,8 +4,8 @@
 import numpy as np
 
 import mrts
-from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_timing import fastest_timing
+from mrts.timing.result import ConstantFactor
 
 
 def timing_alone(constant: mrts.ScalingResult) -> float:

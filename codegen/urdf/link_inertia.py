@@ -10,16 +10,13 @@ from mrts_codegen.urdf.urdf_file import Link
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.remark import Remark
+from mrts.base.remark import NEAREST_INERTIA, Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
 
 TRIANGLE_MARGIN = 0.2
 """Share by which a link's largest principal moment may exceed the sum of the others. Rounding of a file stays below
 2 %, but robots in wide use are farther off (the xArm 6 that pybullet ships by 15.6 %), and their users cannot mend
 them; the equations stay sound as long as the inertia is positive definite. Beyond this a digit is probably wrong."""
-
-NEAREST_INERTIA = "inertia-nearest"
-"""Code of the remark on an inertia that was moved."""
 
 POINT_RADIUS = 1e-7
 """Radius of gyration below which a body is a point mass [m]: exporters leave rounding of zero behind."""

@@ -17,6 +17,9 @@ FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) 
 NEIGHBOURS = 1000
 """Files of a folder among which a misspelt name is looked for."""
 
+FILES_READ: set[str] = set()
+"""Of this process, by their real paths: what a command has read, none of its outputs may overwrite."""
+
 KINDS = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a pipe"),
@@ -47,6 +50,7 @@ def open_regular(path: Path, what: str, most: int) -> Iterator[BinaryIO]:
         _require_regular(path, what, path.stat(), most)  # a device may act on being opened
         with os.fdopen(os.open(path, FLAGS), "rb") as file:
             _require_regular(path, what, os.fstat(file.fileno()), most)
+            FILES_READ.add(os.path.realpath(path))
             yield file
     except FileNotFoundError:
         raise InputError(path, f"there is no such {what}{neighbour(path)}") from None

@@ -13,23 +13,16 @@ import numpy as np
 from mrts.base.argument_types import check_callable, check_list, check_type, is_number
 from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
-from mrts.base.formats.pose import Finite, Pose, Vector3
-from mrts.base.formats.record import checked
-from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER, plain
+from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
-from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_check import check_generated, check_placement
 from mrts.cell.functions import CellFunctions
-from mrts.cell.hands.kinds import Side, wrench_bounds
-from mrts.cell.motors.joint_motors import given_torque_limits
 from mrts.cell.record import ShapeRecord
 from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.kernel.cell_library import CellLibrary
-
-Numbers = Sequence[float] | Array
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -135,7 +128,7 @@ class Cell(InNotebooks):
             InputError: If a cell file cannot hold what the cell is now, a URDF is not there as it was, or the file
                 cannot be written.
         """
-        from mrts.cell.cell_text import cell_text  # noqa: PLC0415 (it reads cells)
+        from mrts.cell.cell_keys import cell_text  # noqa: PLC0415 (it reads cells)
 
         return cell_text(self, path)
 
@@ -206,7 +199,21 @@ class Cell(InNotebooks):
         xx, yy, zz, xy, xz, yz = self.load[4:]
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
-    def with_mass(self, mass: float) -> Self:
+    def with_values(self, values: Mapping[str, Any]) -> "Cell":
+        """The same cell with other values of its cell file, all changed in one step.
+
+        Args:
+            values: By path as in study files: gravity, object.mass, base, grasp, posture, torque, wrench of a robot:
+                {"robots.left.base.xyz[0]": -0.45, "robots.left.torque": [...]}. A pose may be a `RigidTransform` too.
+
+        Raises:
+            InputError: If a path leads nowhere, or a value breaks a rule of the cell file.
+        """
+        from mrts.cell.cell_keys import with_values  # noqa: PLC0415 (it reads cells)
+
+        return with_values(self, values)
+
+    def with_mass(self, mass: float) -> "Cell":
         """The same cell carrying another mass [kg]; ranges of factors are then about that mass.
 
         Inertia and first moments stay as they are.
@@ -214,11 +221,7 @@ class Cell(InNotebooks):
         Raises:
             InputError: Unless the mass is finite and > 0.
         """
-        if not is_number(mass, SMALLEST_NUMBER, LARGEST_NUMBER):
-            rule = f"must be a number > 0, at least {SMALLEST_NUMBER:g} and at most {LARGEST_NUMBER:.0e}, in kg."
-            raise InputError("mass", rule, value=mass)
-        box = None if self.load_box is None else replace(self.load_box, mass=float(mass))
-        return replace(self, load=np.array([mass, *self.load[1:]], dtype=np.float64), load_box=box)
+        return self.with_values({"object.mass": mass})
 
     def with_load(self, load: Array) -> Self:
         """The same cell carrying a known load.
@@ -264,8 +267,8 @@ class Cell(InNotebooks):
     def without_wrench_limits(self) -> Self:
         """The same cell with every contact wrench and its rate unbounded, and hands that hold whatever comes."""
         none = np.full(len(self.wrench_components), np.inf)
-        free = {"wrench_lower": -none, "wrench_upper": none, "contacts": (), "contact_rate": none}
-        return self.with_robots({robot.name: free for robot in self.robots})
+        free: dict[str, Any] = {"wrench_lower": -none, "wrench_upper": none, "contacts": (), "contact_rate": none}
+        return replace(self, robots=tuple(replace(robot, **free) for robot in self.robots))
 
     def without_velocity_limits(self) -> Self:
         """The same cell with velocity limits that are reported, but bound nothing."""
@@ -294,25 +297,7 @@ class Cell(InNotebooks):
         """
         return replace(self, limits=limits)
 
-    def with_robots(self, changes: Mapping[str, Mapping[str, Any]]) -> Self:
-        """The same cell with other attributes of its robots.
-
-        Args:
-            changes: By name of a robot, values by attribute of `mrts.Robot`.
-
-        Raises:
-            InputError: If a value breaks a rule of the robot or of the cell.
-        """
-        check_type("changes", changes, Mapping)
-        for name, values in changes.items():
-            self._robot("changes", name)
-            check_type(f"changes: {name}", values, Mapping)
-            if unknown := sorted(map(str, values.keys() - {field.name for field in fields(Robot)})):
-                raise InputError("changes", "a robot has no such attribute.", key=name, value=", ".join(unknown))
-        robots = (replace(robot, **changes[robot.name]) if robot.name in changes else robot for robot in self.robots)
-        return replace(self, robots=tuple(robots))
-
-    def with_postures(self, postures: dict[str, list[float]]) -> Self:
+    def with_postures(self, postures: Mapping[str, Sequence[float] | Array]) -> "Cell":
         """The same cell starting near other joint positions.
 
         Args:
@@ -322,113 +307,7 @@ class Cell(InNotebooks):
             InputError: If a name is unknown or a posture has the wrong length or is not finite.
         """
         check_type("postures", postures, Mapping)
-        for name, posture in postures.items():
-            joints = self._robot("postures", name).joints
-            if as_array("postures", posture).shape != (len(joints),) or not np.all(np.isfinite(posture)):
-                raise InputError(
-                    "postures", f"must hold {len(joints)} finite joint positions.", key=name, value=posture
-                )
-        return self.with_robots({name: {"posture": posture} for name, posture in postures.items()})
-
-    def with_base(self, name: str, xyz: Numbers | None = None, rpy: Numbers | None = None) -> Self:
-        """The same cell with the base of a robot elsewhere in the world; None keeps position or rotation.
-
-        Args:
-            name: Of the robot.
-            xyz: Position of its base link, Shape (3,) [m].
-            rpy: Roll, pitch, yaw in URDF's convention, Shape (3,) [rad].
-
-        Raises:
-            InputError: If a value breaks a rule of the cell file, or the robot is an arm of a machine with another.
-        """
-        return self._posed(name, "base", "T_world_base", xyz, rpy)
-
-    def with_grasp(self, name: str, xyz: Numbers | None = None, rpy: Numbers | None = None) -> Self:
-        """The same cell with a robot that holds the object elsewhere; None keeps position or rotation.
-
-        What its hand can exert stays as it is in tip axes, and turns with the tip.
-
-        Args:
-            name: Of the robot.
-            xyz: Position of its tip link in the object frame, Shape (3,) [m].
-            rpy: Roll, pitch, yaw in URDF's convention, Shape (3,) [rad].
-
-        Raises:
-            InputError: If a value breaks a rule of the cell file.
-        """
-        return self._posed(name, "grasp", "T_object_tip", xyz, rpy)
-
-    def with_torque_limits(self, name: str, upper: Numbers, lower: Numbers | None = None) -> Self:
-        """The same cell with other torque limits of a robot.
-
-        Args:
-            name: Of the robot.
-            upper: Largest torques, Shape (n_i,) [N m, N of a prismatic joint].
-            lower: Least torques, likewise; None is -upper.
-
-        Raises:
-            InputError: If a value breaks a rule of the cell file.
-        """
-        robot, where = self._robot("name", name), f"robot '{name}'"
-        most = _given(where, "torque.upper", upper, list[Finite])
-        least = _given(where, "torque.lower", lower, list[Finite] | None)
-        least, most = given_torque_limits(where, "torque", least, most, robot.joints)
-        return self.with_robots({name: {"torque_lower": least, "torque_upper": most}})
-
-    def with_wrench_limits(self, name: str, lower: Side = None, upper: Side = None) -> Self:
-        """The same cell with other bounds of what a robot exerts on the object.
-
-        Args:
-            name: Of the robot.
-            lower: On F_i, base axes, Shape (w,) [N, N m]; None or infinity is unbounded, a component or the whole side.
-            upper: Likewise.
-
-        Raises:
-            InputError: If a value breaks a rule of the cell file.
-        """
-        where = f"robot '{self._robot('name', name).name}'"
-        least = _given(where, "wrench.lower", _without(lower, -np.inf), list[Finite | None] | None)
-        most = _given(where, "wrench.upper", _without(upper, np.inf), list[Finite | None] | None)
-        least, most = wrench_bounds(where, "wrench", least, most, self.wrench_components)
-        return self.with_robots({name: {"wrench_lower": least, "wrench_upper": most}})
-
-    def with_gravity(self, gravity: Numbers) -> Self:
-        """The same cell under another gravity: downward, world axes, Shape (3,) [m/s²].
-
-        Raises:
-            InputError: Unless it is three finite numbers.
-        """
-        return replace(self, gravity=np.array(_given("cell", "gravity", gravity, Vector3)))
-
-    def _robot(self, argument: str, name: str) -> Robot:
-        known = {robot.name: robot for robot in self.robots}
-        if not isinstance(name, str) or name not in known:
-            raise InputError(argument, f"there is no such robot; there are {', '.join(known)}.", value=name)
-        return known[name]
-
-    def _posed(self, name: str, key: str, attribute: str, xyz: Numbers | None, rpy: Numbers | None) -> Self:
-        """The same cell with a pose of a robot that has another position, another rotation, or both."""
-        robot, where = self._robot("name", name), f"robot '{name}'"
-        T: RigidTransform = getattr(robot, attribute)
-        given = {key: value for key, value in (("xyz", xyz), ("rpy", rpy)) if value is not None}
-        pose: RigidTransform = _given(where, key, given, Pose).transform
-        pose = RigidTransform(T.R if rpy is None else pose.R, T.p if xyz is None else pose.p)
-        return self.with_robots({name: {attribute: pose}})
-
-
-def _given(where: str, key: str, value: object, kind: Any) -> Any:
-    try:
-        return checked(kind, plain(where, value))
-    except InputError as error:
-        raise error.inside(where, key) from None
-
-
-def _without(side: object, unbounded: float) -> object:
-    """A side with None in place of the infinity that stands for none."""
-    listed = side.tolist() if isinstance(side, np.ndarray) else side
-    if not isinstance(listed, list | tuple):
-        return listed
-    return [None if isinstance(value, float) and value == unbounded else value for value in listed]
+        return self.with_values({f"robots.{name}.posture": posture for name, posture in postures.items()})
 
 
 def _check_reserve(reserve: object) -> None:

@@ -142,16 +142,18 @@ class CellChange:
             return cell.with_reserve(cell.reserve * (1 + self.step))
         if self.robot == "object":
             return replace(cell, object_velocity_limit=cell.object_velocity_limit * (1 + self._steps(_OF_OBJECT)))
-        robots = {robot.name: robot for robot in cell.robots}
         if self.kind == "base":
-            about = robots[self.robot].T_world_base.p
-            moved = {name: self._moved(robots[name].T_world_base, about) for name in machine_of(cell, self.robot)}
-            return cell.with_robots({name: {"T_world_base": pose} for name, pose in moved.items()})
-        return cell.with_robots({self.robot: self._of_robot(cell, robots[self.robot])})
+            base = next(robot.T_world_base for robot in cell.robots if robot.name == self.robot)
+            return with_machine_at(cell, self.robot, self._moved(base))
+        robots = (
+            replace(robot, **self._of_robot(cell, robot)) if robot.name == self.robot else robot
+            for robot in cell.robots
+        )
+        return replace(cell, robots=tuple(robots))
 
     def _of_robot(self, cell: Cell, robot: Robot) -> dict[str, Any]:
         if self.kind == "grasp":
-            return {"T_object_tip": self._moved(robot.T_object_tip, robot.T_object_tip.p)}
+            return {"T_object_tip": self._moved(robot.T_object_tip)}
         if self.kind == "contact":
             return {"contacts": tuple(self._of_contact(contact) for contact in robot.contacts)}
         steps = self._steps(cell.wrench_components if self.kind == "wrench" else robot.joints)
@@ -174,13 +176,12 @@ class CellChange:
     def _steps(self, names: Sequence[str]) -> Array:
         return np.array([self.step if name == self.element else 0.0 for name in names])
 
-    def _moved(self, pose: RigidTransform, about: Array) -> RigidTransform:
-        """A pose shifted along, or turned about an axis through a point, Shape (3,) [m]."""
+    def _moved(self, pose: RigidTransform) -> RigidTransform:
+        """A pose shifted along, or turned about its origin around an axis of the frame that it is in."""
         step = np.array([self.step if self.element[-1] == axis else 0.0 for axis in AXES])
         if self.unit == "m":
             return RigidTransform(pose.R, pose.p + step)
-        turn = rotation_from_rpy(*step)
-        return RigidTransform(multiply(turn, pose.R), about + turn @ (pose.p - about))
+        return RigidTransform(multiply(rotation_from_rpy(*step), pose.R), pose.p)
 
 
 def cell_changes(cell: Cell, steps: ChangeSteps) -> tuple[CellChange, ...]:
@@ -244,6 +245,18 @@ def _outward(owner: Robot | Contact, name: str, step: Array) -> Array:
     side: Array = getattr(owner, name)
     moved = step * np.where(np.isfinite(side), np.abs(side), 0.0)
     return side - moved if name.endswith("lower") else side + moved
+
+
+def with_machine_at(cell: Cell, name: str, base: RigidTransform) -> Cell:
+    """The same cell with a robot's base elsewhere in the world; the other arms of its machine move along.
+
+    Raises:
+        InputError: If a number breaks a rule of the cell, or the functions hold the bases as numbers.
+    """
+    bases = {robot.name: robot.T_world_base for robot in cell.robots}
+    step = base @ bases[name].inverse()
+    moved = {one: base if one == name else step @ bases[one] for one in machine_of(cell, name)}
+    return cell.with_values({f"robots.{one}.base": pose for one, pose in moved.items()})
 
 
 def machine_of(cell: Cell, name: str) -> list[str]:

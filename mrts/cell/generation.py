@@ -62,12 +62,18 @@ def described_in_cache(description: object, folder: Path) -> tuple[CellManifest,
     return manifest, _source_in_cache(manifest)
 
 
-def described_model(description: object, folder: Path) -> Any:
-    """A cell that a dictionary describes, with its URDFs; as in `described_in_cache`."""
-    from mrts_codegen.cell_file import DESCRIBED, cell_description  # noqa: PLC0415 (build time, on demand)
+def described_model(description: object, folder: Path, where: str = "cell description") -> Any:
+    """A cell that a dictionary describes, with its URDFs; as in `described_in_cache`.
+
+    Args:
+        description: Keys of a cell file.
+        folder: That URDFs are relative to, absolute.
+        where: What messages call the dictionary.
+    """
+    from mrts_codegen.cell_file import cell_description  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415
 
-    return build_cell_model(DESCRIBED, cell_description(description), folder)
+    return build_cell_model(Path(where), cell_description(description, where), folder)
 
 
 def _manifest(cell: Any) -> CellManifest:

@@ -14,7 +14,6 @@ from mrts.base.formats.package_uri import is_xacro
 from mrts.base.manifest import MANIFEST_NAME
 from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
-from mrts.cell.record import CellManifest
 from mrts.cell.robot import Robot
 from mrts.kernel.cache_folder import cache_folder
 
@@ -118,20 +117,6 @@ def urdf_with_mistakes(path: Path, args: Mapping[str, str]) -> UrdfReading:
     except InputError:
         return UrdfReading(path, None, None, mistakes, remarks, meshes)
     return UrdfReading(path, tree, partial(arm_chain, path, read), mistakes, remarks, meshes)
-
-
-def cell_file_in(manifest: CellManifest, folder: Path, beside: Path | None) -> str:
-    """Text of a cell file that reads back to the cell of a manifest.
-
-    Args:
-        manifest: Of the cell as it is now.
-        folder: That its URDFs are relative to, absolute.
-        beside: Folder for the file; None for one that stands anywhere.
-    """
-    from mrts_codegen.written_cell import cell_file_text  # noqa: PLC0415 (build time, on demand)
-
-    text: str = cell_file_text(manifest, folder, beside)
-    return text
 
 
 def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:

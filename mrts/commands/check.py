@@ -48,11 +48,7 @@ def run(cell: Path, motion: Path | None = None, json: Path | None = None, xacro_
 
 
 def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "CellCheck | UrdfCheck":
-    """What is found of what the line names.
-
-    Raises:
-        InputError: If it takes more than goes with that.
-    """
+    """What is found of what the line names."""
     from mrts.diagnosis.check import check
     from mrts.starting.urdf_check import check_urdf, is_urdf
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`mrts demo`."""
 
-import shutil
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -41,13 +39,5 @@ def run(output: Path, **given: Any) -> int:
     figures = "figures 4 to 8, the uncertain load, and " if drawn else ""
     say(f"Written to {output}: {figures}the files of the examples, a folder each. Try next:")
     plot = f" --plot {output}" if drawn else ""
-    say(f"  {_command()} scale {folder / 'cell.yaml'} {folder / 'lift.yaml'}{plot}")
+    say(f"  mrts scale {folder / 'cell.yaml'} {folder / 'lift.yaml'}{plot}")
     return FEASIBLE
-
-
-def _command() -> str:
-    """How this program was called, for commands to try."""
-    called = Path(sys.argv[0])
-    if called.name == "__main__.py":
-        return "python -m mrts"
-    return called.name if shutil.which(called.name) else sys.argv[0]

@@ -134,11 +134,7 @@ def _begin(folder: Path, request: "Request", *, copy: bool, force: bool) -> int:
 
 
 def _name(given: str | None, folder: Path) -> str:
-    """The name of the cell: letters, digits and single underscores, as generated C has it.
-
-    Raises:
-        InputError: If the one that is given is no such name.
-    """
+    """The name of the cell: letters, digits and single underscores, as generated C has it."""
     from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 
     if given is not None:
@@ -172,11 +168,7 @@ def _tell_arms(request: "Request") -> None:
 
 
 def _copies(request: "Request", folder: Path, *, force: bool) -> dict[Path, str]:
-    """Names in the new folder for copies of the URDFs, by where they are.
-
-    Raises:
-        InputError: If one is a xacro, or is there already.
-    """
+    """Names in the new folder for copies of the URDFs, by where they are."""
     from mrts.base.formats.package_uri import is_xacro
 
     names: dict[Path, str] = {}
@@ -195,11 +187,7 @@ def _copies(request: "Request", folder: Path, *, force: bool) -> dict[Path, str]
 
 
 def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
-    """Write the files, all or none.
-
-    Raises:
-        InputError: If one cannot be written.
-    """
+    """Write the files, all or none."""
     from mrts.base.atomic_file import Write, text_writer, write_together
     from mrts.starting.cell_writing import cell_file, motion_file
 

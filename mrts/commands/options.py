@@ -41,10 +41,10 @@ Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 class Named(click.Path):
     """A file or a folder."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ARG002
         """The path; an empty name would be the folder that the caller is in."""
-        if not str(value):
-            self.fail("must not be empty: name a file or a folder", param, ctx)
+        if not str(value) and param is not None:
+            raise InputError(param.name or "", "must not be empty: name a file or a folder.")
         return Path(value)
 
 
@@ -98,6 +98,11 @@ class Command(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the words of the line."""
         with self._errors_of_options(ctx):
+            _, _, order = self.make_parser(ctx).parse_args(list(args))
+            for param in order:
+                once = isinstance(param, click.Option) and not (param.multiple or param.is_flag)
+                if once and order.count(param) > 1:
+                    raise InputError(param.name or "", "is given twice.")
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -152,11 +157,6 @@ def _shown(param: click.Parameter) -> str:
 def require(option: str, extra: str, *packages: str) -> None:
     """Fail before any work if a package of an option is missing.
 
-    Args:
-        option: Of the line.
-        extra: That brings the packages.
-        *packages: By the names that they are imported by.
-
     Raises:
         InputError: If one is missing.
     """
@@ -198,11 +198,7 @@ EVERYWHERE = [
 
 
 def command(examples: str) -> Callable[[Callable[..., int]], Command]:
-    """Make a command of a function, whose docstring its help begins with.
-
-    Args:
-        examples: That its help ends with.
-    """
+    """Make a command of a function, whose docstring its help begins with."""
     return click.command(cls=Command, epilog=f"\b\n{examples}", context_settings={"max_content_width": 120})
 
 
@@ -213,11 +209,6 @@ def take(given: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:
 
 def numbers(where: str, text: str, rule: str) -> list[float]:
     """Finite numbers with commas between them.
-
-    Args:
-        where: Name of the argument that they are of.
-        text: That was given.
-        rule: What it must be, with an example.
 
     Raises:
         InputError: If it is something else.
@@ -235,12 +226,6 @@ def named_numbers(
     where: str, text: str, example: str, units: Mapping[str, tuple[str, float]] | None = None
 ) -> dict[str, float]:
     """Numbers as KEY=NUMBER, with commas between them.
-
-    Args:
-        where: Name of the argument that they are of.
-        text: That was given.
-        example: Of what is right.
-        units: By key a unit that may stand behind its number, and what 1 of its number is in that unit.
 
     Raises:
         InputError: If it is something else.
@@ -300,15 +285,11 @@ def _weights(text: str) -> "float | Array":
 
 
 def _rates(text: str) -> bool | float:
-    """What `--rates` asks for: `cell`, or a number > 0."""
-    from mrts.base.argument_types import is_number
-    from mrts.base.input_file import LARGEST_NUMBER
-
+    rule = "must be 'cell', or a number > 0, a multiple of torque limits per second."
     if text == "cell":
         return True
-    rule = f"must be 'cell', or a number > 0 and at most {LARGEST_NUMBER:.0e}, a multiple of torque limits per second."
     share, *more = numbers("rates", text, rule)
-    if more or not is_number(share, 0, LARGEST_NUMBER) or share == 0:
+    if more or share <= 0:
         raise InputError("rates", rule, value=text)
     return share
 
@@ -365,11 +346,7 @@ def limits(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def plot(what: str) -> Decorator:
-    """The options of a command that plots.
-
-    Args:
-        what: Which figures, for its help.
-    """
+    """The options of a command that plots."""
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
         folder, form = Written(folder=True, needs=("matplotlib",), extra="plot"), click.Choice(FIGURE_FORMATS)
@@ -431,9 +408,6 @@ def limited_cell(
 
 def xacro_arguments(given: tuple[str, ...]) -> dict[str, str]:
     """Values of a xacro's arguments by name.
-
-    Args:
-        given: Of each `--xacro-arg`.
 
     Raises:
         InputError: If one has no name, or no value, or stands twice.

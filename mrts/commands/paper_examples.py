@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from importlib.resources import as_file, files
 from math import nan
 from pathlib import Path
-from typing import Annotated
 
 from mrts.base.argument_types import Progress
 from mrts.base.atomic_file import Write, text_writer, write_together
-from mrts.base.formats.pose import Finite, Positive
-from mrts.base.formats.record import Record, Rule
-from mrts.base.input_file import read_model
+from mrts.base.formats.record import Record
+from mrts.base.input_file import read_data
 from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
 from mrts.motion.motion_file import load_motion
@@ -43,18 +41,10 @@ class PaperCase(Record):
     motion: str
     wrench_limits: bool = True
     even: bool = False
-    postures: dict[str, list[Finite]] = {}  # noqa: RUF012 (each record has its own copy)
-    mass: Annotated[list[Positive], Rule(min_length=2, max_length=2)] | None = None
-    paper: Positive
+    postures: dict[str, list[float]] = {}  # noqa: RUF012 (each record has its own copy)
+    mass: list[float] | None = None
+    paper: float
     figure: int | None = None
-
-
-class PaperCases(Record):
-    """The examples of section VI, for the shipped cell and the one with identified contacts."""
-
-    cell: str
-    identified_cell: str
-    cases: Annotated[list[PaperCase], Rule(min_length=1)]
 
 
 @dataclass(frozen=True)
@@ -82,19 +72,15 @@ class DemoRow:
 def run_demo(solver: str = DEFAULT_SOLVER, progress: Progress = lambda _done, _total: None) -> list[DemoRow]:
     """Scale every example of section VI.
 
-    Args:
-        solver: Name in the registry.
-        progress: Told how many of how many examples are done.
-
     Raises:
         MrtsError: If the compiler or a solver fails.
     """
     with as_file(files("mrts") / "data") as data:
-        cases = read_model(data / "paper_section_6.yaml", PaperCases, "case file")
-        cells = [load_cell(data / path) for path in (cases.cell, cases.identified_cell)]
-        rows = []
-        for number, case in enumerate(cases.cases):
-            progress(number, len(cases.cases))
+        given = read_data(data / "paper_section_6.yaml", "case file")
+        cells = [load_cell(data / given[name]) for name in ("cell", "identified_cell")]
+        cases, rows = [PaperCase(**case) for case in given["cases"]], []
+        for number, case in enumerate(cases):
+            progress(number, len(cases))
             sharing = LoadSharing() if case.even else None
             motion = load_motion(data / case.motion)
             shipped, identified = (
@@ -136,10 +122,6 @@ def _four_digits(value: float) -> str:
 
 def write_demo_files(folder: Path, rows: list[DemoRow]) -> bool:
     """Write the figures 4 to 8, the one of the uncertain load, and the files of every example cell to start from.
-
-    Args:
-        folder: Made if missing; it gets all files or none.
-        rows: The demo's results.
 
     Returns:
         Whether there are figures: they need the extra 'plot'.

@@ -182,11 +182,7 @@ def run(
 
 
 def _check(profile: str, given: dict[str, Any]) -> None:
-    """That the arguments given go with the profile, and with one another.
-
-    Raises:
-        InputError: If one does not.
-    """
+    """That the arguments given go with the profile, and with one another."""
     for name, profiles in GOES_WITH.items():
         if given.get(name) is not None and profile not in profiles:
             raise InputError(name, f"goes with --profile {' or '.join(profiles)}, not with {profile}.")

@@ -33,9 +33,8 @@ examples:
 @option("-o", "--output", type=Written(folder=True), metavar="DIR",
         help="folder for the table (Parquet): a new one, or one in which this study goes on")  # fmt: skip
 @option("--workers", type=int, metavar="N", help="processes on this machine (default: one a core)")
-@option("--scheduler", metavar="local|tcp://HOST:PORT",
-        help="workers of this Dask scheduler, or of a Dask cluster made on this machine (needs the extra "
-        "'cluster')")  # fmt: skip
+@option("--scheduler", metavar="tcp://HOST:PORT",
+        help="workers of this Dask scheduler (needs the extra 'cluster')")  # fmt: skip
 @option("--top", type=IntRange(0), default=0, metavar="K",
         help="solve the best K again with limits kept between the samples, print them, and write them as cell and "
         "motion files into DIR")  # fmt: skip
@@ -54,11 +53,10 @@ def run(
 ) -> int:
     """Solve all variants of a study: numbers of cell and motion that vary."""
     from mrts.studies.study_file import read_study
-    from mrts.studies.study_folder import require_pyarrow
-    from mrts.sweeps.worker_pools import check_workers
 
-    check_workers(workers, scheduler)
-    require_pyarrow()
+    for name, value in (("top", top), ("plot", plot)) if dry_run else ():
+        if value:
+            raise InputError(name, "does not go with --dry-run, which solves a few variants and writes nothing.")
     with working(f"reading {study}"):
         asked = read_study(study)
     if dry_run:

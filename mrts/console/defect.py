@@ -18,11 +18,7 @@ REPORT = (
 
 
 def describe_defect(error: BaseException) -> str:
-    """One paragraph: what happened, where, and what to do.
-
-    Args:
-        error: The exception.
-    """
+    """One paragraph: what happened, where, and what to do."""
     if isinstance(error, MemoryError):
         return f"out of memory{_place(error)}. Give the motion fewer samples, or the load fewer uncertain parameters."
     said = "".join(traceback.format_exception_only(error)).strip().splitlines()

@@ -1,24 +1,19 @@
 # SPDX-License-Identifier: MIT
 """The files that a command is asked for, each written whatever becomes of the others, and its answer."""
 
+import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import Protocol
 
-from mrts.base.errors import MrtsError
+from mrts.base.errors import InputError, MrtsError
+from mrts.base.json_output import JsonOutput
+from mrts.base.regular_file import FILES_READ
 from mrts.console.exit_codes import BAD_INPUT, FEASIBLE
 from mrts.console.terminal import Style, fail, put, say
 
 NOTES = ("note:", "warning:", "hint:")
 """How a line of an answer begins that is a note."""
-
-
-class JsonAnswer(Protocol):
-    """An answer that has a JSON text."""
-
-    def json_text(self) -> str:
-        """The text."""
 
 
 class Outputs:
@@ -30,16 +25,13 @@ class Outputs:
         self.defect: Exception | None = None
 
     def write(self, path: Path | None, write: Callable[[Path], object]) -> None:
-        """Write one output, if it is asked for; if that fails, say so and go on.
-
-        Args:
-            path: The file, or the folder that gets files.
-            write: Writes it.
-        """
+        """Write one output, if it is asked for; if that fails, say so and go on."""
         if path is None or str(path) == "-":
             return
         before = _files(path)
         try:
+            if os.path.realpath(path) in FILES_READ:
+                raise InputError(path, "is a file that this command has read: not written. Name another.")  # noqa: TRY301
             write(path)
             self.written += sorted(file for file, state in _files(path).items() if before.get(file) != state)
         except MrtsError as error:
@@ -58,7 +50,7 @@ class Outputs:
         lines: Iterable[str],
         outcome: int,
         json: Path | None = None,
-        found: JsonAnswer | None = None,
+        found: JsonOutput | None = None,
         styles: Mapping[str, Style] = MappingProxyType({}),
     ) -> int:
         """Print the answer in words with what was written, or as JSON where '-' asks for that; the exit code.
@@ -74,10 +66,11 @@ class Outputs:
             put(found.json_text())
         else:
             first: Style = "strong" if outcome == FEASIBLE else "bad"
-            for number, line in enumerate(lines):
+            told = list(lines)
+            for number, line in enumerate(told):
                 say(line, first if number == 0 else "note" if line.startswith(NOTES) else styles.get(line, "plain"))
             if self.written:
-                say("\n".join(["\nwritten:", *(f"  {path}" for path in self.written)]))
+                say("\n".join([*([""] if told else []), "written:", *(f"  {path}" for path in self.written)]))
         self.raise_defect()
         return BAD_INPUT if self.failed else outcome
 

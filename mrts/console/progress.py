@@ -5,9 +5,8 @@ import shutil
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Protocol
 
 from mrts.base.printable import printable
 from mrts.console.terminal import CLEAR_LINE, QUIET, is_terminal
@@ -19,25 +18,15 @@ PERIOD = 0.2
 """Between two writings of the line [s]."""
 
 
-class Update(Protocol):
-    """To be told how many of how many pieces are done, and what else is worth a few words."""
-
-    def __call__(self, done: int, total: int, note: str = "") -> None:
-        """Tell."""
-
-
 @contextmanager
-def working(what: str) -> Iterator[Update]:
+def working(what: str) -> Iterator[Callable[..., None]]:
     """Show on standard error, if that is a terminal, that work goes on, once it has taken a second.
 
-    Args:
-        what: What is done: "scaling lift.yaml".
-
     Yields:
-        To be told how many of how many pieces are done; where nobody tells, time alone is shown.
+        To be told how many of how many pieces are done, and a note; where nobody tells, time alone is shown.
     """
     if QUIET.get() or not is_terminal(sys.stderr):
-        yield lambda done, total, note="": None  # noqa: ARG005 (names of a protocol)
+        yield lambda *_: None
         return
     line = _Line(printable(what))
     line.start()

@@ -11,6 +11,7 @@ import os
 import shutil
 import sys
 import textwrap
+import unicodedata
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -25,25 +26,6 @@ CODES: dict[Style, str] = {"strong": "\x1b[1m", "bad": "\x1b[1;31m", "note": "\x
 """ANSI escapes; "plain" has none."""
 
 CLEAR_LINE = "\r\x1b[K"
-
-IN_ASCII = str.maketrans(
-    {
-        "²": "^2",
-        "³": "^3",
-        "⁺": "+",
-        "⁻": "-",
-        "₀": "0",
-        "×": "x",
-        "·": ".",
-        "…": "...",
-        "≤": "<=",
-        "≥": ">=",
-        "∈": "in",
-    }
-    | {"∪": "or", "√": "sqrt ", "∞": "inf", "−": "-", "–": "-", "°": " deg", "µ": "u", "∫": "integral ", "Σ": "sum "}
-    | {"τ": "tau", "ᵀ": "^T", "α": "alpha", "Δ": "delta ", "‖": "|", "→": "->", "’": "'", "“": '"', "”": '"', "━": "-"}
-)
-"""What stands for a character of ours where a stream's encoding lacks it."""
 
 LEAST_WIDTH = 40
 """A terminal that says it is narrower is written as if it were this wide [columns]."""
@@ -75,7 +57,7 @@ def open_closed_streams() -> None:
 
 
 def encode_anything() -> None:
-    """Let the streams print what their encoding lacks in ASCII: c^2 on a terminal without ², `?` for what has none."""
+    """Let the streams print what their encoding lacks in ASCII: 2 for ², `?` for what has none."""
     codecs.register_error("mrts_ascii", _in_ascii)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -85,7 +67,7 @@ def encode_anything() -> None:
 def _in_ascii(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    text = error.object[error.start : error.end].translate(IN_ASCII)
+    text = unicodedata.normalize("NFKD", error.object[error.start : error.end])
     return "".join(letter if letter.isascii() else "?" for letter in text), error.end
 
 

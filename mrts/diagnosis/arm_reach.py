@@ -15,9 +15,8 @@ from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.following.joint_limits import POSITION_TOLERANCE, within_limits
 from mrts.following.planar_closed_form import has_closed_form, planar_triangles
 from mrts.following.reach import ArmPlaces, arm_reach
-from mrts.following.starting_positions import further_starts
 from mrts.following.tracking_messages import TrackingFailure
-from mrts.following.variant_tracking import follow_from
+from mrts.following.variant_tracking import follow_from, further_starts
 from mrts.motion.object_motion import ObjectMotion
 
 HELD = 1e-5
@@ -30,7 +29,7 @@ FEW_TRACKS = 4
 """The same of an arm that was moved to see whether it follows."""
 
 STARTS = 48
-"""Random ones for an arm without an analytic inverse: ways that few of them lead to are not near any posture."""
+"""Random ones for an arm without a closed form: ways that few of them lead to are not near any posture."""
 
 MOST_SHIFTS = 6
 """Times that a base is moved by what is missing, until nothing is."""
@@ -246,4 +245,4 @@ def _shift(arm: Cell, motion: ObjectMotion, nearest: NearestHold) -> Array | Non
 
 def _moved(arm: Cell, shift: Array) -> Cell:
     (robot,) = arm.robots
-    return arm.with_base(robot.name, xyz=(robot.T_world_base.p + shift).tolist())
+    return arm.with_values({"robots[0].base.xyz": robot.T_world_base.p + shift})

@@ -14,8 +14,7 @@ from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, rpy_fro
 from mrts.cell.cell import Cell
 from mrts.diagnosis.arm_reach import follows
 from mrts.diagnosis.postures_at_start import posture_off, posture_turned
-from mrts.following.coordinate import coordinate
-from mrts.following.joint_columns import columns_by_joint
+from mrts.following.coordinate import columns_by_joint, coordinate
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 

@@ -4,18 +4,19 @@
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.following.grasp_tracking import SETTLED_PREFERENCE, STARTING_STEPS, reached, solve_grasps
 from mrts.following.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.following.null_space import is_redundant
-from mrts.following.planar_closed_form import has_closed_form, planar_branches
-from mrts.following.six_joint_closed_form import six_joint_branches
-from mrts.following.starting_positions import starting_reference
+from mrts.following.planar_closed_form import has_closed_form, planar_triangles
+from mrts.following.reach import ArmPlaces
+from mrts.following.variant_tracking import starting_reference
 from mrts.motion.object_motion import ObjectMotion
 
 MULTI_STARTS = 400
-"""Seeded random starts for an arm without an analytic inverse: each of up to 16 branches is then found many times."""
+"""Seeded random starts for an arm without a closed form: each of up to 16 branches is then found many times."""
 
 SEED = 20
 SAME_BRANCH = 1e-6
@@ -25,12 +26,6 @@ SAME_BRANCH = 1e-6
 def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int = MULTI_STARTS) -> Array:
     """Joint positions of one arm that hold its grasp at t = 0 inside its limits, each branch once, Shape (count, n_i).
 
-    Args:
-        cell: The cell.
-        index: Of the arm.
-        motion: Motion of the object.
-        starts: Random ones, for an arm without an analytic inverse.
-
     Raises:
         MotionError: If a planar arm of three joints cannot reach its grasp.
     """
@@ -39,13 +34,14 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
     posture = np.concatenate([other.posture for other in cell.robots])
     redundant = is_redundant(cell, robot)
     if has_closed_form(cell, robot):
-        # standing still at the first sample: a path out of reach further on is the outcome of its branch
-        still = np.zeros((2, 6))
-        first = ObjectMotion(motion.time[:2], motion.position[[0, 0]], motion.rotation[[0, 0]], still, still)
-        guesses = np.array([branch[0] for branch in planar_branches(cell, robot, first)])
+        base, grasp = robot.T_world_base, robot.T_object_tip
+        places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
+        found = planar_triangles(cell, robot, places, motion.position[:1], motion.rotation[:1])
+        if found.out_of_reach():
+            raise MotionError(found.failure(robot, motion.time))
+        guesses = np.concatenate(found.branches())
     else:
-        found = six_joint_branches(cell, robot, motion)
-        guesses = found if found is not None and len(found) else _random_starts(robot, starts)
+        guesses = _random_starts(robot, starts)
     start = np.tile(posture, (len(guesses), 1))
     start[:, joints] = guesses
     held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=starting_reference(cell))

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Motion of the whole cell from whatever is known of it: the object, a table of joints, or both."""
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
+from pathlib import Path
 from types import NoneType
 
 import numpy as np
@@ -14,7 +16,6 @@ from mrts.cell.cell import Cell
 from mrts.following.closed_chain import close_chain
 from mrts.following.coordinated_motion import CoordinatedMotion, JointCourse, carried_by_first, follow_object
 from mrts.following.grasp_closure import ClosureBound
-from mrts.following.joint_columns import columns_by_joint, meant_instead
 from mrts.following.joint_limits import PRINTED_TOLERANCE, check_joint_limits
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
@@ -65,8 +66,8 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
     check_joint_limits(cell, known.time, q, PRINTED_TOLERANCE)
     carried = carried_by_first(cell, known.time, q, dq, ddq, smooth=False)
     given = CoordinatedMotion(carried.object, q, dq, ddq, (*known.remarks, *remarks))
-    closed = close_chain(cell, given, bound, str(table.path), carried=True, source=known.differentiated.get(names[0]))
-    if not known.differentiated.keys() >= set(names):
+    closed = close_chain(cell, given, bound, str(table.path), carried=True, source=known.source(names[0]))
+    if not known.splines.keys() >= set(names):
         return closed
     splines = tuple(known.splines[name] for name in names)
     return replace(closed, course=JointCourse(splines, closed is not given))
@@ -80,21 +81,56 @@ def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Rem
     joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
     for joint in joints:
         if joint not in found:
-            raise InputError(table.path, _missing(cell, joint, extra))
+            raise InputError(
+                table.path,
+                f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag "
+                f"a trajectory under /{joint.partition('/')[0]}/joint_trajectory.{meant_instead(joint, extra)}",
+            )
         if found[joint] in table.unusable:
             raise table.unusable[found[joint]]
-    remarks = (_passed_over(cell, extra),) if extra else ()
-    return [found[joint] for joint in joints], remarks
-
-
-def _missing(cell: Cell, joint: str, extra: list[str]) -> str:
-    return (
-        f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag a "
-        f"trajectory under /{joint.partition('/')[0]}/joint_trajectory.{meant_instead(joint, extra)}"
-    )
-
-
-def _passed_over(cell: Cell, extra: list[str]) -> Remark:
     named = ", ".join(sorted(extra)[:MOST_NAMED])
     more = f" and {len(extra) - MOST_NAMED} more" if len(extra) > MOST_NAMED else ""
-    return Remark("extra-joints", f"joints that no arm of cell '{cell.name}' has were passed over: {named}{more}.")
+    told = f"joints that no arm of cell '{cell.name}' has were passed over: {named}{more}."
+    return [found[joint] for joint in joints], (Remark("extra-joints", told),) if extra else ()
+
+
+def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str, str]:
+    """What a file calls the joints of a cell.
+
+    Args:
+        cell: The cell.
+        path: The file, for the message.
+        columns: "robot/joint" each; a first name that is no robot's may stand for it where one robot alone has such a
+            joint, or where the joint is called robot_joint, as in a machine of two equal arms.
+
+    Returns:
+        Joint "robot/joint" of the cell to its column; joints without one are left out.
+
+    Raises:
+        InputError: If two columns are the same joint.
+    """
+    robots = {robot.name: robot.joints for robot in cell.robots}
+    joints = {f"{robot}/{joint}" for robot in robots for joint in robots[robot]}
+    found = {name: name for name in columns if name in joints}
+    for name in columns:
+        prefix, _, joint = name.rpartition("/")
+        owners = [f"{robot}/{joint}" for robot in robots if joint in robots[robot]] or [
+            f"{robot}/{own}" for robot in robots for own in robots[robot] if joint == f"{robot}_{own}"
+        ]
+        if name in found or prefix in robots or len(owners) != 1:
+            continue
+        meant = owners[0]
+        if found.get(meant) == meant:
+            continue  # another robot's joint of the same name
+        if meant in found:
+            raise InputError(path, f"'{found[meant]}' and '{name}' are the same joint of cell '{cell.name}'.")
+        found[meant] = name
+    return found
+
+
+def meant_instead(joint: str, extra: Sequence[str]) -> str:
+    """A question that names the column which is nearest to a joint that is missing; empty if none is near."""
+    import difflib  # noqa: PLC0415 (for this message only)
+
+    close = difflib.get_close_matches(joint, extra, n=1)
+    return f" There is '{close[0]}', which no arm of the cell has: is it meant?" if close else ""

@@ -13,17 +13,26 @@ from mrts.base.errors import InputError, MotionError, as_array
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
 from mrts.following.grasp_closure import TipMotion, in_world, tip_motions
-from mrts.following.starting_positions import FURTHER_STARTS
+from mrts.following.null_space import is_redundant
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
-from mrts.following.variant_tracking import VariantTracking
+from mrts.following.tracking_messages import FURTHER_STARTS
+from mrts.following.variant_tracking import track_variants
 from mrts.kernel.tracking import PATH
 from mrts.motion.joint_table import JointSplines
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
 OUT_OF_PLANE = 1e-9
 """Largest velocity and turning rate out of the plane of a planar cell [m/s, rad/s]: rounding of the input."""
+
+SAME_JOINTS = 1e-6
+"""Largest difference of joints that are followed again, as a share of the largest of them: what Newton steps leave."""
+
+SAME_CHOICE = 1e-4
+"""The same of a redundant arm's positions: at samples that were added it is near its choice (3e-7 off of 12)."""
+
+SAME_CHOICE_RATES = 1e-2
+"""The same of its velocities and accelerations (7e-4 off)."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -142,15 +151,7 @@ class CoordinatedMotion:
 def unchecked_coordinated_motion(
     carried: ObjectMotion, q: Array, dq: Array, ddq: Array, travel: Array | None = None
 ) -> CoordinatedMotion:
-    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
-
-    Args:
-        carried: Motion of the object, N samples.
-        q: As in the class, and so the others, each an array of finite numbers that nothing else writes to.
-        dq: Likewise.
-        ddq: Likewise.
-        travel: Likewise.
-    """
+    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then."""
     done = object.__new__(CoordinatedMotion)
     vars(done).update(object=carried, q=q, dq=dq, ddq=ddq, remarks=(), travel=travel, course=None)
     freeze(done)
@@ -179,23 +180,23 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     check_motion(cell, motion)
     path = {name: getattr(motion, name)[None] for name in PATH}
     posture = np.concatenate([robot.posture for robot in cell.robots])
-    tracked = VariantTracking(cell).follow(path, cell.geometry[None], posture[None], np.zeros(1, dtype=bool))
+    tracked = track_variants(cell, path, cell.geometry[None], posture[None], np.zeros(1, dtype=bool))
     failure = tracked.failure(0)
     if failure is not None:
         raise MotionError(failure.message)
     q, dq, ddq, outcome = (part[0] for part in tracked.joints.parts())
     others = zip(cell.robots, outcome["start"].tolist(), strict=True)
-    remarks = tuple(_other_start(robot) for robot, start in others if start)
-    return CoordinatedMotion(motion, q, dq, ddq, motion.remarks + remarks)
-
-
-def _other_start(robot: Robot) -> Remark:
-    return Remark(
-        "other-start",
-        f"robot '{robot.name}' does not reach its grasp at t = 0 from its posture inside its joint limits: it starts "
-        f"at the nearest positions that {FURTHER_STARTS} further starts led to.",
-        0,
+    remarks = tuple(
+        Remark(
+            "other-start",
+            f"robot '{robot.name}' does not reach its grasp at t = 0 from its posture inside its joint limits: it "
+            f"starts at the nearest positions that {FURTHER_STARTS} further starts led to.",
+            0,
+        )
+        for robot, start in others
+        if start
     )
+    return CoordinatedMotion(motion, q, dq, ddq, motion.remarks + remarks)
 
 
 def carried_by_first(
@@ -258,7 +259,7 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
     q = postures_for_rank(np.concatenate([robot.posture for robot in cell.robots]))
     jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
-        if lacking := lacking_freedom(robot.joints, q[:, joints], jacobians[:, :, joints], cell.wrench_rows):
+        if lacking := lacking_freedom(robot.joints, jacobians[:, :, joints], cell.wrench_rows):
             rule = f"{lacking} It could not follow any motion: take another arm or tip."
             raise InputError(cell.name, rule, key=f"robot '{robot.name}'")
     if cell.plane is not None and leaves_plane(cell, motion.twist):
@@ -279,3 +280,38 @@ def leaves_plane(cell: Cell, twist: Array) -> NDArray[np.bool_]:
     normal = np.abs(plane_normal(cell.plane or "xy"))
     out = np.concatenate([normal, 1 - normal]) > 0
     return np.asarray(np.max(np.abs(twist[..., out]), axis=(-2, -1)) > OUT_OF_PLANE)
+
+
+def following_again(cell: Cell, motion: CoordinatedMotion) -> tuple[Cell | None, CoordinatedMotion]:
+    """The cell with postures from which its arms follow the object as in a motion: its own, or where that starts.
+
+    Where the motion starts is found again sooner, but a redundant arm stays near its posture, whatever has moved.
+
+    Returns:
+        The cell, None if its arms take other joints, as where redundant ones were given; and what they take: the motion
+        as it was given where that is the same, or no cell takes it.
+    """
+    parts = cell.joint_slices.items()
+    starts = (cell.with_postures({name: motion.q[0, part].tolist() for name, part in parts}), cell)
+    redundant = any(is_redundant(cell, robot) for robot in cell.robots)
+    if redundant:
+        starts = starts[::-1]
+    for start in starts:
+        try:
+            again = follow_object(start, motion.object)
+        except MotionError:
+            continue
+        if _same(again, motion, (SAME_JOINTS,) * 3):
+            return start, motion
+        if redundant and _same(again, motion, (SAME_CHOICE, SAME_CHOICE_RATES, SAME_CHOICE_RATES)):
+            return start, again
+    return None, motion
+
+
+def _same(ours: CoordinatedMotion, given: CoordinatedMotion, shares: tuple[float, float, float]) -> bool:
+    """Whether q, q' and q'' differ by no more than these shares of the largest."""
+    pairs = ((ours.q, given.q), (ours.dq, given.dq), (ours.ddq, given.ddq))
+    return all(
+        np.max(np.abs(one - other)) <= share * max(1.0, np.max(np.abs(other)))
+        for (one, other), share in zip(pairs, shares, strict=True)
+    )

@@ -21,7 +21,7 @@ from mrts.cell.cell import Cell
 from mrts.following.closed_chain import holds, joints_on_grasps, mean_object, nearest_rates
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_object
 from mrts.following.grasp_closure import tip_motions
-from mrts.motion.object_courses import Geodesic, WaypointPath, path_shares
+from mrts.motion.object_courses import ProfiledPath
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS
 
@@ -61,7 +61,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> Coord
     inside = velocity_polynomials(given.time, ours, time) if motion.course is None else motion.course(time)
     if motion.course is None and known is None:
         inside = (*inside[:2], _linear(given.time, motion.ddq, time))
-    elif motion.course is None and isinstance(given.course, Geodesic | WaypointPath):
+    elif motion.course is None and isinstance(given.course, ProfiledPath):
         _across_corners(given.course, given.time, ours, time, inside)
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
     tips = [] if known else tip_motions(cell, q, dq, ddq)
@@ -173,7 +173,7 @@ WHOLE_WAY = polynomial_weights(np.ones(1))[0, 0]
 
 
 def _across_corners(
-    course: Geodesic | WaypointPath,
+    course: ProfiledPath,
     known: Array,
     joints: tuple[Array, Array, Array],
     at: Array,
@@ -197,9 +197,9 @@ def _across_corners(
     if not len(near):
         return
     q, dq, ddq = (of[1:-1] for of in joints)
-    s, ds, dds = (of[1:-1, None] for of in path_shares(course, known))
+    s, ds, dds = (of[1:-1, None] for of in course.shares(known))
     along = dq / ds, (ddq - dq / ds * dds) / ds**2
-    there, rate, change = path_shares(course, at[near])
+    there, rate, change = course.shares(at[near])
     way, slope, bend = velocity_polynomials(s[:, 0], (q, *along), there)
     rate, change = rate[:, None], change[:, None]
     for of, exact in zip(inside, (way, slope * rate, bend * rate**2 + slope * change), strict=True):

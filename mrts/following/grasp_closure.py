@@ -145,13 +145,7 @@ class GraspGaps:
 
 
 def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> GraspGaps:
-    """Gaps between the tips and their grasps on an object.
-
-    Args:
-        cell: The cell.
-        given: Motion of the object.
-        tips: Motion of every tip.
-    """
+    """Gaps between the tips and their grasps on an object."""
     distances, angles = [], []
     for robot, tip in zip(cell.robots, tips, strict=True):
         gap = tip.position - given.position - rotated(given.rotation, robot.T_object_tip.p)
@@ -163,13 +157,6 @@ def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> GraspG
 
 def check_gaps(cell: Cell, given: ObjectMotion, gaps: GraspGaps, bound: ClosureBound, where: str) -> None:
     """Check that no tip is further off its grasp than is allowed.
-
-    Args:
-        cell: The cell.
-        given: Motion of the object.
-        gaps: Of the tips.
-        bound: What is allowed.
-        where: What gave the joints, for the message.
 
     Raises:
         MotionError: Names the worst robot, sample and gap.
@@ -222,13 +209,7 @@ def slip(
 
 
 def roughness(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> float:
-    """How much of the accelerations is noise: root mean squares of a tip's slip by the accelerations', the worst tip's.
-
-    Args:
-        cell: The cell.
-        given: Motion of the object.
-        tips: Motion of every tip.
-    """
+    """How much of the accelerations is noise: root mean square of the worst tip's slip by that of accelerations."""
     worst = 0.0
     for robot, tip in zip(cell.robots, tips, strict=True):
         expected = tip_rates(cell, robot, given)[1]

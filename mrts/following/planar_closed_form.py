@@ -7,12 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.errors import MotionError
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.following.reach import ArmPlaces
-from mrts.motion.object_motion import ObjectMotion
 
 REACH_TOLERANCE = 1e-12
 """Relative overshoot of |cos| of the elbow angle that is rounding and not distance."""
@@ -25,7 +23,7 @@ CLOSED_FORM_JOINTS = ("revolute", "revolute", "revolute")
 
 
 def has_closed_form(cell: Cell, robot: Robot) -> bool:
-    """Whether `planar_branches` can solve an arm: three revolute joints in a planar cell."""
+    """Whether `planar_triangles` can solve an arm: three revolute joints in a planar cell."""
     if cell.plane is None or robot.joint_types != CLOSED_FORM_JOINTS:
         return False
     # with a shorter one the arm is singular everywhere, and found to be so
@@ -58,7 +56,7 @@ class PlanarTriangles:
         return np.abs(self.cosine) - 1
 
     def branches(self) -> tuple[Array, Array]:
-        """Both elbow branches, each Shape (…, N, 3) [rad], continuous in time; out of reach as near as it comes."""
+        """Both elbow branches, each Shape (…, N, 3) [rad], whole turns aside; out of reach as near as it comes."""
         bend = np.arccos(np.clip(self.cosine, -1, 1))
         toward = np.arctan2(self.wrist[..., 1], self.wrist[..., 0])
 
@@ -68,7 +66,7 @@ class PlanarTriangles:
             first = toward - inner - self.link_angles[0]
             second = first + self.link_angles[0] + turn - self.link_angles[1]
             absolute = np.stack([first, second, self.tip_angle], axis=-1)
-            return np.unwrap(np.diff(absolute, axis=-1, prepend=0.0) * self.signs, axis=-2)
+            return np.asarray(np.diff(absolute, axis=-1, prepend=0.0) * self.signs)
 
         return branch(-1.0), branch(1.0)
 
@@ -97,24 +95,6 @@ class PlanarTriangles:
             f"robot '{robot.name}' cannot reach its grasp at sample {worst} (t = {time[worst]:.6g} s): {why}. Move "
             "the path, the base or the grasp."
         )
-
-
-def planar_branches(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Array]:
-    """Both elbow branches along a motion, each Shape (N, 3) [rad], continuous in time.
-
-    Args:
-        cell: A planar cell.
-        robot: An arm with `has_closed_form`.
-        motion: Motion of the object in the cell's plane.
-
-    Raises:
-        MotionError: If a sample is out of reach; names robot, sample and distance.
-    """
-    base, grasp = robot.T_world_base, robot.T_object_tip
-    found = planar_triangles(cell, robot, ArmPlaces(base.R, base.p, grasp.R, grasp.p), motion.position, motion.rotation)
-    if found.out_of_reach():
-        raise MotionError(found.failure(robot, motion.time))
-    return found.branches()
 
 
 def planar_triangles(cell: Cell, robot: Robot, places: ArmPlaces, position: Array, rotation: Array) -> PlanarTriangles:

@@ -33,40 +33,30 @@ def postures_for_rank(own: Array) -> Array:
     return np.concatenate([own[None], others.reshape(POSTURES - 1, len(own))])
 
 
-def lacking_freedom(joints: Sequence[str], q: Array, jacobians: Array, rows: Sequence[int]) -> str:
+def lacking_freedom(joints: Sequence[str], jacobians: Array, rows: Sequence[int]) -> str:
     """Why an arm does not move its hand in all directions in any posture, as a sentence; empty if it does in some.
 
     Args:
         joints: Names of the joints.
-        q: From `postures_for_rank`.
-        jacobians: Of the tip in base axes there, Shape (POSTURES, w, n).
+        jacobians: Of the tip in base axes at `postures_for_rank`, Shape (POSTURES, w, n).
         rows: Which component of a twist each of their rows is.
     """
-    left, values, right = np.linalg.svd(jacobians)
+    values, right = np.linalg.svd(jacobians)[1:]
     ranks = np.sum(values > DEPENDENT * values[:, :1], axis=1)
     best = int(np.argmax(ranks))
     rank, needed = int(ranks[best]), len(rows)
     if rank == needed:
         return ""
-    of_all = np.linalg.svd(np.concatenate([*jacobians], axis=1))
-    never = of_all[0][:, int(np.sum(of_all[1] > DEPENDENT * of_all[1][0])) :]
+    directions, sizes, _ = np.linalg.svd(np.concatenate([*jacobians], axis=1))
+    never = directions[:, int(np.sum(sizes > DEPENDENT * sizes[0])) :]
     named = [TWIST[row] for row, size in zip(rows, np.linalg.norm(never, axis=1), strict=True) if size > NAMED]
-    if len(named) == needed - rank:
-        lost = f"In no posture does it move {', '.join(named)} (base axes)"
-    else:
-        combined = "; ".join(_combination(direction, rows) for direction in left[best, :, rank:].T)
-        posture = ", ".join(f"{position:.3g}" for position in q[best])
-        lost = f"Which are lost depends on the posture: at [{posture}] it does not move {combined} (base axes)"
+    always = len(named) == needed - rank
+    lost = f"In no posture does it move {', '.join(named)}" if always else "Which are lost depends on the posture"
     dependent = np.linalg.norm(right[best, rank:], axis=0) > DEPENDENT
-    together = np.linalg.svd(jacobians[best][:, dependent], compute_uv=False)
-    some = f"{', '.join(name for name, is_one in zip(joints, dependent, strict=True) if is_one)} together give only"
-    part = f"{some} {int(np.sum(together > DEPENDENT * values[best, 0]))}. " if np.any(dependent) else ""
+    together = np.linalg.matrix_rank(jacobians[best][:, dependent], DEPENDENT * values[best, 0])
+    some = ", ".join(name for name, is_one in zip(joints, dependent, strict=True) if is_one)
+    part = f"{some} together give only {together}. " if some else ""
     return (
         f"its {len(joints)} joints move its hand in {rank} independent directions, but holding the object takes "
-        f"{needed}. {part}{lost}."
+        f"{needed}. {part}{lost} (base axes)."
     )
-
-
-def _combination(direction: Array, rows: Sequence[int]) -> str:
-    parts = zip(direction * np.sign(direction[np.argmax(np.abs(direction))]), rows, strict=True)
-    return " ".join(f"{size:+.2g} {TWIST[row]}" for size, row in parts if abs(size) > NAMED)

@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 from mrts.base.arrays import Array
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
-from mrts.following.starting_positions import FURTHER_STARTS
 from mrts.kernel.tracking import FOLDED, LEFT_LIMITS, LOST, NO_START, OUT_OF_REACH, PAST_LIMIT, SINGULAR, START_PAST
+
+FURTHER_STARTS = 40
+"""Starts tried where the posture leads to nothing: an arm of six joints has up to 16 branches."""
 
 CONDITION_LIMIT = 1e6
 """Condition number of a Jacobian above which an arm counts as singular: ten digits of q' are left."""

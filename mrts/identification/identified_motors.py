@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What an identification found of the motors: numbers with their confidence, as text and as YAML for the cell file."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +12,6 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array, freeze
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
@@ -40,8 +39,7 @@ class MotorParameter:
         value: Shape (n,), 0 where it is not identified.
         standard_error: Shape (n,), infinity where it is not identified.
         half_width: Half the interval of 95 % confidence, Shape (n,), likewise.
-        identified: Whether the motion shows it, Shape (n,).
-        reasons: Why it does not, "" where it does, one a joint.
+        reasons: Why the motion does not show it, "" where it does, one a joint.
         bounded: Whether it is 0 because it must not be negative, Shape (n,).
         free: What it would be if it might, Shape (n,).
     """
@@ -49,13 +47,17 @@ class MotorParameter:
     value: Array
     standard_error: Array
     half_width: Array
-    identified: NDArray[np.bool_]
     reasons: tuple[str, ...]
     bounded: NDArray[np.bool_]
     free: Array
 
     def __post_init__(self) -> None:
         freeze(self)
+
+    @property
+    def identified(self) -> NDArray[np.bool_]:
+        """Whether the motion shows it, Shape (n,)."""
+        return np.array([not reason for reason in self.reasons])
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +107,7 @@ class ArmMotors:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MotorIdentification(InNotebooks):
+class MotorIdentification:
     """What `identify` found.
 
     Attributes:
@@ -122,26 +124,6 @@ class MotorIdentification(InNotebooks):
 
     def __repr__(self) -> str:
         return f"<MotorIdentification of {self.cell}: {', '.join(arm.robot.name for arm in self.arms)}>"
-
-    def notebook_words(self) -> list[str]:
-        """The outcome, and a line for each remark."""
-        return [self.sentence(), *map(str, self.remarks)]
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """Every joint with its parameters and half their intervals of 95 % confidence."""
-        heads, *rows = self._rows()
-        yield NotebookTable(heads, rows)
-
-    def _rows(self) -> list[tuple[str, ...]]:
-        """Heads, then every joint with its parameters and its residual."""
-        units = {name: ", ".join(dict.fromkeys(_units(name, self.arms))) for name in UNITS}
-        rows = [("joint", *(f"{name} [{unit}]" for name, unit in units.items()), "residual rms")]
-        for arm in self.arms:
-            for place, unit in enumerate(arm.robot.torque_units):
-                residual = f"{arm.residual_rms[place]:.3g} {unit}" if arm.used[:, place].any() else "-"
-                cells = (_cell(found, place) for found in arm.estimates.values())
-                rows.append((printable(f"{arm.robot.name}/{arm.robot.joints[place]}"), *cells, residual))
-        return rows
 
     def arm(self, robot: str) -> ArmMotors:
         """What was found of one arm.
@@ -169,7 +151,13 @@ class MotorIdentification(InNotebooks):
 
     def table(self) -> str:
         """Every joint with its parameters and half their intervals of 95 % confidence."""
-        rows = self._rows()
+        units = {name: ", ".join(dict.fromkeys(_units(name, self.arms))) for name in UNITS}
+        rows = [("joint", *(f"{name} [{unit}]" for name, unit in units.items()), "residual rms")]
+        for arm in self.arms:
+            for place, unit in enumerate(arm.robot.torque_units):
+                residual = f"{arm.residual_rms[place]:.3g} {unit}" if arm.used[:, place].any() else "-"
+                cells = (_cell(found, place) for found in arm.estimates.values())
+                rows.append((printable(f"{arm.robot.name}/{arm.robot.joints[place]}"), *cells, residual))
         width = max(NAME_WIDTH, *(len(row[0]) + 2 for row in rows))
         return "\n".join(
             f"{joint:<{width}}{''.join(f'{cell:>24}' for cell in cells)}{residual:>18}"

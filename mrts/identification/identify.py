@@ -4,6 +4,7 @@
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array, apply
@@ -11,12 +12,15 @@ from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
-from mrts.following.joint_columns import columns_by_joint, meant_instead
+from mrts.following.coordinate import columns_by_joint, meant_instead
 from mrts.following.joint_limits import PRINTED_TOLERANCE, within_limits
 from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
-from mrts.identification.motor_regression import PARAMETERS, JointFit, fit_joint
+from mrts.identification.motor_regression import PARAMETERS, fit_joint
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
+
+FITTED = ("value", "standard_error", "half_width", "bounded", "free")
+"""What is known of a parameter of each joint."""
 
 CHUNK = 4096
 """Samples whose mass matrices are held at once."""
@@ -60,12 +64,10 @@ def identify(cell: Cell, recording: JointRecording | Path | str, *, cutoff: floa
     remarks: list[Remark] = []
     arms = []
     for robot, joints in found:
-        _check_units(recording, robot, joints)
         motion = smoothed_motion(recording.path, robot, joints, cutoff)
-        _check_efforts(recording, robot, joints, motion)
-        remarks += _limit_remarks(robot, motion)
+        _check_units(recording, robot, joints, motion)
         arms.append(_identify_arm(cell, robot, motion))
-        remarks += _remarks(arms[-1], motion.speed_noise)
+        remarks += [*_limit_remarks(robot, motion), *_remarks(arms[-1], motion.speed_noise)]
     if not any(np.any(arm.used) for arm in arms):
         raise InputError(
             recording.path,
@@ -105,8 +107,8 @@ def _recorded_arms(cell: Cell, recording: JointRecording) -> list[tuple[Robot, l
     return arms
 
 
-def _check_units(recording: JointRecording, robot: Robot, joints: list[RecordedJoint]) -> None:
-    """Refuse positions in degrees: beyond two turns of a joint that has limits."""
+def _check_units(recording: JointRecording, robot: Robot, joints: list[RecordedJoint], motion: RecordedMotion) -> None:
+    """Refuse positions in degrees, beyond two turns and limits, and an effort that stays while its joint moves."""
     limits = np.maximum(np.abs(robot.position_lower), np.abs(robot.position_upper))
     for place, (name, joint) in enumerate(zip(robot.joints, joints, strict=True)):
         furthest = float(np.max(np.abs(joint.position)))
@@ -116,6 +118,13 @@ def _check_units(recording: JointRecording, robot: Robot, joints: list[RecordedJ
                 f"is more than two turns and its limit, {limits[place]:.4g}: positions are in rad, are these degrees?",
                 key=f"position of {robot.name}/{name}",
                 value=furthest,
+            )
+        if np.ptp(joint.effort) == 0 and np.any(motion.known[:, place]):
+            raise InputError(
+                recording.path,
+                "is constant although the joint moves: no effort was measured.",
+                key=f"effort of {robot.name}/{name}",
+                value=float(joint.effort[0]),
             )
 
 
@@ -133,20 +142,6 @@ def _limit_remarks(robot: Robot, motion: RecordedMotion) -> list[Remark]:
         )
         for place in np.flatnonzero(beyond)
     ]
-
-
-def _check_efforts(
-    recording: JointRecording, robot: Robot, joints: list[RecordedJoint], motion: RecordedMotion
-) -> None:
-    """Refuse an effort that stays the same while its joint moves."""
-    for place, (name, joint) in enumerate(zip(robot.joints, joints, strict=True)):
-        if np.ptp(joint.effort) == 0 and np.any(motion.known[:, place]):
-            raise InputError(
-                recording.path,
-                "is constant although the joint moves: no effort was measured.",
-                key=f"effort of {robot.name}/{name}",
-                value=float(joint.effort[0]),
-            )
 
 
 def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors:
@@ -169,7 +164,13 @@ def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors
     fitted = np.column_stack([fit.fitted for fit in fits])
     return ArmMotors(
         robot=robot,
-        **{name: _estimate(fits, PARAMETERS.index(name)) for name in PARAMETERS},
+        **{
+            name: MotorParameter(
+                **{field: np.array([getattr(fit, field)[place] for fit in fits]) for field in FITTED},
+                reasons=tuple(fit.reason[place] for fit in fits),
+            )
+            for place, name in enumerate(PARAMETERS)
+        },
         offset=np.array([fit.offset for fit in fits]),
         residual_rms=np.array([fit.residual_rms for fit in fits]),
         explained=_explained(effort, left_over - fitted, used),
@@ -199,17 +200,7 @@ def _rigid_torque(cell: Cell, robot: Robot, motion: RecordedMotion) -> Array:
     return np.concatenate(parts)
 
 
-def _estimate(fits: list[JointFit], place: int) -> MotorParameter:
-    names = ("value", "standard_error", "half_width", "bounded", "free")
-    reasons = tuple(fit.reason[place] for fit in fits)
-    return MotorParameter(
-        **{name: np.array([getattr(fit, name)[place] for fit in fits]) for name in names},
-        identified=np.array([not reason for reason in reasons]),
-        reasons=reasons,
-    )
-
-
-def _explained(effort: Array, residual: Array, used: np.typing.NDArray[np.bool_]) -> Array:
+def _explained(effort: Array, residual: Array, used: NDArray[np.bool_]) -> Array:
     """Share of the effort's variance that is explained, 1 where nothing counts, Shape (n,)."""
     shares = np.ones(effort.shape[1])
     for place, counted in enumerate(used.T):

@@ -70,6 +70,8 @@ def fit_joint(
         fastest: Speed that the joint may have [rad/s or m/s].
         torque_limit: That it has [N m or N].
     """
+    from scipy.special import stdtrit  # noqa: PLC0415 (slow to import)
+
     full = np.column_stack([columns, np.ones(len(columns))])
     X, y = full[used], left_over[used]
     if len(y) <= X.shape[1]:
@@ -83,7 +85,7 @@ def fit_joint(
     error = _standard_errors(full / scale, left_over, used, theta, ~held)
     error[held] = _standard_errors(full / scale, left_over, used, free, np.ones(len(free), bool))[held]
     theta, error, free = theta / scale, error / scale, free / scale
-    half = _quantile(len(y) - X.shape[1]) * error
+    half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error
     doubt = half[:3] * np.array([fastest / REFERENCE_RAMP, fastest, 1.0])
     reasons = _reasons(columns[used], independent, doubt, torque_limit)
     known = np.array([not reason for reason in reasons])
@@ -147,13 +149,6 @@ def _standard_errors(
     errors = np.zeros(len(varied))
     errors[varied] = np.sqrt(np.maximum(np.diag(ordinary), np.diag(robust)))
     return errors
-
-
-def _quantile(freedom: int) -> float:
-    """Of Student's t distribution, for a two-sided interval."""
-    from scipy.special import stdtrit  # noqa: PLC0415 (slow to import)
-
-    return float(stdtrit(freedom, (1 + CONFIDENCE) / 2))
 
 
 def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torque_limit: float) -> tuple[str, ...]:

@@ -129,7 +129,7 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
         )
     time = start + step * np.arange(count)
     joints = [
-        _without_turns(joint) if unit == "rad" else joint
+        replace(joint, position=np.unwrap(joint.position)) if unit == "rad" else joint  # encoders leap from π to -π
         for joint, unit in zip(joints, robot.position_units, strict=True)
     ]
     position, effort = (np.column_stack(part) for part in zip(*(_at(joint, time) for joint in joints), strict=True))
@@ -137,7 +137,8 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
     q = sosfiltfilt(low_pass, position, axis=0)
     spline = make_interp_spline(time - start, q, k=DEGREE)
     dq, ddq = (np.asarray(spline(time - start, order), dtype=np.float64) for order in (1, 2))
-    speed_noise = _speed_noise(position - q, rate, cutoff)
+    # 2π f_c √(2 f_c / 3 f_s) times white noise of the positions
+    speed_noise = 2 * np.pi * cutoff * np.sqrt(2 * cutoff / (3 * rate)) * np.std(position - q, axis=0)
     fastest = np.max(np.abs(dq), axis=0)
     sure = np.abs(dq) > np.maximum(np.maximum(SLOW_SHARE * fastest, NOISE_MULTIPLE * speed_noise), SLOWEST)
     sure &= np.column_stack([_near_samples(joint.time, time, LONGEST_GAP / cutoff) for joint in joints])
@@ -177,11 +178,6 @@ def _block(rate: float, cutoff: float) -> int:
     return round(rate / cutoff)
 
 
-def _without_turns(joint: RecordedJoint) -> RecordedJoint:
-    """A joint whose encoder leaps from π to -π, without these leaps."""
-    return replace(joint, position=np.unwrap(joint.position))
-
-
 def _at(joint: RecordedJoint, time: Array) -> tuple[Array, Array]:
     """Position and effort at uniform times: as they are where those are its own, on splines and lines between them."""
     from scipy.interpolate import make_interp_spline  # noqa: PLC0415
@@ -201,12 +197,6 @@ def _near_samples(recorded: Array, time: Array, longest: float) -> NDArray[np.bo
     after = np.clip(np.searchsorted(recorded, time), 1, len(recorded) - 1)
     near: NDArray[np.bool_] = recorded[after] - recorded[after - 1] <= longest
     return near
-
-
-def _speed_noise(filtered_out: Array, rate: float, cutoff: float) -> Array:
-    """Noise of the smoothed velocities, Shape (n,): 2π f_c √(2 f_c / 3 f_s) times white noise of the positions."""
-    share = 2 * np.pi * cutoff * np.sqrt(2 * cutoff / (3 * rate))
-    return np.asarray(share * np.std(filtered_out, axis=0), dtype=np.float64)
 
 
 def _without_neighbours(sure: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:

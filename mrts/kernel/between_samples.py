@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A motion between its samples, and what limits lack, each in one foreign call (kernel/c/dense)."""
+"""A motion between its samples, in one foreign call (kernel/c/dense)."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -9,10 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.kernel.binding import structure
-from mrts.kernel.cell_library import CellLibrary, SparseLimits
-from mrts.kernel.foreign_arrays import over_chunks
-from mrts.kernel.programs import STOPPED
-from mrts.kernel.sample_terms import SampleTerms
+from mrts.kernel.cell_library import CellLibrary
 
 PATH = structure("dense/path_places.c", "mrts_joint_path")
 
@@ -49,43 +46,8 @@ def path_places(
     count = len(weights[0]) * (len(path[0]) - 1)
     shapes = [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]
     found = [np.empty((count, *shape)) for shape in shapes]
-
-    def run(first: int, samples: int) -> None:
-        library.opened.mrts_path_places(
-            first,
-            samples,
-            along,
-            *[*asked, taken, *found],
-        )
-
-    over_chunks(library.opened, count, run)
+    library.opened.mrts_path_places(count, along, *asked, taken, *found)
     for array in found:
         array.setflags(write=False)  # so that motions share them
     by_columns = found[5]  # as generated functions want them, so that nobody has to turn them over for those
     return *found[:5], by_columns.transpose(0, 2, 1), *found[6:]
-
-
-def widenings(
-    library: CellLibrary,
-    samples: int,
-    inputs: dict[str, Array],
-    limits: SparseLimits,
-    units: Array,
-    terms: SampleTerms,
-    c2: Array,
-) -> tuple[Array, NDArray[np.uint8]]:
-    """By how much all limits must move outward to admit a c², in shares of each, and statuses, each Shape (N,).
-
-    Args:
-        library: Of the cell.
-        samples: N.
-        inputs: Of the wrench form, by name.
-        limits: Rows over torques and wrenches.
-        units: What 100 % of each limit is, Shape (r,).
-        terms: What is added at every sample.
-        c2: Shape (N,).
-    """
-    per_limit = np.ascontiguousarray(units)
-    share, status = np.zeros(samples), np.full(samples, STOPPED, dtype=np.uint8)
-    library.over_samples("mrts_widenings", samples, inputs, limits, terms, [c2], [share, status], (per_limit,))
-    return share, status

@@ -3,7 +3,6 @@
 
 import ctypes
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +13,8 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import CELL_FILES, TRACKING_FILES
-from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, over_chunks, work_arrays
-from mrts.kernel.programs import STOPPED, Programs, offer_programs
+from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, work_arrays
+from mrts.kernel.programs import Programs, offer_programs
 from mrts.kernel.sample_terms import SampleTerms
 
 LIMITS = structure("rows.h", "mrts_limits")
@@ -33,7 +32,6 @@ class SparseLimits:
         base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3); None where no row is in
             object axes.
         axes: x, y, z (0, 1, 2) in the order in which a triple of a wrench has them.
-        pattern: Entries that may be other than zero, Shape of `matrix`; None for those that are.
 
     Attributes:
         rows: r.
@@ -53,12 +51,11 @@ class SparseLimits:
         group: Sequence[str],
         base: Array | None = None,
         axes: Sequence[int] = (0, 1, 2),
-        pattern: NDArray[np.bool_] | None = None,
     ) -> None:
         if not np.all(lower <= upper):
             raise ValueError(f"rows {np.flatnonzero(~(lower <= upper)).tolist()}: a lower limit is above its upper one")
         self.rows = len(matrix)
-        self.entries = row, column = np.nonzero(matrix if pattern is None else pattern)
+        self.entries = row, column = np.nonzero(matrix)
         self.values = np.ascontiguousarray(matrix[row, column])
         start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=self.rows))])
         units = list(dict.fromkeys(group))
@@ -73,31 +70,6 @@ class SparseLimits:
         if base is not None:
             self._arrays += [np.ascontiguousarray(base), np.array(axes, dtype=np.int32)]
         self.structure = LIMITS(self.rows, *(array.ctypes.data for array in self._arrays))
-
-
-@dataclass(frozen=True, kw_only=True)
-class KernelRanges:
-    """What the kernel found at N samples; k unknowns, c² last.
-
-    Attributes:
-        lower: c²⁻(t), Shape (N,).
-        upper: c²⁺(t), Shape (N,), infinity where nothing bounds it.
-        status: Of the programs, Shape (2, N), or (1, N) where rows have terms in c.
-        effect: Largest effect of c² = 1, or of c = 1 squared, on a row in its unit, Shape (N,).
-        basis: Rows that determine each end, Shape (2, N, k): 1 + row at an upper, -1 - row at a lower limit, 0 for
-            none; k + 1 of them where rows have terms in c.
-        dual: Their multipliers, likewise.
-        gap: A c² in the gap between the interval and a lower one, 0 where there is no other, Shape (N,); None where no
-            row has a term in c.
-    """
-
-    lower: Array
-    upper: Array
-    status: NDArray[np.uint8]
-    effect: Array
-    basis: NDArray[np.int16]
-    dual: NDArray[np.float32]
-    gap: Array | None = None
 
 
 class MotionLibrary:
@@ -171,70 +143,6 @@ class CellLibrary(MotionLibrary):
         )
         return {name: _by_rows(value) for name, value in outputs.items()}
 
-    def ranges(
-        self,
-        samples: int,
-        inputs: dict[str, Array],
-        limits: SparseLimits,
-        terms: SampleTerms,
-        most: Array,
-        *,
-        speeds: bool = False,
-    ) -> KernelRanges:
-        """Least and largest c² at every sample.
-
-        Args:
-            samples: N.
-            inputs: Of the wrench form, by name.
-            limits: Rows over torques and wrenches.
-            terms: What is added at every sample.
-            most: Largest c² that the velocities allow or that is asked for, Shape (N,), infinity where none is.
-            speeds: Whether rows have terms in c: then the ends are those of the highest interval.
-        """
-        rows, N = self.unknowns + speeds, samples
-        found = KernelRanges(
-            lower=np.zeros(N),
-            upper=np.zeros(N),
-            status=np.full((1 if speeds else 2, N), STOPPED, dtype=np.uint8),
-            effect=np.zeros(N),
-            basis=np.zeros((2, N, rows), dtype=np.int16),
-            dual=np.zeros((2, N, rows), dtype=np.float32),
-            gap=np.zeros(N) if speeds else None,
-        )
-        between = [] if found.gap is None else [found.gap]
-        outputs = [found.lower, found.upper, *between, *found.status, found.effect, *found.basis, *found.dual]
-        name = "mrts_speed_ranges" if speeds else "mrts_ranges"
-        self.over_samples(name, samples, inputs, limits, terms, [np.minimum(most, INFINITY)], outputs)
-        return found
-
-    def torques(
-        self,
-        samples: int,
-        inputs: dict[str, Array],
-        limits: SparseLimits,
-        terms: SampleTerms,
-        c2: Array,
-        weights: Array,
-        widening: float,
-    ) -> tuple[Array, Array, NDArray[np.uint8]]:
-        """Torques τ, Shape (N, m), wrenches F, Shape (N, n w), that minimise τᵀWτ at c², and statuses, Shape (N,).
-
-        Args:
-            samples: N.
-            inputs: Of the wrench form, by name.
-            limits: Rows over torques and wrenches.
-            terms: What is added at every sample.
-            c2: Shape (N,).
-            weights: W, Shape (m, m).
-            widening: By which limits are moved outward, as a share of each.
-        """
-        torque, wrench = np.zeros((samples, self.joints)), np.zeros((samples, self.wrenches))
-        status = np.full(samples, STOPPED, dtype=np.uint8)
-        W = np.ascontiguousarray(weights)
-        outputs: list[NDArray[Any]] = [torque, wrench, status]
-        self.over_samples("mrts_torques", samples, inputs, limits, terms, [c2], outputs, (1, W, widening))
-        return torque, wrench, status
-
     def over_samples(
         self,
         name: str,
@@ -247,9 +155,8 @@ class CellLibrary(MotionLibrary):
         for_all: tuple[Any, ...] = (),
         *,
         function: str = "wrench_form",
-        one_piece: int = 0,
     ) -> None:
-        """Call a C function of whole trajectories for all samples, in pieces.
+        """Call a C function of whole trajectories.
 
         Args:
             name: Of the function.
@@ -261,28 +168,13 @@ class CellLibrary(MotionLibrary):
             outputs: What it fills, likewise.
             for_all: What it takes besides, one for all samples.
             function: Short name of the generated function.
-            one_piece: Samples up to which one thread takes them all.
         """
         each = [np.ascontiguousarray(values) for values in asked]
         given, strides = sample_inputs(self.records[function], samples, inputs)
-        failures: list[int] = []
-
-        def run(first: int, count: int) -> None:
-            failed = getattr(self.opened, name)(
-                *(count, pointers(given, first, strides), strides, limits.structure),
-                terms.structure(first),
-                *(values[first:] for values in each),
-                *for_all,
-                *(output[first:] for output in outputs),
-                *work_arrays(self.opened, name, limits.rows),
-            )
-            failures.append(failed)
-
-        if samples <= one_piece:
-            run(0, samples)
-        else:
-            over_chunks(self.opened, samples, run)
-        assert not any(failures)  # noqa: S101 (`SparseLimits` has looked at the limits)
+        work = work_arrays(self.opened, name, limits.rows)
+        where = samples, pointers(given), strides, limits.structure, terms.structure()
+        failed = getattr(self.opened, name)(*where, *each, *for_all, *outputs, *work)
+        assert not failed  # noqa: S101 (`SparseLimits` has looked at the limits)
 
     def address(self, function: str) -> ctypes.c_void_p:
         """Of a generated function, by its short name."""
@@ -314,8 +206,6 @@ def _by_rows(value: Array) -> Array:
     return value[:, 0, :] if value.shape[1] == 1 else value.transpose(0, 2, 1)
 
 
-def pointers(arrays: list[Array], first: int = 0, strides: Any = None) -> Any:
-    """An array of pointers, each moved on to sample `first`."""
-    steps = [8 * first * stride for stride in strides] if strides is not None else [0] * len(arrays)
-    addresses = [array.ctypes.data + step for array, step in zip(arrays, steps, strict=True)]
-    return (ctypes.c_void_p * len(arrays))(*addresses)
+def pointers(arrays: list[Array]) -> Any:
+    """An array of pointers."""
+    return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))

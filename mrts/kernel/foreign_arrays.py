@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Arrays that C reads and writes, and threads that share the samples of a call among them."""
+"""Arrays that C reads and writes, and calls that an interrupt leaves."""
 
 import ctypes
-import os
 import threading
 from collections.abc import Callable
 from functools import lru_cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,10 +12,6 @@ from numpy.typing import NDArray
 
 INFINITY = 1e300
 """What an absent limit is in C, or its negative; `MRTS_INFINITY` of numbers.h."""
-
-MOST_THREADS = 2
-"""More than this gains little: the work of a sample is a few microseconds."""
-
 
 KNOWN_SIZES = 1024
 """Sizes of work arrays that are kept, of the libraries asked last: each call would ask C for its own again."""
@@ -53,44 +47,6 @@ def _work(library: ctypes.CDLL, function: str, sizes: tuple[int, ...]) -> tuple[
     reals, ints = ctypes.c_longlong(), ctypes.c_longlong()
     getattr(library, f"{function}_work")(*sizes, ctypes.byref(reals), ctypes.byref(ints))
     return reals.value, ints.value
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def over_chunks(library: ctypes.CDLL, samples: int, run: Callable[[int, int], None]) -> None:
-    """Deal whole chunks of samples to a few threads: foreign calls let others run.
-
-    The kernel starts cold at each chunk, so the number of threads does not change a result.
-
-    Args:
-        library: Says how long a chunk is.
-        samples: N.
-        run: Takes the first sample of a piece and how many it has; what it raises is raised here.
-    """
-    chunk = int(library.mrts_chunk())
-    chunks = -(-samples // chunk)
-    threads = max(1, min(MOST_THREADS, _processors(), chunks))
-    bounds = [min(samples, chunk * (chunks * part // threads)) for part in range(threads + 1)]
-    pieces = [(first, last - first) for first, last in pairwise(bounds) if last > first]
-    failures: list[BaseException] = []
-
-    def guarded(first: int, count: int) -> None:
-        try:
-            run(first, count)
-        except BaseException as error:  # noqa: BLE001 (raised again below, in the caller's thread)
-            failures.append(error)
-
-    workers = [threading.Thread(target=guarded, args=piece) for piece in pieces[1:]]
-    for worker in workers:
-        worker.start()
-    for piece in pieces[:1]:
-        guarded(*piece)
-    for worker in workers:
-        worker.join()
-    if failures:
-        raise failures[0]
 
 
 def interruptible(call: Callable[[], int]) -> int:

@@ -3,7 +3,7 @@
 
 import ctypes
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from mrts.base.arrays import Array
 from mrts.kernel.binding import bind
 from mrts.kernel.c_text import PROGRAM_FILES, programs_source
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
-from mrts.kernel.foreign_arrays import INFINITY, over_chunks, work_arrays
+from mrts.kernel.foreign_arrays import INFINITY, work_arrays
 
 CORNERS = 64
 """Most corners of a projection, `MRTS_CORNERS` of reachability/projection.h."""
@@ -129,14 +129,9 @@ class Programs:
         arrays = [np.ascontiguousarray(array) for array in (A, lower, upper, scale, *bounds)]
         number, corners = np.zeros(count, dtype=np.int32), np.empty((count, CORNERS, 2))
         status = np.full(count, STOPPED, dtype=np.uint8)
-
-        def project(first: int, samples: int) -> None:
-            outputs: list[NDArray[Any]] = [number, corners, status]
-            pieces = [array[first:] for array in [*arrays, *outputs]]
-            work = work_arrays(self._library, "mrts_project_batch", k, len(taken))
-            self._library.mrts_project_batch(samples, k, all_rows, len(taken), taken, *pieces, *work)
-
-        over_chunks(self._library, count, project)
+        work = work_arrays(self._library, "mrts_project_batch", k, len(taken))
+        given = count, k, all_rows, len(taken), taken, *arrays
+        self._library.mrts_project_batch(*given, number, corners, status, *work)
         taken_corners = np.flatnonzero(np.arange(CORNERS) < number[:, None])
         return number, corners.reshape(-1, 2).take(taken_corners, axis=0), status
 

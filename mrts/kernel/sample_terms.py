@@ -48,7 +48,7 @@ class SampleTerms:
         some = {name: getattr(self, name) for name in FIELDS}
         return type(self)(**{name: None if terms is None else terms[samples] for name, terms in some.items()})
 
-    def structure(self, sample: int = 0) -> Any:
+    def structure(self) -> Any:
         """What C takes; valid while these terms live."""
         given = (getattr(self, name) for name in FIELDS)
-        return TERMS(*(None if terms is None else terms[sample:].ctypes.data for terms in given))
+        return TERMS(*(None if terms is None else terms.ctypes.data for terms in given))

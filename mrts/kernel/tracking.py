@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.kernel.binding import structure
 from mrts.kernel.cell_library import CellLibrary, MotionLibrary, pointers, sample_inputs
-from mrts.kernel.foreign_arrays import over_chunks
 
 FOLLOWED, NO_START, START_PAST, OUT_OF_REACH, LOST, FOLDED, SINGULAR, PAST_LIMIT, LEFT_LIMITS, REFUSED = range(10)
 """How following ends for an arm, as in follow.h."""
@@ -242,16 +241,8 @@ def closure_sizes(
     samples = len(position)
     given, strides = sample_inputs(library.records["wrench_form"], samples, inputs)
     at, placed = np.ascontiguousarray(position), np.ascontiguousarray(geometry)
-    taken = np.array(components, dtype=np.int32)
-    found: list[Array] = []
-
-    def run(first: int, count: int) -> None:
-        most = np.zeros((library.robots, CLOSURE_SIZES))
-        here = pointers(given, first, strides)
-        library.opened.mrts_closure(count, here, strides, at[first:], placed, taken, most)
-        found.append(most)
-
-    over_chunks(library.opened, samples, run)
-    apart, turned, *rates = np.max(found, axis=0).T
+    taken, most = np.array(components, dtype=np.int32), np.zeros((library.robots, CLOSURE_SIZES))
+    library.opened.mrts_closure(samples, pointers(given), strides, at, placed, taken, most)
+    apart, turned, *rates = most.T
     # |R - S|² of two rotations is 8 sin² of half the angle between them
     return ClosureSizes(np.sqrt(apart), 2 * np.arcsin(np.minimum(np.sqrt(turned / 8), 1.0)), *rates)

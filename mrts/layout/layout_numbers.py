@@ -53,10 +53,6 @@ class LayoutNumbers:
     def of(cls, study: Study, cell: Cell) -> Self:
         """The numbers of a study.
 
-        Args:
-            study: The study.
-            cell: Its cell.
-
         Raises:
             InputError: If it varies what is no layout, or not between two values.
         """

@@ -78,7 +78,6 @@ def solve_layout(
     played: ScalingResult,
     samples: NDArray[np.intp],
     *,
-    bounds: tuple[Array, Array] | None = None,
     stop: Callable[[], bool] = lambda: False,
 ) -> LayoutAnswer:
     """The local optimum that a search from a layout ends at.
@@ -89,7 +88,6 @@ def solve_layout(
         layout: Their values at the start, Shape (P,).
         played: What `mrts.scale` finds there, with torques; says which chains, limits and loads.
         samples: Indices of its motion's samples, N of them.
-        bounds: Of the numbers, Shape (P,) each; None takes their own. Where both are equal, the number stays.
         stop: Asked at every iteration whether the search is to end.
     """
     assert played.trajectory is not None and played.range.upper is not None  # noqa: S101, PT018 (it is playable)
@@ -120,9 +118,8 @@ def solve_layout(
         of_loads = [bound, *[bound[:, limits.rows.of_forces]] * (len(loads) - 1)]
         held = np.zeros((N, sample.size1_out(0) - sum(each.shape[1] for each in of_loads)))
         row_bounds.append(np.append(np.zeros(begin.numel_out()), np.concatenate([held, *of_loads], axis=1)))
-    lower, upper = bounds or (numbers.lower, numbers.upper)
     unknown_bounds = []
-    for side, sign, values in (("lower", -1, lower), ("upper", 1, upper)):
+    for side, sign, values in (("lower", -1, numbers.lower), ("upper", 1, numbers.upper)):
         each = np.full(sample.size1_in(0), sign * np.inf)
         each[:m] = np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots])
         unlimited = np.full(shared.numel() - P, sign * np.inf)
@@ -142,7 +139,7 @@ def solve_layout(
     x = found["x"].full()[:, 0]
     jacobian = solver.get_function("nlp_jac_g")(x=x)["jac_g_x"][:, :P]
     return LayoutAnswer(
-        layout=np.clip(x[:P], lower, upper),
+        layout=np.clip(x[:P], numbers.lower, numbers.upper),
         c2=float(np.exp(x[P])),
         slope=-(jacobian.T @ found["lam_g"]).full()[:, 0],
         start=x[shared.numel() : shared.numel() + m],

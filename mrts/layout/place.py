@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress, check_callable, check_type, is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, MrtsError
+from mrts.base.errors import InputError, MotionError, MrtsError
 from mrts.cell.cell import Cell
 from mrts.cell.generation import symbolic_functions
 from mrts.layout.layout_numbers import LayoutNumbers
@@ -28,6 +28,7 @@ from mrts.layout.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.studies.distributions import Distribution
 from mrts.studies.sampling import sample_points
@@ -111,16 +112,16 @@ def place(
     search = LayoutSearch(study, tolerance)
     with _stop_request() as asked:
         search.over = lambda: bool(asked) or (until is not None and monotonic() >= until)
-        found, failures, counts = search.run(starts, looked_at, progress)
+        counts = search.run(starts, looked_at, progress)
         stopped = "Ctrl-C" if asked else "the time limit" if search.over() else ""
     progress(looked_at + starts, looked_at + starts)
-    before = None if isinstance(search.given, str) else search.played(search.given)
+    after = search.best_played()
     return Placement(
         study=search.study,
         numbers=search.numbers,
-        before=None if isinstance(before, str) else before,
-        after=search.best_played(found, failures),
-        reason=failures[-1] if failures else "",
+        before=None if search.given is None else search.played(search.given),
+        after=after,
+        reason=search.failures[-1] if search.failures else "",
         stopped=stopped,
         **counts,
     )
@@ -134,7 +135,9 @@ class LayoutSearch:
         between: As in `place`.
 
     Attributes:
-        given: What the cell can do as its file has it, or why it can do nothing.
+        given: What the cell can do as its file has it; None if it can do nothing.
+        found: All layouts that can be played at the samples.
+        failures: Why others cannot.
         over: Says whether to come to the end.
     """
 
@@ -146,21 +149,15 @@ class LayoutSearch:
         self.functions = symbolic_functions(study.cell, study.folder.absolute())
         self.machines = cell.functions.manifest.machines
         self.over: Callable[[], bool] = lambda: False
-        nearest, self.is_layout = self.numbers.nearest_given()
-        self.given = self._of_keys(study.cell, nearest if self.is_layout else None)
+        self.found: list[PlayedLayout] = []
+        self.failures: list[str] = []
+        nearest, is_layout = self.numbers.nearest_given()
+        self.given = self._scaled(study.cell, nearest if is_layout else None)
+        if self.given is not None and is_layout:
+            self.found.append(self.given)
 
-    def run(
-        self, starts: int, looked_at: int, progress: Progress
-    ) -> tuple[list[PlayedLayout], list[str], dict[str, int]]:
-        """Look at layouts, and search from the best; all that can be played at the samples, why others cannot, counts.
-
-        Args:
-            starts: From how many layouts to search.
-            looked_at: Of how many.
-            progress: As in `place`.
-        """
-        found = [self.given] if not isinstance(self.given, str) and self.is_layout else []
-        failures = [self.given] if isinstance(self.given, str) else []
+    def run(self, starts: int, looked_at: int, progress: Progress) -> dict[str, int]:
+        """Look at layouts, and search from the best; counts those looked at, those playable, and the searches."""
         counts = {"looked_at": 0, "playable": 0, "searches": 0}
         bounds = zip(self.numbers.lower, self.numbers.upper, strict=True)
         points = sample_points(
@@ -172,21 +169,19 @@ class LayoutSearch:
             progress(counts["looked_at"], looked_at + starts)
             counts["looked_at"] += 1
             tried = self.tried(values)
-            if isinstance(tried, str):
-                failures.append(tried)
-            else:
+            if tried is not None:
                 counts["playable"] += 1
-                found.append(tried)
-        for start in sorted(found, key=lambda one: -one.c2)[:starts]:
+                self.found.append(tried)
+        for start in sorted(self.found, key=lambda one: -one.c2)[:starts]:
             if self.over():
                 break
             progress(looked_at + counts["searches"], looked_at + starts)
             counts["searches"] += 1
-            self.improve(start, found)
-        return found, failures, counts
+            self.improve(start)
+        return counts
 
-    def tried(self, values: Array, postures: dict[str, list[float]] | None = None) -> PlayedLayout | str:
-        """What the cell can do in a layout at the given samples, or why it can do nothing.
+    def tried(self, values: Array, postures: dict[str, list[float]] | None = None) -> PlayedLayout | None:
+        """What the cell can do in a layout at the given samples; None if it can do nothing.
 
         Args:
             values: Of the numbers, Shape (P,).
@@ -195,34 +190,26 @@ class LayoutSearch:
         keys = self.study.descriptions(values)[0]
         for robot in keys["robots"]:
             robot["posture"] = (postures or {}).get(robot["name"], robot["posture"])
-        found = self._of_keys(keys, values)
-        return found if isinstance(found, str) else replace(found, postures=postures)
+        return self._scaled(keys, values, postures)
 
-    def _of_keys(self, keys: dict[str, Any], values: Array | None) -> PlayedLayout | str:
+    def _scaled(
+        self, keys: dict[str, Any], values: Array | None, postures: dict[str, list[float]] | None = None
+    ) -> PlayedLayout | None:
         asked = self.study.question
         try:
             cell = Cell.from_description(keys, folder=self.study.folder).with_limits(*self.study.limits)
             parted = set(self.machines) - set(cell.functions.manifest.machines)
             if parted:
-                first, second = min(parted)
-                return (
-                    f"robots '{first}' and '{second}' are arms of one machine: their bases move together. Let one "
-                    "parameter move both."
-                )
-            result = scale(cell, self.motion, load=asked.load, reserve=asked.reserve, between=None)
+                rule = "robots '{}' and '{}' are arms of one machine: their bases move together. Let one parameter "
+                raise MotionError(f"{rule}move both.".format(*min(parted)))
+            result = _with_trajectory(scale(cell, self.motion, load=asked.load, reserve=asked.reserve, between=None))
         except MrtsError as error:
-            return str(error)
-        if result.trajectory is None:
-            return f"{result.status.value}: {result.explanation()}"
-        return PlayedLayout(keys, values, None, result, None)
+            self.failures.append(str(error))
+            return None
+        return PlayedLayout(keys, values, None, result, None, postures)
 
-    def improve(self, start: PlayedLayout, found: list[PlayedLayout]) -> None:
-        """Search from a layout; whatever the cell can play on the way joins those that were found.
-
-        Args:
-            start: The layout.
-            found: All that were found.
-        """
+    def improve(self, start: PlayedLayout) -> None:
+        """Search from a layout; whatever the cell can play on the way joins those that were found."""
         samples = _coarse_samples(start)
         best = start
         for _ in range(MAX_ROUNDS):
@@ -233,7 +220,7 @@ class LayoutSearch:
             reached = self._reached(best, answer)
             if reached is None:
                 return
-            found.append(reached)
+            self.found.append(reached)
             best = max(best, reached, key=lambda playable: playable.c2)
             short = reached.result.range.samples.upper < answer.c2 * (1 - MISSING_SAMPLE)
             more = np.setdiff1d(np.flatnonzero(short), samples)
@@ -248,31 +235,20 @@ class LayoutSearch:
         """
         values = self.numbers.rounded(answer.layout)
         reached = self.tried(values)
-        if isinstance(reached, str) or reached.c2 < answer.c2 * (1 - OTHER_POSITIONS):
+        if reached is None or reached.c2 < answer.c2 * (1 - OTHER_POSITIONS):
             parts = start.result.cell.joint_slices.items()
             postures = {name: np.round(answer.start[part], POSTURE_DIGITS).tolist() for name, part in parts}
             again = self.tried(values, postures)
-            if not isinstance(again, str) and (isinstance(reached, str) or again.c2 > reached.c2):
+            if again is not None and (reached is None or again.c2 > reached.c2):
                 reached = again
-        return None if isinstance(reached, str) else replace(reached, slope=answer.slope)
+        return None if reached is None else replace(reached, slope=answer.slope)
 
-    def best_played(self, found: list[PlayedLayout], failures: list[str]) -> PlayedLayout | None:
-        """The best, and the best start, which might be better between the samples, less what moved for nothing.
-
-        Args:
-            found: All that can be played at the samples.
-            failures: Why others cannot; what cannot between the samples joins them.
-        """
-        checked: list[PlayedLayout] = []
-        best_first = sorted(found, key=lambda one: -one.c2)
-        for group in (best_first, [one for one in best_first if one.slope is None]):
-            for one in group:
-                played = self.played(self._settled(one))
-                if not isinstance(played, str):
-                    checked.append(played)
-                    break
-                failures.append(played)
-        return max(checked, key=lambda layout: layout.c2, default=None)
+    def best_played(self) -> PlayedLayout | None:
+        """The best, and the best start, which might be better between the samples, less what moved for nothing."""
+        best_first = sorted(self.found, key=lambda one: -one.c2)
+        groups = best_first, [one for one in best_first if one.slope is None]
+        played = (next(filter(None, (self.played(self._settled(one)) for one in group)), None) for group in groups)
+        return max(filter(None, played), key=lambda layout: layout.c2, default=None)
 
     def _settled(self, best: PlayedLayout) -> PlayedLayout:
         """The same with every number that gains nothing where the cell file has it."""
@@ -282,28 +258,29 @@ class LayoutSearch:
             moved = np.where(np.arange(len(values)) == place, value, best.values)
             if moved[place] != best.values[place]:
                 tried = self.tried(moved, best.postures)
-                if not isinstance(tried, str) and tried.c2 >= best.c2 * (1 - NO_GAIN):
+                if tried is not None and tried.c2 >= best.c2 * (1 - NO_GAIN):
                     best = replace(tried, slope=best.slope)
         return best
 
-    def played(self, layout: PlayedLayout) -> PlayedLayout | str:
-        """A layout between the samples too, or why it cannot be played there.
-
-        Args:
-            layout: As from `tried`.
-        """
+    def played(self, layout: PlayedLayout) -> PlayedLayout | None:
+        """A layout between the samples too; None if it cannot be played there."""
         cell, load = layout.result.cell, self.study.question.load
         try:
-            result = scale(cell, self.motion, load=load, between=self.between)
+            result = _with_trajectory(scale(cell, self.motion, load=load, between=self.between))
         except MrtsError as error:
-            return str(error)
-        if result.trajectory is None:
-            return f"{result.status.value}: {result.explanation()}"
+            self.failures.append(str(error))
+            return None
         try:
             fastest = retime(cell, self.motion, load=load, between=self.between).duration
         except MrtsError:
             fastest = None
         return replace(layout, result=result, fastest=fastest)
+
+
+def _with_trajectory(result: ScalingResult) -> ScalingResult:
+    if result.trajectory is None:
+        raise MotionError(f"{result.status.value}: {result.explanation()}")
+    return result
 
 
 def _coarse_samples(start: PlayedLayout) -> NDArray[np.intp]:

@@ -12,12 +12,11 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
+from mrts.cell.number_paths import value_at
 from mrts.cell.remarks import NO_COLLISIONS
 from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.scaling.result import ScalingResult, kept_text
-from mrts.studies.number_paths import value_at
 from mrts.studies.study import Study
 
 NO_GAIN = 1e-9
@@ -66,7 +65,7 @@ class PlayedLayout:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Placement(InNotebooks):
+class Placement:
     """The best layout of a study.
 
     Attributes:
@@ -117,16 +116,6 @@ class Placement(InNotebooks):
             f"{name} c² up to {after.c2:.4g} instead of {before.c2:.4g} ({100 * self.gain:+.1f} %), "
             f"{after.duration:.4g} s instead of {before.duration:.4g} s"
         )
-
-    def notebook_words(self) -> list[str]:
-        """The outcome."""
-        return [self.sentence()]
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """What moved."""
-        if self.after is not None:
-            rows = [(path, f"{before:.6g}", f"{after:.6g}", unit) for path, unit, before, after in self.moved()]
-            yield NotebookTable(("what may move", "before", "after", "unit"), rows)
 
     def lines(self) -> Iterator[str]:
         """What the command line says: the outcome, what moved, what binds, and which bounds are worth widening."""

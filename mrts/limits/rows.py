@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The canonical form of every limit: named two-sided rows `lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper`."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Literal, Self
@@ -19,6 +19,12 @@ Side = Literal["lower", "upper"]
 TORQUE_SPEED = "torque-speed"
 """Kind of the rows that are lines of a motor's curve."""
 
+SPEEDS = {"velocity", "motor speed"}
+"""Kinds of rows that limit a speed: alike in both directions, and no load moves them."""
+
+FAILURES = {"friction": "slips", "tilt": "tips", "torsion": "twists"}
+"""What a hand does at a limit of its contact, by what of the contact is limited."""
+
 
 @dataclass(frozen=True)
 class RowName:
@@ -26,9 +32,9 @@ class RowName:
 
     Attributes:
         kind: "torque", "wrench", "contact", "velocity", "torque-speed" (a line of a motor's curve), "motor speed" (its
-            end), "balance" (of the object), "c2" (c² >= 0), "speed" (along the path), "torque rate", "wrench
+            end), "c2" (c² >= 0), "speed" (along the path), "torque rate", "wrench
             rate" and "jerk" where rates are kept, or what a limit of yours bounds.
-        robot: Robot's name; "object" for its velocity; empty for its balance, for c², and where a limit is of no robot.
+        robot: Robot's name; "object" for its velocity; empty for c², and where a limit is of no robot.
         element: Joint, wrench component, contact and what of it is limited ("pad friction +a"), "linear" or "angular",
             or empty.
         unit: "N m", "N", "rad/s", "m/s", or empty.
@@ -44,8 +50,6 @@ class RowName:
             return "c² ≥ 0"
         if self.kind == "speed":
             return f"speed along the path {self.element}"
-        if self.kind == "balance":
-            return f"balance of the object ({self.element})"
         if self.kind == "contact":
             return self.short
         what = f"contact {self.kind}" if self.kind.startswith("wrench") else self.kind
@@ -63,6 +67,12 @@ class RowName:
     def group(self) -> str:
         """Alike for rows whose limit of zero is measured by one another: those of one unit, of a contact its own."""
         return self.unit if self.kind != "contact" else f"{self.contact} {self.unit}"
+
+    @property
+    def failure(self) -> str:
+        """`left/pad slips`: what a hand does at this limit of its contact; empty for any other row."""
+        parts = self.element.split() if self.kind == "contact" else []
+        return f"{self.contact} {FAILURES[parts[1]]}" if len(parts) > 1 and parts[1] in FAILURES else ""
 
     @property
     def contact(self) -> str:
@@ -104,8 +114,11 @@ class ActiveRow:
     def __str__(self) -> str:
         if self.name == STANDSTILL or self.name.kind == "speed":
             return str(self.name)
+        if self.name.failure:
+            return f"{self.name.failure}: {self.name.element.split()[1]} 100 % used"
         line = ", of the line at standstill" if self.name.kind == TORQUE_SPEED else ""
-        return f"{self.name} ({self.side}, {f'{self.limit:g} {self.name.unit}'.rstrip()}{line})"
+        side = "" if self.name.kind in SPEEDS else f"{self.side}, "
+        return f"{self.name} ({side}{f'{self.limit:g} {self.name.unit}'.rstrip()}{line})"
 
     def to_json(self) -> dict[str, str | float]:
         """Entry of "rows" in the JSON result."""
@@ -118,6 +131,11 @@ class ActiveRow:
             "limit": self.limit,
             "unit": name.unit,
         }
+
+
+def rows_text(rows: Iterable[ActiveRow], between: str = ", ") -> str:
+    """Rows in words; those that say the same, as two directions in which a hand slips, are one."""
+    return between.join(dict.fromkeys(map(str, rows)))
 
 
 @dataclass(frozen=True, kw_only=True)

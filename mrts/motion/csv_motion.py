@@ -115,9 +115,6 @@ def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> 
 def read_joint_columns(path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
     """Read a table of joints as it is: time, Shape (N,) [s] from 0, and by q, dq, ddq, tau the columns of each joint.
 
-    Args:
-        path: The file.
-
     Raises:
         InputError: If a column is malformed, a value is not a finite number, or the times do not increase.
     """

@@ -27,10 +27,17 @@ class JointSplines:
     Attributes:
         position: Its spline [rad or m].
         rate: Of its velocity, where velocities were given [rad/s or m/s].
+        moved: By how much positions were smoothed by their rounding, at most [rad or m].
     """
 
     position: Spline
     rate: Spline | None = None
+    moved: float = 0.0
+
+    @property
+    def source(self) -> Source:
+        """What the derivatives that were not given were found from."""
+        return "positions" if self.rate is None else "velocities"
 
     def __call__(self, time: Array) -> tuple[Array, Array, Array]:
         """Position, velocity and acceleration at some times, Shape (k,) [s]."""
@@ -54,10 +61,7 @@ class JointTable:
         velocities: Likewise [rad/s or m/s].
         accelerations: Likewise [rad/s² or m/s²].
         remarks: What to know of how it was read.
-        differentiated: The columns whose velocities, or accelerations only, were not given, and what they were found
-            from.
-        smoothed: The columns whose positions were smoothed by their rounding, and the largest change [rad or m].
-        splines: What the table makes of the columns of `differentiated` between its rows.
+        splines: The columns whose velocities, or accelerations only, were not given, between the rows as well.
         unusable: Columns that could not be read together with the others, and why; a cell that needs one says so.
     """
 
@@ -67,8 +71,6 @@ class JointTable:
     velocities: dict[str, Array]
     accelerations: dict[str, Array]
     remarks: tuple[Remark, ...] = ()
-    differentiated: dict[str, Source] = field(default_factory=dict)
-    smoothed: dict[str, float] = field(default_factory=dict)
     splines: dict[str, JointSplines] = field(default_factory=dict)
     unusable: dict[str, InputError] = field(default_factory=dict)
 
@@ -82,7 +84,7 @@ class JointTable:
         Args:
             names: Column to what it is called then.
         """
-        parts = ("positions", "velocities", "accelerations", "differentiated", "smoothed", "splines", "unusable")
+        parts = ("positions", "velocities", "accelerations", "splines", "unusable")
         changed: dict[str, Any] = {
             part: {names.get(name, name): value for name, value in getattr(self, part).items()} for part in parts
         }
@@ -110,22 +112,28 @@ class JointTable:
                 check_derivatives(joint, self.time, q, dq, ddq, noise)
             except InputError as error:
                 raise InputError(self.path, error.rule, key=error.where) from None
-        sources = {self.differentiated.get(joint) for joint in joints}
+        sources = {self.source(joint) for joint in joints}
         if len(sources) == 1:
-            moved = max(self.smoothed.get(joint, 0.0) for joint in joints)
+            moved = max((self.splines[joint].moved for joint in joints if joint in self.splines), default=0.0)
             smoothing = (smoothing_remark("the joint positions", moved),) if moved > 0 else ()
             return replace(self, remarks=self.remarks + smoothing)
         positions, velocities = ({joint: part[joint] for joint in joints} for part in (self.positions, self.velocities))
         table = joint_motion(self.path, self.time, positions, {} if "positions" in sources else velocities, {}, None)
-        return replace(table, remarks=self.remarks, smoothed=self.smoothed | table.smoothed).of(joints)
+        before = {name: spline.moved for name, spline in self.splines.items()}
+        again = {name: replace(one, moved=one.moved or before.get(name, 0.0)) for name, one in table.splines.items()}
+        return replace(table, remarks=self.remarks, splines=again).of(joints)
+
+    def source(self, column: str) -> Source | None:
+        """What the derivatives of a column that were not given were found from; None if all were given."""
+        return self.splines[column].source if column in self.splines else None
 
     def _check_complete(self, joints: list[str]) -> None:
         """Check that the joints of a robot are all given alike: a column that is missing is rather a mistake."""
         for part, without in (("dq", ("positions",)), ("ddq", ("positions", "velocities"))):
-            lacking = {joint.rpartition("/")[0]: joint for joint in joints if self.differentiated.get(joint) in without}
+            lacking = {joint.rpartition("/")[0]: joint for joint in joints if self.source(joint) in without}
             for joint in joints:
                 other = lacking.get(joint.rpartition("/")[0])
-                if other is not None and self.differentiated.get(joint) not in without:
+                if other is not None and self.source(joint) not in without:
                     raise InputError(
                         self.path,
                         f"gives {part} of '{joint}', but not of '{other}'; of a robot's joints, give all or none.",
@@ -164,33 +172,15 @@ def joint_motion(
     positions, velocities, accelerations = ({name: part[name][kept] for name in part} for part in given)
     at = time if samples is None else np.linspace(0.0, time[-1], samples)
     q, dq, ddq = dict(positions), dict(velocities), dict(accelerations)
-    differentiated: dict[str, Source] = {}
-    through: dict[str, JointSplines] = {}
-    for joint, rates in velocities.items():
-        if joint not in ddq:
-            differentiated[joint] = "velocities"
-            through[joint] = _through_rates(time, q[joint], rates)
+    through = {joint: _through_rates(time, q[joint], rates) for joint, rates in velocities.items() if joint not in ddq}
     still = [joint for joint in q if joint not in dq]
-    smoothed: dict[str, float] = {}
     if still:
         splines, moved = splines_through(time, np.column_stack([q[joint] for joint in still]))
-        for joint, spline in zip(still, splines, strict=True):
-            differentiated[joint] = "positions"
-            through[joint] = JointSplines(spline)
-        smoothed = {joint: float(change) for joint, change in zip(still, moved, strict=True) if change > 0}
+        for joint, spline, change in zip(still, splines, moved.tolist(), strict=True):
+            through[joint] = JointSplines(spline, moved=change)
     for joint, splines_of in through.items():
         q[joint], dq[joint], ddq[joint] = splines_of(at)
-    return JointTable(
-        path=path,
-        time=at,
-        positions=q,
-        velocities=dq,
-        accelerations=ddq,
-        remarks=(),
-        differentiated=differentiated,
-        smoothed=smoothed,
-        splines=through,
-    )
+    return JointTable(path, at, q, dq, ddq, splines=through)
 
 
 def _columns(part: dict[str, Array], given: tuple[dict[str, Array], ...], rows: int) -> Array:

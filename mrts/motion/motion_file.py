@@ -16,8 +16,7 @@ from mrts.motion.csv_motion import MAX_SAMPLES, read_table
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_courses import geodesic_motion, waypoint_motion
 from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
-from mrts.motion.ros_messages import is_bag
-from mrts.motion.ros_trajectory import read_joint_trajectories
+from mrts.motion.ros_messages import is_bag, read_joint_trajectories
 from mrts.motion.velocity_profile import PROFILES
 
 MIN_SAMPLES = 11
@@ -138,9 +137,6 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
 
 def described_motion(path: Path | str) -> MotionDescription | None:
     """The description of a motion from pose to pose or through waypoints; None of a table or a bag.
-
-    Args:
-        path: As in `load_motion`.
 
     Raises:
         InputError: If a motion file breaks a rule.

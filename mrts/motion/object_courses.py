@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,62 +24,37 @@ SAME_WAYPOINT = 1e-9
 """Waypoints nearer than this [m, with turns by `ROTATION_LENGTH`] are one."""
 
 
+Fractions = tuple[Array, Array, Array]
+"""The share s of a path, and its first and second derivative by the share of the duration, each Shape (k,)."""
+
+
 @dataclass(frozen=True, repr=False, eq=False)
-class Geodesic:
-    """From one pose to another along a straight line and the geodesic rotation.
+class ProfiledPath:
+    """A path from pose to pose, or through waypoints, as a velocity profile runs along it.
 
     Attributes:
-        positions: Start and end, Shape (2, 3) [m].
-        rotations: Start and end, Shape (2, 3, 3).
+        rates: The motion of a duration [s] at fractions of the path.
         profile: Velocity profile.
         duration: [s].
     """
 
-    positions: Array
-    rotations: Array
+    rates: Callable[[float, Fractions], ObjectRates]
     profile: Profile
     duration: float
 
     def __call__(self, time: Array) -> ObjectRates:
         """The motion at some times, Shape (k,) [s]."""
-        return self.at(time / self.duration)
+        return self.rates(self.duration, self.profile(time / self.duration))
 
-    def at(self, u: Array) -> ObjectRates:
-        """The motion at shares of its duration, Shape (k,)."""
-        return geodesic_rates(self.positions, self.rotations, self.duration, self.profile(u))
+    def shares(self, time: Array) -> Fractions:
+        """Share s of the path at some times [s], s' and s'', each Shape (k,)."""
+        s, ds, dds = self.profile(time / self.duration)
+        return s, ds / self.duration, dds / self.duration**2
 
-
-@dataclass(frozen=True, repr=False, eq=False)
-class WaypointPath:
-    """Through waypoints on a C² path: a cubic spline in position and scipy's rotation spline.
-
-    Attributes:
-        line: Position by share of the path [m].
-        turn: Rotation likewise, a scipy RotationSpline, whose rates are in the body's axes.
-        profile: Velocity profile from the first to the last.
-        duration: [s].
-    """
-
-    line: Spline
-    turn: Callable[..., Any]
-    profile: Profile
-    duration: float
-
-    def __call__(self, time: Array) -> ObjectRates:
-        """The motion at some times, Shape (k,) [s]."""
-        return self.at(time / self.duration)
-
-    def at(self, u: Array) -> ObjectRates:
-        """The motion at shares of its duration, Shape (k,)."""
-        s, ds, dds = self.profile(u)
-        along = np.clip(s, 0.0, 1.0)
-        rotation = np.asarray(self.turn(along).as_matrix(), dtype=np.float64)
-        rate, change = (np.einsum("nij,nj->ni", rotation, self.turn(along, order)) for order in (1, 2))
-        twist = np.concatenate([self.line(along, 1), rate], axis=1)
-        acceleration = np.concatenate([self.line(along, 2), change], axis=1)
-        ds, dds = ds[:, None] / self.duration, dds[:, None] / self.duration**2
-        position = np.asarray(self.line(along), dtype=np.float64)
-        return position, rotation, twist * ds, acceleration * ds**2 + twist * dds
+    def evenly(self, samples: int) -> ObjectMotion:
+        """Samples that are evenly spaced in time."""
+        u = np.linspace(0.0, 1.0, samples)
+        return ObjectMotion(u * self.duration, *self.rates(self.duration, self.profile(u)), course=self)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -105,22 +81,14 @@ class PoseSplines:
         return position[0], rotation, twist, acceleration
 
 
-def path_shares(course: Geodesic | WaypointPath, time: Array) -> tuple[Array, Array, Array]:
-    """Share s of a path at some times, s' and s'', each Shape (k,)."""
-    s, ds, dds = course.profile(time / course.duration)
-    return s, ds / course.duration, dds / course.duration**2
-
-
-def geodesic_rates(
-    positions: Array, rotations: Array, duration: Array | float, fractions: tuple[Array, Array, Array]
-) -> ObjectRates:
-    """The motions of one `Geodesic` or of many that run alike.
+def geodesic_rates(positions: Array, rotations: Array, duration: Array | float, fractions: Fractions) -> ObjectRates:
+    """Along a straight line and the geodesic rotation from one pose to another: one motion, or many that run alike.
 
     Args:
         positions: Start and end, Shape (…, 2, 3) [m].
         rotations: Start and end, Shape (…, 2, 3, 3).
         duration: Shape (…) [s].
-        fractions: Path fraction s and its first and second derivative by the share of the duration, each Shape (k,).
+        fractions: Of all, k samples.
 
     Returns:
         Position, rotation, twist and acceleration, Shape (…, k, 3), (…, k, 3, 3), (…, k, 6), (…, k, 6).
@@ -146,7 +114,7 @@ def geodesic_rates(
 def geodesic_motion(
     positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
 ) -> ObjectMotion:
-    """Samples of a `Geodesic`, evenly spaced in time.
+    """Samples of a motion along a geodesic, evenly spaced in time.
 
     Args:
         positions: Start and end, Shape (2, 3) [m].
@@ -155,13 +123,13 @@ def geodesic_motion(
         duration: [s].
         samples: Number of samples.
     """
-    return _evenly(Geodesic(positions, rotations, profile, duration), samples)
+    return ProfiledPath(partial(geodesic_rates, positions, rotations), profile, duration).evenly(samples)
 
 
 def waypoint_motion(
     positions: Array, rotations: Array, profile: Profile, duration: float, samples: int
 ) -> ObjectMotion:
-    """Samples of a `WaypointPath`, evenly spaced in time.
+    """Samples of a motion through waypoints, evenly spaced in time, on a C² path: splines of position and rotation.
 
     The path parameter is the distance along the waypoints, a turn counted by `ROTATION_LENGTH`; the profile runs it
     from the first to the last.
@@ -186,14 +154,20 @@ def waypoint_motion(
         raise InputError("waypoints", f"waypoints {index} and {index + 1} are the same; leave one out.")
     knots = np.concatenate([[0.0], np.cumsum(spacing)]) / np.sum(spacing)
     line = CubicSpline(knots, positions, bc_type="natural")
-    return _evenly(
-        WaypointPath(line, RotationSpline(knots, Rotation.from_matrix(rotations)), profile, duration), samples
-    )
+    turn = RotationSpline(knots, Rotation.from_matrix(rotations))
+    return ProfiledPath(partial(_spline_rates, line, turn), profile, duration).evenly(samples)
 
 
-def _evenly(course: Geodesic | WaypointPath, samples: int) -> ObjectMotion:
-    u = np.linspace(0.0, 1.0, samples)
-    return ObjectMotion(u * course.duration, *course.at(u), course=course)
+def _spline_rates(line: Spline, turn: Callable[..., Any], duration: float, fractions: Fractions) -> ObjectRates:
+    """On a spline of position and scipy's rotation spline, whose rates are in the body's axes."""
+    s, ds, dds = fractions
+    along = np.clip(s, 0.0, 1.0)
+    rotation = np.asarray(turn(along).as_matrix(), dtype=np.float64)
+    rate, change = (np.einsum("nij,nj->ni", rotation, turn(along, order)) for order in (1, 2))
+    twist, acceleration = np.hstack([line(along, 1), rate]), np.hstack([line(along, 2), change])
+    ds, dds = ds[:, None] / duration, dds[:, None] / duration**2
+    position = np.asarray(line(along), dtype=np.float64)
+    return position, rotation, twist * ds, acceleration * ds**2 + twist * dds
 
 
 def spline_motion(time: Array, positions: Array, quaternions: Array, at: Array) -> ObjectMotion:

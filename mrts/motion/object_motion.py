@@ -140,15 +140,7 @@ class ObjectMotion(InNotebooks):
 def unchecked_object_motion(
     time: Array, position: Array, rotation: Array, twist: Array, acceleration: Array
 ) -> ObjectMotion:
-    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then.
-
-    Args:
-        time: As in the class, and so the others, each an array of finite numbers that nothing else writes to.
-        position: Likewise.
-        rotation: Likewise.
-        twist: Likewise.
-        acceleration: Likewise.
-    """
+    """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then."""
     done = object.__new__(ObjectMotion)
     vars(done).update(
         time=time, position=position, rotation=rotation, twist=twist, acceleration=acceleration, remarks=(),

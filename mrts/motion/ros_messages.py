@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: MIT
 """What reading and writing a ROS 2 bag share; needs the extra 'ros' (rosbags)."""
 
+from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.input_file import read_text
+from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.base.regular_file import is_folder, open_regular
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
+from mrts.motion.joint_table import JointTable, joint_motion
 
 NANOSECONDS = 1_000_000_000
 """A second in the unit of a bag's time stamps."""
@@ -40,10 +46,6 @@ def joint_column(topic: str, joint: str) -> str:
 
 def bag_messages(path: Path, *kinds: str) -> dict[str, list[tuple[int, Any]]]:
     """All messages of some types; of types that ROS 2 itself does not have, as the bag defines them.
-
-    Args:
-        path: Folder of a bag, or one of its files by itself.
-        *kinds: The types, such as "sensor_msgs/msg/JointState".
 
     Returns:
         By topic in the order of their names: when each was recorded [ns], and the message.
@@ -113,3 +115,189 @@ def _check_files(path: Path) -> None:
         if not file.is_dir():
             with open_regular(file, "file of a bag", MAX_BAG_BYTES):
                 pass
+
+
+KIND = "trajectory_msgs/msg/JointTrajectory"
+OF_MOVEIT = "moveit_msgs/msg/RobotTrajectory", "moveit_msgs/msg/DisplayTrajectory"
+"""Read where a bag has no messages of `KIND`: what a planner shows, a controller mostly plays."""
+
+MOST_LISTED = 10
+"""Trajectories that a message lists."""
+
+
+def read_joint_trajectories(
+    path: Path, samples: int | None, topic: str | None = None, trajectory: int | None = None
+) -> JointTable:
+    """Read the joint trajectories of a bag, one a topic, as one motion.
+
+    The first name of a topic, as in /ROBOT/joint_trajectory, is that of a robot; if the cell has none of this name, its
+    joints are found by their own names. Points with velocities and accelerations are taken as they are; without
+    accelerations they lie on the spline of their velocities, with positions only on the C² spline through these. Effort
+    is passed over. Trajectories that the cell needs have the same times; others, a gripper's for example, may not.
+
+    Args:
+        path: Folder of a bag, or one of its files by itself.
+        samples: Number of samples on the spline; None takes the times of the points.
+        topic: The one to read; None is all of trajectory_msgs/JointTrajectory, or else all of MoveIt's.
+        trajectory: Which trajectory of a topic, counted from 0 through its messages, each of which may hold several;
+            None where there is one.
+
+    Raises:
+        InputError: If it is no bag, holds no trajectory that can be read, or a trajectory breaks a rule.
+    """
+    usable: dict[str, tuple[Any, NDArray[np.int64]]] = {}
+    unusable: dict[str, InputError] = {}
+    failure: InputError | None = None
+    for name, planned in _trajectories(path, topic).items():
+        try:
+            message = _chosen(path, name, planned, trajectory)
+            usable[name] = message, _stamps(path, name, message)
+        except InputError as error:
+            unusable |= dict.fromkeys(_names(name, planned[0]) if planned else [], error)
+            failure = failure or error
+    if failure is not None and not usable:
+        raise failure
+    first = max(usable, key=lambda name: _joints_at(usable, usable[name][1]))
+    stamps = usable[first][1]
+    parts: dict[str, dict[str, Array]] = {"positions": {}, "velocities": {}, "accelerations": {}}
+    for name, (message, at) in usable.items():
+        names = _names(name, message)
+        if not np.array_equal(at, stamps):
+            rule = f"must have the times of {first}: the arms move together."
+            unusable |= dict.fromkeys(names, InputError(path, rule, key=name))
+            continue
+        for part, columns in parts.items():
+            values = _values(path, name, message, part)
+            for column, numbers in zip(names, values.T, strict=False):
+                if column in columns:
+                    robot, _, joint = column.rpartition("/")
+                    raise InputError(path, f"the joint '{joint}' of '{robot}' has another trajectory.", key=name)
+                columns[column] = numbers
+    q, dq, ddq = parts.values()
+    ddq = {name: column for name, column in ddq.items() if name in dq}
+    table = joint_motion(path, (stamps - stamps[0]) / NANOSECONDS, q, dq, ddq, samples)
+    return replace(table, unusable=unusable)
+
+
+def _names(topic: str, message: Any) -> list[str]:
+    """Columns of a trajectory."""
+    return [joint_column(topic, joint) for joint in message.joint_names]
+
+
+def _joints_at(usable: dict[str, tuple[Any, NDArray[np.int64]]], stamps: NDArray[np.int64]) -> int:
+    """How many joints have these times."""
+    return sum(len(message.joint_names) for message, at in usable.values() if np.array_equal(at, stamps))
+
+
+def _trajectories(path: Path, topic: str | None) -> dict[str, list[Any]]:
+    """All trajectories of each topic, by topic in the order of their names.
+
+    Raises:
+        InputError: If it is no bag, or has no such topic.
+    """
+    found = bag_messages(path, KIND, *OF_MOVEIT)
+    if topic is not None:
+        if topic not in found:
+            raise InputError(
+                path, f"has no trajectories in this topic; they are in {', '.join(found)}.", key="topic", value=topic
+            )
+        found = {topic: found[topic]}
+    listed = {name: [message for _, message in messages] for name, messages in found.items()}
+    played = {name: messages for name, messages in listed.items() if messages[0].__msgtype__ == KIND}
+    return played or {
+        name: [_of_joints(path, name, part) for message in messages for part in _parts(message)]
+        for name, messages in listed.items()
+    }
+
+
+def _parts(message: Any) -> list[Any]:
+    """The trajectories of MoveIt's message of either kind."""
+    return list(message.trajectory) if message.__msgtype__ == OF_MOVEIT[1] else [message]
+
+
+def _of_joints(path: Path, topic: str, planned: Any) -> Any:
+    """The part of MoveIt's trajectory that moves joints of one degree of freedom.
+
+    Raises:
+        InputError: If others move as well.
+    """
+    others = planned.multi_dof_joint_trajectory
+    if len(others.points):
+        names = ", ".join(others.joint_names)
+        raise InputError(
+            path,
+            f"moves joints of several degrees of freedom ({names}): a base that drives or floats, say. The bases of a "
+            "cell stand still. Plan for the arms alone.",
+            key=topic,
+        )
+    return planned.joint_trajectory
+
+
+def _chosen(path: Path, topic: str, planned: list[Any], which: int | None) -> Any:
+    """The trajectory that is meant.
+
+    Raises:
+        InputError: If there are several and none is named, or there is no such one.
+    """
+    if which is None and len(planned) == 1:
+        return planned[0]
+    if which is not None and which < len(planned):
+        return planned[which]
+    count = f"holds {len(planned)} trajectories"
+    if which is not None or not planned:
+        raise InputError(path, f"{count}, counted from 0; there is no trajectory {which or 0}.", key=topic)
+    listed = "; ".join(f"{index}: {_length(part)}" for index, part in enumerate(planned[:MOST_LISTED]))
+    more = "" if len(planned) <= MOST_LISTED else "; …"
+    raise InputError(
+        path,
+        f"{count}; a motion is one. Say which in a motion file, 'joints: {path.name}' and 'trajectory: 0' to "
+        f"{len(planned) - 1} ({listed}{more}).",
+        key=topic,
+    )
+
+
+def _length(planned: Any) -> str:
+    """How many points of how many joints a trajectory has, and how long it is."""
+    size = f"{len(planned.points)} points of {len(planned.joint_names)} joints"
+    if not len(planned.points):
+        return size
+    end = planned.points[-1].time_from_start
+    return f"{size}, {end.sec + end.nanosec / NANOSECONDS:.4g} s"
+
+
+def _stamps(path: Path, topic: str, planned: Any) -> NDArray[np.int64]:
+    """Times of the points of a trajectory from the start, Shape (N,) [ns]."""
+    times = [point.time_from_start for point in planned.points]
+    if len(times) < 2:  # noqa: PLR2004 (both ends)
+        raise InputError(path, f"has {len(times)} points; a motion has at least 2.", key=topic)
+    stamps = np.array([time.sec * NANOSECONDS + time.nanosec for time in times], dtype=np.int64)
+    steps = np.diff(stamps)
+    if np.min(steps) <= 0:
+        point = int(np.argmax(steps <= 0)) + 1
+        raise InputError(
+            path, "must be later than the point before.", key=f"{topic}, point {point}, time_from_start",
+            value=float(stamps[point] / NANOSECONDS),
+        )  # fmt: skip
+    return stamps
+
+
+def _values(path: Path, topic: str, message: Any, part: str) -> Array:
+    """Positions, velocities or accelerations of all points, Shape (N, joints), or (N, 0) where there are none."""
+    joints = list(message.joint_names)
+    rows = [getattr(point, part) for point in message.points]
+    size = len(rows[0]) if part != "positions" else len(joints)
+    for point, row in enumerate(rows):
+        if len(row) != size or size not in {0, len(joints)}:
+            raise InputError(
+                path, f"has {len(row)} {part} for {len(joints)} joints; other points have {size}.",
+                key=f"{topic}, point {point}",
+            )  # fmt: skip
+    values = np.array(rows, dtype=np.float64)
+    wrong = np.argwhere(~(np.abs(values) <= LARGEST_NUMBER))
+    if wrong.size:
+        point, joint = wrong[0]
+        raise InputError(
+            path, "must be a finite number.", key=f"{topic}, point {point}, {part} of {joints[joint]}",
+            value=float(values[point, joint]),
+        )  # fmt: skip
+    return values

@@ -19,7 +19,7 @@ from mrts.base.manifest import FORMAT
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
-from mrts.cell.cell_text import manifest_of
+from mrts.cell.cell_keys import manifest_of
 from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.record import CellManifest, CellRecord
 from mrts.following.coordinated_motion import CoordinatedMotion

@@ -7,8 +7,9 @@ Start at `plot.py`.
 Names are imported on first use: the command line takes its answer from here without studies or timings.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from mrts.base.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from mrts.plots.card import answer_card as answer_card
@@ -32,31 +33,19 @@ if TYPE_CHECKING:
     from mrts.plots.trajectory_plots import power_plot as power_plot
     from mrts.plots.trajectory_plots import trajectory_plot as trajectory_plot
 
-_HOMES = {
-    "answer_card": "card",
-    "durations_plot": "study_plots",
-    "limits_plot": "limit_plots",
-    "load_plot": "range_plots",
-    "load_study_plot": "range_plots",
-    "managed_texts": "study_words",
-    "matplotlib_figure": "figure_files",
-    "motor_plot": "motor_plots",
-    "next_steps": "study_words",
-    "phase_plane_plot": "phase_plane",
-    "power_plot": "trajectory_plots",
-    "range_plot": "range_plots",
-    "ranking_plot": "configuration_plot",
-    "read_study_table": "study_table",
-    "study_map_plot": "study_plots",
-    "trajectory_plot": "trajectory_plots",
-    "write_motor_plots": "figure_files",
-    "write_plot": "figure_files",
-    "write_result_plots": "figure_files",
-    "write_study_plots": "figure_files",
-}
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'mrts.plots' has no attribute '{name}'")
-    return getattr(import_module(f"mrts.plots.{_HOMES[name]}"), name)
+__all__, __getattr__, __dir__ = lazy_names(
+    __name__,
+    {
+        "card": "answer_card",
+        "configuration_plot": "ranking_plot",
+        "figure_files": "matplotlib_figure write_motor_plots write_plot write_result_plots write_study_plots",
+        "limit_plots": "limits_plot",
+        "motor_plots": "motor_plot",
+        "phase_plane": "phase_plane_plot",
+        "range_plots": "load_plot load_study_plot range_plot",
+        "study_plots": "durations_plot study_map_plot",
+        "study_table": "read_study_table",
+        "study_words": "managed_texts next_steps",
+        "trajectory_plots": "power_plot trajectory_plot",
+    },
+)

@@ -5,8 +5,8 @@ import re
 from collections.abc import Sequence
 
 from mrts.base.printable import cut, printable
-from mrts.limits.rows import STANDSTILL, ActiveRow, RowName
-from mrts.scaling.range import SPEEDS, RangeEnd, ScalingRange
+from mrts.limits.rows import FAILURES, SPEEDS, STANDSTILL, ActiveRow, RowName
+from mrts.scaling.range import RangeEnd, ScalingRange
 
 MOST_NAMES = 3
 """Rows that a short list names."""
@@ -20,9 +20,6 @@ LANE_LETTERS = 32
 MOST_LETTERS = 128
 """Of names that are alike where they are shorter."""
 
-FAILURES = {"friction": "slips", "tilt": "tips", "torsion": "twists"}
-"""What a hand does at a limit of its contact, by the first word of the row."""
-
 CONTACT_ROW = re.compile(rf"(.+) ({'|'.join(FAILURES)}) \S+")
 
 
@@ -32,7 +29,12 @@ def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
 
 
 def shortened_apart(names: Sequence[str], longest: int = LANE_LETTERS) -> list[str]:
-    """Names as `shortened`, as long as it takes to tell them apart."""
+    """Names as `shortened`, as long as it takes to tell them apart.
+
+    Args:
+        names: Beside each other.
+        longest: Letters of each, where that suffices.
+    """
     short = [shortened(name, longest) for name in names]
     if len({*short}) == len({*names}) or longest >= MOST_LETTERS:
         return short
@@ -46,8 +48,8 @@ def limit_label(name: str, side: str) -> str:
         name: Of its row, as `RowName.short`.
         side: "upper" or "lower"; a speed is limited alike in both directions and needs no arrow.
     """
-    if failure := _failure(name):
-        return failure
+    if found := CONTACT_ROW.fullmatch(name):
+        return f"{found[1]} {FAILURES[found[2]]}"
     return name if name.endswith(tuple(SPEEDS)) else f"{name} {'↑' if side == 'upper' else '↓'}"
 
 
@@ -57,28 +59,16 @@ def row_label(row: ActiveRow) -> str:
     return str(name) if name == STANDSTILL or not name.robot else limit_label(name.short, row.side)
 
 
-def contact_failure(name: RowName) -> str:
-    """`left/pad slips`: what a hand does at a limit of its contact; empty for what limits no such thing."""
-    return _failure(name.short)
-
-
-def _failure(name: str) -> str:
-    found = CONTACT_ROW.fullmatch(name)
-    return "" if found is None else f"{found[1]} {FAILURES[found[2]]}"
-
-
 def short_name(name: RowName) -> str:
     """What a row limits, whichever side: `left/elbow torque`, `left/pad slips`."""
-    return contact_failure(name) or str(name)
+    return name.failure or str(name)
 
 
 def row_text(row: ActiveRow) -> str:
     """A row with its limit: `left/elbow torque ↑, 80 N m`, `left/pad slips: friction 100 % used`."""
     name = row.name
-    if name == STANDSTILL or name.kind == "speed":
+    if name == STANDSTILL or name.kind == "speed" or name.failure:
         return str(row)
-    if found := CONTACT_ROW.fullmatch(name.short):
-        return f"{found[1]} {FAILURES[found[2]]}: {found[2]} 100 % used"
     return f"{limit_label(str(name), row.side)}, {row.limit:.4g} {name.unit}".rstrip()
 
 

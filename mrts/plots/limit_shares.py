@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.limits.rows import RowName
-from mrts.plots.labels import contact_failure
+from mrts.limits.rows import SPEEDS, RowName
 from mrts.scaling.limit_use import limited_rate_kinds, limited_rates, used_shares
-from mrts.scaling.range import SPEEDS, RangeEnd
+from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
@@ -86,7 +85,7 @@ def shares_by_kind(names: Sequence[RowName], share: Array) -> list[LimitShares]:
         lines: dict[str, list[int]] = {}
         for row, name in enumerate(names):
             if name.kind == kind:
-                label = contact_failure(name) or (f"{name.robot}/{name.element}" if name.robot else str(name))
+                label = name.failure or (f"{name.robot}/{name.element}" if name.robot else str(name))
                 lines.setdefault(label, []).append(row)
         if lines:
             largest = [np.max(share[:, members], axis=1, initial=0.0) for members in lines.values()]
@@ -177,7 +176,8 @@ def _binds(name: RowName, told: Sequence[str]) -> bool:
     """Whether a row is among limits as a timing tells them: `rate of left/elbow torque` for its torque rate."""
     text, kind = str(name), name.kind.split()[-1]
     rate = f"{kind} of {text.removesuffix(f' {kind}')}" if kind in {"rate", "jerk"} else text
-    return any(of in {text, rate} or of.startswith(f"{text} (") for of in told)
+    starts = f"{text} (", f"{name.failure or text}:"
+    return any(of in {text, rate} or of.startswith(starts) for of in told)
 
 
 def _of_range(result: ScalingResult) -> dict[RowName, str]:

@@ -9,8 +9,7 @@ from mrts.base.arrays import Array
 from mrts.plots.colours import ADMISSIBLE, COLOURS
 from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, Rule, one_panel
 from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import FastestPiece, TimedPiece
-from mrts.timing.smooth_piece import fastest_pieces
+from mrts.timing.retimed_motion import FastestPiece, TimedPiece, fastest_pieces
 
 HEADROOM = 1.35
 """The maximum velocity curve goes out of the picture above this multiple of the profile."""

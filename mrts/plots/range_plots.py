@@ -140,7 +140,7 @@ def binding_lanes(found: ScalingRange) -> list[Lane]:
     samples = found.samples
     conflicts: list[tuple[ActiveRow, ...]] = [()] * len(samples.time)
     for conflict in samples.conflicts:
-        conflicts[conflict.sample] = tuple(row for row in conflict.rows if row.name.kind != "balance")
+        conflicts[conflict.sample] = conflict.rows
     lanes = _lanes("conflict", conflicts, ())
     lanes += _lanes("upper", *_rows(found, "upper"))
     lower = _lanes("lower", *_rows(found, "lower"))

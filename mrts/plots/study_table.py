@@ -17,6 +17,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.plots.labels import limit_label
 from mrts.program.range_status import RangeStatus
+from mrts.studies.distributions import CHANCES
 from mrts.studies.ranking import fastest_first
 from mrts.studies.study_folder import read_study_folder
 from mrts.studies.variant_rows import FAILED, INVALID, UNREACHABLE
@@ -180,7 +181,7 @@ def read_study_table(folder: Path) -> StudyTable:
     """
     opened = read_study_folder(folder)
     study = opened.record["study"]
-    knobs = [Knob(each["path"], each["unit"], "kind" in each["spread"]) for each in study["vary"]]
+    knobs = [Knob(each["path"], each["unit"], each["kind"] in CHANCES) for each in study["vary"]]
     found = opened.table([*READ, *(knob.path for knob in knobs)])
     if not found.num_rows:
         raise InputError(folder, "no variant of this study is solved yet: let mrts sweep go on.")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
 from mrts.kernel.programs import OPTIMAL
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, rows_text
 from mrts.program.range_ends import highest_intervals, speed_unit
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.widening import least_widening, widening_at
@@ -77,7 +77,6 @@ class Conflict:
         }
 
     def __str__(self) -> str:
-        names = "; ".join(str(row) for row in self.rows)
         carried = "the object" if self.load is None else f"the object with {self.load}"
         nearest = "" if self.c2 is None else f"even at c² = {self.c2:.4g}, which comes closest, "
         moves = ", ".join(
@@ -86,8 +85,8 @@ class Conflict:
         )
         return (
             f"at t = {self.time:.4g} s (sample {self.sample}) no torques carry {carried} at any speed: {nearest}these "
-            f"limits conflict: {names}. It takes moving all limits outward by {100 * self.widening:.3g} % of their "
-            f"size ({moves})"
+            f"limits conflict: {rows_text(self.rows, '; ')}. It takes moving all limits outward by "
+            f"{100 * self.widening:.3g} % of their size ({moves})"
         )
 
 
@@ -180,7 +179,7 @@ def closest_speed(problem: SampleProblem, solver: str) -> Array:
         level = least[samples, None] * (1 - CLOSEST) * part.is_limit
         wider = replace(part, lower=part.lower - level, upper=part.upper + level)
         found = highest_intervals(wider, np.full(part.samples, np.inf))
-        admitted = found.status[0] == OPTIMAL
+        admitted = found.status == OPTIMAL
         samples = samples[admitted]
         if not samples.size:
             break

@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: MIT
 """Our own interior point for the programs of smooth timing; see mrts/kernel/c/smooth/interior_point.h."""
 
+import ctypes
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.smooth_programs import PathRows, Solved, path_rows, solve_smooth
+from mrts.kernel.binding import bind, structure
+from mrts.kernel.c_text import SMOOTH_FILES, smooth_source
+from mrts.kernel.compiler import find_compiler, library_or_rebuilt
+from mrts.kernel.foreign_arrays import INFINITY, interruptible
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 
 NEAR = 0.1
@@ -19,6 +25,11 @@ DURATIONS = 100.0
 KEPT = 1e-7
 """Excess over a limit that an answer may have, as a share of it: far below any tolerance."""
 
+FOUND = 0
+"""The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
+
+PROGRAM = structure("smooth/smooth_program.h", "mrts_smooth_program")
+
 
 class KernelSolver:
     """A primal-dual interior point whose Newton steps are solved node by node.
@@ -29,7 +40,7 @@ class KernelSolver:
     """
 
     def __init__(self) -> None:
-        self._rows: tuple[SmoothProgram, PathRows] | None = None
+        self._rows: tuple[SmoothProgram, dict[str, Any]] | None = None
         self._last: tuple[SmoothProgram, Goal, Array, Array] | None = None  # program, goal, x and iterates
         self.iterations = self.steps = 0
 
@@ -51,13 +62,14 @@ class KernelSolver:
         last, self._last = self._last, None
         evened = replace(goal, uneven=0.0)
         known = last and last[0] is program and last[1] == evened and np.array_equal(last[2], around)
-        for work in (last[3], None) if last and known else (None,):  # the start far from the limits is the safer one
-            found, solved = self._profile(program, around, goal, moving=moving, last=work)
-            if not (solved.found and program.keeps(found, KEPT)):
+        for warm in (last[3], None) if last and known else (None,):  # the start far from the limits is the safer one
+            found = _start(program, around)
+            solved, _, work = self._solve(program, found, around, goal, moving=moving, last=warm)
+            if not (solved and program.keeps(found, KEPT)):
                 continue
             self.steps += 1
             if moving or np.max(np.abs(found.x / around - 1)) <= NEAR:
-                self._last = program, evened, found.x.copy(), solved.work
+                self._last = program, evened, found.x.copy(), work
             return found
         return None
 
@@ -66,50 +78,100 @@ class KernelSolver:
         program = program.without_jerks()
         if program.free.shape[2] == 0:
             return np.zeros((program.nodes, 0))
-        timed = SmoothProfile(np.array(x, dtype=np.float64), np.array(u, dtype=np.float64), program.given_free())
-        solved = self._solved(program, timed, around=timed.x.copy(), effort=1.0, timed=True)
-        return timed.free if solved.found and program.excess(timed.x, timed.u, timed.free) <= KEPT else None
+        timed = replace(_start(program, x), u=np.array(u, dtype=np.float64))
+        solved, *_ = self._solve(program, timed, x, Goal(time=0.0, effort=1.0), timed=True)
+        return timed.free if solved and program.excess(timed.x, timed.u, timed.free) <= KEPT else None
 
     def nearest(self, program: SmoothProgram, around: Array) -> tuple[SmoothProfile, float] | None:
         """The profile whose rates pass their limits least, the duration weighed little; all else is as in `step`.
 
-        Args:
-            program: The program.
-            around: x > 0 where tangents are laid, Shape (n,).
-
         Returns:
             It and by what share; None where the other limits cannot be kept.
         """
-        found, solved = self._profile(program, around, Goal(), relaxed=DURATIONS)
-        self.steps += solved.found
-        return (found, solved.share) if solved.found else None
+        found = _start(program, around)
+        solved, share, _ = self._solve(program, found, around, Goal(), relaxed=DURATIONS)
+        self.steps += solved
+        return (found, share) if solved else None
 
-    def _profile(
-        self, program: SmoothProgram, around: Array, goal: Goal, **options: Any
-    ) -> tuple[SmoothProfile, Solved]:
-        around = np.array(around, dtype=np.float64)
-        x = around.copy()
-        for place, given in zip((0, -1), program.ends, strict=True):
-            if given is not None:
-                x[place] = given
-        found = SmoothProfile(x, np.zeros(program.nodes), program.given_free())
-        solved = self._solved(
-            program, found, around=around, time=goal.time, effort=goal.effort, uneven=goal.uneven,
-            longest=np.inf if goal.longest is None else goal.longest, given=_given(program.ends), **options,
-        )  # fmt: skip
-        return found, solved
+    def _solve(
+        self,
+        program: SmoothProgram,
+        found: SmoothProfile,
+        around: Array,
+        goal: Goal,
+        *,
+        last: Array | None = None,
+        timed: bool = False,
+        **settings: float,
+    ) -> tuple[bool, float, Array]:
+        """Solve a program; the answer is written to the profile, whose ends may be given.
 
-    def _solved(self, program: SmoothProgram, found: SmoothProfile, **options: Any) -> Solved:
-        """How the kernel ended; the answer is in the arrays of the profile, whose ends may be given."""
+        Returns:
+            Whether there is an answer, by what share rates are passed in it, and its iterates.
+        """
         if self._rows is None or self._rows[0] is not program:
-            names = ("step", "square", "rate", "root", "offset", "lower", "upper", "change", "weight")
-            arrays = {name: getattr(program, name) for name in (*names, "q1", "q2", "q3", "jerk")}
-            self._rows = program, path_rows(program.free, **arrays)
-        held = _given(program.end_free)
-        solved = solve_smooth(self._rows[1], found.x, found.u, found.free, held=held, **options)
-        self.iterations = solved.iterations
-        return solved
+            self._rows = program, _arrays(program)
+        arrays = self._rows[1] | {"around": np.array(around, dtype=np.float64)}
+        given = PROGRAM(
+            **{name: value if isinstance(value, int) else value.ctypes.data for name, value in arrays.items()},
+            **settings,
+            time=goal.time,
+            effort=goal.effort,
+            uneven=goal.uneven,
+            longest=INFINITY if goal.longest is None else goal.longest,
+            timed=timed,
+            again=last is not None,
+        )
+        given.given_start, given.given_end = (end is not None and not timed for end in program.ends)
+        given.held_start, given.held_end = (end is not None for end in program.end_free)
+        given.kept = arrays  # by a call that is left behind
+        library, share, iterations = _library(), ctypes.c_double(), ctypes.c_int()
+        work = np.empty(library.mrts_smooth_work(given)) if last is None else last
+        reached = ctypes.byref(share), ctypes.byref(iterations)
+        status = interruptible(
+            lambda: int(library.mrts_smooth_solve(given, found.x, found.u, found.free, *reached, work))
+        )
+        self.iterations = iterations.value
+        return status == FOUND, share.value, work
 
 
-def _given(ends: tuple[object | None, object | None]) -> tuple[bool, bool]:
-    return ends[0] is not None, ends[1] is not None
+def _start(program: SmoothProgram, x: Array) -> SmoothProfile:
+    """A profile with what is given at the ends."""
+    x = np.array(x, dtype=np.float64)
+    for place, given in zip((0, -1), program.ends, strict=True):
+        if given is not None:
+            x[place] = given
+    return SmoothProfile(x, np.zeros(program.nodes), program.given_free())
+
+
+def _arrays(program: SmoothProgram) -> dict[str, int | NDArray[Any]]:
+    """Sizes and arrays by the names of `mrts_smooth_program`, contiguous and of its types; what is absent is null."""
+    n, r, f = program.free.shape
+    used = np.any(program.free, axis=0)  # of a row, what lies from its first column that is not 0 to its last
+    end = np.max(used * np.arange(1, f + 1), axis=1, initial=0)
+    first = np.minimum(np.min(np.where(used, np.arange(f), f), axis=1, initial=f), end)
+    taken = np.flatnonzero((np.arange(f) >= first[:, None]) & (np.arange(f) < end[:, None]))
+    limited, count = np.flatnonzero(np.isfinite(program.change)), end - first
+    given = {name: getattr(program, name) for name in ("step", "square", "rate", "offset", "q1", "q2", "q3", "jerk")}
+    given |= {name: getattr(program, name) for name in ("root", "weight") if np.any(getattr(program, name))}
+    given |= {
+        "entry": program.free.reshape(n, r * f)[:, taken],
+        "change": program.change[limited],
+        "lower": np.maximum(program.lower, -INFINITY),
+        "upper": np.minimum(program.upper, INFINITY),
+    }
+    indices = {"first": first, "count": count, "place": np.cumsum(count) - count, "limited": limited}
+    sizes = {"nodes": n, "rows": r, "free": f, "width": len(taken), "changes": len(limited)}
+    return {
+        **(sizes | {"jerks": len(program.jerk)}),
+        **{name: np.ascontiguousarray(array, dtype=np.float64) for name, array in given.items()},
+        **{name: np.ascontiguousarray(array, dtype=np.int32) for name, array in indices.items()},
+    }
+
+
+@lru_cache(maxsize=1)
+def _library() -> ctypes.CDLL:
+    """The programs in a library of their own, compiled on first use."""
+    return library_or_rebuilt(
+        find_compiler(), "mrts_smooth", smooth_source(), lambda library: bind(ctypes.CDLL(str(library)), SMOOTH_FILES)
+    )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Least and largest c² of samples, in closed form, by linear programs or by intervals of speeds, and what sets them.
+"""Least and largest c² of samples, by the kernel, by linear programs or by intervals of speeds, and what sets them.
 
 Where more rows meet at an end than the unknowns need, a solver gives multipliers to some of them only, and which
 depends on its basis. `rows_at_end` names all that are at their limit in every solution there; by strict complementarity
@@ -8,103 +8,119 @@ they are those with a multiplier in some solution of the dual program.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.kernel.cell_library import KernelRanges
-from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, default_programs
-from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
+from mrts.kernel.cell_library import CellLibrary
+from mrts.kernel.foreign_arrays import INFINITY
+from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, STOPPED, default_programs
+from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.program.convex_program import ConvexPrograms, scales
-from mrts.program.motion_rows import CAPS_TIE, MotionRows, binds
+from mrts.program.motion_rows import CAPS_TIE, MotionRows, binds, largest_square
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.solvers import DEFAULT_SOLVER, Answers, solve_programs
 
 BINDING_TOLERANCE = 1e-7
-"""A row binds if its multiplier exceeds this share of the largest, or, in closed form, its c² ties this closely."""
+"""A row binds if its multiplier exceeds this share of the largest, or, where c² is the only unknown, it ties so."""
+
+Codes = NDArray[np.int32]
+"""Rows that bind at the lower and the upper ends of N samples, strongest first, Shape (2, N, k): 1 + row at its upper
+limit, -1 - row at its lower one, -1 - r for c² >= 0, 0 for none."""
 
 
-@dataclass(frozen=True)
-class BindingRows:
-    """Which of r rows bind at both ends of N samples.
+@dataclass
+class RangeEnds:
+    """Least and largest c² of N samples: of the highest interval where a sample admits several.
 
     Attributes:
-        names: One a row.
-        limits: Their lower and upper limits as given, Shape (2, r).
-        codes: At the lower and the upper ends, strongest first, Shape (2, N, k): 1 + row at its upper limit, -1 - row
-            at its lower one, -1 - r for c² >= 0, 0 for none.
+        lower: Infinity where there is none, Shape (N,).
+        upper: Infinity where nothing bounds it, minus infinity where there is none, Shape (N,).
+        codes: Rows that bind.
+        status: Of the kernel, Shape (N,): `OPTIMAL` where the ends are known.
+        gap: A c² in the gap below the interval, 0 where there is no other, Shape (N,).
+        effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
+        fallbacks: Programs that the chosen solver did not solve and another did.
+        several: Whether some sample admits other intervals as well.
     """
 
-    names: tuple[RowName, ...]
-    limits: Array
-    codes: NDArray[np.int32]
+    lower: Array
+    upper: Array
+    codes: Codes
+    status: NDArray[np.uint8]
+    gap: Array
+    effect: Array
+    fallbacks: int = 0
+    several: bool = False
 
-    def at(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
-        """The rows at one end of a sample."""
-        codes = self.codes[0 if side == "lower" else 1, sample]
-        return tuple(self._row(code) for code in codes[codes != 0].tolist())
+    @classmethod
+    def unknown(cls, samples: int) -> "RangeEnds":
+        """Nothing of any sample."""
+        none = np.full(samples, np.inf)
+        status = np.full(samples, STOPPED, dtype=np.uint8)
+        return cls(none, -none, np.zeros((2, samples, 0), np.int32), status, *np.zeros((2, samples)))
 
-    def _row(self, code: int) -> ActiveRow:
-        row = abs(code) - 1
-        if row == len(self.names):
-            return ActiveRow(STANDSTILL, "lower", 0.0)
-        limit = float(self.limits[0 if code < 0 else 1, row])
-        return ActiveRow(self.names[row], "lower" if code < 0 else "upper", limit)
+    @property
+    def undecided(self) -> NDArray[np.intp]:
+        """Samples whose ends are not known."""
+        return np.flatnonzero(self.status != OPTIMAL)
 
-    def with_samples(
-        self, samples: NDArray[np.int_], found: NDArray[np.int32], ends: slice = slice(None)
-    ) -> "BindingRows":
-        """The same with other codes at some samples.
-
-        Args:
-            samples: Indices, n of them.
-            found: Their codes, Shape (2, n, k).
-            ends: Which ends change.
-        """
-        codes = _wide(self.codes, found.shape[2])
-        codes[ends, samples] = _wide(found, codes.shape[2])[ends]
-        return BindingRows(self.names, self.limits, codes)
+    def replace(self, samples: NDArray[np.intp], other: "RangeEnds") -> None:
+        """Take some samples from another batch."""
+        wide = max(self.codes.shape[2], other.codes.shape[2])
+        self.codes = wide_codes(self.codes, wide)
+        self.codes[:, samples] = wide_codes(other.codes, wide)
+        for mine, found in ((self.lower, other.lower), (self.upper, other.upper), (self.status, other.status)):
+            mine[samples] = found
+        self.fallbacks += other.fallbacks
+        self.several |= other.several
 
 
-def chosen_rows(sources: list[BindingRows], choice: NDArray[np.int_]) -> BindingRows:
-    """The rows of each end from one of several sources of the same rows.
+def wide_codes(codes: Codes, size: int) -> Codes:
+    """Codes with zeros behind them, so that there are so many."""
+    return np.concatenate([codes, np.zeros((*codes.shape[:2], size - codes.shape[2]), dtype=np.int32)], axis=2)
 
-    Args:
-        sources: S of them.
-        choice: Which counts at the lower and the upper ends, Shape (2, N).
+
+def kernel_ends(library: CellLibrary, inputs: dict[str, Array], rows: MotionRows, most: Array) -> RangeEnds:
+    """The ends at all samples in one call of the kernel, c² at most `most`, Shape (N,); inputs of the wrench form."""
+    assert rows.sparse is not None  # noqa: S101 (the caller has looked)
+    count, speeds = len(most), rows.has_speed_terms
+    lower, upper, gap, effect = np.zeros((4, count))
+    status = np.full((1 if speeds else 2, count), STOPPED, dtype=np.uint8)
+    basis = np.zeros((2, count, library.unknowns + speeds), dtype=np.int16)
+    dual = np.zeros(basis.shape, dtype=np.float32)
+    name, between = ("mrts_speed_ranges", [gap]) if speeds else ("mrts_ranges", [])
+    outputs = [lower, upper, *between, *status, effect, *basis, *dual]
+    library.over_samples(name, count, inputs, rows.sparse, rows.terms(), [np.minimum(most, INFINITY)], outputs)
+    upper += 0.0  # no minus zero
+    return RangeEnds(lower, upper, _codes_of_bases(rows, basis, dual), np.max(status, axis=0), gap, effect)
+
+
+def known_ends(
+    library: CellLibrary, function: str, inputs: dict[str, Array], rows: MotionRows, most: Array
+) -> RangeEnds:
+    """Eqs. (38), (39): where c² is the only unknown every row bounds it; all samples in one call of the kernel.
+
+    Arguments are those of `kernel_ends`; the function gives torques and wrenches.
     """
-    wide = max(source.codes.shape[2] for source in sources)
-    codes = np.stack([_wide(source.codes, wide) for source in sources])
-    side, sample = np.indices(choice.shape)
-    return BindingRows(sources[0].names, sources[0].limits, codes[choice, side, sample])
+    assert rows.sparse is not None  # noqa: S101 (the caller has looked)
+    count, kept = len(most), np.flatnonzero(~rows.is_cap)
+    lower, upper, effect = np.zeros((3, count))
+    tied = np.zeros((2, count, len(kept)), dtype=np.int8)
+    run = library.address(function), len(library.records[function].inputs)
+    outputs = [lower, upper, effect, *tied]
+    asked = count, inputs, rows.sparse, rows.terms(), [np.minimum(most, INFINITY)], outputs, run
+    library.over_samples("mrts_known_ranges", *asked, function=function)
+    codes = _with_standstill(tied * (1 + kept.astype(np.int32)), lower == 0, len(rows.is_cap))
+    status = np.where(lower > upper, INFEASIBLE, OPTIMAL).astype(np.uint8)
+    return RangeEnds(lower, upper, codes, status, np.zeros(count), effect)
 
 
-def _wide(codes: NDArray[np.int32], size: int) -> NDArray[np.int32]:
-    """Codes with zeros behind them, so that there are at least so many."""
-    more = max(size - codes.shape[2], 0)
-    return np.concatenate([codes, np.zeros((*codes.shape[:2], more), dtype=np.int32)], axis=2)
+def _codes_of_bases(form: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> Codes:
+    """Codes of the kernel's bases and their multipliers, Shape (2, N, k) each.
 
-
-def no_codes(samples: int) -> NDArray[np.int32]:
-    """Codes of samples where no row binds."""
-    return np.zeros((2, samples, 0), dtype=np.int32)
-
-
-def rows_of_problem(problem: SampleProblem, codes: NDArray[np.int32]) -> BindingRows:
-    """Codes with the names of a problem's rows."""
-    return BindingRows(problem.names, np.stack([problem.limit_lower, problem.limit_upper]), codes)
-
-
-def kernel_rows(form: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> BindingRows:
-    """The rows of the kernel's bases.
-
-    Args:
-        form: The rows of a motion, of which the kernel has the r that are no caps; row r + k - 1 of a basis is c² >= 0
-            at its lower side, a cap at its upper one.
-        basis: As the kernel gives them, Shape (2, N, k).
-        dual: Their multipliers, likewise.
+    It has the r rows that are no caps; row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its upper one.
     """
     given, kept = form.given, np.flatnonzero(~form.is_cap)
     size = np.abs(dual)
@@ -115,192 +131,29 @@ def kernel_rows(form: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.flo
     alike = np.append(given.alike_speeds, False)
     place = np.append(kept, len(given.names))[np.where(of_c2 | (sides == 0), len(kept), row)]
     code = np.where((sides > 0) | alike[place], 1 + place, -1 - place)
-    code[of_c2 & (sides > 0)] = 0
-    capped = np.any(strong & of_c2 & (sides > 0), axis=2)
-    of_caps = np.where(capped[:, :, None] & binds(form.cap_share), form.cap_code, 0)
-    codes = np.concatenate([of_caps, np.where(strong, code, 0)], axis=2).astype(np.int32)
-    return BindingRows(given.names, np.stack([given.lower, given.upper]), codes)
+    return np.where(strong & ~(of_c2 & (sides > 0)), code, 0).astype(np.int32)
 
 
-@dataclass
-class RangeEnds:
-    """Least and largest c² of a batch, the rows that bind there, and where neither was found.
-
-    Attributes:
-        lower: Shape (N,).
-        upper: Shape (N,).
-        rows: At both ends.
-        undecided: Shape (N,).
-        fallbacks: Programs that the chosen solver did not solve and another did.
-        several: Whether some sample admits other intervals of c² as well: these are the highest.
-    """
-
-    lower: Array
-    upper: Array
-    rows: BindingRows
-    undecided: NDArray[np.bool_]
-    fallbacks: int = 0
-    several: bool = False
-
-    def replace(self, samples: NDArray[np.int_], other: "RangeEnds") -> None:
-        """Take some samples from another batch."""
-        self.lower[samples], self.upper[samples] = other.lower, other.upper
-        self.rows = self.rows.with_samples(samples, other.rows.codes)
-        self.undecided[samples] = other.undecided
-        self.fallbacks += other.fallbacks
-        self.several |= other.several
-
-
-def codes_of_duals(
-    problem: SampleProblem, dual: Array, standstill: NDArray[np.bool_] | None = None
-) -> NDArray[np.int32]:
-    """Codes of the rows with a multiplier, strongest first; rows of the object's balance are laws and are left out.
-
-    Args:
-        problem: Rows.
-        dual: Multipliers of one end, Shape (N, r).
-        standstill: Where c² >= 0 binds too, Shape (N,).
-    """
+def codes_of_duals(dual: Array, standstill: NDArray[np.bool_]) -> Codes:
+    """Codes of the rows with a multiplier at both ends, Shape (2, N, r), and where c² >= 0 binds too, Shape (N,)."""
     size = np.abs(dual)
-    order = np.argsort(-size, axis=1, kind="stable")
-    strong = (size > BINDING_TOLERANCE * np.max(size, axis=1, initial=0.0, keepdims=True)) & problem.is_limit
-    codes = np.where(strong, np.where(dual > 0, 1, -1) * np.arange(1, dual.shape[1] + 1), 0)
-    first = np.zeros((len(dual), 1)) if standstill is None else np.where(standstill, -1 - dual.shape[1], 0)[:, None]
-    return np.concatenate([first, np.take_along_axis(codes, order, axis=1)], axis=1).astype(np.int32)
+    order = np.argsort(-size, axis=2, kind="stable")
+    strong = size > BINDING_TOLERANCE * np.max(size, axis=2, initial=0.0, keepdims=True)
+    codes = np.where(strong, np.where(dual > 0, 1, -1) * np.arange(1, dual.shape[2] + 1), 0)
+    return _with_standstill(np.take_along_axis(codes, order, axis=2), standstill, dual.shape[2])
 
 
-@dataclass(frozen=True)
-class LoadSensitivity:
-    """How rows move when a load's parameter goes from its least to its largest value; p parameters.
-
-    In row units: a row reads A x + Σ_j s_j (c2[j] c² + offset[j]) with every s_j in [0, 1].
-
-    Attributes:
-        c2: Change of the coefficient of c², Shape (p, N, r).
-        offset: Change of the value at c² = 0, Shape (p, N, r).
-    """
-
-    c2: Array
-    offset: Array
+def _with_standstill(codes: NDArray[np.int_], standstill: NDArray[np.bool_], rows: int) -> Codes:
+    first = np.stack([np.where(standstill, -1 - rows, 0), np.zeros(len(standstill), dtype=int)])
+    return np.concatenate([first[:, :, None], codes], axis=2).astype(np.int32)
 
 
-def load_sensitivity(least: SampleProblem, others: list[SampleProblem]) -> LoadSensitivity:
-    """Differences of the rows of p + 1 loads, exact as rows are affine in the load.
-
-    Args:
-        least: Rows with every parameter at its least value.
-        others: Rows with one parameter at its largest value, one problem a parameter.
-    """
-    shape = (len(others), *least.A.shape[:2])
-    c2 = np.array([other.square - least.square for other in others]).reshape(shape)
-    upper = np.isfinite(least.upper)
-    finite = np.where(upper, least.upper, least.lower)  # limits move opposite to the offset of their row
-    offset = np.array([finite - np.where(upper, other.upper, other.lower) for other in others]).reshape(shape)
-    return LoadSensitivity(c2, offset)
-
-
-def ends_in_closed_form(problem: SampleProblem, sensitivity: LoadSensitivity | None = None) -> RangeEnds:
-    """Eqs. (38), (39): every row bounds c² by itself; `intersect` adds the intersection over t.
-
-    With an uncertain load a row's worst value over the box is a convex, piecewise linear function of c², as each
-    parameter takes its worse end by itself; so a row still bounds c² to an interval, and no corner is enumerated.
-
-    Args:
-        problem: Rows in which c² is the only unknown; those of the least parameters if the load is uncertain.
-        sensitivity: Effect of the uncertain parameters; None if the load is known.
-    """
-    slope = problem.square
-    none = np.zeros((0, *slope.shape))
-    c2, offset = (none, none) if sensitivity is None else (sensitivity.c2, sensitivity.offset)
-    least_by_upper, most_by_upper = _worst_below_zero(slope, -problem.upper, c2, offset)
-    least_by_lower, most_by_lower = _worst_below_zero(-slope, problem.lower, -c2, -offset)
-    least, most = np.maximum(least_by_upper, least_by_lower), np.minimum(most_by_upper, most_by_lower)
-    lower, upper = np.max(least, axis=1, initial=0.0), np.min(most, axis=1, initial=np.inf)
-    sides = [
-        tied_sides(least, lower, least_by_upper >= least_by_lower),
-        tied_sides(most, upper, most_by_upper <= most_by_lower),
-    ]
-    rows = rows_of_problem(problem, tied_codes(np.stack(sides), lower))
-    return RangeEnds(lower, upper, rows, lower > upper)
-
-
-def tied_codes(sides: NDArray[np.int8], lower: Array) -> NDArray[np.int32]:
-    """Codes of `BindingRows`: of rows that tie, or of c² >= 0 alone where a sample may stand still.
-
-    Args:
-        sides: As from `tied_sides`, of both ends, Shape (2, N, r).
-        lower: c²⁻(t), Shape (N,).
-    """
-    still = lower == 0
-    sides[0, still] = 0
-    first = np.zeros((*sides.shape[:2], 1), dtype=np.int32)
-    first[0, still] = -1 - sides.shape[2]
-    codes = sides * np.arange(1, sides.shape[2] + 1, dtype=np.int32)
-    return np.concatenate([first, codes], axis=2)
-
-
-def tied_sides(ends: Array, c2: Array, by_upper: NDArray[np.bool_]) -> NDArray[np.int8]:
-    """Rows whose own end ties with that of their sample: 1 by its upper limit, -1 by its lower one, 0 for none.
-
-    Args:
-        ends: Of each row, Shape (N, r).
-        c2: Of each sample, Shape (N,).
-        by_upper: Whether a row's end is set by its upper limit, Shape (N, r).
-    """
-    given = np.where(np.isfinite(c2), c2, np.nan)[:, None]
-    near = np.abs(ends - given) <= BINDING_TOLERANCE * np.abs(given)
-    return np.where(near, np.where(by_upper, 1, -1), 0).astype(np.int8)
-
-
-def worst_parameters(problem: SampleProblem, sensitivity: LoadSensitivity, c2: Array) -> NDArray[np.bool_]:
-    """Which parameters are at their largest value in the load that comes closest to a limit, Shape (N, p).
-
-    Args:
-        problem: Rows of the least parameters.
-        sensitivity: Effect of the parameters.
-        c2: At this c² of each sample, Shape (N,).
-    """
-    effect = sensitivity.c2 * c2[:, None] + sensitivity.offset
-    value = problem.square * c2[:, None]
-    if not value.size:
-        return np.zeros((len(c2), len(effect)), dtype=bool)  # no limit to come close to
-    above = value + np.sum(np.maximum(effect, 0.0), axis=0) - problem.upper
-    below = problem.lower - value - np.sum(np.minimum(effect, 0.0), axis=0)
-    row, samples = np.argmax(np.maximum(above, below), axis=1), np.arange(len(c2))
-    at_upper = (above >= below)[samples, row]
-    there = effect[:, samples, row]
-    return np.asarray(np.where(at_upper, there > 0, there < 0)).T
-
-
-def _worst_below_zero(a: Array, b: Array, d: Array, e: Array) -> tuple[Array, Array]:
-    """Where a c² + b + Σ_j max(0, d_j c² + e_j) <= 0 with c² >= 0: an interval, [∞, -∞] if nowhere.
-
-    Args:
-        a: Shape (N, r).
-        b: Shape (N, r), minus infinity where there is no limit.
-        d: Shape (p, N, r).
-        e: Shape (p, N, r).
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        turns = np.where(d != 0, -e / d, 0.0)
-    turns = np.sort(np.where(np.isfinite(turns) & (turns > 0), turns, 0.0), axis=0)
-    corners = np.concatenate([np.zeros((1, *a.shape)), turns])
-    values = a * corners + b + np.sum(np.maximum(0.0, d[:, None] * corners + e[:, None]), axis=0)
-    lower, upper = np.full(a.shape, np.inf), np.full(a.shape, -np.inf)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for index in range(len(corners)):
-            start, at_start = corners[index], values[index]
-            if index + 1 < len(corners):
-                stop, at_stop = corners[index + 1], values[index + 1]
-                root = start + (stop - start) * (at_start / (at_start - at_stop))
-            else:
-                growth = a + np.sum(np.maximum(0.0, d), axis=0)
-                stop, at_stop = np.full(a.shape, np.inf), np.where(growth == 0, at_start, growth)
-                root = start - at_start / growth
-            inside, ends_inside = at_start <= 0, at_stop <= 0
-            lower = np.minimum(lower, np.where(inside, start, np.where(ends_inside, root, np.inf)))
-            upper = np.maximum(upper, np.where(ends_inside, stop, np.where(inside, root, -np.inf)))
-    return lower, upper
+def with_caps(ends: RangeEnds, cap_share: Array, cap_code: NDArray[np.int_]) -> RangeEnds:
+    """The same ends with the caps that bind at the upper ones; arguments as in `MotionRows`."""
+    at_cap = np.isfinite(ends.upper) & (ends.upper >= (1 - BINDING_TOLERANCE) * largest_square(cap_share))
+    caps = np.where(at_cap[:, None] & binds(cap_share), cap_code, 0)
+    ends.codes = np.concatenate([np.stack([np.zeros_like(caps), caps]), ends.codes], axis=2).astype(np.int32)
+    return ends
 
 
 UNBOUNDED = 1e9
@@ -313,7 +166,25 @@ NO_EFFECT = 1e-300
 """What moves no row by more than this share of a limit moves none: its reciprocal is not finite. As in numbers.h."""
 
 
-def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
+def ends_of_problem(problem: SampleProblem, solver: str, high: float, *, alone: bool = False) -> RangeEnds:
+    """The ends of the rows of some samples.
+
+    Args:
+        problem: Rows.
+        solver: Name in the registry.
+        high: Of several intervals the highest is found that does not begin above this c².
+        alone: Whether no other solver is asked for what this one does not solve.
+    """
+    if problem.speed is None:
+        found = ends_by_linear_programs(problem, solver, alone=alone)
+    else:
+        found = intervals_below(lambda most: highest_intervals(problem, most), np.full(problem.samples, np.inf), high)
+    caps = np.flatnonzero(problem.is_cap)
+    code = np.where(problem.square[:, caps] > 0, 1 + caps, -1 - caps)
+    return with_caps(found, problem.cap_share, code)
+
+
+def ends_by_linear_programs(problem: SampleProblem, solver: str, *, alone: bool = False) -> RangeEnds:
     """Eqs. (26), (29): least and largest c² >= 0 within all limits; c² is scaled to the size of the other unknowns.
 
     Caps go in as a bound of c²: rows of a motion near rest would spoil its scale.
@@ -321,47 +192,42 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str) -> RangeEnds:
     count, _, unknowns = problem.A.shape
     effect = effect_of_speed(problem)
     unit = 1 / np.where(effect > 0, effect, 1.0)  # c² = unit · y, where y = 1 moves some row by a whole limit
-    caps, most = problem.is_cap, problem.cap()
+    caps = problem.is_cap
     A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
     A[:, :, -1] *= unit[:, None]
     x_lower = np.full((count, unknowns), -np.inf)
     x_lower[:, -1] = 0.0
     x_upper = np.full((count, unknowns), np.inf)
-    x_upper[:, -1] = np.where(effect > 0, np.minimum(UNBOUNDED, most / unit), 0.0)
+    x_upper[:, -1] = np.where(effect > 0, np.minimum(UNBOUNDED, problem.cap() / unit), 0.0)
 
     def solve(direction: float) -> Answers:
         g = np.zeros((count, unknowns))
         g[:, -1] = direction
         programs = ConvexPrograms(H=None, g=g, A=A, lower=lower, upper=upper, x_lower=x_lower, x_upper=x_upper)
-        return solve_programs(programs, solver)
+        return solve_programs(programs, solver, alone=alone)
 
     least, largest = solve(1.0), solve(-1.0)
-    ends = np.maximum(least.x[:, -1], 0.0) * unit, largest.x[:, -1] * unit
     free = (largest.x[:, -1] >= UNBOUNDED * (1 - AT_UNBOUNDED)) | (effect == 0)
-    at_most = np.sign(problem.square[:, caps]) * binds(problem.cap_share) * np.maximum(largest.bound_dual[:, -1:], 0.0)
-    duals = [np.zeros(problem.A.shape[:2]) for _ in range(2)]
-    duals[0][:, ~caps], duals[1][:, ~caps], duals[1][:, caps] = least.row_dual, largest.row_dual, at_most
-    duals[1][free] = 0.0
-    weight = np.maximum(np.max(np.abs(duals[0]), axis=1, initial=0.0), still := np.abs(least.bound_dual[:, -1]))
-    duals[0][np.abs(duals[0]) <= BINDING_TOLERANCE * weight[:, None]] = 0.0
-    codes = [codes_of_duals(problem, duals[0], still > BINDING_TOLERANCE * weight), codes_of_duals(problem, duals[1])]
-    undecided = ~(least.verified & largest.verified)
-    rows, fallbacks = rows_of_problem(problem, np.stack(codes)), least.fallbacks + largest.fallbacks
-    return RangeEnds(ends[0], np.where(free, np.inf, ends[1]), rows, undecided, fallbacks)
+    dual = np.zeros((2, *problem.lower.shape))
+    dual[:, :, ~caps] = least.row_dual, largest.row_dual
+    dual[1, free] = 0.0
+    still = np.abs(least.bound_dual[:, -1])
+    weight = np.maximum(np.max(np.abs(dual[0]), axis=1, initial=0.0), still)
+    dual[0, np.abs(dual[0]) <= BINDING_TOLERANCE * weight[:, None]] = 0.0
+    return RangeEnds(
+        lower=np.maximum(least.x[:, -1], 0.0) * unit,
+        upper=np.where(free, np.inf, largest.x[:, -1] * unit),
+        codes=codes_of_duals(dual, still > BINDING_TOLERANCE * weight),
+        status=np.where(least.verified & largest.verified, OPTIMAL, MARGINAL).astype(np.uint8),
+        gap=np.zeros(count),
+        effect=effect,
+        fallbacks=least.fallbacks + largest.fallbacks,
+    )
 
 
 def effect_of_speed(problem: SampleProblem) -> Array:
-    """Largest effect of c² = 1 on a limit, or on a balance that other unknowns of the size of their limits keep."""
-    size = np.abs(problem.A)
-    limits = size[:, problem.is_limit]
-    effect: Array = np.max(limits[:, :, -1], axis=1, initial=0.0)
-    laws = size[:, ~problem.is_limit]
-    if laws.shape[1] == 0:
-        return np.where(effect > NO_EFFECT, effect, 0.0)
-    reach = np.max(limits[:, :, :-1], axis=1, initial=0.0)  # 1 / size of each unknown at its limits
-    terms = np.max(laws[:, :, :-1] / np.where(reach > 0, reach, 1.0)[:, None, :], axis=2)
-    in_laws: Array = np.max(laws[:, :, -1] / np.where(terms > 0, terms, 1.0), axis=1)
-    effect = np.maximum(effect, in_laws)
+    """Largest effect of c² = 1 on a limit, Shape (N,)."""
+    effect: Array = np.max(np.abs(problem.square), axis=1, initial=0.0)
     return np.where(effect > NO_EFFECT, effect, 0.0)
 
 
@@ -372,30 +238,8 @@ MOST_INTERVALS = 100
 """Of one sample: more are not looked for."""
 
 
-@dataclass(frozen=True)
-class SpeedIntervals:
-    """The highest interval of c² of each of N samples.
-
-    Attributes:
-        lower: Its least c², infinity where there is none, Shape (N,).
-        upper: Its largest, infinity where nothing bounds it, minus infinity where there is none, Shape (N,).
-        gap: A c² in the gap between it and a lower interval, 0 where there is no other, Shape (N,).
-        dual: Multipliers of the rows that set the lower and the upper end, Shape (2, N, r); of caps there are none.
-        status: Of the kernel, Shape (1, N).
-    """
-
-    lower: Array
-    upper: Array
-    gap: Array
-    dual: Array
-    status: NDArray[np.uint8]
-
-
-Intervals = TypeVar("Intervals", SpeedIntervals, KernelRanges)
-
-
-def intervals_below(find: Callable[[Array], Intervals], most: Array, high: float) -> tuple[Intervals, bool]:
-    """The highest intervals of c² that do not begin above a c², and whether some sample has others.
+def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float) -> RangeEnds:
+    """The highest intervals of c² that do not begin above a c².
 
     Args:
         find: Highest intervals below a c² of each sample, Shape (N,).
@@ -403,23 +247,23 @@ def intervals_below(find: Callable[[Array], Intervals], most: Array, high: float
         high: The c².
     """
     found, lowest = find(most), np.zeros(len(most), dtype=bool)
-    several = bool(np.any(np.asarray(found.gap) > 0))
+    several = bool(np.any(found.gap > 0))
     for _ in range(MOST_INTERVALS):
-        gap = np.asarray(found.gap)
-        above = (gap > 0) & (found.lower > high) & ~lowest
+        above = (found.gap > 0) & (found.lower > high) & ~lowest
         if not np.any(above):
             break
-        tried = np.where(above, gap, most)
+        tried = np.where(above, found.gap, most)
         below = find(tried)
-        nothing = above & (below.status[0] == INFEASIBLE)
+        nothing = above & (below.status == INFEASIBLE)
         lowest |= nothing
         if not np.any(nothing):
             most, found = tried, below
-    return found, several
+    found.several = several
+    return found
 
 
-def highest_intervals(problem: SampleProblem, most: Array) -> SpeedIntervals:
-    """The highest interval of c² that each sample admits.
+def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
+    """The highest interval of c² that each sample admits; caps are not among the rows that bind.
 
     Args:
         problem: Rows with a column of ṙ.
@@ -442,17 +286,17 @@ def highest_intervals(problem: SampleProblem, most: Array) -> SpeedIntervals:
         low[left], high[left], gap[left], of_rows[:, left], status[left] = programs.speed_intervals(
             A[left] * size[:, None], (lower * row)[left], (upper * row)[left], size, speed[left], cap[left]
         )
-    nothing, dual = status != OPTIMAL, np.zeros((2, *problem.lower.shape))
+    nothing, dual, effect = status != OPTIMAL, np.zeros((2, *problem.lower.shape)), speed_unit(problem)
     dual[:, :, rows] = of_rows * row
-    high = np.where(speed_unit(problem) == 0, cap, high)
+    high = np.where(effect == 0, cap, high)
     low[nothing], high[nothing], gap[nothing] = np.inf, -np.inf, 0.0
-    return SpeedIntervals(low, high, gap, dual, status[None])
+    return RangeEnds(low, high, codes_of_duals(dual, low == 0), status, gap, effect)
 
 
 def speed_unit(problem: SampleProblem) -> Array:
     """The c² of each sample that, with its own c, moves some row by about one limit; 0 at rest, Shape (N,)."""
     assert problem.speed is not None  # noqa: S101 (asked of rows with a column of ṙ)
-    moving = ~problem.is_cap & problem.is_limit
+    moving = ~problem.is_cap
     square = np.max(np.abs(problem.square[:, moving]), axis=1, initial=0.0)
     effect = np.maximum(square, np.max(np.abs(problem.speed[:, moving]), axis=1, initial=0.0) ** 2)
     with np.errstate(divide="ignore"):
@@ -475,14 +319,12 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     if end == "lower" and c2 * float(effect_of_speed(problem)[0]) <= WIDER:
         return (ActiveRow(STANDSTILL, "lower", 0.0),)
     moving = np.flatnonzero(~problem.is_cap)
-    is_limit = problem.is_limit[moving]
-    widening = WIDER * is_limit
     lower, upper = (limit[0, moving] for limit in problem.limits_at(c2))
-    lower, upper = lower - widening, upper + widening
-    apart = is_limit & (upper - lower > 2 * NEAR)
+    lower, upper = lower - WIDER, upper + WIDER
+    apart = upper - lower > 2 * NEAR
     rows, lows = np.nonzero(np.column_stack([apart & np.isfinite(upper), apart & np.isfinite(lower)]))
     distance = _largest_distance(problem.free[0, moving], lower, upper, rows, np.where(lows, -1.0, 1.0))
-    tight = np.flatnonzero(distance <= NEAR)
+    tight = np.flatnonzero(distance <= (NEAR if problem.unknowns > 1 else BINDING_TOLERANCE))
     named = [
         problem.active_row(place, upper=not low)
         for place, low in zip(moving[rows[tight]].tolist(), lows[tight].tolist(), strict=True)
@@ -491,29 +333,6 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
         caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - CAPS_TIE]
         named += [problem.active_row(row, upper=bool(problem.square[0, row] > 0)) for row in caps.tolist()]
     return tuple(named)
-
-
-def tight_codes(problem: SampleProblem, lower: Array, upper: Array) -> NDArray[np.int32]:
-    """Codes of `BindingRows` where c² is the only unknown: of all rows at a limit at the ends.
-
-    Args:
-        problem: Rows.
-        lower: c²⁻(t), Shape (N,).
-        upper: c²⁺(t), Shape (N,); there are no rows where an end is not finite.
-    """
-    apart = problem.is_limit & (problem.upper - problem.lower > 2 * NEAR)
-    sides = np.zeros((2, *apart.shape), dtype=np.int8)
-    for end, c2 in enumerate((lower, upper)):
-        there = np.isfinite(c2)[:, None]
-        least, most = problem.limits_at(np.where(there, c2[:, None], 0.0))
-        sides[end] = np.where(most <= BINDING_TOLERANCE, 1, np.where(least >= -BINDING_TOLERANCE, -1, 0))
-        sides[end] *= there & apart & ~problem.is_cap
-        if end == 1:
-            caps = there & (problem.cap_share * np.where(there, c2[:, None], 0.0) >= 1 - CAPS_TIE)
-            sides[end][:, problem.is_cap] = np.where(caps, np.sign(problem.square[:, problem.is_cap]), 0)
-    known = np.isfinite(lower)
-    still = known & (np.where(known, lower, 0.0) * effect_of_speed(problem) <= WIDER)
-    return tied_codes(sides, np.where(still, 0.0, lower))
 
 
 def _largest_distance(A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array) -> Array:

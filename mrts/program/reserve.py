@@ -174,7 +174,7 @@ def plan_reserve(
             given = rows.given.at(block)
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
-                at_best = _shares_moved(problem, *least_shares(problem, c2, solver)[:2])
+                at_best = _shares_moved(*least_shares(problem, c2, solver)[:2])
                 distributed.append(_reserve(given, at_best, time, start, load))
                 shares = np.maximum(shares, at_best)
             whole.append(_reserve(given, shares, time, start, load))
@@ -195,20 +195,17 @@ def _reserve(given: LimitRows, shares: Array, time: Array, start: int, load: Loa
     return Reserve(left if left > NO_RESERVE else 0.0, start + place, float(time[start + place]), tuple(rows), load)
 
 
-def _shares_moved(problem: SampleProblem, share: Array, row_dual: Array) -> Array:
+def _shares_moved(share: Array, row_dual: Array) -> Array:
     """Shares that rows with a multiplier have in every best distribution, minus infinity elsewhere, Shape (2, b, r)."""
-    limits = problem.is_limit
-    dual = row_dual[:, limits]
-    strong = np.abs(dual) > BINDING_TOLERANCE * np.max(np.abs(dual), axis=1, keepdims=True, initial=0.0)
-    sides = np.stack([strong & (dual < 0), strong & (dual > 0)])
+    strong = np.abs(row_dual) > BINDING_TOLERANCE * np.max(np.abs(row_dual), axis=1, keepdims=True, initial=0.0)
+    sides = np.stack([strong & (row_dual < 0), strong & (row_dual > 0)])
     return np.where(sides, 1 + share[:, None], -np.inf)
 
 
 def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Array:
     """Shares of rows that no distribution moves, minus infinity elsewhere, Shape (2, b, r); r limits."""
-    limits = problem.is_limit
-    low, high = (size[limits] for size in _side_sizes(problem))
-    lower, upper = (limit[:, limits] for limit in problem.limits_at(c2))
+    low, high = _side_sizes(problem)
+    lower, upper = problem.limits_at(c2)
     shares = np.stack([1 + lower / low, 1 - upper / high])
     of_speed = given.is_of_speed
     if np.any(of_speed):
@@ -217,7 +214,7 @@ def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Arra
         size = given.side_sizes()
         at = np.stack([1 - (value - given.lower) / size[0], 1 - (given.upper - value) / size[1]])
         shares[:, :, of_speed] = at[:, :, of_speed]
-    stays = ~_moved(problem)[:, limits] & _counts(problem)[limits]
+    stays = ~_moved(problem) & _counts(problem)
     return np.where(stays, shares, -np.inf)
 
 
@@ -228,8 +225,8 @@ def _moved(problem: SampleProblem) -> NDArray[np.bool_]:
 
 
 def _counts(problem: SampleProblem) -> NDArray[np.bool_]:
-    """Rows with a limit that can shrink, Shape (r,): no law, and not one number on both sides."""
-    return np.asarray(problem.is_limit & (problem.limit_lower < problem.limit_upper))
+    """Rows with a limit that can shrink, Shape (r,): not one number on both sides."""
+    return np.asarray(problem.limit_lower < problem.limit_upper)
 
 
 def _side_sizes(problem: SampleProblem) -> tuple[Array, Array]:

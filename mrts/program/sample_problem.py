@@ -43,8 +43,8 @@ class SampleProblem:
         wrench_map: Shape (N, n w, k).
         wrench_offset: Shape (N, n w) [N, N m].
         names: One a row.
-        unit: What 100 % of a row's limit is; 1 for the object's balance, which is no limit, Shape (r,).
-        is_limit: False for the object's balance, Shape (r,).
+        unit: What 100 % of a row's limit is, Shape (r,).
+        is_limit: False for what is given of the speed and cannot move outward, Shape (r,).
         is_cap: Rows that do nothing but bound the last unknown from above, Shape (r,).
         A: Shape (N, r, k).
         lower: Shape (N, r).
@@ -180,7 +180,7 @@ def build_sample_problem(
     Args:
         cell: The cell.
         motion: Its motion; where the speed varies, its time is the path parameter r.
-        formulation: "wrench" (free unknowns F_1 … F_{n-1}) or "torque" (τ).
+        formulation: "wrench" (free unknowns F_1 … F_{n-1}) or "torque" (those τ that balance the object).
         sharing: A fixed distribution of the load: nothing is free, whatever the formulation.
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         samples: Indices of the samples to take; None takes all.
@@ -204,12 +204,13 @@ def build_sample_problem(
         inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
         count, limits, motors = len(samples), limits.at(samples), None if motors is None else motors.at(samples)
     found = _maps(cell, "fixed_distribution" if sharing else f"{formulation}_form", count, inputs, varying=varying)
+    if "equality_map" in found:
+        found = _balanced(found)
     found |= _rows_of_maps(limits, form.size, found, motors, varying=varying)
     torque_speed, speed = None if motors is None else motors.speed, limits.speed
     if torque_speed is not None:
         speed = torque_speed @ limits.torque_matrix.T + (0.0 if speed is None else speed)
-    balance = found.pop("equality_map", None), found.pop("equality_rhs", None)
-    problem = SampleProblem(
+    return SampleProblem(
         **found,
         torque_speed=torque_speed,
         names=form.given.names,
@@ -219,20 +220,6 @@ def build_sample_problem(
         speed=None if speed is None else speed / form.size,
         limit_lower=form.given.lower,
         limit_upper=form.given.upper,
-    )
-    if balance[0] is None:
-        return problem
-    nothing = np.zeros(len(cell.wrench_components))
-    return problem.with_rows(
-        [RowName("balance", element=part) for part in cell.wrench_components],
-        unit=nothing + 1,
-        is_limit=nothing > 0,
-        is_cap=nothing > 0,
-        A=balance[0],
-        lower=balance[1],
-        upper=balance[1],
-        limit_lower=nothing,
-        limit_upper=nothing,
     )
 
 
@@ -258,6 +245,26 @@ def _maps(cell: Cell, name: str, count: int, inputs: dict[str, Array], *, varyin
     for key in [key for key in maps if key.endswith("_map")]:
         maps[key] = np.concatenate([maps[key][:, :, :-1], by_rate[key][:, :, -1:], maps[key][:, :, -1:]], axis=2)
     return maps
+
+
+def _balanced(maps: dict[str, Array]) -> dict[str, Array]:
+    """The torque form over what the balance of the object, equality_map x = equality_rhs, leaves free of τ."""
+    balance, rhs = maps["equality_map"], maps["equality_rhs"]
+    (count, laws, unknowns), torques = balance.shape, maps["torque_map"].shape[1]
+    *_, directions = np.linalg.svd(balance[:, :, :torques])
+    inverse, free = np.linalg.pinv(balance[:, :, :torques]), torques - laws
+    turn = np.zeros((count, unknowns, unknowns - laws))  # x = turn [y, those of the speed] + shift
+    turn[:, :torques, :free] = directions[:, laws:].transpose(0, 2, 1)
+    turn[:, :torques, free:] = -inverse @ balance[:, :, torques:]
+    turn[:, torques:, free:] = np.eye(unknowns - torques)
+    shift = np.zeros((count, unknowns))
+    shift[:, :torques] = apply(inverse, rhs)
+    return {
+        "torque_map": maps["torque_map"] @ turn,
+        "torque_offset": maps["torque_offset"] + apply(maps["torque_map"], shift),
+        "wrench_map": maps["wrench_map"] @ turn,
+        "wrench_offset": maps["wrench_offset"] + apply(maps["wrench_map"], shift),
+    }
 
 
 def _rows_of_maps(

@@ -3,31 +3,18 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.kernel.programs import OPTIMAL
-from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
-from mrts.program.motion_rows import binds
-from mrts.program.range_ends import (
-    BindingRows,
-    RangeEnds,
-    codes_of_duals,
-    ends_by_linear_programs,
-    ends_in_closed_form,
-    highest_intervals,
-    intervals_below,
-    no_codes,
-    rows_at_end,
-    rows_of_problem,
-    tight_codes,
-)
+from mrts.program.range_ends import Codes, RangeEnds, ends_of_problem, rows_at_end, wide_codes
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import SampleProblem
 
@@ -40,6 +27,46 @@ POINT_TOLERANCE = 1e-9
 TIE = 1e-7
 """Relative difference of two samples' ends, or two loads', that may be rounding: the first of them counts as the one
 that sets the end, so that it does not depend on the solver."""
+
+
+@dataclass(frozen=True)
+class BindingRows:
+    """Which of r rows bind at both ends of N samples.
+
+    Attributes:
+        names: One a row.
+        limits: Their lower and upper limits as given, Shape (2, r).
+        codes: As `Codes`.
+    """
+
+    names: tuple[RowName, ...]
+    limits: Array
+    codes: Codes
+
+    def at(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
+        """The rows at one end of a sample."""
+        codes = self.codes[0 if side == "lower" else 1, sample]
+        return tuple(self._row(code) for code in codes[codes != 0].tolist())
+
+    def _row(self, code: int) -> ActiveRow:
+        row = abs(code) - 1
+        if row == len(self.names):
+            return ActiveRow(STANDSTILL, "lower", 0.0)
+        limit = float(self.limits[0 if code < 0 else 1, row])
+        return ActiveRow(self.names[row], "lower" if code < 0 else "upper", limit)
+
+
+def chosen_rows(sources: list[BindingRows], choice: NDArray[np.int_]) -> BindingRows:
+    """The rows of each end from one of several sources of the same rows.
+
+    Args:
+        sources: S of them.
+        choice: Which counts at the lower and the upper ends, Shape (2, N).
+    """
+    wide = max(source.codes.shape[2] for source in sources)
+    codes = np.stack([wide_codes(source.codes, wide) for source in sources])
+    side, sample = np.indices(choice.shape)
+    return replace(sources[0], codes=codes[choice, side, sample])
 
 
 @dataclass(frozen=True)
@@ -102,8 +129,6 @@ class SampleRanges:
 def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float = np.inf) -> SampleRanges:
     """Step 1 of MMTSF: min and max of c² at every sample, with binding rows.
 
-    One unknown (a fixed distribution, a single arm) is an intersection of intervals; more are linear programs.
-
     Args:
         problem: Rows along the motion.
         time: Shape (N,) [s].
@@ -114,72 +139,67 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float 
         InputError: If there is no such solver.
         SolverError: If no solver answers.
     """
-    return ranges_of_ends(time, *decided_ends(problem, time, solver, high))
+    still = without_speed_at_rest(problem)
+    ends = ends_of_problem(still, solver, high, alone=True)
+    conflicts = decide(ends, ends.undecided, still, time, solver, high)
+    return ranges_of_ends(time, ends, conflicts, problem.names, (problem.limit_lower, problem.limit_upper))
 
 
-def decided_ends(
-    problem: SampleProblem, time: Array, solver: str, high: float, effect: float | None = None
-) -> tuple[RangeEnds, list[Conflict]]:
-    """`sample_ranges` as ends, and the conflicts of the samples that have none.
+def decide(
+    ends: RangeEnds, samples: NDArray[np.intp], problem: SampleProblem, time: Array, solver: str, high: float
+) -> list[Conflict]:
+    """Find the ends of some samples that one solver did not find, or why there are none.
 
-    Where the largest effect of c² at other samples is given, these are doubtful: whether they are infeasible is looked
-    at first.
+    Args:
+        ends: Of all samples; changed in place.
+        samples: Indices of those, s of them.
+        problem: Rows of these alone, or of all.
+        time: Of all samples [s].
+        solver: As in `sample_ranges`.
+        high: Likewise.
+
+    Returns:
+        The conflicts of the samples that have no c².
+
+    Raises:
+        SolverError: If no solver answers.
     """
-    doubtful = effect is not None
-    problem = without_speed_at_rest(problem, effect or 0.0)
-    none, samples = np.full(problem.samples, np.inf), np.arange(problem.samples)
-    ends = RangeEnds(none, -none, rows_of_problem(problem, no_codes(len(samples))), np.ones(len(samples), dtype=bool))
-    if not doubtful:
-        ends.replace(samples, _ends(problem, solver, high))
-    conflicts: list[Conflict] = []
-    if np.any(ends.undecided):
-        found = find_conflicts(problem, time, np.flatnonzero(ends.undecided), solver)
-        conflicts = [conflict for conflict in found if conflict is not None]
-    infeasible = np.array([conflict.sample for conflict in conflicts], dtype=int)
-    ends.lower[infeasible], ends.upper[infeasible], ends.undecided[infeasible] = np.inf, -np.inf, False
-    ends.rows = ends.rows.with_samples(infeasible, no_codes(len(infeasible)))
-    for widen in (False, True) if doubtful else (True,):
-        left = np.flatnonzero(ends.undecided)
+    if not samples.size:
+        return []
+    part = problem if problem.samples == samples.size else problem.at(samples)
+    own, places = RangeEnds.unknown(samples.size), np.arange(samples.size)
+    found = find_conflicts(part, time[samples], places, solver)
+    feasible = np.array([conflict is None for conflict in found], dtype=bool)
+    own.status[~feasible] = OPTIMAL
+    for widening in (0.0, 2 * CERTIFICATE_TOLERANCE):  # wider by what cannot be told from nothing
+        left = own.undecided
         if left.size:
-            part = problem.at(left)
-            ends.replace(left, _ends(_widened(part) if widen else part, solver, high))
-            ends.lower[left] = np.minimum(ends.lower[left], ends.upper[left])
-    if np.any(ends.undecided):
+            wider = replace(part, lower=part.lower - widening, upper=part.upper + widening).at(left)
+            own.replace(left, ends_of_problem(wider, solver, high))
+            own.lower[left] = np.minimum(own.lower[left], own.upper[left])
+    if own.undecided.size:
         raise SolverError(
-            f"no solver found the range of c² at t = {time[np.argmax(ends.undecided)]:.6g} s, although its limits hold "
+            f"no solver found the range of c² at t = {time[samples[own.undecided[0]]]:.6g} s, although its limits hold "
             "together. This is a defect of mrts or of extremely scaled data: please report the cell and the motion."
         )
-    return ends, conflicts
+    ends.replace(samples, own)
+    return [replace(one, sample=int(samples[one.sample])) for one in found if one is not None]
 
 
-def ranges_of_ends(time: Array, ends: RangeEnds, conflicts: Sequence[Conflict], **loads: Any) -> SampleRanges:
-    """The ranges with these ends; `loads` are `lower_loads` and `upper_loads`."""
+def ranges_of_ends(
+    time: Array, ends: RangeEnds, conflicts: Sequence[Conflict], names: tuple[RowName, ...], limits: tuple[Array, Array]
+) -> SampleRanges:
+    """The ranges with these ends."""
     return SampleRanges(
         time=time,
         status=statuses(ends.lower, ends.upper, conflicts),
         lower=ends.lower,
         upper=ends.upper,
-        rows=ends.rows,
+        rows=BindingRows(names, np.stack(limits), ends.codes),
         conflicts=tuple(conflicts),
         fallbacks=ends.fallbacks,
         several=ends.several,
-        **loads,
     )
-
-
-def _ends(problem: SampleProblem, solver: str, high: float) -> RangeEnds:
-    if problem.speed is None:
-        return ends_in_closed_form(problem) if problem.unknowns == 1 else ends_by_linear_programs(problem, solver)
-    found, several = intervals_below(partial(highest_intervals, problem), np.full(problem.samples, np.inf), high)
-    if problem.unknowns == 1:
-        codes = tight_codes(problem, found.lower, found.upper)
-    else:
-        low, top = found.dual.copy()
-        caps, capped = problem.is_cap, found.upper >= problem.cap() * (1 - POINT_TOLERANCE)
-        top[:, caps] = capped[:, None] * binds(problem.cap_share) * np.sign(problem.square[:, caps])
-        codes = np.stack([codes_of_duals(problem, low, found.lower == 0), codes_of_duals(problem, top)])
-    rows = rows_of_problem(problem, codes)
-    return RangeEnds(found.lower, found.upper, rows, found.status[0] != OPTIMAL, 0, several)
 
 
 def statuses(lower: Array, upper: Array, conflicts: Iterable[Conflict]) -> tuple[RangeStatus, ...]:
@@ -215,9 +235,3 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
     A, still = problem.A.copy(), at_rest[:, None] & dynamic
     A[:, :, -1] = np.where(still, 0.0, problem.square)
     return replace(problem, A=A, speed=None if speed is None else np.where(still, 0.0, speed))
-
-
-def _widened(problem: SampleProblem) -> SampleProblem:
-    """The same problem with limits wider by what `find_conflicts` cannot tell from nothing."""
-    widening = 2 * CERTIFICATE_TOLERANCE * problem.is_limit
-    return replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)

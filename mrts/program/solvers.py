@@ -154,12 +154,13 @@ class Answers:
     fallbacks: int
 
 
-def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
+def solve_programs(programs: ConvexPrograms, solver: str, *, alone: bool = False) -> Answers:
     """Solve a batch; what the chosen solver does not get right, the other solvers are asked for.
 
     Args:
         programs: The batch.
         solver: Name in the registry, such as "qpsol:qpoases".
+        alone: Whether no other solver is asked.
 
     Raises:
         InputError: If there is no such solver.
@@ -171,7 +172,7 @@ def solve_programs(programs: ConvexPrograms, solver: str) -> Answers:
     x, row_dual = np.zeros((count, unknowns)), np.zeros((count, rows))
     bound_dual, verified = np.zeros((count, unknowns)), np.zeros(count, dtype=bool)
     fallbacks = 0
-    for solve in (chosen, *(other for other in FALLBACKS if other is not chosen)):
+    for solve in (chosen, *(other for other in FALLBACKS if other is not chosen and not alone)):
         todo = ~verified
         part = scaled.at(todo)
         found = solve(part)

@@ -2,6 +2,7 @@
 """The torques at a chosen c²: where they are redundant a strictly convex quadratic program at every sample."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,9 @@ from mrts.base.errors import InputError, as_array
 from mrts.base.torque_weights import WEIGHT_SPREAD, weights_by_limits
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.kernel.cell_library import CellLibrary, SparseLimits
+from mrts.kernel.programs import STOPPED
+from mrts.kernel.sample_terms import SampleTerms
 from mrts.program.convex_program import ConvexPrograms
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
@@ -82,7 +86,7 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     H = np.einsum("nij,ik,nkl->njl", free, weights, free)
     g = np.einsum("nij,ik,nk->nj", free, weights, others)
     lower, upper = problem.limits_at(speed)
-    widening = np.where(problem.is_limit & (problem.limit_lower < problem.limit_upper), TORQUE_WIDENING, 0.0)
+    widening = np.where(problem.limit_lower < problem.limit_upper, TORQUE_WIDENING, 0.0)
     programs = ConvexPrograms(
         H=H,
         g=g,
@@ -95,6 +99,29 @@ def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array
     answers = solve_programs(programs, solver)
     require_verified(answers, f"torques for c² = {np.min(c2):g}")
     return np.concatenate([answers.x, speed], axis=1), answers.fallbacks
+
+
+def least_torques(
+    library: CellLibrary, inputs: dict[str, Array], limits: SparseLimits, terms: SampleTerms, c2: Array, weights: Array
+) -> tuple[Array, Array, NDArray[np.uint8]]:
+    """`distribute_torques` at all samples in one call of the kernel.
+
+    Args:
+        library: Of the cell.
+        inputs: Of the wrench form, by name.
+        limits: Rows over torques and wrenches.
+        terms: What is added at every sample.
+        c2: Shape (N,).
+        weights: W, Shape (m, m).
+
+    Returns:
+        Torques, Shape (N, m), wrenches, Shape (N, n w), and statuses, Shape (N,).
+    """
+    torque, wrench = np.zeros((len(c2), library.joints)), np.zeros((len(c2), library.wrenches))
+    status, W = np.full(len(c2), STOPPED, dtype=np.uint8), np.ascontiguousarray(weights)
+    outputs: list[NDArray[Any]] = [torque, wrench, status]
+    library.over_samples("mrts_torques", len(c2), inputs, limits, terms, [c2], outputs, (1, W, TORQUE_WIDENING))
+    return torque, wrench, status
 
 
 def torques_by_blocks(

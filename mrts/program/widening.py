@@ -8,9 +8,8 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.between_samples import widenings
 from mrts.kernel.cell_library import SparseLimits
-from mrts.kernel.programs import OPTIMAL
+from mrts.kernel.programs import OPTIMAL, STOPPED
 from mrts.program.convex_program import ConvexPrograms
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
@@ -169,8 +168,9 @@ def _kernel_widening(
         inputs = {name: value if value.ndim == 1 else value[places] for name, value in inputs.items()}
         terms = terms.at(places)
     inputs |= {GEOMETRY: cell.geometry, "load": cell.load if load is None else load}
-    units = rows.size[~rows.is_cap]
-    share, status = widenings(cell.library, len(places), inputs, sparse, units, terms, c2)
+    share, status = np.zeros(len(places)), np.full(len(places), STOPPED, dtype=np.uint8)
+    units = np.ascontiguousarray(rows.size[~rows.is_cap])
+    cell.library.over_samples("mrts_widenings", len(places), inputs, sparse, terms, [c2], [share, status], (units,))
     return np.maximum(share, _passed_caps(rows, c2, places)), status != OPTIMAL
 
 

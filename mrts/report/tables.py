@@ -12,7 +12,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.robot import JOINT_HEAD
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.plots.card import Card
-from mrts.plots.labels import contact_failure, range_facts, range_text, row_text, short_name
+from mrts.plots.labels import range_facts, range_text, row_text, short_name
 from mrts.plots.limit_shares import LimitingRows
 from mrts.plots.range_plots import ranked_loads
 from mrts.plots.what_if_plot import MOST_BARS, changed_shares
@@ -232,7 +232,7 @@ def margins_table(result: ScalingResult, limiting: LimitingRows) -> Table:
     rows: dict[str, tuple[Entry, ...]] = {}
     for use in sorted(limit_uses(result), key=lambda use: use.name not in limiting.setting):
         values = interval_text(use.lower, use.upper, use.name.unit), f"{use.least:.4g}", f"{use.largest:.4g}"
-        told = ("", "", "") if contact_failure(use.name) else values  # of what there is no value that people know
+        told = ("", "", "") if use.name.failure else values  # of what there is no value that people know
         share = bar(use.share, 1), f"{use.time:.4g} s"
         rows.setdefault(short_name(use.name), (_marked(use.name, limiting), *told, *share))
     return Table(("limit", "from … to", "least", "largest", "share used", "most used at"), [*rows.values()])

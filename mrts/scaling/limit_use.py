@@ -188,21 +188,13 @@ def rate_uses(result: "ScalingResult") -> list[LimitUse]:
 
 
 def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:
-    """The row of one kind that changes most from one sample to the next, as a share of its limit; None without one.
-
-    Args:
-        result: The result.
-        kind: As in `RowName`; rows without a limit do not count.
-    """
+    """The row of one kind that changes most from one sample to the next, as a share of its limit; None without one."""
     bounded = [use for use in limit_uses(result) if use.name.kind == kind]
     return max(bounded, key=lambda use: use.step_share, default=None)
 
 
 def used_shares(done: "ScaledTrajectory") -> tuple[tuple[RowName, ...], Array]:
     """How much of each limit is used all along a trajectory, velocities enforced or not.
-
-    Args:
-        done: The trajectory.
 
     Returns:
         The rows that have a limit, r of them, and the share of it that each uses at each sample, Shape (N, r).
@@ -214,11 +206,6 @@ def used_shares(done: "ScaledTrajectory") -> tuple[tuple[RowName, ...], Array]:
 
 def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
     """Quantities of one kind along the trajectory of a result, such as the torques of a robot, with their limits.
-
-    Args:
-        result: A result with a trajectory.
-        kind: As in `RowName`; limits of a torque are also those of torque-speed lines.
-        robot: As there.
 
     Raises:
         ValueError: If there is no trajectory.
@@ -241,11 +228,6 @@ def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuan
 
     Limits are those that the result keeps; where it keeps none, those that the cell gives.
 
-    Args:
-        result: A result of which `limited_rate_kinds` has the kind.
-        kind: "torque rate", "wrench rate" or "jerk".
-        robot: Its name.
-
     Returns:
         The quantities; each sample has the value of the step that begins there, the last that of the step before it.
 
@@ -262,11 +244,7 @@ def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuan
 
 
 def limited_rate_kinds(result: "ScalingResult") -> list[str]:
-    """Kinds of rates of which some is limited, kept or not: what `limited_rates` takes; none without a trajectory.
-
-    Args:
-        result: The result.
-    """
+    """Kinds of rates of which some is limited, kept or not: what `limited_rates` takes; none without a trajectory."""
     rates = _rates(result)
     return [] if rates is None else list(dict.fromkeys(name.kind for name in rates.only(rates.limited).rows))
 

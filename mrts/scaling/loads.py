@@ -3,40 +3,31 @@
 
 At a fixed c² the loads that the arms can carry form a convex set, so it holds the box if it holds its corners (proof in
 docs/uncertain_load.md). The range that is guaranteed for a whole box is therefore the intersection of the ranges of its
-corners: no grid, no nonlinear program, nothing approximate. Where a fixed distribution leaves c² as the only unknown,
-the worst load of every row follows in closed form, and no corner is enumerated.
+corners: no grid, no nonlinear program, nothing approximate.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.load_box import OFFSETS, LoadBox, LoadPoint
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.range_ends import (
-    LoadSensitivity,
-    chosen_rows,
-    ends_in_closed_form,
-    load_sensitivity,
-    worst_parameters,
-)
-from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.sample_ranges import SampleRanges, first_least, ranges_of_ends, statuses, without_speed_at_rest
+from mrts.program.sample_ranges import SampleRanges, chosen_rows, first_least, statuses
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.options import Options, load_box
-from mrts.scaling.range import ScalingRange, common_range, intersect
+from mrts.scaling.range import ScalingRange, common_range
 
 INERT = 1e-12
 """A parameter that changes the object's wrench by no more than this share of it has no effect along a motion."""
@@ -48,13 +39,13 @@ LARGEST_GRID = 10_000
 
 
 @dataclass(frozen=True, repr=False)
-class LoadStudy(InNotebooks):
+class LoadStudy:
     """What was asked of an uncertain load, and the answer for each load that was looked at.
 
     Attributes:
         question: "guaranteed" (every load of the box), "possible" (some load, sample by sample) or "grid:N".
         box: The box.
-        points: Loads that were evaluated one by one; empty where a fixed distribution was answered in closed form.
+        points: Loads that were evaluated one by one.
         ranges: Their ranges over the motion.
         not_converged: Samples where the search of `possible` was not verified and a corner's range stands.
     """
@@ -67,11 +58,6 @@ class LoadStudy(InNotebooks):
 
     def __repr__(self) -> str:
         return f"<LoadStudy {self.sentence()}>"
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """The range of every load that was looked at."""
-        rows = [(str(point), repr(found).strip("<>")) for point, found in zip(self.points, self.ranges, strict=True)]
-        yield NotebookTable(("load", "range"), rows)
 
     def sentence(self) -> str:
         """The question and the box in words."""
@@ -129,12 +115,7 @@ def range_at_samples(
 
         return possible_range(cell, motion, options, box, progress, high)
     if options.load == "guaranteed":
-        varying = effective_parameters(cell, motion, box)
-        if options.sharing is not None and not any(name in OFFSETS for name in varying):
-            closed = _in_closed_form(cell, motion, options, box, varying)
-            if closed is not None:
-                return intersect(closed), LoadStudy("guaranteed", box, (), ())
-        points = box.corners(varying)
+        points = box.corners(effective_parameters(cell, motion, box))
     else:
         points = mass_grid(box, options.load)
     rows = motion_rows(cell, motion) if rows is None else rows
@@ -167,9 +148,6 @@ def ranges_of_load(
         load: Load vector, Shape (10,); None is the cell's.
         high: As in `range_at_samples`.
         rows: As in `motion_ranges`.
-
-    Raises:
-        SolverError: If no solver answers.
     """
     return motion_ranges(cell, motion, options.formulation, options.sharing, options.solver, load, high, rows)
 
@@ -223,10 +201,6 @@ def effective_parameters(
 def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
     """The paper's exhaustive search along k_m (below (46)): evenly spaced masses, both ends included.
 
-    Args:
-        box: What the load is known within.
-        question: "grid", or "grid:N" for N masses.
-
     Raises:
         InputError: If it is another question, or the mass does not vary.
     """
@@ -242,14 +216,18 @@ def mass_grid(box: LoadBox, question: str) -> tuple[LoadPoint, ...]:
     return tuple(LoadPoint({"mass": factor}, box.load_at({"mass": factor})) for factor in factors)
 
 
-def combined_ranges(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges], *, every: bool) -> SampleRanges:
+def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleRanges], *, every: bool) -> SampleRanges:
     """What every load, or some load, admits at each sample, with the load that sets each end.
 
     Args:
-        points: The loads.
+        points: The loads; None for ranges that have loads of their own at each sample.
         ranges: Their ranges.
         every: Whether the ranges are intersected, or what lies between their outermost ends is taken.
     """
+
+    def loads(chosen: NDArray[np.intp], own: Sequence[Sequence[LoadPoint] | None]) -> tuple[LoadPoint, ...]:
+        return tuple(points[k] or own[k][sample] for sample, k in enumerate(chosen.tolist()))
+
     inward = 1.0 if every else -1.0
     low, high = (inward * np.array([getattr(found, end) for found in ranges]) for end in ("lower", "upper"))
     at_low, at_high = first_least(-low), first_least(high)
@@ -257,7 +235,7 @@ def combined_ranges(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges],
     of_samples: dict[int, list[Conflict]] = {}
     for point, found in zip(points, ranges, strict=True):
         for conflict in found.conflicts:
-            of_samples.setdefault(conflict.sample, []).append(replace(conflict, load=point))
+            of_samples.setdefault(conflict.sample, []).append(replace(conflict, load=point or conflict.load))
     choose = max if every else min
     conflicts = tuple(
         choose(own, key=lambda conflict: conflict.widening)
@@ -272,45 +250,8 @@ def combined_ranges(points: Sequence[LoadPoint], ranges: Sequence[SampleRanges],
         rows=chosen_rows([found.rows for found in ranges], np.stack([at_low, at_high])),
         conflicts=conflicts,
         fallbacks=sum(found.fallbacks for found in ranges),
-        lower_loads=tuple(points[index] for index in at_low),
-        upper_loads=tuple(points[index] for index in at_high),
+        lower_loads=loads(at_low, [found.lower_loads for found in ranges]),
+        upper_loads=loads(at_high, [found.upper_loads for found in ranges]),
         several=any(found.several for found in ranges),
         problem=ranges[0].problem,
     )
-
-
-def problem_of_load(cell: Cell, motion: CoordinatedMotion, options: Options, load: Array) -> SampleProblem:
-    """Rows with a load, Shape (10,), or one a sample, Shape (N, 10)."""
-    return build_sample_problem(cell, motion, formulation=options.formulation, sharing=options.sharing, load=load)
-
-
-def _in_closed_form(
-    cell: Cell, motion: CoordinatedMotion, options: Options, box: LoadBox, varying: tuple[str, ...]
-) -> SampleRanges | None:
-    """The guaranteed range of a fixed distribution, no corner enumerated; None if it needs the corners all the same."""
-    least = {name: box.ranges[name][0] for name in varying}
-    rows = partial(problem_of_load, cell, motion, options)
-    problem = without_speed_at_rest(rows(box.load_at(least)))
-    if problem.speed is not None:
-        return None  # a row then leaves a union of intervals for each load: the corners are looked at
-    sensitivity = load_sensitivity(
-        problem, [rows(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
-    )
-    ends = ends_in_closed_form(problem, sensitivity)
-    if np.any(ends.undecided):
-        return None
-    low, high = (_worst_loads(problem, sensitivity, box, varying, end) for end in (ends.lower, ends.upper))
-    return ranges_of_ends(motion.object.time, ends, (), lower_loads=low, upper_loads=high)
-
-
-def _worst_loads(
-    problem: SampleProblem, sensitivity: LoadSensitivity, box: LoadBox, varying: tuple[str, ...], c2: Array
-) -> tuple[LoadPoint, ...]:
-    """The load that sets one end of each sample, of c², Shape (N,)."""
-    largest = worst_parameters(problem, sensitivity, np.where(np.isfinite(c2), c2, 0.0))
-    keys = [(*row, finite) for row, finite in zip(map(tuple, largest.tolist()), np.isfinite(c2).tolist(), strict=True)]
-    points = {}
-    for key in set(keys):
-        values = {name: box.ranges[name][int(high)] for name, high in zip(varying, key[:-1], strict=True)}
-        points[key] = LoadPoint(values, box.load_at(values)) if key[-1] else box.nominal_point()
-    return tuple(points[key] for key in keys)

@@ -7,7 +7,7 @@ from mrts.base.arrays import Array
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.motion.object_courses import Geodesic, WaypointPath
+from mrts.motion.object_courses import ProfiledPath
 from mrts.scaling.range import RangeEnd, ScalingRange
 
 ENDS_AT_REST = 0.05
@@ -65,11 +65,7 @@ def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange | 
 
 
 def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
-    """Those of a motion at a constant factor of speed that hold as well where the speed varies along the path.
-
-    Args:
-        remarks: Of the motion.
-    """
+    """Those of a motion at a constant factor of speed that hold as well where the speed varies along the path."""
     return tuple(remark for remark in remarks if remark.code not in OF_CONSTANT_FACTOR)
 
 
@@ -164,13 +160,7 @@ def _fast(end: RangeEnd) -> list[Remark]:
 
 
 def interpolated(motion: CoordinatedMotion, bare: ScalingRange, finer: ScalingRange) -> tuple[Remark, ...]:
-    """That the range is set by what mrts itself makes of a table between its rows.
-
-    Args:
-        motion: As given.
-        bare: Its range at the given samples.
-        finer: Its range with those that were added.
-    """
+    """That the range is set by what mrts itself makes of a table between its rows."""
     if bare.upper is None or not np.isfinite(bare.upper.c2):
         return ()
     high = bare.upper.c2
@@ -193,7 +183,7 @@ def interpolated_timing(motion: CoordinatedMotion, bare: float, finer: float) ->
 
 
 def _of_spline(motion: CoordinatedMotion, lost: float, told: str) -> tuple[Remark, ...]:
-    if isinstance(motion.object.course, Geodesic | WaypointPath) or lost <= REMARKED:
+    if isinstance(motion.object.course, ProfiledPath) or lost <= REMARKED:
         return ()
     text = (
         "between the given samples the motion is the spline that mrts lays through them, known only as well as they "

@@ -129,10 +129,6 @@ def limited_cell(cell: Cell, reserve: float | None, limits: Sequence[Limit] | No
 def load_box(cell: Cell, question: str) -> LoadBox:
     """What the load is known within.
 
-    Args:
-        cell: The cell.
-        question: That is asked of it.
-
     Raises:
         InputError: If the cell's load does not vary.
     """

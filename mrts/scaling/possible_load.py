@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Which c² some load of a box admits at a sample: the paper's nonlinear program, verified by linear ones."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -17,14 +18,13 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side
 from mrts.program.held_interrupt import held_interrupt
 from mrts.program.motion_rows import motion_rows
-from mrts.program.range_ends import NO_EFFECT, UNBOUNDED, LoadSensitivity, effect_of_speed, load_sensitivity
-from mrts.program.sample_problem import SampleProblem
-from mrts.program.sample_ranges import SampleRanges, sample_ranges, statuses
+from mrts.program.range_ends import NO_EFFECT, UNBOUNDED, effect_of_speed
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_ranges import SampleRanges, sample_ranges
 from mrts.scaling.loads import (
     LoadStudy,
     combined_ranges,
     effective_parameters,
-    problem_of_load,
     ranges_of_load,
     ranges_of_loads,
 )
@@ -55,15 +55,7 @@ def possible_range(
     """The range of c² of the best load of a box, at each sample by itself.
 
     Of each sample it is what lies between the least and the largest c² of any load: where a load leaves a gap below its
-    highest interval, whether another load of the box fills it is not asked.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-        options: How the programs are made and solved.
-        box: The box.
-        progress: Told how far the work is.
-        high: As in `range_at_samples`.
+    highest interval, whether another load of the box fills it is not asked. Arguments as in `range_at_samples`.
 
     Raises:
         InputError: If the box is an outer hull.
@@ -77,9 +69,7 @@ def possible_range(
             value="possible",
         )
     varying = effective_parameters(cell, motion, box)
-    points = box.corners(varying)
-    if varying:
-        points = (*points, box.nominal_point())
+    points = (*box.corners(varying), box.nominal_point()) if varying else box.corners(varying)
     rows = motion_rows(cell, motion)
     of_points = ranges_of_loads(cell, motion, options, points, progress, high, rows)
     not_converged: tuple[int, ...] = ()
@@ -108,115 +98,79 @@ def _searched(
     best: SampleRanges,
     progress: Progress,
 ) -> tuple[SampleRanges, tuple[int, ...]]:
-    """Extend the best corner's range at every sample by loads inside the box.
+    """The best corner's range at every sample extended by loads inside the box, and the samples without convergence.
 
     Every answer is verified: its load is substituted and the linear program solved, and that program's c² is what
     counts. So an end never claims more than a load of the box reaches, nor less than the best corner.
-
-    Returns:
-        The ranges, and the samples where an answer was not verified.
     """
+    rows = partial(build_sample_problem, cell, motion, formulation=options.formulation, sharing=options.sharing)
     least = {name: box.ranges[name][0] for name in varying}
-    rows = partial(problem_of_load, cell, motion, options)
-    problem = rows(box.load_at(least))
-    others = [rows(box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
-    search = _Search(problem, load_sensitivity(problem, others))
-    infeasible, in_order = np.isinf(best.lower), np.all(problem.lower <= problem.upper, axis=1)
-    wanted: dict[Side, NDArray[np.int_]] = {
+    problem = rows(load=box.load_at(least))
+    others = [rows(load=box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
+    search = _Search(problem, others)
+    low, high = np.array([box.ranges[name] for name in varying]).T
+    in_order = np.all(problem.lower <= problem.upper, axis=1)  # where sides cross no load helps
+    wanted: dict[Side, NDArray[np.intp]] = {
         "lower": np.flatnonzero(in_order & (best.lower > 0) & (not best.several)),
-        "upper": np.flatnonzero(in_order & (np.isfinite(best.upper) | infeasible)),
-    }  # where sides cross no load helps
+        "upper": np.flatnonzero(in_order & (np.isfinite(best.upper) | np.isinf(best.lower))),
+    }
     total, done = sum(map(len, wanted.values())), 0
     missed: set[int] = set()
-    low, high = (np.array([box.ranges[name][end] for name in varying]) for end in (0, 1))
     for side, samples in wanted.items():
-        if not len(samples):
-            continue
         corners = best.lower_loads if side == "lower" else best.upper_loads
         assert corners is not None  # noqa: S101 (made from points)
-        starts = (np.array([[point.parameters[name] for name in varying] for point in corners]) - low) / (high - low)
-        shares, c2, success = (
-            np.zeros((len(samples), len(varying))),
+        tried, c2, success = (
+            [box.nominal_point()] * motion.samples,
             np.zeros(len(samples)),
             np.zeros(len(samples), bool),
         )
-        for index, sample in enumerate(samples.tolist()):
-            shares[index], c2[index], success[index] = search.best(sample, side, best, starts[sample])
+        for place, sample in enumerate(samples.tolist()):
+            corner = np.array([corners[sample].parameters[name] for name in varying])
+            share, c2[place], success[place] = search.best(sample, side, best, (corner - low) / (high - low))
+            values = np.clip(low + share * (high - low), low, high).tolist()
+            parameters = dict(zip(varying, values, strict=True))
+            tried[sample] = LoadPoint(parameters, box.load_at(parameters))
             done += 1
             progress(done, total)
-        values = np.clip(low + shares * (high - low), low, high).tolist()
-        named = [dict(zip(varying, row, strict=True)) for row in values]
-        points = [LoadPoint(parameters, box.load_at(parameters)) for parameters in named]
-        loads = np.tile(box.load_at({}), (motion.samples, 1))
-        loads[samples] = [point.load for point in points]
-        checked = sample_ranges(rows(loads).at(samples), motion.object.time[samples], options.solver)
+        loads = np.array([point.load for point in tried])
+        checked = sample_ranges(rows(load=loads), motion.object.time, options.solver)
+        checked = replace(checked, lower_loads=tried, upper_loads=tried)
         reached, sign = (checked.lower, -1.0) if side == "lower" else (checked.upper, 1.0)
-        promised = success & ~(sign * (c2 - reached) <= ACHIEVED_TOLERANCE * np.abs(c2))
+        promised = success & ~(sign * (c2 - reached[samples]) <= ACHIEVED_TOLERANCE * np.abs(c2))
         missed |= set(samples[promised | (~success & np.isfinite(best.lower[samples]))].tolist())
-        best = _keep_better(best, samples, points, checked)
+        carried = np.isfinite(checked.lower)
+        left = tuple(conflict for conflict in best.conflicts if not carried[conflict.sample])
+        best = replace(combined_ranges((None, None), (best, checked), every=False), conflicts=left)
     return best, tuple(sorted(missed))
-
-
-def _keep_better(
-    best: SampleRanges, samples: NDArray[np.int_], points: list[LoadPoint], checked: SampleRanges
-) -> SampleRanges:
-    """What the verified loads reach beyond the best corner at some samples, and what is known at all others."""
-    carried, rows = np.isfinite(checked.lower), best.rows
-    ends: list[Array] = []
-    loads: list[tuple[LoadPoint, ...]] = []
-    for number, (known, found, of_known) in enumerate(
-        ((best.lower, checked.lower, best.lower_loads), (best.upper, checked.upper, best.upper_loads))
-    ):
-        beyond = found < known[samples] if number == 0 else found > known[samples]
-        taken = np.flatnonzero(carried & beyond)
-        end, own = known.copy(), list(of_known or ())
-        end[samples[taken]] = found[taken]
-        rows = rows.with_samples(samples[taken], checked.rows.codes[:, taken], slice(number, number + 1))
-        for index in taken.tolist():
-            own[int(samples[index])] = points[index]
-        ends.append(end)
-        loads.append(tuple(own))
-    cleared = set(samples[carried].tolist())
-    conflicts = tuple(conflict for conflict in best.conflicts if conflict.sample not in cleared)
-    return replace(
-        best,
-        status=statuses(ends[0], ends[1], conflicts),
-        lower=ends[0],
-        upper=ends[1],
-        rows=rows,
-        conflicts=conflicts,
-        lower_loads=loads[0],
-        upper_loads=loads[1],
-        fallbacks=best.fallbacks + checked.fallbacks,
-    )
 
 
 class _Search:
     """Eqs. (42), (43), (44), (45), (46): least or largest c² over torques and load together, with (24) as well.
 
     Unknowns are those of the linear program and the uncertain parameters as shares s in [0, 1] of their ranges: rows
-    read A x + (a + Σ_j s_j a_j) c² + b c + Σ_j s_j o_j. IPOPT (Wächter and Biegler, 2006) finds a local optimum from
-    each start. Where some row has a term b in c, c is the unknown, else c².
+    read A x + (a + Σ_j s_j a_j) c² + b c + Σ_j s_j o_j, exactly, as they are affine in the load. IPOPT (Wächter and
+    Biegler, 2006) finds a local optimum from each start. Where some row has a term b in c, c is the unknown, else c².
 
     Args:
         problem: Rows with every parameter at its least value.
-        sensitivity: Effect of the parameters.
+        others: Rows with one parameter at its largest value, one problem a parameter.
     """
 
-    def __init__(self, problem: SampleProblem, sensitivity: LoadSensitivity) -> None:
+    def __init__(self, problem: SampleProblem, others: Sequence[SampleProblem]) -> None:
         _, rows, unknowns = problem.A.shape
-        p = len(sensitivity.c2)
-        effect = np.maximum(effect_of_speed(problem), np.max(np.abs(sensitivity.c2), axis=(0, 2), initial=0.0))
+        p = len(others)
+        change = np.array([other.square - problem.square for other in others])
+        upper = np.isfinite(problem.upper)
+        finite = np.where(upper, problem.upper, problem.lower)  # limits move opposite to the offset of their row
+        self.do = np.array([finite - np.where(upper, other.upper, other.lower) for other in others])
+        effect = np.maximum(effect_of_speed(problem), np.max(np.abs(change), axis=(0, 2), initial=0.0))
         if problem.speed is not None:
             effect = np.maximum(effect, np.max(np.abs(problem.speed), axis=1, initial=0.0) ** 2)
         self.unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
         self.b = None if problem.speed is None else problem.speed * np.sqrt(self.unit)[:, None]
         size = np.max(np.abs(problem.free), axis=1, initial=0.0)
-        self.column = 1 / np.where(size > NO_EFFECT, size, 1.0)
-        self.A = problem.free * self.column[:, None, :]
-        self.a = problem.square * self.unit[:, None]
-        self.da = sensitivity.c2 * self.unit[:, None]
-        self.do = sensitivity.offset
+        self.A = problem.free / np.where(size > NO_EFFECT, size, 1.0)[:, None, :]
+        self.a, self.da = problem.square * self.unit[:, None], change * self.unit[:, None]
         self.lower, self.upper = problem.lower, problem.upper
         import casadi as ca  # noqa: PLC0415 (only here: this is the nonlinear program)
 
@@ -235,14 +189,7 @@ class _Search:
         self.free, self.p = unknowns - 1, p
 
     def best(self, sample: int, side: Side, known: SampleRanges, corner: Array) -> tuple[Array, float, bool]:
-        """Shares of the parameters, c² and whether IPOPT came to its end: from a corner and from the middle of the box.
-
-        Args:
-            sample: Index.
-            side: Which end of the range.
-            known: Ranges to start from.
-            corner: Shares of the parameters, Shape (p,).
-        """
+        """Shares of the parameters, c² and whether IPOPT converged, from a corner and from the middle of the box."""
         sign = 1.0 if side == "lower" else -1.0
         end = float((known.lower if side == "lower" else known.upper)[sample])
         start_y = end / float(self.unit[sample]) if np.isfinite(end) else 1.0

@@ -11,7 +11,7 @@ import numpy as np
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
-from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.rows import SPEEDS, ActiveRow, Side, rows_text
 from mrts.program.range_ends import MOST_INTERVALS
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
@@ -22,12 +22,9 @@ if TYPE_CHECKING:
 RATES = {"torque rate", "wrench rate", "jerk"}
 """Kinds of rows that limit how fast something changes."""
 
-SPEEDS = {"velocity", "motor speed"}
-"""Kinds of rows that a load does not move."""
-
 
 @dataclass(frozen=True)
-class RangeEnd(InNotebooks):
+class RangeEnd:
     """One end of the range over the motion.
 
     Attributes:
@@ -53,10 +50,6 @@ class RangeEnd(InNotebooks):
         """
         return self.named() if callable(self.named) else self.named
 
-    def notebook_words(self) -> list[str]:
-        """The rows that bind there."""
-        return list(map(str, self.rows))
-
     def to_json(self) -> dict[str, Any] | None:
         """Entry of "binding" in the JSON result; None if nothing limits this end."""
         if self.time is None:
@@ -68,7 +61,7 @@ class RangeEnd(InNotebooks):
         """When, with which load and by which rows this end is set, in words."""
         of_load = self.load is not None and any(row.name.kind not in SPEEDS for row in self.rows)
         load = f" with {self.load}" if of_load else ""
-        return f"at t = {self.time:.4g} s{load} by {', '.join(str(row) for row in self.rows)}"
+        return f"at t = {self.time:.4g} s{load} by {rows_text(self.rows)}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -183,11 +176,7 @@ def contradiction(slow: RangeEnd, fast: RangeEnd) -> str:
 
 
 def intersect(samples: SampleRanges) -> ScalingRange:
-    """Eq. (30): the intersection of the ranges of all samples (step 2 of MMTSF).
-
-    Args:
-        samples: Ranges of all samples.
-    """
+    """Eq. (30): the intersection of the ranges of all samples (step 2 of MMTSF)."""
     if samples.conflicts:
         return ScalingRange(RangeStatus.INFEASIBLE, None, None, samples)
     at_low, at_high = int(first_least(-samples.lower)), int(first_least(samples.upper))
@@ -212,15 +201,8 @@ def common_range(find: Callable[[float], SampleRanges], high: float = np.inf) ->
 
     Where intervals of single samples lie above what all others admit, their next lower ones are looked at.
 
-    Args:
-        find: Ranges of all samples whose intervals do not begin above a c².
-        high: The c².
-
     Returns:
         Where the samples have nothing in common: an empty range, of their highest intervals.
-
-    Raises:
-        SolverError: If no solver answers.
     """
     first = found = find(high)
     for _ in range(MOST_INTERVALS):

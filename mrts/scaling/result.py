@@ -363,12 +363,7 @@ def fallbacks_text(count: int) -> str:
 
 
 def kept_text(reserve: float, warnings: Iterable[Remark] = ()) -> str:
-    """What a reserve that all limits keep, and limits that are none, make of an answer, as its beginning.
-
-    Args:
-        reserve: Of the cell.
-        warnings: Of the answer.
-    """
+    """What a reserve that all limits keep, and limits that are none, make of an answer, as its beginning."""
     doubtful = any(remark.code == EFFORT_PLACEHOLDERS for remark in warnings)
     text = "with efforts of the URDF that look like placeholders, " if doubtful else ""
     return f"{text}with {100 * reserve:.4g} % of every limit in reserve, " if reserve else text

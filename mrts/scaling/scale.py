@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """MMTSF, the paper's algorithm, whole: range, choice of c², torques."""
 
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -18,8 +19,10 @@ from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
+from mrts.limits.rows import rows_text
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.excess import BETWEEN
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict, conflicts_at
@@ -31,19 +34,38 @@ from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
 from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
+from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
+from mrts.program.trajectory_programs import motion_torques
 from mrts.program.widening import motion_widening
+from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.loads import range_at_samples, ranges_of_load
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Limit, Options, Selection, limited_cell
 from mrts.scaling.range import ScalingRange, within_rates
 from mrts.scaling.result import END_TOLERANCE, ScalingResult, kept_text
-from mrts.scaling.torques import with_torques
+from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
 if TYPE_CHECKING:
     from mrts.program.constant_rates import RatedFactors
 
-LARGEST_C2 = 1e300
-"""What is asked for beyond it counts as it: Python's whole numbers have no end, floating point has."""
+
+EXCEEDS_RATED_TORQUE = "above-rated"
+"""Code of the remark on torques that a motor does not bear for ever."""
+
+EXCEEDS_RATE_LIMIT = "rate-passed"
+"""Code of the remark on rates that pass their limit, which nothing keeps."""
+
+STEPS = "step-at-ends"
+"""Code of the remark on torques that must jump where a motion starts or ends, whatever its speed."""
+
+OF_TORQUES = (EXCEEDS_RATED_TORQUE, EXCEEDS_RATE_LIMIT, STEPS)
+"""Codes of remarks that are found again with other torques."""
+
+RATE_TOLERANCE = 1e-6
+"""Share by which a rate may pass its limit before it is told: rounding, of differences of neighbouring samples."""
+
+NAMED = 3
+"""Further joints that it names."""
 
 
 class SelectionError(MrtsError):
@@ -140,12 +162,6 @@ def chosen_factor(
 ) -> tuple[ScalingResult, MotionRows]:
     """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
 
-    Args:
-        cell: The cell, with the reserve that it keeps.
-        motion: Of the whole cell, as given.
-        options: Checked.
-        progress: As in `scale`.
-
     Returns:
         The result, and the limits along its motion.
 
@@ -183,12 +199,6 @@ def admissible_range(
 
     Of what is possible with some load, and with an internal wrench for each sample, only the given samples are looked
     at.
-
-    Args:
-        cell: The cell.
-        motion: Its motion.
-        options: Checked.
-        progress: As in `scale`.
 
     Returns:
         A result without a c², of the motion with the samples that were added, the limits along it, and what was found
@@ -247,14 +257,7 @@ def _between_samples(
 
 
 def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFactors | None"]:
-    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without.
-
-    Args:
-        result: With the range, rates apart.
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without."""
     cell, motion, options, found = result.cell, result.motion, result.options, result.range
     if options.rates is None or not found.status.admits_motion:
         return result, None
@@ -273,10 +276,9 @@ def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> Non
     ends = {end.c2 for end in (found.lower, found.upper) if end is not None}
     refused = None if c2 in ends else factors.refused(c2)
     if refused is not None:
-        rows = ", ".join(str(row) for row in refused.rows)
         raise SelectionError(
             f"c² = {c2:g} lies in a gap that rates leave in the admissible range {found.text(digits=6)}: at "
-            f"t = {found.samples.time[refused.sample]:.4g} s {rows} would be passed."
+            f"t = {found.samples.time[refused.sample]:.4g} s {rows_text(refused.rows)} would be passed."
         )
 
 
@@ -284,13 +286,6 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
     """What forbids a c², at the sample where limits would have to move outward the most; None if nothing does.
 
     There all rows are linear, and no interval has to be known.
-
-    Args:
-        result: Of the motion, with the loads that must be carried.
-        c2: The c².
-
-    Raises:
-        SolverError: If no solver answers.
     """
     cell, motion, worst = result.cell, result.motion, None
     formulation, sharing, rows = result.options.formulation, result.options.sharing, motion_rows(cell, motion)
@@ -334,7 +329,9 @@ def choose_c2(
             still = f"c² ∈ {interval}: the cell can only hold still. The upper end is set {found.upper.place()}."
             raise SelectionError(still)
         return high
-    c2 = 1.0 if select == "nominal" else float(max(min(select, LARGEST_C2), -LARGEST_C2))
+    given = 1.0 if isinstance(select, str) else select
+    too_large = abs(given) > sys.float_info.max  # Python's whole numbers have no end
+    c2 = float("inf" if given > 0 else "-inf") if too_large else float(given)
     if not (np.isfinite(c2) and c2 > 0):
         raise SelectionError(f"c² = {c2:g} is no speed: it must be finite and > 0. Admissible: {interval}.")
     if (admitted := found.admitted(c2, END_TOLERANCE)) is not None:
@@ -346,9 +343,9 @@ def choose_c2(
         if worst is None:
             return c2
         load = "" if worst.load is None else f" with {worst.load}"
-        rows = "; ".join(str(row) for row in worst.rows)
         raise SelectionError(
-            f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{load} {rows} forbid it."
+            f"{outside}, and no slower one admits it: at t = {worst.time:.4g} s{load} {rows_text(worst.rows, '; ')} "
+            "forbid it."
         )
     raise SelectionError(f"{outside}. The {side} end is set {end.place()}.")
 
@@ -392,3 +389,148 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         if options.rates is None:
             raise
         raise SelectionError(f"c² = {c2:g} does not suit this load where rates are kept: {error}", refused) from None
+
+
+def with_torques(
+    result: ScalingResult, given: tuple[Array, Array] | None = None, rows: MotionRows | None = None
+) -> ScalingResult:
+    """A result with the torques of its options at its c², and with what is to be said of them.
+
+    Args:
+        result: Any result, whose cell has the load that is carried; without a c² it stays as it is.
+        given: Torques and wrenches that were distributed already, Shape (N, m) and (N, n w).
+        rows: From `motion_rows`, where they are at hand; None puts them together.
+
+    Raises:
+        SolverError: If no solver answers, or the torques overstep a limit.
+    """
+    cell, motion, options, c2 = result.cell, result.motion, result.options, result.c2
+    if c2 is None:
+        return result
+    rows = motion_rows(cell, motion) if rows is None else rows
+    if given is not None:
+        torque, wrench, fallbacks = *given, 0
+    elif options.rates is None:
+        torque, wrench, fallbacks = distributed_torques(cell, motion, options, c2, rows)
+    else:
+        from mrts.program.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
+
+        W = torque_weights(options.weights, cell)
+        torque, wrench, fallbacks = *torques_within_rates(cell, motion, options.sharing, options.rates, c2, W), 0
+    holding, unheld = _holding(cell, motion, options, rows)
+    before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
+    done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
+    result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
+    told = before + unheld + _overrated(done) + _fast_rates(result)
+    return replace(result, warnings=tuple(dict.fromkeys(told))).checked(rows.given)
+
+
+def distributed_torques(
+    cell: Cell, motion: CoordinatedMotion, options: Options, c2: float, rows: MotionRows | None = None
+) -> tuple[Array, Array, int]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at each sample by itself.
+
+    Returns:
+        Both, and how many programs were left by the chosen solver.
+    """
+    W = torque_weights(options.weights, cell)
+    given = cell, motion, options.formulation, options.sharing, options.solver, c2, W, rows
+    return motion_torques(*given, options.distribute)
+
+
+def _holding(
+    cell: Cell, motion: CoordinatedMotion, options: Options, rows: MotionRows
+) -> tuple[Holding, tuple[Remark, ...]]:
+    """What holds the object still at both ends, c² = 0, and what to say where a controller needs what there is not."""
+    needed = np.array(pushing_ends(motion.dq, motion.ddq))
+    torque, wrench = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
+    if not np.any(needed):
+        return Holding((False, False), torque, wrench), ()
+    places = np.array([0, motion.samples - 1])
+    still, shared = _still(motion, options.sharing, places)
+    at_rest = rows.at_rest(cell, still, places)
+    widening = motion_widening(cell, still, np.zeros(2), formulation=options.formulation, sharing=shared, rows=at_rest)
+    held = needed & (widening <= TORQUE_WIDENING)
+    if np.any(held):
+        if not np.all(held):  # the other end has no torques: the one that has them stands for both
+            both = places[held][[0, -1]]
+            still, shared = _still(motion, options.sharing, both)
+            at_rest = rows.at_rest(cell, still, both)
+        found = distributed_torques(cell, still, replace(options, sharing=shared), 0.0, at_rest)
+        torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
+    remarks = tuple(
+        Remark(
+            "no-row-at-rest",
+            f"the limits do not let the cell hold still where the motion {('starts', 'ends')[end]}, so tables and bags "
+            f"{('begin', 'end')[end]} with the torques of the motion: a controller must not stay there.",
+            int(places[end]),
+        )
+        for end in np.flatnonzero(needed & ~held).tolist()
+    )
+    return Holding((bool(held[0]), bool(held[1])), torque, wrench), remarks
+
+
+def _still(
+    motion: CoordinatedMotion, sharing: LoadSharing | None, samples: NDArray[np.intp]
+) -> tuple[CoordinatedMotion, LoadSharing | None]:
+    """Some samples at which the joints stand, so that no friction opposes a motion, with the distribution there."""
+    stands = np.zeros((len(samples), motion.q.shape[1]))
+    still = replace(motion.at(samples), dq=stands, ddq=stands, travel=None)
+    internal = None if sharing is None else sharing.internal_wrench
+    if sharing is None or internal is None or np.ndim(internal) == 1:
+        return still, sharing
+    return still, replace(sharing, internal_wrench=np.asarray(internal)[samples])
+
+
+def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
+    """What to say of joints whose motors bear their torque for a while only."""
+    if not any(np.any(np.isfinite(robot.motors.rated)) for robot in done.cell.robots):
+        return ()
+    shares = {
+        f"{robot.name}/{joint}": float(share)
+        for robot, duty in zip(done.cell.robots, done.duty.values(), strict=True)
+        for joint, share in zip(robot.joints, duty.rated_share, strict=True)
+        if share > 1
+    }
+    if not shares:
+        return ()
+    worst, *others = sorted(shares, key=lambda joint: -shares[joint])
+    more = f" and {len(others) - NAMED} more" if len(others) > NAMED else ""
+    also = f"; above theirs too: {', '.join(others[:NAMED])}{more}" if others else ""
+    text = (
+        f"{worst}: its root mean square torque over the motion is {100 * shares[worst]:.0f} % of what its motor bears "
+        f"for ever ('rated'{also}): repeated without a pause it overheats. Pause without the load, or carry "
+        "less; to play the motion slower saves only what its accelerations take."
+    )
+    return (Remark(EXCEEDS_RATED_TORQUE, text),)
+
+
+def _fast_rates(result: ScalingResult) -> tuple[Remark, ...]:
+    """What to say of rates that are above their limits, at the samples or where the motion starts and ends."""
+    if result.options.rates is not None:
+        return _steps_at_ends(result.motion)
+    passed = [use for use in rate_uses(result) if use.share > 1 + RATE_TOLERANCE]
+    if not passed:
+        return ()
+    worst, *others = passed
+    also = f"; {len(others)} more pass theirs" if others else ""
+    text = (
+        f"{worst.name} reaches {worst.size:.4g} {worst.name.unit} at t = {worst.time:.4g} s, "
+        f"{100 * worst.share:.0f} % of its limit{also}. Rates are reported only; --rates cell keeps them, at a speed "
+        "that varies --profile smooth (in Python rates=True)."
+    )
+    return (Remark(EXCEEDS_RATE_LIMIT, text),)
+
+
+def _steps_at_ends(motion: CoordinatedMotion) -> tuple[Remark, ...]:
+    """That a motion accelerates from standstill on, or until it stands."""
+    first, last = pushing_ends(motion.dq, motion.ddq)
+    if not (first or last):
+        return ()
+    where = " and ".join(word for word, pushes in (("starts", first), ("ends", last)) if pushes)
+    text = (
+        f"the motion {where} at rest but accelerates there, so torques jump from or to those that hold still, at every "
+        "speed. The rates are kept in between; a profile that starts and ends without acceleration (quintic, or "
+        "--profile smooth) has no such jump."
+    )
+    return (Remark(STEPS, text),)

@@ -14,9 +14,7 @@ from mrts.base.errors import InputError, MotionError, SolverError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_changes
-from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
-from mrts.following.following_again import following_again
-from mrts.limits.rows import ActiveRow
+from mrts.following.coordinated_motion import CoordinatedMotion, follow_object, following_again
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scale import within_rate_limits
@@ -121,13 +119,13 @@ class ChangedAnswer:
         """By how much it is faster or slower: `c² +10.1 %`, `time -4.3 %`; what is instead of none."""
         change = self.c2_change
         if change is not None:
-            return f"c² {_percent(change)}"
+            return f"c² {100 * change:+.3g} %"
         if self.after.c2 is not None:
             return _seconds(0.0) if np.isinf(self.after.c2) else f"c² {self.after.c2:.4g}"
         faster = self.faster
         if faster is None or not 0 < faster < inf:
             return _seconds(self.after.duration)
-        return f"time {_percent(1 / faster - 1)}"
+        return f"time {100 / faster - 100:+.3g} %"
 
     def _then(self) -> str:
         limits = _limits_text(self.after.limits)
@@ -196,14 +194,21 @@ class WhatIf(InNotebooks):
         now = before.status if before.duration is None else _seconds(before.duration)
         now += f" at c² = {before.c2:.4g}" if before.c2 is not None and before.duration else ""
         yield f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; now {now}"
-        what = ("gain less", "lose less", "cannot be played")
-        groups = zip(self.sorted(), (gains, losses, losses), what, strict=True)
-        shown = [(group[:most], len(group) - most, others) for group, most, others in groups]
-        widths = _widths([one for group, _, _ in shown for one in group])
-        for group, hidden, others in shown:
-            yield from (_row(one, *widths) for one in group)
-            if hidden > 0:
-                yield f"  … and {hidden} more that {others} (--json has all)"
+        groups = list(
+            zip(self.sorted(), (gains, losses, losses), ("gain less", "lose less", "cannot be played"), strict=True)
+        )
+        shown = [one for group, most, _ in groups for one in group[:most]]
+        names = max((len(str(one.change)) for one in shown), default=0)
+        amounts = max((len(one.amount) for one in shown if one.after.duration is not None), default=0)
+        for group, most, others in groups:
+            for one in group[:most]:
+                after, limits = one.after, _limits_text(one.after.limits)
+                then = f"  then {limits}" if limits else ""
+                played = f"{one.amount:>{amounts}}  {_seconds(after.duration):>9}{then}"
+                told = played if after.duration is not None else f"{after.status}: {after.reason}"
+                yield f"  {one.change!s:<{names}}  {told}"
+            if len(group) > most:
+                yield f"  … and {len(group) - most} more that {others} (--json has all)"
         yield from filter(None, [self.nothing_else(), self.left_out])
 
     def sorted(self) -> tuple[list[ChangedAnswer], list[ChangedAnswer], list[ChangedAnswer]]:
@@ -246,29 +251,10 @@ def _seconds(duration: float | None) -> str:
     return f"{duration:.4g} s" if np.isfinite(duration) else "stands still"
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:+.3g} %"
-
-
 def _limits_text(limits: Sequence[str]) -> str:
     """The first few limits by name, the others counted."""
     more = f" and {len(limits) - MOST_NAMED} more" if len(limits) > MOST_NAMED else ""
     return f"{', '.join(limits[:MOST_NAMED])}{more}"
-
-
-def _widths(shown: Sequence[ChangedAnswer]) -> tuple[int, int]:
-    """Of the columns of changes and of amounts."""
-    names = max((len(str(one.change)) for one in shown), default=0)
-    return names, max((len(one.amount) for one in shown if one.after.duration is not None), default=0)
-
-
-def _row(one: ChangedAnswer, names: int, amounts: int) -> str:
-    """A line of the table."""
-    after, start = one.after, f"  {one.change!s:<{names}}  "
-    if after.duration is None:
-        return f"{start}{after.status}: {after.reason}"
-    limits = f"  then {_limits_text(after.limits)}" if after.limits else ""
-    return f"{start}{one.amount:>{amounts}}  {_seconds(after.duration):>9}{limits}"
 
 
 def ask_changes(
@@ -344,19 +330,14 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
 
     def answer(changed: Cell, motion: CoordinatedMotion, before: SpeedAnswer | None) -> SpeedAnswer:
         found, loads = range_at_samples(changed, motion, options)
-        if known and before is not None and _leaves(found, before.c2):
-            return before  # to find which rows bind takes longer than to see that the range stays
+        if known and before is not None and before.c2 is not None:
+            upper = found.upper if found.status.admits_motion else None
+            if upper is not None and np.isclose(upper.c2, before.c2, rtol=NO_CHANGE, atol=0):
+                return before  # to find which rows bind takes longer than to see that the range stays
         again = replace(result, cell=changed, motion=motion, found=found, load=loads, options=options)
         return _of_range(within_rate_limits(again)[0].range, float(motion.object.time[-1]))
 
     return ask_changes(cell, result.motion, steps, answer, progress)
-
-
-def _leaves(found: ScalingRange, c2: float | None) -> bool:
-    """Whether c²⁺ is what it was."""
-    if c2 is None or found.upper is None or not found.status.admits_motion:
-        return False
-    return found.upper.c2 == c2 or abs(found.upper.c2 - c2) <= NO_CHANGE * c2
 
 
 def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
@@ -364,12 +345,9 @@ def _of_range(found: ScalingRange, given: float) -> SpeedAnswer:
     status, upper = found.status, found.upper
     if not status.admits_motion or upper is None:
         return SpeedAnswer(status=status.value, reason=_why_not(found))
-    duration = given / np.sqrt(upper.c2) if upper.c2 > 0 else inf
-    return SpeedAnswer(status=status.value, c2=upper.c2, duration=float(duration), limits=_names(upper.rows))
-
-
-def _names(rows: Sequence[ActiveRow]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(row.name.short for row in rows))
+    duration = float(given / np.sqrt(upper.c2)) if upper.c2 > 0 else inf
+    limits = tuple(dict.fromkeys(row.name.short for row in upper.rows))
+    return SpeedAnswer(status=status.value, c2=upper.c2, duration=duration, limits=limits)
 
 
 def _why_not(found: ScalingRange) -> str:
@@ -378,5 +356,5 @@ def _why_not(found: ScalingRange) -> str:
     if not samples.conflicts:
         return found.explain().removesuffix(found.status.advice).rstrip(". ")
     worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
-    names = _limits_text(_names(worst.rows))
+    names = _limits_text(list(dict.fromkeys(row.name.short for row in worst.rows)))
     return f"at {len(samples.conflicts)} of {len(samples.time)} samples; at t = {worst.time:.4g} s {names} conflict"

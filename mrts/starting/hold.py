@@ -1,25 +1,26 @@
 # SPDX-License-Identifier: MIT
 """'Hold it here, now': grasps from where the hands are."""
 
-from dataclasses import replace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array
 from mrts.base.edited_yaml import Key, edited_yaml, flow
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.base.yaml_parser import parse_yaml
-from mrts.cell.cell import Cell, Numbers
+from mrts.cell.cell import Cell
 from mrts.scene.cell_shapes import body_poses
 from mrts.starting.proposal import pose_keys
 
 
-def hold_here(cell: Cell, xyz: Numbers, rpy: Numbers = (0.0, 0.0, 0.0)) -> Cell:
+def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | Array = (0.0, 0.0, 0.0)) -> Cell:
     """The same cell with every hand holding the object where the hand is now: at its robot's `posture`.
 
     Args:
@@ -36,14 +37,13 @@ def hold_here(cell: Cell, xyz: Numbers, rpy: Numbers = (0.0, 0.0, 0.0)) -> Cell:
     check_type("cell", cell, Cell)
     given = {"xyz": plain("hold_here", xyz), "rpy": plain("hold_here", rpy)}
     T_world_object = Pose.read("hold_here", given).transform
-    robots = []
+    grasps = {}
     for robot in cell.robots:
         R, p = body_poses(robot, robot.posture[None])
         T_world_tip = RigidTransform(R[0, -1], p[0, -1]) @ robot.T_base_tip
         held = T_world_object.inverse() @ T_world_tip
-        grasp = RigidTransform(snap_rotation(held.R), np.array(held.p))
-        robots.append(replace(robot, T_object_tip=grasp))
-    return replace(cell, robots=tuple(robots))
+        grasps[f"robots.{robot.name}.grasp"] = RigidTransform(snap_rotation(held.R), np.array(held.p))
+    return cell.with_values(grasps)
 
 
 def grasp_lines(cell: Cell) -> dict[str, str]:

@@ -166,7 +166,7 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
             raise InputError(path, remark.text)
     rows = twist_rows(plane)
     q = postures_for_rank(arm.middle())
-    if lacking := lacking_freedom(arm.chain.joints, q, arm.at(q).jacobian[:, rows], rows):
+    if lacking := lacking_freedom(arm.chain.joints, arm.at(q).jacobian[:, rows], rows):
         raise InputError(path, f"{lacking} Choose another tip or robot.")
 
 

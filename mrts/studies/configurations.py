@@ -2,7 +2,7 @@
 """All inverse-kinematics branches of every arm, followed along the motion and ranked by c²⁺ (section VI, 6.3)."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -13,7 +13,6 @@ from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.json_output import JsonOutput
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.cell.cell import Cell
 from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
@@ -26,7 +25,7 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.range_status import RangeStatus
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.options import Options
-from mrts.scaling.range import ScalingRange
+from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.scale import admissible_range
 
 DEFAULT_CAP = 1024
@@ -73,8 +72,8 @@ class Configuration:
         return {branch.robot: branch.start.tolist() for branch in self.branches}
 
 
-@dataclass(frozen=True)
-class ConfigurationStudy(InNotebooks, JsonOutput):
+@dataclass(frozen=True, repr=False)
+class ConfigurationStudy(JsonOutput):
     """What `rank_configurations` found.
 
     Attributes:
@@ -87,18 +86,8 @@ class ConfigurationStudy(InNotebooks, JsonOutput):
     ranked: tuple[Configuration, ...]
     combinations: int
 
-    def notebook_words(self) -> list[str]:
-        """How many there are."""
-        return [f"{self.combinations} configurations reach the end, {len(self.ranked)} evaluated{self._left_out()}"]
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """The configurations by falling c²⁺."""
-        rows = [
-            (str(rank), *(str(branch.number) for branch in one.branches),
-             f"{one.c2_upper:.4g}" if np.isfinite(one.c2_upper) else "-", outcome(one))
-            for rank, one in enumerate(self.ranked, start=1)
-        ]  # fmt: skip
-        yield NotebookTable(("rank", *self.branches, "c²⁺", "limited at"), rows)
+    def __repr__(self) -> str:
+        return f"<ConfigurationStudy: {self.combinations} configurations reach the end, {len(self.ranked)} evaluated>"
 
     def table(self, rows: int) -> str:
         """The best configurations and the branches that they are made of, as text.
@@ -141,20 +130,20 @@ class ConfigurationStudy(InNotebooks, JsonOutput):
 
     def to_json(self) -> dict[str, Any]:
         """The whole study as JSON values."""
-        ranked = []
-        for configuration in self.ranked:
-            found = configuration.range
-            ends = (found.lower, found.upper) if found.status.admits_motion else (None, None)
-            lower, upper = (end.c2 if end is not None and np.isfinite(end.c2) else None for end in ends)
-            ranked.append(
-                {
-                    "branches": {branch.robot: branch.number for branch in configuration.branches},
-                    "postures": configuration.postures(),
-                    "status": found.status.value,
-                    "c2": {"lower": lower, "upper": upper},
-                    "outcome": outcome(configuration),
-                }
-            )
+
+        def c2(found: ScalingRange, end: RangeEnd | None) -> float | None:
+            return end.c2 if found.status.admits_motion and end is not None and np.isfinite(end.c2) else None
+
+        ranked = [
+            {
+                "branches": {branch.robot: branch.number for branch in one.branches},
+                "postures": one.postures(),
+                "status": one.range.status.value,
+                "c2": {"lower": c2(one.range, one.range.lower), "upper": c2(one.range, one.range.upper)},
+                "outcome": outcome(one),
+            }
+            for one in self.ranked
+        ]
         branches = {
             name: [
                 {"number": b.number, "start": b.start.tolist(), "failure": b.failure and b.failure.message}
@@ -177,11 +166,10 @@ def rank_configurations(
 ) -> ConfigurationStudy:
     """Evaluate every combination of inverse-kinematics branches.
 
-    Branches come from the planar closed form, from the analytic inverse of a six-joint arm (extra `ik`), or else from
-    seeded random starts; for a redundant arm these settle where they come locally nearest to its posture. Positions
-    outside the joint limits do not count. More combinations than `cap` are ordered by c²⁺ of the fixed distribution
-    (`sharing`, else the even one, without contacts), which is cheap, and the first `cap` evaluated. Ranges of an
-    uncertain load are the guaranteed ones.
+    Branches come from the planar closed form, or else from seeded random starts; for a redundant arm these settle
+    where they come locally nearest to its posture. Positions outside the joint limits do not count. More combinations
+    than `cap` are ordered by c²⁺ of the fixed distribution (`sharing`, else the even one, without contacts), which is
+    cheap, and the first `cap` evaluated. Ranges of an uncertain load are the guaranteed ones.
 
     Args:
         cell: The cell.
@@ -219,13 +207,11 @@ def rank_configurations(
             found.append(_evaluate(of, motion, tracks, choice, how))
         return sorted(found, key=lambda configuration: -configuration.c2_upper)
 
-    ranked: list[Configuration] | None = None
     if scores:
         of = cell if sharing is not None else _without_hands(cell)
-        best = evaluate(chosen, 0, of, replace(options, sharing=sharing or LoadSharing()))[:cap]
-        chosen = [configuration.branches for configuration in best]
-        ranked = best if sharing is not None else None
-    if ranked is None:
+        ranked = evaluate(chosen, 0, of, replace(options, sharing=sharing or LoadSharing()))[:cap]
+        chosen = [configuration.branches for configuration in ranked]
+    if not scores or sharing is None:
         ranked = evaluate(chosen, scores, cell, options)
     progress(total, total)
     return ConfigurationStudy(branches, tuple(ranked), combinations)
@@ -268,14 +254,11 @@ def _evaluate(
     choice: tuple[Branch, ...],
     options: Options,
 ) -> Configuration:
-    parts = []
-    for values in (tracks.q, tracks.dq, tracks.ddq):
-        columns = [
-            values[branch.number - 1][:, joints]
-            for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)
-        ]
-        parts.append(np.concatenate(columns, axis=1))
-    q, dq, ddq = parts
+    places = [(branch.number - 1, joints) for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)]
+    q, dq, ddq = (
+        np.concatenate([values[track][:, joints] for track, joints in places], axis=1)
+        for values in (tracks.q, tracks.dq, tracks.ddq)
+    )
     whole = CoordinatedMotion(motion, q, dq, ddq)
     return Configuration(choice, admissible_range(cell, whole, options)[0].range)
 

@@ -2,7 +2,6 @@
 """How a parameter of a study is distributed: over levels, evenly over a range, or by chance."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -21,6 +20,10 @@ WORDS = {
     "uniform": "from {0} to {1}{2}",
 }
 """What shapes each kind of distribution, its unit last."""
+
+
+CHANCES = ("normal", "lognormal", "triangular")
+"""Kinds of numbers that happen, and are not for a designer to choose."""
 
 
 @dataclass(frozen=True)
@@ -76,11 +79,3 @@ class Distribution:
             more = f", … ({len(shown)} values)" if len(shown) > VALUES_SHOWN else ""
             return f"{', '.join(shown[:VALUES_SHOWN])}{more}{spaced}"
         return WORDS[self.kind].format(*shown, spaced)
-
-    def to_json(self) -> dict[str, Any]:
-        """As `study.json` has it under `spread`."""
-        if self.levels is not None:
-            return {"values": list(self.numbers), "between": self.kind == "steps"}
-        if self.kind == "uniform":
-            return {"low": self.numbers[0], "high": self.numbers[1]}
-        return {"kind": self.kind, "numbers": list(self.numbers)}

@@ -45,11 +45,7 @@ class StudyEstimate:
         return self.seconds_each * self.study.variants / workers
 
     def lines(self, workers: int = 1) -> Iterator[str]:
-        """What the study varies and asks, and how long it will take, for people.
-
-        Args:
-            workers: Number of processes, each with a core of its own.
-        """
+        """What the study varies and asks, and how long it will take, for people."""
         yield from study_lines(self.study)
         found = ", ".join(f"{number} {status}" for status, number in sorted(self.statuses.items()))
         each = self.seconds_each
@@ -61,29 +57,19 @@ class StudyEstimate:
 
 
 def study_lines(study: Study) -> Iterator[str]:
-    """What a study varies and asks, for people.
-
-    Args:
-        study: The study.
-    """
+    """What a study varies and asks, for people."""
     drawn = "" if study.sample == "grid" else f", seed {study.seed}"
     yield f"{study.path.name}: {study.variants} variants ({study.sample}{drawn}) of cell '{study.cell['name']}'"
     for parameter in study.parameters:
         yield f"  {parameter}"
     question = study.question
-    asked = ["range of c²" if question.profile == "constant" else "fastest timing"]
-    asked += ["energy and torques"] if question.torques else []
-    asked += [f"load: {question.load}"] if question.load != "auto" else []
-    asked += [f"reserve {question.reserve:g}"] if question.reserve is not None else []
+    asked = [f"{name} {value}" for name, value in question if name != "between" and value not in {None, False}]
     samples = "at the samples alone" if question.between is None else f"between the samples to {question.between:g}"
     yield f"asked of each: {', '.join(asked)}, {samples}"
 
 
 def estimate(study: Study) -> StudyEstimate:
     """How long a study will take on one core: a few of its variants are solved, more until their time can be told.
-
-    Args:
-        study: The study.
 
     Raises:
         InputError: If it is no study.

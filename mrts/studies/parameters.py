@@ -10,14 +10,12 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from mrts.base.argument_types import is_number
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite, Positive
 from mrts.base.formats.record import Record, Rule
-from mrts.base.input_file import IDENTIFIER, LARGEST_NUMBER, LONGEST_NAME
+from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.cell.cell import Cell
-from mrts.studies.distributions import Distribution
-from mrts.studies.number_paths import (
+from mrts.cell.number_paths import (
     Keys,
     PathError,
     find_keys,
@@ -27,6 +25,7 @@ from mrts.studies.number_paths import (
     value_at,
     with_place,
 )
+from mrts.studies.distributions import Distribution
 from mrts.studies.sampling import MAX_STEPS, SampleName
 
 RESERVED_NAMES = (
@@ -38,6 +37,9 @@ MOVES = ("sets", "shifts", "scales")
 """What a parameter can do to a number: be it, be added to it, multiply it."""
 
 FORMS = "a list such as [1, 2, 3], a range such as {from: 1, to: 3, steps: 5}, or {normal: {mean: 2, std: 0.1}}"
+
+SHAPES = ("normal", "lognormal", "uniform", "triangular")
+"""Of distributions, each a key of its own."""
 
 PATHS_SHOWN = 3
 """Of what a parameter moves."""
@@ -121,16 +123,29 @@ class UniformDescription(Record):
         return _reversed(self.from_, self.to)
 
 
-class TriangularDescription(UniformDescription):
+class TriangularDescription(Record):
     """A distribution that rises to its likeliest value and falls from there."""
 
+    from_: Finite
     peak: Finite
+    to: Finite
 
     def problem(self) -> str:
         """The rule that its numbers break with each other; empty if none."""
-        if self.from_ <= self.peak <= self.to:
-            return super().problem()
-        return super().problem() or f"'peak', {self.peak:g}, must lie between 'from' and 'to'"
+        if not self.from_ <= self.peak <= self.to:
+            return f"'peak', {self.peak:g}, must lie between 'from' and 'to'"
+        return _reversed(self.from_, self.to)
+
+
+class AffineDescription(Record):
+    """What a parameter sets a number to: offset + factor × its own value."""
+
+    factor: Finite = 1.0
+    offset: Finite = 0.0
+
+
+Paths = Annotated[list[str], Rule(min_length=1)]
+Factors = Annotated[dict[str, Finite | AffineDescription], Rule(min_length=1)]
 
 
 class ParameterDescription(Record):
@@ -142,7 +157,7 @@ class ParameterDescription(Record):
         steps: Of a range, in a grid.
         values: Some values.
         normal, lognormal, uniform, triangular: Distributions.
-        sets, shifts, scales: Numbers that it moves; an entry without them, (), is itself the path to one.
+        sets, shifts, scales: Numbers that it moves; an entry without them is itself the path to one.
     """
 
     from_: Finite | None = None
@@ -153,19 +168,17 @@ class ParameterDescription(Record):
     lognormal: LognormalDescription | None = None
     uniform: UniformDescription | None = None
     triangular: TriangularDescription | None = None
-    sets: Any = ()
-    shifts: Any = ()
-    scales: Any = ()
+    sets: Paths | Factors | None = None
+    shifts: Paths | Factors | None = None
+    scales: Paths | None = None
 
     def problem(self) -> str:
         """The rule that its keys break with each other; empty if none."""
         ends = [name for name, value in (("from", self.from_), ("to", self.to)) if value is not None]
         forms = ["a range"] if ends or self.steps is not None else []
-        kinds = ("values", "normal", "lognormal", "uniform", "triangular")
-        forms += [name for name in kinds if getattr(self, name) is not None]
+        forms += [name for name in ("values", *SHAPES) if getattr(self, name) is not None]
         if len(forms) != 1:
-            given = f"here are {', '.join(forms)}" if forms else "here is none of them"
-            return f"one way to vary it belongs here: {FORMS}; {given}"
+            return f"one way to vary it belongs here: {FORMS}; here are {', '.join(forms) or 'none of them'}"
         if self.from_ is not None and self.to is not None:
             return _reversed(self.from_, self.to)
         if forms == ["a range"]:
@@ -176,42 +189,25 @@ class ParameterDescription(Record):
     def distribution(self, sample: SampleName) -> Distribution:
         """How it is distributed.
 
-        Args:
-            sample: How the points of the study are chosen.
-
         Raises:
             InputError: If the two do not go together.
         """
-        found = self._distribution()
         if sample != "grid" and self.steps is not None:
             rule = f"steps are those of a grid; sample: {sample} draws from the whole range. Leave this out"
             raise InputError("", f"{rule}.", key="steps", value=self.steps)
-        if sample == "grid" and found.levels is None:
-            rule = "a grid needs to know in how many steps, such as steps: 5"
-            if found.kind != "uniform":
-                rule = f"a {found.kind} distribution has no steps to make a grid of"
-            raise InputError("", f"{rule}. Take sample: sobol or lhs with a count.")
-        return found
-
-    def _distribution(self) -> Distribution:
         if self.values is not None:
             return Distribution("values", tuple(self.values))
-        if self.normal is not None:
-            return Distribution("normal", (self.normal.mean, self.normal.std))
-        if self.lognormal is not None:
-            return Distribution("lognormal", (self.lognormal.median, self.lognormal.log_std))
-        if self.triangular is not None:
-            return Distribution("triangular", (self.triangular.from_, self.triangular.peak, self.triangular.to))
-        ends = self.uniform or self
-        assert ends.from_ is not None and ends.to is not None  # noqa: S101, PT018 (checked by `problem`)
-        if self.steps is None:
-            return Distribution("uniform", (ends.from_, ends.to))
-        return Distribution("steps", tuple(np.linspace(ends.from_, ends.to, self.steps).tolist()))
-
-    @property
-    def moves(self) -> list[str]:
-        """Those of `MOVES` that it says."""
-        return [move for move in MOVES if getattr(self, move) != ()]
+        if self.steps is not None:
+            return Distribution("steps", tuple(np.linspace(self.from_ or 0, self.to or 0, self.steps).tolist()))
+        shapes = {name: getattr(self, name) for name in SHAPES if getattr(self, name) is not None}
+        kind, shape = next(iter(shapes.items()), ("uniform", None))
+        numbers = (self.from_ or 0.0, self.to or 0.0) if shape is None else tuple(dict(shape).values())
+        if sample == "grid":
+            rule = "a grid needs to know in how many steps, such as steps: 5"
+            if kind != "uniform":
+                rule = f"a {kind} distribution has no steps to make a grid of"
+            raise InputError("", f"{rule}. Take sample: sobol or lhs with a count.")
+        return Distribution(kind, numbers)
 
 
 def read_parameters(
@@ -239,18 +235,28 @@ def read_parameters(
     if not vary:
         raise InputError(path, "names nothing to vary, such as object.mass: [2, 3, 4].", key="vary")
     parameters = []
-    moved: dict[Keys, str] = {}
-    above: dict[Keys, str] = {}
+    movers: dict[Keys, str] = {}
     for name, value in vary.items():
         try:
             parameter = _parameter(name, value, sample, filled, cell)
-            _check_apart(name, parameter, moved, above)
+            for target in parameter.targets:
+                _check_apart(name, target, movers)
+                movers[target.keys] = name
         except InputError as error:
             raise error.inside(path, f"vary.{name}") from None
         parameters.append(parameter)
-    for target in (target for parameter in parameters for target in parameter.targets):
-        with_place(given, filled, target.keys)
+    for keys in movers:
+        with_place(given, filled, keys)
     return tuple(parameters)
+
+
+def _check_apart(mover: str, target: Target, movers: Mapping[Keys, str]) -> None:
+    """Check that nothing moves a number, a part of it, or what it is a part of, twice."""
+    for keys, other in movers.items():
+        shared = min(len(keys), len(target.keys))
+        if keys[:shared] == target.keys[:shared]:
+            by = f", by '{other}' and '{mover}'" if other != mover else ""
+            raise InputError("", f"{target.path} is moved twice{by}. Each number has one mover.")
 
 
 def _parameter(name: str, value: object, sample: SampleName, files: dict[str, Any], cell: Cell) -> Parameter:
@@ -260,9 +266,10 @@ def _parameter(name: str, value: object, sample: SampleName, files: dict[str, An
         raise InputError("", f"must say how it varies: {FORMS}.", value=value)
     entry = ParameterDescription.model_validate(value)
     distribution = entry.distribution(sample)
-    if entry.moves:
+    moves = {move: getattr(entry, move) for move in MOVES if getattr(entry, move) is not None}
+    if moves:
         _check_name(name)
-        targets = tuple(_targets(entry, files, cell))
+        targets = tuple(target for move, listed in moves.items() for target in _targets(move, listed, files, cell))
     else:
         targets = (_target(files, cell, name),)
     for target in targets:
@@ -271,8 +278,8 @@ def _parameter(name: str, value: object, sample: SampleName, files: dict[str, An
         ):
             raise InputError("", f"{target.path} is a whole number: list the values that it takes.")
     units = {target.unit for target in targets}
-    unit = units.pop() if len(units) == 1 and "scales" not in entry.moves else ""  # a factor has none
-    return Parameter(name if entry.moves else targets[0].path, unit, distribution, targets)
+    unit = units.pop() if len(units) == 1 and "scales" not in moves else ""  # a factor has none
+    return Parameter(name if moves else targets[0].path, unit, distribution, targets)
 
 
 def _check_name(name: str) -> None:
@@ -284,53 +291,31 @@ def _check_name(name: str) -> None:
         raise InputError("", f"{rule}.")
 
 
-def _targets(entry: ParameterDescription, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
-    for move in entry.moves:
+def _targets(move: str, listed: list[str] | dict[str, Any], files: dict[str, Any], cell: Cell) -> Iterator[Target]:
+    for path, given in listed.items() if isinstance(listed, dict) else [(path, 1.0) for path in listed]:
         try:
-            yield from _moved(move, getattr(entry, move), files, cell)
+            line = given if isinstance(given, AffineDescription) else AffineDescription(factor=given)
+            if line.factor == 0 or (move == "shifts" and line.offset != 0):
+                raise InputError("", "a factor is not 0, and an offset belongs to 'sets'.", value=given)  # noqa: TRY301
+            if move == "sets":
+                yield _target(files, cell, path, line.factor, line.offset)
+            else:
+                yield from _moved(move, path, line.factor, files, cell)
         except InputError as error:
-            raise error.inside("", move) from None
+            raise error.inside("", f"{move}.{path}") from None
 
 
-def _moved(move: str, listed: object, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
-    for path, factor, offset in _listed(listed):
-        if move == "scales" and (factor, offset) != (1, 0):
-            rule = "a parameter that scales takes a list of paths: it is itself the factor of each"
-            raise InputError("", f"{rule}.", value=listed)
-        if move == "shifts" and offset != 0:
-            raise InputError("", "an offset belongs to 'sets'.", value=offset)
-        if move == "sets":
-            yield _target(files, cell, path, factor, offset)
-            continue
-        numbers = list(numbers_below(files, _keys(files, cell, path)))
-        own = [float(value_at(files, number)) for number in numbers]
-        if not own:
-            rule = f"the cell and motion files give no number at {path}, so there is none to move. Write it there first"
-            raise InputError("", f"{rule}.")
-        if move == "scales" and not any(own):
-            rule = f"what is at {path} is 0, and stays 0 however it is scaled. Use 'sets' or 'shifts'"
-            raise InputError("", f"{rule}.")
-        for number, value in zip(numbers, own, strict=True):
-            yield _target(files, cell, number, *((value, 0.0) if move == "scales" else (factor, value)))
-
-
-def _listed(given: object) -> Iterator[tuple[str, float, float]]:
-    form = (
-        "must be a list of paths, or paths with the factor of each, such as robots.left.base.xyz[0]: -1, or with "
-        "{factor: -1, offset: 0.1}"
-    )
-    if isinstance(given, list) and given and all(isinstance(path, str) for path in given):
-        yield from ((path, 1.0, 0.0) for path in given)
-        return
-    if not isinstance(given, dict) or not given or not all(isinstance(path, str) for path in given):
-        raise InputError("", f"{form}.", value=given)
-    for path, line in given.items():
-        parts = line if isinstance(line, dict) else {"factor": line}
-        numbers = {"factor": 1.0, "offset": 0.0} | parts
-        sound = all(is_number(one, -LARGEST_NUMBER, LARGEST_NUMBER) for one in numbers.values())
-        if not parts or len(numbers) > 2 or not sound or numbers["factor"] == 0:  # noqa: PLR2004 (the two)
-            raise InputError("", f"{form}; a factor is not 0.", key=path, value=line)
-        yield path, float(numbers["factor"]), float(numbers["offset"])
+def _moved(move: str, path: str, factor: float, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
+    """The numbers at a path and inside of it, shifted or scaled."""
+    numbers = list(numbers_below(files, _keys(files, cell, path)))
+    own = [float(value_at(files, number)) for number in numbers]
+    if not own:
+        rule = f"the cell and motion files give no number at {path}, so there is none to move. Write it there first"
+        raise InputError("", f"{rule}.")
+    if move == "scales" and not any(own):
+        raise InputError("", f"what is at {path} is 0, and stays 0 however it is scaled. Use 'sets' or 'shifts'.")
+    for number, value in zip(numbers, own, strict=True):
+        yield _target(files, cell, number, *((value, 0.0) if move == "scales" else (factor, value)))
 
 
 def _keys(files: dict[str, Any], cell: Cell, path: str) -> Keys:
@@ -352,22 +337,3 @@ def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float 
         raise InputError("", f"{text} is '{value}', which is no number; numbers vary.")
     unit = number_unit(keys, cell.robots, cell.wrench_units)
     return Target(text, keys, unit, factor, offset, whole=keys == ("motion", "samples"))
-
-
-def _check_apart(mover: str, parameter: Parameter, moved: dict[Keys, str], above: dict[Keys, str]) -> None:
-    """Check that no number is moved twice, nor a part of what another moves.
-
-    Args:
-        mover: Name of the parameter.
-        parameter: The parameter.
-        moved: What moves each number so far; its own join them.
-        above: Likewise of the lists and mappings that the numbers are in.
-    """
-    for target in parameter.targets:
-        parents = [target.keys[:size] for size in range(1, len(target.keys))]
-        other = next(filter(None, map(moved.get, [target.keys, *parents])), above.get(target.keys))
-        if other is not None:
-            by = f", by '{other}' and '{mover}'" if other != mover else ""
-            raise InputError("", f"{target.path} is moved twice{by}. Each number has one mover.")
-        moved[target.keys] = mover
-        above |= dict.fromkeys(parents, mover)

@@ -2,7 +2,7 @@
 """A study: a cell and a motion of which numbers vary, and what is asked of each variant."""
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -18,14 +18,13 @@ from mrts.base.formats.package_uri import is_uri
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import MAX_FILE_BYTES
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
+from mrts.cell.number_paths import set_value
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
-from mrts.studies.number_paths import set_number
 from mrts.studies.parameters import Parameter
 from mrts.studies.sampling import SampleName, sample_points
 
@@ -75,7 +74,7 @@ class StudyFile:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Study(InNotebooks):
+class Study:
     """Many variants of one cell and one motion. It pickles with all that a worker needs; equal studies ask the same.
 
     Attributes:
@@ -135,11 +134,6 @@ class Study(InNotebooks):
             check_callable("limits", limit)
         return replace(self, limits=limits)
 
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """What varies."""
-        rows = [(entry.path, entry.distribution.text(entry.unit)) for entry in self.parameters]
-        yield NotebookTable(("number", "varies"), rows)
-
     def points(self, first: int, last: int) -> Array:
         """Values of the parameters of some variants, the same whatever block they are asked for in.
 
@@ -179,7 +173,7 @@ class Study(InNotebooks):
         files = {"cell": deepcopy(self.cell), "motion": deepcopy(self.motion)}
         for parameter, value in zip(self.parameters, values.tolist(), strict=True):
             for target in parameter.targets:
-                set_number(files, target.keys, target.value(value))
+                set_value(files, target.keys, target.value(value))
         return files["cell"], files["motion"]
 
     def at_hand(self) -> Self:

@@ -234,7 +234,7 @@ def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None
         if box is not None and load.startswith("grid"):
             mass_grid(box, load)
     except InputError as error:
-        raise InputError(path, error.rule, key=error.where, value=error.value) from None
+        raise InputError(path, error.rule.replace("None", "null"), key=error.where, value=error.value) from None
 
 
 def _variants(path: Path, described: StudyDescription, parameters: tuple[Parameter, ...]) -> int:

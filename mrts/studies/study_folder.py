@@ -24,17 +24,16 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
-from mrts.base.printable import message_text
 from mrts.base.version import __version__
 from mrts.limits.row_check import limit_name
-from mrts.studies.parameters import Parameter
 from mrts.studies.study import Study
-from mrts.studies.study_record import FORMAT, study_record
 from mrts.studies.variant_rows import column_types
 
 if TYPE_CHECKING:
     import pyarrow as pa
+
+FORMAT = 2
+"""Of study.json."""
 
 STUDY_FILE = "study.json"
 ROWS = "rows"
@@ -70,7 +69,7 @@ def require_pyarrow() -> None:
 
 
 @dataclass(frozen=True)
-class StudyFolder(InNotebooks):
+class StudyFolder:
     """A study and the part of its rows that is solved.
 
     Attributes:
@@ -81,20 +80,9 @@ class StudyFolder(InNotebooks):
     path: Path
     record: Mapping[str, Any]
 
-    def notebook_words(self) -> list[str]:
-        """What it is; the table says the rest."""
-        return [type(self).__name__]
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """How far it is, and its columns."""
-        parts = len(self.parts())
-        rows = [("folder", str(self.path)), ("parts solved", f"{parts} of {self.chunks}")]
-        rows += [("variants", str(self.variants)), ("columns", ", ".join(self.record["columns"]))]
-        yield NotebookTable(("", ""), rows)
-
     @property
     def digest(self) -> str:
-        """Of the whole study."""
+        """Hash of the whole study."""
         return str(self.record["digest"])
 
     @property
@@ -225,15 +213,25 @@ def read_study_folder(path: Path | str) -> StudyFolder:
     except InputError as error:
         rule = f"holds no study: {STUDY_FILE}: {error.rule} Name what `mrts sweep -o` wrote."
         raise InputError(folder, rule) from None
-    return StudyFolder(folder, study_record(folder / STUDY_FILE, text))
+    try:
+        record = json.loads(text)
+    except (ValueError, RecursionError):
+        record = {"format": FORMAT}
+    if not isinstance(record, dict) or record.get("format") != FORMAT:
+        rule = f"is not a study of format {FORMAT}, which this mrts reads; name another folder."
+        raise InputError(folder / STUDY_FILE, rule)
+    if record.pop("check", None) != _check(record):
+        raise InputError(folder / STUDY_FILE, "is damaged, or was changed by hand. Remove the folder, or name another.")
+    return StudyFolder(folder, record)
+
+
+def _check(record: Mapping[str, Any]) -> str:
+    """Hash of what `study.json` says beside it."""
+    return hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
 
 
 def study_content(study: Study) -> dict[str, Any]:
-    """What `study.json` says of a study, as JSON values: all of it but the content of URDFs and tables.
-
-    Args:
-        study: The study.
-    """
+    """What `study.json` says of a study, as JSON values: all of it but the content of URDFs and tables."""
     units = {each.path: each.unit for each in study.parameters} | UNITS
     content = {
         "mrts": __version__,
@@ -242,36 +240,27 @@ def study_content(study: Study) -> dict[str, Any]:
         "columns": {name: {"type": kind, "unit": units.get(name, "")} for name, kind in column_types(study).items()},
         "study": {
             "file": study.path.name,
+            "question": study.question.model_dump(),
+            "sample": study.sample,
+            "vary": [
+                {"path": each.path, "unit": each.unit, "text": str(each), **asdict(each.distribution),
+                 "targets": [asdict(target) for target in each.targets]}
+                for each in study.parameters
+            ],
+            "seed": study.seed,
             "cell": study.cell,
             "motion": study.motion,
             "limits": list(map(limit_name, study.limits)),
-            "question": study.question.model_dump(),
-            "vary": list(map(_parameter_content, study.parameters)),
-            "sample": study.sample,
-            "count": study.variants,
-            "seed": study.seed,
             "urdfs": {each.reference: f"SHA-256 {hashlib.sha256(each.content).hexdigest()}" for each in study.urdfs},
         },
-    }
+    }  # fmt: skip
     same: dict[str, Any] = json.loads(json.dumps(content))
     return same
-
-
-def _parameter_content(parameter: Parameter) -> dict[str, Any]:
-    spread, bounds = parameter.distribution.to_json(), parameter.distribution.bounds
-    targets = [asdict(target) for target in parameter.targets]
-    told = {"path": parameter.path, "unit": parameter.unit, "spread": spread, "targets": targets}
-    return told | {"bounds": bounds, "text": str(parameter)}
 
 
 @contextmanager
 def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int]) -> Iterator[StudyFolder]:
     """The folder of a study, begun or gone on with; nobody else writes into it meanwhile.
-
-    Args:
-        path: Of the folder: missing, empty, or begun by the same study.
-        study: The study.
-        chunk_size: Asked for the number of variants in a part where the study begins.
 
     Raises:
         InputError: If the folder holds something else, another sweep is at work in it, or it cannot be written.
@@ -292,7 +281,8 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
             if others := sorted(file.name for file in path.iterdir() if file.name != LOCK_FILE):
                 raise InputError(path, f"holds no study, but {others[0]}: name a new or empty folder.")
             record = {"format": FORMAT, "chunk": chunk_size(), **content}
-            write_text_atomically(path / STUDY_FILE, json.dumps(record, indent=1, ensure_ascii=False) + "\n")
+            checked = json.dumps(record | {"check": _check(record)}, indent=1, ensure_ascii=False)
+            write_text_atomically(path / STUDY_FILE, f"{checked}\n")
             folder = StudyFolder(path, record)
         yield folder
 
@@ -337,47 +327,13 @@ def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
     """Check that a folder is of the study that is to be solved."""
     if folder.digest == content["digest"]:
         return
-    before, now = folder.record, {**folder.record, **content}
-    if before.get("mrts") != now.get("mrts"):
-        raise InputError(
-            folder.path,
-            f"was begun by mrts {before.get('mrts')}, this is {now.get('mrts')}: end it with that one, or name another "
-            "folder.",
+    before, now = folder.record, content
+    if before["mrts"] != now["mrts"]:
+        rule = (
+            f"was begun by mrts {before['mrts']}, this is {now['mrts']}: end it with that one, or name another folder."
         )
-    advice = "Name another folder, or take back what was changed."
-    difference = first_difference(_as_written(before["study"]), _as_written(now["study"]))
-    difference = difference or first_difference(before["study"], now["study"])  # such as the seventh digit of a text
-    if difference is None:
-        raise InputError(folder.path, f"holds another study: the table of its motion was another one. {advice}")
-    where, old, new = difference
-    was = "not there" if old is None else message_text(json.dumps(old, ensure_ascii=False))
-    raise InputError(folder.path, f"holds another study, in which this is {was}. {advice}", key=where, value=new)
-
-
-def _as_written(study: Mapping[str, Any]) -> dict[str, Any]:
-    """What `study.json` says of a study under the keys of the study's file; how numbers are spread in words."""
-    vary = {each["path"]: each["text"].removeprefix(each["path"]).removeprefix(": ") for each in study["vary"]}
-    return {**study, **study["question"], "question": None, "vary": vary}
-
-
-def first_difference(before: Any, now: Any, where: str = "") -> tuple[str, Any, Any] | None:
-    """Where two JSON values first differ: path, value before, value now; None where they do not.
-
-    Args:
-        before: A value.
-        now: Another.
-        where: Path of both.
-    """
-    if isinstance(before, dict) and isinstance(now, dict):
-        for key in [*now, *(key for key in before if key not in now)]:
-            found = first_difference(before.get(key), now.get(key), f"{where}.{key}" if where else key)
-            if found is not None:
-                return found
-        return None
-    if isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
-        for index, (old, new) in enumerate(zip(before, now, strict=True)):
-            found = first_difference(old, new, f"{where}[{index}]")
-            if found is not None:
-                return found
-        return None
-    return None if before == now else (where, before, now)
+        raise InputError(folder.path, rule)
+    changed = [name for name, value in now["study"].items() if before["study"].get(name) != value]
+    what = ", ".join(changed) or "the table of its motion"
+    rule = f"holds another study, which differs in {what}. Name another folder, or take back what was changed."
+    raise InputError(folder.path, rule)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Many variants of one cell solved at once, in native calls: start poses, joints, ranges of c²."""
 
-from collections.abc import Mapping, Sequence
-from functools import cached_property, lru_cache
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,27 +11,29 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import MrtsError
-from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
-from mrts.base.rigid_transform import plane_normal, rotations_from_rpy
+from mrts.base.rigid_transform import rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
-from mrts.following.variant_tracking import TrackedVariants, VariantTracking
+from mrts.following.variant_tracking import TrackedVariants, track_variants
+from mrts.kernel.cell_library import SparseLimits
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import PATH, REFUSED
 from mrts.kernel.variants import variant_ranges
+from mrts.limits import limit_rows
+from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
 from mrts.limits.rows import ActiveRow
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import PROFILES
+from mrts.program.motion_rows import binds
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE
 from mrts.scaling.range import RangeEnd, contradiction
 from mrts.studies.study import Study
-from mrts.studies.variant_limits import VariantLimits
 from mrts.studies.variant_numbers import (
-    NEAR_A_RULE,
+    LIMITS,
     PATH_ENDS,
     Entry,
     VariantNumbers,
@@ -55,10 +58,8 @@ def batch_for(study: Study) -> "VariantBatch | None":
 
     Covered are ranges of a constant factor at the samples, for a known load and a free distribution of it, on a path
     from pose to pose or one that does not vary, with varied poses, gravity, object, postures, duration, and limits of
-    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal.
-
-    Args:
-        study: The study.
+    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal. Arms of a planar cell, and
+    hands with contacts that are limited in axes of the tip, must not turn.
     """
     question = study.question
     asked = (question.profile, question.torques, question.between) == ("constant", False, None)
@@ -82,106 +83,13 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     names = {entry.name for entry in entries}
     motors = [robot.motors for robot in cell.robots]
     ideal = all(not each.has_effect and set(each.torque_speed) <= {None} for each in motors)
-    in_tip = any(contact.frame == "tip" for robot in cell.robots for contact in robot.contacts)
+    turned_in_tip = "grasp_rpy" in names and any(of.frame == "tip" for robot in cell.robots for of in robot.contacts)
     bounds = [(robot.wrench_lower, robot.wrench_upper) for robot in cell.robots]
     free = np.concatenate([np.isinf(lower) & np.isinf(upper) for lower, upper in bounds])
     limited = {entry.index[0] for entry in entries if entry.name.startswith("wrench")}
     has_rows = not np.any(free[list(limited)])  # a limit on what the cell leaves free is a row more than it has
-    return ideal and has_rows and not (cell.plane is not None and in_tip and "grasp_rpy" in names)
-
-
-class VariantAnswers:
-    """The rows of the table of some variants, as far as they are settled.
-
-    Args:
-        limits: Of their cell.
-        given: What the native calls took, by name, with V or 1 first.
-        tracked: What they gave.
-        found: Ranges, of `mrts.kernel.variants.range_record`.
-
-    Attributes:
-        found: Likewise.
-    """
-
-    def __init__(
-        self,
-        limits: VariantLimits,
-        given: Mapping[str, Array],
-        tracked: TrackedVariants,
-        found: NDArray[np.void],
-    ) -> None:
-        self._limits, self._given, self._tracked, self.found = limits, given, tracked, found
-
-    def row(self, variant: int) -> Row | None:
-        """The row of one variant, without its number and its parameters; None where it is not settled.
-
-        Args:
-            variant: Place in the arrays.
-        """
-        failure = self._tracked.failure(variant)
-        if failure is not None:
-            return {"status": UNREACHABLE, "reason": failure.message}
-        if self._tracked.joints.outcome[variant, 0]["code"] == REFUSED:
-            return None
-        status = int(self.found[variant]["status"])
-        if status == INFEASIBLE:
-            return self._infeasible(variant)
-        return self._range(variant) if status == OPTIMAL else None
-
-    def _of(self, name: str, variant: int) -> Array:
-        values = self._given[name]
-        one: Array = values[variant if len(values) > 1 else 0]
-        return one
-
-    def _infeasible(self, variant: int) -> Row:
-        found, status = self.found[variant], RangeStatus.INFEASIBLE
-        rows = self._named(variant, 0)
-        sample = int(found["sample"][0])
-        reason = (
-            f"at t = {self._of('time', variant)[sample]:.4g} s (sample {sample}) no torques carry the object at any "
-            f"speed: these limits conflict: {'; '.join(map(str, rows))}. {status.advice}"
-        )
-        return {"status": status.value, "reason": reason}
-
-    def _range(self, variant: int) -> Row:
-        low, high = self.found[variant]["c2"].tolist()
-        if high < low <= high * (1 + POINT_TOLERANCE):
-            low = high
-        lower = self._end(variant, 0, low) if low > 0 else RangeEnd(low, None, None)
-        upper = self._end(variant, 1, high) if np.isfinite(high) else RangeEnd(high, None, None)
-        if low > high:
-            reason = f"{contradiction(lower, upper)} {RangeStatus.EMPTY.advice}"
-            return {"status": RangeStatus.EMPTY.value, "reason": reason}
-        row = ends_row(lower, upper, float(self._of("time", variant)[-1]))
-        if np.isinf(high):
-            return row | {"status": RangeStatus.UNBOUNDED.value, "reason": RangeStatus.UNBOUNDED.advice}
-        return row | {"status": RangeStatus.FEASIBLE.value}
-
-    def _end(self, variant: int, end: int, c2: float) -> RangeEnd:
-        sample = int(self.found[variant]["sample"][end])
-        return RangeEnd(c2, sample, float(self._of("time", variant)[sample]), self._rows(variant, end))
-
-    def _rows(self, variant: int, end: int) -> tuple[ActiveRow, ...]:
-        rows = self._named(variant, end)
-        if end and self.found[variant]["capped"]:
-            rows += self._velocities[variant]
-        return tuple(rows)
-
-    @cached_property
-    def _velocities(self) -> dict[int, list[ActiveRow]]:
-        """By variant that velocities bound: those that do the most."""
-        settled = self._tracked.joints.followed & (self.found["status"] == OPTIMAL)
-        capped = np.flatnonzero(settled & (self.found["capped"] != 0))
-        sample = self.found["sample"][capped, 1]
-        twist, limit = (np.broadcast_to(each, (len(self.found), *each.shape[1:])) for each in
-                        (self._given["twist"], self._given["velocity"]))  # fmt: skip
-        rows = self._limits.velocities_at(self._tracked.joints.dq[capped, sample], twist[capped, sample], limit[capped])
-        return dict(zip(capped.tolist(), rows, strict=True))
-
-    def _named(self, variant: int, end: int) -> list[ActiveRow]:
-        found = self.found[variant]
-        sides = self._of("lower", variant), self._of("upper", variant)
-        return self._limits.named(found["rows"][end, : found["count"][end]], *sides)
+    may_tilt = cell.plane is not None and not names.isdisjoint({"base_rpy", "grasp_rpy"})
+    return ideal and has_rows and not turned_in_tip and not may_tilt
 
 
 class VariantBatch:
@@ -196,18 +104,34 @@ class VariantBatch:
 
     def __init__(self, study: Study, cell: Cell, motion: ObjectMotion, entries: Sequence[Entry]) -> None:
         self._study, self._cell, self._motion, self._entries = study, cell, motion, entries
-        reserve = cell.reserve if study.question.reserve is None else study.question.reserve
-        still = np.zeros((len(motion.time), sum(len(robot.joints) for robot in cell.robots)))
-        self._limits = VariantLimits(cell, CoordinatedMotion(motion, still, still, still), reserve)
-        self._tracking = VariantTracking(cell)
+        self._reserve = cell.reserve if study.question.reserve is None else study.question.reserve
         self._base = base_numbers(study, cell)
+        m = sum(len(robot.joints) for robot in cell.robots)
+        still = np.zeros((len(motion.time), m))
+        at_rest = CoordinatedMotion(motion, still, still, still)
+        given = limit_rows(cell.with_reserve(0.0), at_rest)
+        self.rows = given.only(np.array([name.kind != "velocity" for name in given.names], dtype=bool))
+        self._speeds = velocity_limits(replace(cell, enforces_velocity_limits=True), at_rest).names
+        every = {"torque": torque_limits(cell, at_rest).names, "wrench": wrench_limits(cell, at_rest).names}
+        self._places = {}  # of rows in `rows`, and in the arrays of all limits
+        for kind, names in every.items():
+            rows = [row for row, name in enumerate(self.rows.names) if name.kind == kind]
+            self._places[kind] = rows, [names.index(self.rows.names[row]) for row in rows]
+        turned = self.rows.object_axes
+        self._sparse = SparseLimits(
+            matrix=self.rows.matrix,
+            lower=self.rows.lower,
+            upper=self.rows.upper,
+            group=[name.group for name in self.rows.names],
+            base=None if turned is None else turned.base,
+            axes=(0, 1, 2) if turned is None else turned.axes,
+        )
         varied = {entry.name for entry in entries}
-        m = still.shape[1]
         each = len(motion.time) * (3 * m + (0 if varied.isdisjoint(PATH_ENDS) else 25)) * 8
         self.block = max(1, BLOCK_BYTES // each)
         self._order = self._first_looked_at(np.arange(len(motion.time)))
-        ends = self._answers(VariantNumbers(self._base, (), np.zeros((1, 0)))).found[0]["sample"]
-        self._order = self._first_looked_at(ends[::-1])
+        _, _, found = self._answers(VariantNumbers(self._base, (), np.zeros((1, 0))))
+        self._order = self._first_looked_at(found[0]["sample"][::-1])
 
     def solve(self, points: Array, first: int) -> Columns:
         """The rows of variants, as `mrts.studies.variant_rows.solve_variants` gives them.
@@ -220,24 +144,22 @@ class VariantBatch:
         for start in range(0, len(points), self.block):
             part = points[start : start + self.block]
             with np.errstate(all="ignore"):  # of numbers that break a rule, which are left to `solved_row`
-                answers = self._answers(VariantNumbers(self._base, self._entries, part))
-            found = (answers.row(variant) for variant in range(len(part)))
+                settled = self._rows(*self._answers(VariantNumbers(self._base, self._entries, part)))
             rows += [
-                solved_row(self._study, point) if row is None else row for point, row in zip(part, found, strict=True)
+                solved_row(self._study, point) if row is None else row for point, row in zip(part, settled, strict=True)
             ]
         return columns_of(self._study, points, first, rows)
 
-    def _answers(self, numbers: VariantNumbers) -> VariantAnswers:
+    def _answers(self, numbers: VariantNumbers) -> tuple[dict[str, Array], TrackedVariants, NDArray[np.void]]:
+        """What the native calls take, by name, with V or 1 first, and what they give."""
         refused = numbers.doubtful()
         geometry, path = numbers.geometry(self._cell), self._path(numbers, refused)
         if self._cell.plane is not None:
-            refused |= leaves_plane(self._cell, path["twist"]) | _tilted(self._cell, geometry)
-        tracked = self._tracking.follow(path, geometry, numbers["posture"], refused)
-        given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits.of(numbers, geometry)}
-        found = variant_ranges(
-            self._cell.library, tracked.joints, self._limits.sparse, SampleTerms(), self._order, given
-        )
-        return VariantAnswers(self._limits, given, tracked, found)
+            refused |= leaves_plane(self._cell, path["twist"])
+        tracked = track_variants(self._cell, path, geometry, numbers["posture"], refused)
+        given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits(numbers)}
+        found = variant_ranges(self._cell.library, tracked.joints, self._sparse, SampleTerms(), self._order, given)
+        return given, tracked, found
 
     def _path(self, numbers: VariantNumbers, refused: NDArray[np.bool_]) -> dict[str, Array]:
         """The motion of the object, as `mrts.kernel.tracking.PATH` with V or 1 first; refused ones last a second."""
@@ -254,21 +176,98 @@ class VariantBatch:
         rates = geodesic_rates(positions, rotations, duration, profile(u))
         return dict(zip(PATH, (duration[:, None] * u, *rates), strict=True))
 
+    def _limits(self, numbers: VariantNumbers) -> dict[str, Array]:
+        """The sides "lower" and "upper", "velocity" and "values" of V variants, as `variant_ranges` takes them."""
+        sides = {"lower": self.rows.lower[None], "upper": self.rows.upper[None]}
+        if numbers.any_of(LIMITS):
+            sides = {side: np.repeat(limits, numbers.count, axis=0) for side, limits in sides.items()}
+            for kind, (rows, places) in self._places.items():
+                for side, limits in sides.items():
+                    limits[:, rows] = numbers[f"{kind}_{side}"][:, places]
+        joints = np.concatenate([robot.velocity_limit for robot in self._cell.robots])
+        of_object = numbers["object_velocity"]
+        velocity = np.column_stack([np.repeat(joints[None], len(of_object), axis=0), of_object])
+        if not self._cell.enforces_velocity_limits:
+            velocity = np.full_like(velocity, np.inf)
+        if self._reserve:
+            pairs = zip(sides["lower"], sides["upper"], strict=True)
+            shrunk = [replace(self.rows, lower=low, upper=high).shrunk(self._reserve) for low, high in pairs]
+            sides = {side: np.array([getattr(rows, side) for rows in shrunk]) for side in sides}
+            velocity = (1 - self._reserve) * velocity
+        return {**sides, "velocity": velocity, "values": self._sparse.values[None]}
+
     def _first_looked_at(self, ends: NDArray[Any]) -> NDArray[np.intp]:
         """The samples in the order in which they are looked at, Shape (N,): given ones, some of all, the rest."""
         samples = len(self._motion.time)
         order = [*(end for end in ends.tolist() if end >= 0), *range(0, samples, STRIDE), *range(samples)]
         return np.array(list(dict.fromkeys(order)))
 
+    def _rows(
+        self, given: Mapping[str, Array], tracked: TrackedVariants, found: NDArray[np.void]
+    ) -> Iterator[Row | None]:
+        """The row of each variant, without its number and its parameters; None where it is not settled."""
+        velocities = self._binding_velocities(given, tracked, found)
+        for variant, record in enumerate(found):
+            failure, status = tracked.failure(variant), int(record["status"])
+            if failure is not None:
+                yield {"status": UNREACHABLE, "reason": failure.message}
+            elif tracked.joints.outcome[variant, 0]["code"] == REFUSED or status not in {INFEASIBLE, OPTIMAL}:
+                yield None
+            else:
+                time, *sides = (given[name][variant % len(given[name])] for name in ("time", "lower", "upper"))
+                bound = [self._named(record["rows"][end, : record["count"][end]], *sides) for end in (0, 1)]
+                bound[1] += velocities.get(variant, [])
+                yield _range_row(record, time, bound) if status == OPTIMAL else _infeasible_row(record, time, bound[0])
 
-def _tilted(cell: Cell, geometry: Array) -> NDArray[np.bool_]:
-    """Variants of a planar cell of which a base or a hand may be tilted out of the plane, Shape (V or 1,)."""
-    normal = plane_normal(cell.plane or "xy")
-    tilted = np.zeros(len(geometry), dtype=bool)
-    for index, robot in enumerate(cell.robots):
-        first = GRAVITY_SIZE + ROBOT_SIZE * index
-        for start, turned in ((first, np.eye(3)), (first + ROBOT_SIZE // 2, robot.T_base_tip.R)):
-            rotation = geometry[:, start : start + 9].reshape(-1, 3, 3)
-            along = normal @ rotation @ turned.T
-            tilted |= np.max(np.abs(along - normal), axis=1) > NEAR_A_RULE
-    return tilted
+    def _named(self, codes: Array, lower: Array, upper: Array) -> list[ActiveRow]:
+        """Rows at their limits, by codes: 1 + row at an upper, -1 - row at a lower limit."""
+        names = self.rows.names
+        return [
+            ActiveRow(names[code - 1], "upper", float(upper[code - 1]))
+            if code > 0
+            else ActiveRow(names[-code - 1], "lower", float(lower[-code - 1]))
+            for code in codes.tolist()
+        ]
+
+    def _binding_velocities(
+        self, given: Mapping[str, Array], tracked: TrackedVariants, found: NDArray[np.void]
+    ) -> dict[int, list[ActiveRow]]:
+        """The velocities that bound c² the most, by variant, where one does."""
+        capped = np.flatnonzero(tracked.joints.followed & (found["status"] == OPTIMAL) & (found["capped"] != 0))
+        sample = found["sample"][capped, 1]
+        twist, limit = (np.broadcast_to(each, (len(found), *each.shape[1:])) for each in
+                        (given["twist"], given["velocity"]))  # fmt: skip
+        of_object = np.linalg.norm(twist[capped, sample].reshape(-1, 2, 3), axis=2)
+        speed = np.concatenate([np.abs(tracked.joints.dq[capped, sample]), of_object], axis=1)
+        rows: dict[int, list[ActiveRow]] = {}
+        for place, row in np.argwhere(binds((speed / limit[capped]) ** 2)).tolist():
+            variant = int(capped[place])
+            rows.setdefault(variant, []).append(ActiveRow(self._speeds[row], "upper", float(limit[variant, row])))
+        return rows
+
+
+def _infeasible_row(record: np.void, time: Array, rows: list[ActiveRow]) -> Row:
+    sample = int(record["sample"][0])
+    reason = (
+        f"at t = {time[sample]:.4g} s (sample {sample}) no torques carry the object at any speed: these limits "
+        f"conflict: {'; '.join(map(str, rows))}. {RangeStatus.INFEASIBLE.advice}"
+    )
+    return {"status": RangeStatus.INFEASIBLE.value, "reason": reason}
+
+
+def _range_row(record: np.void, time: Array, rows: Sequence[list[ActiveRow]]) -> Row:
+    low, high = record["c2"].tolist()
+    if high < low <= high * (1 + POINT_TOLERANCE):
+        low = high
+    samples = record["sample"].tolist()
+    lower, upper = (
+        RangeEnd(c2, sample, float(time[sample]), tuple(bound)) if limited else RangeEnd(c2, None, None)
+        for c2, limited, sample, bound in zip((low, high), (low > 0, np.isfinite(high)), samples, rows, strict=True)
+    )
+    if low > high:
+        reason = f"{contradiction(lower, upper)} {RangeStatus.EMPTY.advice}"
+        return {"status": RangeStatus.EMPTY.value, "reason": reason}
+    row = ends_row(lower, upper, float(time[-1]))
+    if np.isinf(high):
+        return row | {"status": RangeStatus.UNBOUNDED.value, "reason": RangeStatus.UNBOUNDED.advice}
+    return row | {"status": RangeStatus.FEASIBLE.value}

@@ -12,8 +12,8 @@ from mrts.base.arrays import Array
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
+from mrts.cell.number_paths import Keys
 from mrts.cell.robot import Robot
-from mrts.studies.number_paths import Keys
 from mrts.studies.parameters import Target
 from mrts.studies.study import Study
 
@@ -56,26 +56,14 @@ class Entry:
 
 
 def varied_entries(study: Study, cell: Cell) -> tuple[Entry, ...] | None:
-    """The places that the parameters of a study set; None where one sets what has no array here.
-
-    Args:
-        study: The study.
-        cell: Its cell, unvaried.
-    """
+    """The places that the parameters of a study set; None where one sets what has no array here."""
     targets = [(target, column) for column, each in enumerate(study.parameters) for target in each.targets]
     entries = [target_entries(target, column, study, cell) for target, column in targets]
     return tuple(entry for places in entries for entry in places) if all(entries) else None
 
 
 def target_entries(target: Target, column: int, study: Study, cell: Cell) -> list[Entry]:
-    """The places that a target of a parameter sets; none where it has no array here.
-
-    Args:
-        target: The target.
-        column: Of its parameter.
-        study: The study.
-        cell: Its cell, unvaried.
-    """
+    """The places that a target of a parameter sets; none where it has no array here."""
     places = _places(target.keys, study, cell)
     return [Entry(column, name, index, sign * target.factor, sign * target.offset) for name, index, sign in places]
 
@@ -123,12 +111,7 @@ def _places_of_limits(rest: Sequence[str | int], cell: Cell, robot: int) -> list
 
 
 def base_numbers(study: Study, cell: Cell) -> dict[str, Array]:
-    """The arrays of a study's own cell and motion, each with a first axis of one variant.
-
-    Args:
-        study: The study.
-        cell: Its cell, unvaried.
-    """
+    """The arrays of a study's own cell and motion, each with a first axis of one variant."""
     robots = cell.robots
     numbers = {
         "gravity": cell.gravity,

@@ -22,12 +22,15 @@ from mrts.scaling.range import RangeEnd, ScalingRange
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import SelectionError, admissible_range, scale
 from mrts.studies.study import Study
-from mrts.studies.study_record import ANSWERS
 from mrts.timing.result import RetimingStatus
 from mrts.timing.retime import retime
 
 UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
 """Statuses of a variant beside those of a range: the arms cannot follow, its numbers break a rule, a solver stopped."""
+
+ANSWERS = {"status": "string", "reason": "string", "c2_lower": "float64", "c2_upper": "float64"}
+ANSWERS |= {"lower_limit": "string", "upper_limit": "string", "duration": "float64"}
+"""Columns of every study behind the number of a variant and what varies, and their types."""
 
 Row = dict[str, Any]
 Columns = dict[str, Any]
@@ -35,22 +38,13 @@ Columns = dict[str, Any]
 
 
 def column_types(study: Study) -> dict[str, str]:
-    """Names and types ("int64", "float64", "string") of the columns of a study's table, in order.
-
-    Args:
-        study: The study.
-    """
+    """Names and types ("int64", "float64", "string") of the columns of a study's table, in order."""
     types = {"variant": "int64"} | {parameter.path: "float64" for parameter in study.parameters}
     return types | ANSWERS | dict.fromkeys(_torque_columns(study), "float64")
 
 
 def solve_variants(study: Study, first: int, last: int) -> Columns:
     """The rows of some variants of a study.
-
-    Args:
-        study: The study.
-        first: The first variant.
-        last: The first that is left out.
 
     Returns:
         By column (`column_types`), one entry a variant. A variant that cannot be solved has a status and a reason.

@@ -19,7 +19,7 @@ from mrts.studies.study_folder import StudyFolder, opened_study_folder, require_
 from mrts.sweeps.best_variants import write_best
 from mrts.sweeps.chunks import Chunk, solved_chunks
 from mrts.sweeps.sweep_progress import TALLIED, SweepProgress, Tally
-from mrts.sweeps.worker_pools import check_workers, worker_pool
+from mrts.sweeps.worker_pools import check_workers
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -53,8 +53,8 @@ def sweep(
         folder: For `study.json` and the rows, a file a chunk; one that this study has begun is gone on with. None keeps
             them only until they are returned.
         workers: Number of processes on this machine; None for one a core.
-        scheduler: Address of a Dask scheduler whose workers solve the study, such as tcp://HOST:8786; "local" for a
-            Dask cluster on this machine; None for processes without Dask.
+        scheduler: Address of a Dask scheduler whose workers solve the study, such as tcp://HOST:8786; None for
+            processes of this machine.
         top: How many of the best variants are solved again as `mrts.scale` does, with the limits kept between the
             samples, and written as files into folders best-1, best-2, … of the folder.
         progress: Told how far it is, after each chunk.
@@ -108,10 +108,7 @@ def solve_study(
         tally.begin()
         progress(tally.progress())
         if missing:
-            with (
-                worker_pool(workers, scheduler) as pool,
-                closing(solved_chunks(study, pool, missing)) as coming,
-            ):
+            with closing(solved_chunks(study, missing, workers, scheduler)) as coming:
                 for chunk, pieces in coming:
                     rows = folder.rows(pieces)
                     folder.write(chunk.number, rows)
@@ -121,11 +118,7 @@ def solve_study(
 
 
 def chunk_size(study: Study) -> int:
-    """Variants that one worker solves in about `CHUNK_TIME`: a round number, at least one.
-
-    Args:
-        study: The study, of which a few are solved.
-    """
+    """Variants that one worker solves in about `CHUNK_TIME`: a round number, at least one."""
     fitting = min(CHUNK_TIME / estimate(study).seconds_each, study.variants, MAX_CHUNK_SIZE)
     power = int(10 ** max(0, math.floor(math.log10(fitting))))
     return max([1, *(step * power for step in ROUND_NUMBERS if step * power <= fitting)])

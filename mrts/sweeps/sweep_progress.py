@@ -4,17 +4,11 @@
 import time
 from collections import Counter
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
 from mrts.studies.dry_run import time_text
-from mrts.studies.ranking import fastest_first
-
-if TYPE_CHECKING:
-    import pyarrow as pa
 
 TALLIED = ("variant", "status", "duration")
 """Columns that a tally reads."""
@@ -60,20 +54,17 @@ class Tally:
     def __init__(self, variants: int) -> None:
         self.statuses: Counter[str] = Counter()
         self._variants = variants
-        self._before = 0
-        self._begun = time.monotonic()
-        self._best = np.zeros(0, dtype=int), np.zeros(0)
+        self._before, self._begun = 0, time.monotonic()
+        self._best: tuple[float, int] | None = None
 
     def add(self, rows: Any) -> None:
-        """Count rows that are solved.
-
-        Args:
-            rows: A table or a batch of records with the columns in `TALLIED`.
-        """
+        """Count rows that are solved."""
         self.statuses.update(rows["status"].to_pylist())
-        variant, duration = map(np.append, self._best, ranked_columns(rows))
-        best = fastest_first(variant, duration)[:1]
-        self._best = variant[best], duration[best]
+        durations = np.asarray(rows["duration"], dtype=np.float64)
+        if np.isfinite(durations).any():
+            row = int(np.nanargmin(durations))
+            found = float(durations[row]), int(rows["variant"][row].as_py())
+            self._best = found if self._best is None else min(self._best, found)
 
     def begin(self) -> None:
         """From here on rows count for the rate."""
@@ -84,16 +75,4 @@ class Tally:
         done = self.statuses.total()
         taken = time.monotonic() - self._begun
         rate = (done - self._before) / taken if taken else 0.0
-        variant, duration = self._best
-        best = (float(duration[0]), int(variant[0])) if len(variant) else (None, None)
-        return SweepProgress(self._variants, done, rate, *best)
-
-
-def ranked_columns(rows: "pa.Table | pa.RecordBatch") -> tuple[NDArray[np.int_], Array]:
-    """Number and duration of each variant, which `mrts.studies.ranking.fastest_first` takes.
-
-    Args:
-        rows: With the columns `variant` and `duration`.
-    """
-    variant, duration = (np.asarray(rows[name]) for name in ("variant", "duration"))
-    return variant.astype(int), duration.astype(float)
+        return SweepProgress(self._variants, done, rate, *(self._best or (None, None)))

@@ -12,7 +12,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
 from mrts.limits.rows import ActiveRow
-from mrts.motion.object_courses import Geodesic, PoseSplines, WaypointPath
+from mrts.motion.object_courses import PoseSplines, ProfiledPath
 from mrts.program.excess import BETWEEN, Excess
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
@@ -24,8 +24,7 @@ from mrts.program.trajectory_programs import motion_ranges
 from mrts.program.widening import motion_widening
 from mrts.timing.path_pieces import PLACES, with_samples
 from mrts.timing.result import RetimingResult
-from mrts.timing.retimed_motion import TimedPiece, between_path_samples
-from mrts.timing.smooth_piece import SmoothPiece
+from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, between_path_samples
 
 MOST_ROUNDS = 12
 """Times that a path is timed again: a segment is then 4096 times shorter."""
@@ -100,7 +99,7 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
     time = motion.object.time
     doubtful = np.ones(len(time) - 1, dtype=bool)
     of_object = motion.object.course
-    if motion.samples >= COARSE and (of_object is None or isinstance(of_object, Geodesic | WaypointPath | PoseSplines)):
+    if motion.samples >= COARSE and (of_object is None or isinstance(of_object, ProfiledPath | PoseSplines)):
         h, dq, ddq = np.diff(time)[:, None], motion.dq, motion.ddq
         steps = np.diff(motion.q, axis=0)
         missed = steps - h / 2 * (dq[1:] + dq[:-1]) - h**2 / 12 * (ddq[:-1] - ddq[1:])
@@ -114,11 +113,7 @@ Named = ActiveRow | Callable[[], ActiveRow | None]
 
 
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, Excess]:
-    """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all.
-
-    Raises:
-        SolverError: If no solver answers.
-    """
+    """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all."""
     worst, shares, time = Excess(0.0, tolerance), np.zeros(timed.motion.samples - 1), timed.motion.object.time
     for part in timed.pieces:
         share, named = _smooth_excess(timed, part) if isinstance(part, SmoothPiece) else _least_excess(timed, part)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The outcome of retiming: the fastest profile and its trajectory, or why there is none."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -20,16 +20,23 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.excess import Excess
 from mrts.program.infeasibility import Conflict
+from mrts.program.load_sharing import LoadSharing
 from mrts.program.range_status import RangeStatus
+from mrts.program.rate_limits import RateLimits
+from mrts.program.smooth_program import Goal
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
+from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.options import Options
 from mrts.scaling.result import Result, ScalingResult, kept_text
+from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
 from mrts.scaling.what_if import WhatIf
-from mrts.timing.constant_factor import ConstantFactor
-from mrts.timing.profile_limits import segment_limits
-from mrts.timing.retimed_motion import TimedPiece, new_times
-from mrts.timing.smooth_piece import SmoothAnswer
+from mrts.timing.retimed_motion import FastestPiece, SmoothPiece, TimedPiece, at_segment_ends, new_times
+
+BINDING = 1e-6
+"""A limit binds where the motion could be no faster by more than this share of c²."""
 
 
 class RetimingStatus(Enum):
@@ -68,6 +75,101 @@ ADMITTING = {
     *(RetimingStatus.LOCALLY_OPTIMAL, RetimingStatus.LOCALLY_AT_SAMPLES),
 }
 """Outcomes with a profile."""
+
+
+@dataclass(frozen=True)
+class SmoothAnswer:
+    """What a smooth timing is beside its profile.
+
+    Attributes:
+        rates: The limits of rates that it keeps.
+        goal: What is least.
+        duration: Of the timing; None if there is none [s].
+        bound: Duration of the fastest timing without limits of rates, below which none is, as exact as the samples of
+            both; None if nothing bounds it [s].
+        steps: Convex programs solved, for all pieces and in all rounds of refinement.
+        gain: Share by which the last of them lowered the cost; None where no solver took a last one.
+        fastest: The path with its fastest timing without limits of rates; empty if nothing bounds it.
+    """
+
+    rates: RateLimits
+    goal: Goal
+    duration: float | None
+    bound: float | None
+    steps: int
+    gain: float | None
+    fastest: tuple[FastestPiece, ...] = ()
+
+    def __str__(self) -> str:
+        count = "1 step" if self.steps == 1 else f"{self.steps} steps"
+        text = f"It is a local optimum, found in {count}, of which the last gained {100 * (self.gain or 0.0):.2g} %"
+        if self.gain is None:
+            text = f"It was found in {count}, after which no solver took another: a better one may be near"
+        elif self.gain >= CONVERGED:
+            text = f"It was found in {count}, the last of which gained {100 * self.gain:.2g} %: a better one is near"
+        if self.bound is None:
+            return text
+        if self.duration is not None and self.duration <= self.bound:
+            return f"{text}; to within its samples that is as long as the fastest without limits of rates takes"
+        return f"{text}; no timing takes less than {self.bound:.4g} s, the fastest without limits of rates"
+
+    @property
+    def what(self) -> str:
+        """What the timing is, for people."""
+        if self.goal.effort == 0:
+            return "smooth timing"
+        if self.goal.longest is None:
+            return f"smooth timing with time = {self.goal.time:g} and energy = {self.goal.effort:g}"
+        return f"smooth timing of least energy within {self.goal.longest:g} s"
+
+    def to_json(self) -> dict[str, Any]:
+        """The answer as JSON values."""
+        return {
+            "goal": {"time": self.goal.time, "energy": self.goal.effort, "longest": self.goal.longest},
+            "bound": self.bound,
+            "steps": self.steps,
+            "last_gain": self.gain,
+        }
+
+
+@dataclass(frozen=True)
+class ConstantFactor:
+    """The best constant factor of a motion, found when it is first read.
+
+    Attributes:
+        cell: The cell, with the reserve that it keeps.
+        motion: Of the whole cell, as given.
+        options: What is asked, checked.
+    """
+
+    cell: Cell
+    motion: CoordinatedMotion
+    options: Options
+
+    @cached_property
+    def factor(self) -> ScalingResult:
+        """The range and the chosen c², without torques; without a c² where none moves the object.
+
+        Raises:
+            MotionError: If the arms cannot hold the object between the samples.
+            SolverError: If no solver answers.
+        """
+        try:
+            return chosen_factor(self.cell, self.motion, self.options)[0]
+        except SelectionError as error:
+            if error.result is None:
+                raise
+            return error.result
+
+    @cached_property
+    def whole(self) -> ScalingResult:
+        """`factor` with its torques.
+
+        Raises:
+            MotionError: As `factor`.
+            SolverError: If no solver answers, or the torques overstep a limit.
+        """
+        return with_torques(self.factor)
 
 
 @dataclass(frozen=True, repr=False)
@@ -267,3 +369,38 @@ class RetimingResult(Result):
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
         return output | self.retimed.played_json(done)
+
+
+def segment_limits(
+    cell: Cell, pieces: Sequence[TimedPiece], sharing: LoadSharing | None, loads: Sequence[Array]
+) -> list[tuple[tuple[str, ...], float]]:
+    """The limits that bind on every segment of the path, by name, and its share of the duration.
+
+    Args:
+        cell: The cell.
+        pieces: The retimed path.
+        sharing: A fixed distribution of the load, None for a free one.
+        loads: Load vectors that are carried, each Shape (10,).
+    """
+    duration = float(new_times(pieces)[-1])
+    found: list[tuple[tuple[str, ...], float]] = []
+    for part in pieces:
+        binding = part.binding if isinstance(part, SmoothPiece) else _binding(cell, part, sharing, loads)
+        shares = (part.segment_times / duration).tolist()
+        found += [(tuple(sorted(names)), share) for names, share in zip(binding, shares, strict=True)]
+    return found
+
+
+def _binding(cell: Cell, part: TimedPiece, sharing: LoadSharing | None, loads: Sequence[Array]) -> list[set[str]]:
+    """The limits that bind on every segment.
+
+    A point of a region's edge is one where the motion, faster or slower as a whole, would have c² <= 1; the rows that
+    bind there are the edge's.
+    """
+    rows: list[set[str]] = [set() for _ in part.piece.step]
+    for motion in at_segment_ends(part):
+        for load in loads:
+            found = motion_ranges(cell, motion, "wrench", sharing, DEFAULT_SOLVER, load, 1 + BINDING)
+            for segment in np.flatnonzero(found.upper <= 1 + BINDING).tolist():
+                rows[segment] |= {str(row) for row in found.binding(segment, "upper")}
+    return rows

@@ -30,15 +30,12 @@ from mrts.program.successive_steps import CONVERGED
 from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
 from mrts.scaling.options import Limit, Options, limited_cell
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.torques import with_torques
+from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
-from mrts.timing.constant_factor import ConstantFactor
 from mrts.timing.fastest_timing import fastest_timing
-from mrts.timing.path_pieces import NoPath
-from mrts.timing.result import RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import TimedPiece, retimed_motion
-from mrts.timing.smooth_path import smooth_nodes
-from mrts.timing.smooth_piece import SmoothAnswer, fastest_pieces, smooth_pieces
+from mrts.timing.path_pieces import NoPath, smooth_nodes
+from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus, SmoothAnswer
+from mrts.timing.retimed_motion import TimedPiece, fastest_pieces, retimed_motion, smooth_pieces
 from mrts.timing.smooth_timing import GivenTorques, SmoothQuestion, smooth_timing
 
 NEAR = 0.3

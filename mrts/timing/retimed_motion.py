@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
@@ -14,8 +15,13 @@ from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
 from mrts.kernel.between_samples import path_places
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.program.motor_terms import travel_directions
+from mrts.program.smooth_program import SmoothProgram
+from mrts.program.successive_steps import StepsTaken
 from mrts.timing.fastest_profile import SpeedProfile, segment_times
-from mrts.timing.path_pieces import PathPiece
+from mrts.timing.path_pieces import STRIDE, PathPiece, SmoothPath
+
+BINDING = 1e-4
+"""A limit binds where it is reached to this share: interior points come near limits, not to them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,6 +99,62 @@ class FastestPiece(TimedPiece):
             "largest_controllable": self.along_arc(self.profile.upper).tolist(),
             "largest": [speed if np.isfinite(speed) else None for speed in largest],
         }
+
+
+@dataclass(frozen=True, kw_only=True)
+class SmoothPiece(TimedPiece):
+    """A piece with its smooth timing; its `piece` is a path by σ.
+
+    Attributes:
+        piece: The piece, n samples.
+        program: All limits of it, for all loads.
+        steps: How the timing was found.
+        plan: Free wrenches of the least torques that carry the cell's load within all limits and rates, Shape (n, f).
+        torque: Those torques, Shape (n, m) [N m].
+        wrench: Contact wrenches with them, Shape (n, n w) [N, N m].
+    """
+
+    piece: SmoothPath
+    program: SmoothProgram
+    steps: StepsTaken
+    plan: Array
+    torque: Array
+    wrench: Array
+
+    def to_json(self, time: Array) -> dict[str, list[float | None]]:
+        """The profile as JSON values, along the arc length.
+
+        Args:
+            time: Of the given motion, Shape (N,) [s].
+        """
+        return super().to_json(time) | {
+            "sigma": self.piece.path.object.time.tolist(),
+            "sigma_speed": np.sqrt(self.x).tolist(),
+            "sigma_rate": self.steps.profile.u.tolist(),
+        }
+
+    def between(self) -> tuple[NDArray[np.int_], Array, Array, Array]:
+        """The fine samples that are not nodes: segment, place in it, x and u there, each Shape (k,)."""
+        segment, step = self.piece.inside // STRIDE, self.piece.step
+        after = self.piece.fine.object.time[self.piece.inside] - self.piece.path.object.time[segment]
+        place, start, change = after / step[segment], self.rates[segment, 0], np.diff(self.rates)[segment, 0]
+        return segment, place, self.x[segment] + 2 * after * (start + change * place / 2), start + change * place
+
+    @property
+    def binding(self) -> list[set[str]]:
+        """Names of the limits that bind on every segment."""
+        profile = self.steps.profile
+        return self.program.binding(profile.x, profile.u, profile.free, BINDING)
+
+
+def fastest_pieces(pieces: Sequence[TimedPiece]) -> tuple[FastestPiece, ...]:
+    """Those with the fastest speed: all or none of a result."""
+    return tuple(part for part in pieces if isinstance(part, FastestPiece))
+
+
+def smooth_pieces(pieces: Sequence[TimedPiece]) -> list[SmoothPiece]:
+    """Those that are smooth: all or none of a result."""
+    return [part for part in pieces if isinstance(part, SmoothPiece)]
 
 
 def fastest_piece(piece: PathPiece, profile: SpeedProfile) -> FastestPiece:

@@ -22,11 +22,19 @@ from mrts.program.smooth_program import Goal, SmoothProgram
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import NoProfile, StepsTaken, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
-from mrts.timing.path_pieces import PLACES, NoPath, closed_piece, path_pieces, with_samples
+from mrts.timing.path_pieces import (
+    PLACES,
+    STRIDE,
+    NoPath,
+    SmoothPath,
+    closed_piece,
+    joined_at_stops,
+    path_pieces,
+    smooth_path,
+    with_samples,
+)
 from mrts.timing.result import RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import TimedPiece
-from mrts.timing.smooth_path import STRIDE, SmoothPath, joined_at_stops, smooth_path
-from mrts.timing.smooth_piece import SmoothPiece, smooth_pieces
+from mrts.timing.retimed_motion import SmoothPiece, TimedPiece, smooth_pieces
 
 NARROWING = 1e-5
 """Of each limit, as a share of it, in the timing: what it leaves for the torques has an inside then."""
@@ -130,7 +138,7 @@ def smooth_timing(
     """The best timing with limits kept at the nodes, the samples of a motion.
 
     Raises:
-        InputError: If an end speed is asked for where the motion rests.
+        InputError: If torques that hold still are given for an end at which the motion moves.
         SolverError: If no solver answers.
     """
     bare = question.bare
@@ -156,7 +164,9 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     if isinstance(found, NoPath):
         raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
     pieces = [closed_piece(cell, piece) for piece in found]
-    _check_ends(question, (pieces[0].rests[0], pieces[-1].rests[1]))
+    for name, speed, torque in zip(("start", "end"), question.bare.end_speeds, question.end_torques, strict=True):
+        if speed > 0 and torque is not None:
+            raise InputError(f"{name}_torque", "is what holds still, but the motion is not to be at rest there.")
     usual = question.usual / float(time[-1])
     paths = joined_at_stops([smooth_path(motion, piece, question.bare.end_speeds, usual) for piece in pieces])
     parts: list[_Part] = []
@@ -174,17 +184,6 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
         own = problems[0] if len(problems) == 1 else question.problem(piece, cell.load, rows)
         parts.append((piece, own, program.narrowed(NARROWING), likely))
     return parts
-
-
-def _check_ends(question: SmoothQuestion, at_rest: tuple[bool, bool]) -> None:
-    ends = zip(("start", "end"), at_rest, question.bare.end_speeds, question.end_torques, strict=True)
-    for name, rests, speed, torque in ends:
-        if rests and speed > 0:
-            raise InputError(
-                f"{name}_speed", "the given motion is at rest there, so no other speed is possible.", value=speed
-            )
-        if speed > 0 and torque is not None:
-            raise InputError(f"{name}_torque", "is what holds still, but the motion is not to be at rest there.")
 
 
 def _likely(question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram, before: SmoothPiece | None) -> Array:

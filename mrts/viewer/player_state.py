@@ -24,9 +24,8 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.rate_limits import Rates
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
-from mrts.scaling.scale import SelectionError, conflict_at, scale
+from mrts.scaling.scale import SelectionError, conflict_at, distributed_torques, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scaling.torques import distributed_torques
 from mrts.scene.scene import DecidingLimit, Scene, deciding_limit
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime

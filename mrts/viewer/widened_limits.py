@@ -36,7 +36,7 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
 
     def widened(problem: SampleProblem) -> tuple[SampleProblem, int]:
         problem = problem.only(np.flatnonzero(~problem.is_cap))  # no torques change what the speed alone moves
-        widening = _least_widening(problem, c2, solver)[:, None] * problem.is_limit
+        widening = _least_widening(problem, c2, solver)[:, None]
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
         return reserved(problem, c2, solver) if by_reserve else (problem, 0)
 

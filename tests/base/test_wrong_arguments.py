@@ -47,8 +47,8 @@ ZOO = [
 
 METHODS = {
     "Cell": (
-        *("from_description", "with_mass", "with_load", "with_variation", "with_postures", "with_base", "with_grasp"),
-        *("with_torque_limits", "with_wrench_limits", "with_gravity", "to_yaml"),
+        *("from_description", "with_mass", "with_load", "with_variation", "with_postures", "with_values"),
+        *("to_yaml",),
     ),
     "LoadBox": ("load_at", "draw", "corners"),
     "RetimingResult": ("write_json",),
@@ -147,11 +147,7 @@ def good(planar_cell):
             "description": yaml.safe_load((DATA / "cell.yaml").read_text()),
             "folder": DATA,
         },
-        "Cell.with_base": {"self": planar_cell, "name": "left", "xyz": [0.1, 0.0, 0.0], "rpy": [0.0, 0.0, 0.1]},
-        "Cell.with_grasp": {"self": planar_cell, "name": "left", "xyz": [-1.0, 0.0, 0.0], "rpy": [0.0, 0.0, 0.1]},
-        "Cell.with_torque_limits": {"self": planar_cell, "name": "left", "upper": [9.0] * 3, "lower": [-9.0] * 3},
-        "Cell.with_wrench_limits": {"self": planar_cell, "name": "left", "lower": [-9.0] * 3, "upper": [9.0] * 3},
-        "Cell.with_gravity": {"self": planar_cell, "gravity": [0.0, -1.6, 0.0]},
+        "Cell.with_values": {"self": planar_cell, "values": {"robots.left.base.xyz": [0.1, 0.0, 0.0]}},
         "Cell.to_yaml": {"self": planar_cell, "path": "cell.yaml"},
         "LoadBox.load_at": {"self": box, "parameters": {"mass": 1.5}},
         "LoadBox.draw": {"self": box, "rng": np.random.default_rng(1), "count": 2},

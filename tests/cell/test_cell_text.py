@@ -47,7 +47,7 @@ def equipped(cell, rng):
             )
         )
     cell = replace(cell, robots=tuple(robots), object_velocity_limit=np.array([0.5, np.inf]))
-    return cell.with_variation(mass=(0.5, 2.0), ixx=(0.9, 1.1)).with_gravity(rng.uniform(-10, 10, 3))
+    return cell.with_variation(mass=(0.5, 2.0), ixx=(0.9, 1.1)).with_values({"gravity": rng.uniform(-10, 10, 3)})
 
 
 def turned(cell, T, rng):

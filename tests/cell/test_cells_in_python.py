@@ -1,6 +1,6 @@
 """Cells made and changed in Python are the cells that files with these numbers give, under the same rules."""
 
-from copy import deepcopy
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -115,67 +115,55 @@ def test_a_dictionary_that_holds_itself_is_refused():
         from_dict(description, "planar_dual_arm")
 
 
+def both(x):
+    return {"lower": (-2 * abs(x)).tolist(), "upper": abs(x).tolist()}
+
+
 CHANGES = {
-    "base": (
-        lambda cell, x: cell.with_base("right", xyz=x[:3], rpy=x[3:6]),
-        lambda d, x: robot(d, "right").update(base={"xyz": x[:3].tolist(), "rpy": x[3:6].tolist()}),
-    ),
-    "grasp": (
-        lambda cell, x: cell.with_grasp("left", xyz=x[:3], rpy=tuple(x[3:6])),
-        lambda d, x: robot(d, "left").update(grasp={"xyz": x[:3].tolist(), "rpy": x[3:6].tolist()}),
-    ),
-    "torque": (
-        lambda cell, x: cell.with_torque_limits("left", abs(x)),
-        lambda d, x: robot(d, "left").update(torque=abs(x).tolist()),
-    ),
-    "torque of two sides": (
-        lambda cell, x: cell.with_torque_limits("right", abs(x), lower=-2 * abs(x)),
-        lambda d, x: robot(d, "right").update(torque={"lower": (-2 * abs(x)).tolist(), "upper": abs(x).tolist()}),
-    ),
-    "wrench": (
-        lambda cell, x: cell.with_wrench_limits("right", lower=[None, *-abs(x[1:])], upper=[*x[:5] ** 2, np.inf]),
-        lambda d, x: robot(d, "right").update(
-            wrench={"lower": [None, *(-abs(x[1:])).tolist()], "upper": [*(x[:5] ** 2).tolist(), None]}
-        ),
-    ),
-    "gravity": (
-        lambda cell, x: cell.with_gravity(x[:3]),
-        lambda d, x: d.update(gravity=x[:3].tolist()),
-    ),
-    "mass": (lambda cell, x: cell.with_mass(abs(x[0])), lambda d, x: d["object"].update(mass=abs(x[0]))),
-    "posture": (
-        lambda cell, x: cell.with_postures({"left": x.tolist()}),
-        lambda d, x: robot(d, "left").update(posture=x.tolist()),
-    ),
+    "base": lambda x: {"robots.right.base": {"xyz": x[:3].tolist(), "rpy": x[3:6].tolist()}},
+    "base in parts": lambda x: {"robots.right.base.xyz": x[:3], "robots.right.base.rpy": tuple(x[3:6])},
+    "grasp": lambda x: {"robots.left.grasp": {"xyz": x[:3].tolist(), "quaternion_wxyz": [0.6, 0, 0.8, 0]}},
+    "one number": lambda x: {"robots[0].grasp.xyz[1]": x[0], "gravity[2]": x[1], "robots.left.posture[3]": x[2]},
+    "torque": lambda x: {"robots.left.torque": abs(x)},
+    "torque of two sides": lambda x: {"robots.right.torque": both(x)},
+    "wrench": lambda x: {
+        "robots.right.wrench": {"lower": [None, *(-abs(x[1:])).tolist()], "upper": [*x[:5] ** 2, None]}
+    },
+    "no wrench": lambda _: {"robots.left.wrench": {}},
+    "gravity and mass": lambda x: {"gravity": x[:3], "object.mass": abs(x[0])},
+    "posture": lambda x: {"robots.left.posture": x.tolist()},
 }
+
+
+def written(description, values):
+    """A description with other values at their paths."""
+    for path, value in values.items():
+        here, (*keys, last) = description, [int(key) if key.isdigit() else key for key in re.findall(r"\w+", path)]
+        for key in keys:
+            here = robot(description, key) if here is description["robots"] and isinstance(key, str) else here[key]
+        here[last] = value
+    return description
 
 
 @pytest.mark.parametrize("what", CHANGES)
 @pytest.mark.parametrize("name", ["dual_ur5", "squeeze"])
 def test_a_change_is_the_file_with_these_numbers(name, what):
-    cell, (change, write) = mrts.load_cell(SHIPPED[name]), CHANGES[what]
-    rng = np.random.default_rng([17, *what.encode()])
-    for _ in range(3):
-        numbers, description = rng.uniform(-3, 3, 6), deepcopy(described(name))
-        write(description, numbers)
-        assert same_cell(change(cell, numbers), from_dict(description, name))
+    cell = mrts.load_cell(SHIPPED[name])
+    numbers = np.random.default_rng([17, *what.encode()]).uniform(-3, 3, 6)
+    values = CHANGES[what](numbers)
+    assert same_cell(cell.with_values(values), from_dict(written(described(name), values), name))
 
 
 @pytest.mark.quick
 def test_what_is_not_given_stays(dual_ur5):
     left = dual_ur5.robots[0]
-    moved = dual_ur5.with_base("left", xyz=[1.0, 2.0, 3.0]).robots[0]
-    assert moved.T_world_base.R.tobytes() == left.T_world_base.R.tobytes()
-    turned = dual_ur5.with_grasp("left", rpy=[0.1, 0.2, 0.3]).robots[0]
-    assert turned.T_object_tip.p.tobytes() == left.T_object_tip.p.tobytes()
-    free = dual_ur5.with_wrench_limits("left").robots[0]
-    assert np.all(free.wrench_lower == -np.inf)
-    assert np.all(free.wrench_upper == np.inf)
-    halved = dual_ur5.with_torque_limits("left", left.torque_upper / 2).with_wrench_limits(
-        "left", left.wrench_lower, left.wrench_upper
-    )
-    np.testing.assert_array_equal(halved.robots[0].wrench_upper, left.wrench_upper)
-    assert halved.robots[1] is dual_ur5.robots[1]
+    pose = mrts.RigidTransform.from_xyz_rpy([1, 2, 3], [0.3, 0.2, 0.1])
+    moved = dual_ur5.with_values({"robots.left.base.xyz": [1.0, 2.0, 3.0], "robots.left.grasp.rpy": [0.1, 0.2, 0.3]})
+    assert moved.robots[0].T_world_base.R.tobytes() == left.T_world_base.R.tobytes()
+    assert moved.robots[0].T_object_tip.p.tobytes() == left.T_object_tip.p.tobytes()
+    assert moved.robots[1] is dual_ur5.robots[1]
+    given = dual_ur5.with_values({"robots.left.base": pose}).robots[0].T_world_base
+    assert given.numbers.tobytes() == pose.numbers.tobytes()
 
 
 @pytest.mark.quick
@@ -187,58 +175,47 @@ def test_what_a_hand_can_exert_turns_with_the_grasp():
     motion = mrts.load_motion(SHIPPED[name].parent / "lift_and_turn.yaml")
     asked = [
         mrts.scale(each, motion, between=None).json_text()
-        for each in (cell.with_grasp("left", rpy=turn), from_dict(description, name), cell)
+        for each in (cell.with_values({"robots.left.grasp.rpy": turn}), from_dict(description, name), cell)
     ]
     assert asked[0] == asked[1] != asked[2]
 
 
 @pytest.mark.quick
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("path", "value", "message"),
     [
-        (lambda cell: cell.with_base("lef", xyz=[0, 0, 0]), r"name = 'lef': there is no such robot; .* left, right\."),
-        (lambda cell: cell.with_grasp(["left"]), r"name = \['left'\]: there is no such robot"),
-        (lambda cell: cell.with_base("left", [0, 0]), r"robot 'left': base.xyz = \[0, 0\]: has 2 values, at least 3"),
+        ("robots.lef.base", {}, r"values: robots.lef.base: there is no robot 'lef'; did you mean 'left'\?"),
+        ("robots.left.bas", {}, r"there is no 'bas' in robots.left; did you mean 'base'\?"),
+        ("robots.left.base.xyz[3]", 1.0, r"robots.left.base.xyz has 3 values"),
+        ("robots.left.urdf", "x", r"values: robots.left.urdf: is not changed in Python"),
+        ("motion.duration", 1.0, r"values: motion.duration"),
+        (3, 1.0, r"values: path = 3: must be text"),
+        ("robots.left.base.xyz", [0, 0], r"robot 'left': base.xyz = \[0, 0\]: has 2 values, at least 3"),
+        ("robots.left.base.rpy", [0, 0, np.inf], r"left': base.rpy\[2\] = inf: must be a finite"),
+        ("robots.left.base.xyz", [0, 0, 1e13], r"base.xyz\[2\] = 1.*: must be <= 1e\+12"),
+        ("robots.left.base.rpy", [0.1, 0, 0], r"left': base: in a cell with plane xy a base may"),
+        ("robots.left.grasp.rpy", [0, 0.1, 0], r"left': grasp: the tip frame 'contact' is tilted"),
+        ("robots.left.torque", [1, 2], r"torque = \[1.0, 2.0\]: must have 3 values, .* wrist"),
+        ("robots.left.torque[1]", 0, r"limit -?0 of joint 'elbow' must be below"),
+        ("robots.left.torque", {"lower": [0, 0, 2], "upper": [1, 1, 1]}, r"limit 2 of joint 'wrist' must be"),
+        ("robots.left.torque", ["a", 1, 1], r"torque.upper\[0\] = 'a': must be a number"),
+        ("robots.left.wrench", {"lower": [0] * 6}, r"wrench.lower = .*must have 3 values"),
         (
-            lambda cell: cell.with_base("left", rpy=[0, 0, np.inf]),
-            r"left': base.rpy\[2\] = inf: must be a finite",
+            "robots.left.wrench",
+            {"lower": [1, 1, 1], "upper": [2, 0, 2]},
+            r"wrench.lower\[1\] = 1.0: .* at most",
         ),
-        (lambda cell: cell.with_base("left", xyz=[0, 0, 1e13]), r"base.xyz\[2\] = 1.*: must be <= 1e\+12"),
-        (lambda cell: cell.with_base("left", xyz=3.0), r"robot 'left': base.xyz = 3.0: must be a list"),
-        (
-            lambda cell: cell.with_base("left", rpy=[0.1, 0, 0]),
-            r"left': base: in a cell with plane xy a base may",
-        ),
-        (
-            lambda cell: cell.with_grasp("left", rpy=[0, 0.1, 0]),
-            r"left': grasp: the tip frame 'contact' is tilted",
-        ),
-        (lambda cell: cell.with_limits(3), "limits = 3: must be a function"),
-        (lambda cell: cell.with_torque_limits("left", [1, 2]), r"torque = \[1.0, 2.0\]: must have 3 values, .* wrist"),
-        (lambda cell: cell.with_torque_limits("left", [1, 0, 1]), r"limit -?0 of joint 'elbow' must be below"),
-        (
-            lambda cell: cell.with_torque_limits("left", [1, 1, 1], [0, 0, 2]),
-            r"limit 2 of joint 'wrist' must be",
-        ),
-        (lambda cell: cell.with_torque_limits("left", ["a", 1, 1]), r"torque.upper\[0\] = 'a': must be a number"),
-        (lambda cell: cell.with_torque_limits("left", [1, np.inf, 1]), r"torque.upper\[1\] = inf: must be a finite"),
-        (lambda cell: cell.with_wrench_limits("left", [0] * 6), r"wrench.lower = .*must have 3 values"),
-        (lambda cell: cell.with_wrench_limits("left", [np.inf] * 3), r"wrench.lower\[0\] = inf: must be a finite"),
-        (
-            lambda cell: cell.with_wrench_limits("left", [1, 1, 1], [2, 0, 2]),
-            r"wrench.lower\[1\] = 1.0: .* at most the upper one, 0",
-        ),
-        (lambda cell: cell.with_gravity(-9.81), r"cell: gravity = -9.81: must be a list"),
-        (lambda cell: cell.with_gravity([True, 0, 0]), r"cell: gravity\[0\] = True: must be a number"),
-        (
-            lambda cell: cell.with_base("right", [0, 0, 0], [0, 0, 0]),
-            r"cell: base: robots 'left' and 'right' would",
-        ),
+        ("robots.left.wrench", 3, r"robot 'left': wrench"),
+        ("robots.left.posture", [0.0], r"robot 'left': posture = \[0.0\]: must be finite numbers with Shape \(3,\)"),
+        ("gravity", -9.81, r"cell: gravity = -9.81: must be a list"),
+        ("gravity", [True, 0, 0], r"cell: gravity\[0\] = True: must be a number"),
+        ("object.mass", 0.0, r"cell: object.mass = 0.0: must be > 0"),
+        ("robots.right.base", {}, r"cell: base: robots 'left' and 'right' would"),
     ],
 )
-def test_a_wrong_change_is_refused_in_the_words_of_the_file(change, message, planar_cell):
+def test_a_wrong_change_is_refused_in_the_words_of_the_file(path, value, message, planar_cell):
     with pytest.raises(mrts.InputError, match=message):
-        change(planar_cell)
+        planar_cell.with_values({path: value})
 
 
 @pytest.mark.quick

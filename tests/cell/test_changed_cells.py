@@ -176,12 +176,6 @@ def test_a_wrench_of_another_size_is_refused(planar_cell):
         )
 
 
-@pytest.mark.parametrize("changes", [{"nobody": {}}, {"left": {"torque_uper": 1}}, {"left": 1}, [1]])
-def test_changes_of_robots_that_are_not_there_are_refused(changes, planar_cell):
-    with pytest.raises(mrts.InputError, match="changes"):
-        planar_cell.with_robots(changes)
-
-
 def test_nobody_writes_into_a_cell(planar_cell):
     mine = np.full(3, 50.0)
     cell = with_left(planar_cell, torque_upper=mine)

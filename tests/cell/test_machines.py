@@ -229,8 +229,8 @@ def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
     assert cell.functions.manifest.machines == (("left", "right"),)
     left, right = cell.robots
     for change in (
-        lambda: cell.with_base("left", xyz=left.T_world_base.p + STEP),
-        lambda: cell.with_base("right", rpy=[0, 0, 0.2]),
+        lambda: cell.with_values({"robots.left.base.xyz": left.T_world_base.p + STEP}),
+        lambda: cell.with_values({"robots.right.base.rpy": [0, 0, 0.2]}),
         lambda: replace(cell, robots=(replace(left, T_world_base=right.T_world_base @ left.T_world_base), right)),
     ):
         with pytest.raises(mrts.InputError, match=r"are arms of one machine .* move together\. Give both"):
@@ -239,7 +239,7 @@ def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
     moved = tuple(replace(robot, T_world_base=step @ robot.T_world_base) for robot in cell.robots)
     together = replace(cell, robots=moved)
     assert same_cell(mrts.Cell.from_description(yaml.safe_load(together.to_yaml())), together)
-    assert cell.with_grasp("left", xyz=left.T_object_tip.p).with_mass(1.0).robots[1] is right
+    assert cell.with_values({"robots.left.grasp.xyz": left.T_object_tip.p}).with_mass(1.0).robots[1] is right
 
 
 def test_two_machines_do_not_come_to_stand_in_one_place(tmp_path):
@@ -252,9 +252,9 @@ def test_two_machines_do_not_come_to_stand_in_one_place(tmp_path):
     cell = mrts.load_cell(machine_cell(tmp_path, apart))
     left, right = cell.robots
     assert cell.functions.manifest.machines == ()
-    assert cell.with_base("right", xyz=right.T_world_base.p + STEP)
+    assert cell.with_values({"robots.right.base.xyz": right.T_world_base.p + STEP})
     with pytest.raises(mrts.InputError, match="would stand in one place, which makes them arms of one machine"):
-        cell.with_base("right", xyz=left.T_world_base.p)
+        cell.with_values({"robots.right.base.xyz": left.T_world_base.p})
 
 
 def test_held_joints_are_written_without_their_followers(tmp_path):

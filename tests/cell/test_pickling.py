@@ -59,7 +59,7 @@ def test_errors_come_back_from_workers(planar_cell, lift):
     with pool(use_cache, os.environ["MRTS_CACHE_DIR"]) as workers:
         with pytest.raises(mrts.InputError) as caught:
             workers.submit(planar_cell.with_mass, -1).result()
-        assert (caught.value.where, caught.value.value) == ("mass", -1)
+        assert (caught.value.key, caught.value.value) == ("object.mass", -1)
         with pytest.raises(mrts.SelectionError) as refused:
             workers.submit(mrts.scale, planar_cell, lift, 99.0).result()
     assert refused.value.result.range.upper.c2 == pytest.approx(3.062, abs=1e-3)
@@ -79,8 +79,10 @@ def everything(planar_cell, lift, lifted, tmp_path_factory):
     return {
         "cell": planar_cell,
         "weak cell": planar_cell.with_variation(mass=(0.5, 2)).without_wrench_limits().without_velocity_limits(),
-        "moved cell": planar_cell.with_base("left", xyz=[0.01, 0.02, 0]).with_grasp("right", rpy=[0, 0, 3.1])
-        .with_gravity([0, -1.6, 0]).with_torque_limits("left", [80.0, 70.0, 40.0]),
+        "moved cell": planar_cell.with_values({
+            "robots.left.base.xyz": [0.01, 0.02, 0], "robots.right.grasp.rpy": [0, 0, 3.1], "gravity": [0, -1.6, 0],
+            "robots.left.torque": [80.0, 70.0, 40.0],
+        }),
         "object motion": lift,
         "joint table": mrts.load_motion(table),
         "coordinated motion": lifted.motion,
@@ -134,7 +136,7 @@ def test_everything_comes_back_as_it_was(everything, lift, lifted, again):
 
 
 def test_workers_of_joblib_find_the_same(planar_cell, lift):
-    cells = [planar_cell.with_base("left", xyz=[x, 0.0, 0.0]) for x in (0.0, 0.01, 0.02)]
+    cells = [planar_cell.with_values({"robots.left.base.xyz[0]": x}) for x in (0.0, 0.01, 0.02)]
     found = Parallel(n_jobs=2, backend="loky")(delayed(mrts.scale)(cell, lift, between=None) for cell in cells)
     assert [result.json_text() for result in found] == [
         mrts.scale(cell, lift, between=None).json_text() for cell in cells

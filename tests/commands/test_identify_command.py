@@ -103,7 +103,6 @@ def test_bad_recordings_are_refused_by_name(tables, tmp_path, capsys, table, sai
         (["--cutoff", "60"], "--cutoff = 60.0: must be at most 40 Hz: the recording has 200 samples a second."),
         (["--cutoff", "0"], "--cutoff = 0.0: must be a number > 0, in Hz."),
         (["--cutoff", "nan"], "--cutoff = nan: must be a number > 0, in Hz."),
-        (["-o", "-"], "--output = '-': writes a file"),
     ],
 )
 def test_bad_options_are_refused(tables, tmp_path, capsys, options, said):

@@ -80,6 +80,7 @@ def test_a_dry_run_writes_nothing(tmp_path):
         (("-o", "out", "--workers", 2, "--scheduler", "tcp://h:1"), "--workers = 2: goes with processes of this"),
         (("-o", "out", "--top", -1), "'--top': -1 is not in the range"),
         (("-o", "study.yaml"), "--output = 'study.yaml': names the same file as STUDY."),
+        (("--dry-run", "--plot", "plots"), "--plot: does not go with --dry-run"),
         (("-o", "."), "holds no study, but study.yaml: name a new or empty folder."),
     ],
 )

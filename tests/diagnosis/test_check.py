@@ -217,12 +217,12 @@ def test_a_proposed_move_lets_the_compiled_cell_follow(dual_ur5, tmp_path):
     left, right = mrts.check(*paths).arms
     assert right.follows
     assert left.shift is not None
-    far = dual_ur5.with_base("left", xyz=[-1.1, -0.1, 0.1])
+    far = dual_ur5.with_values({"robots.left.base.xyz": [-1.1, -0.1, 0.1]})
     path = mrts.load_motion(paths[1])
     with pytest.raises(mrts.MotionError) as caught:
         mrts.follow_object(far, path)
     assert str(caught.value) == left.failure
-    mrts.follow_object(dual_ur5.with_base("left", xyz=(np.array([-1.1, -0.1, 0.1]) + left.shift).tolist()), path)
+    mrts.follow_object(dual_ur5.with_values({"robots.left.base.xyz": np.add(left.shift, [-1.1, -0.1, 0.1])}), path)
 
 
 def test_a_posture_that_works_is_named_where_the_given_one_does_not(dual_ur5, tmp_path):
@@ -234,7 +234,9 @@ def test_a_posture_that_works_is_named_where_the_given_one_does_not(dual_ur5, tm
     paths = written(tmp_path, cell, motion)
     left = mrts.check(*paths).arms[0]
     path = mrts.load_motion(paths[1])
-    alone = dual_ur5.with_base("left", xyz=[-0.7, 0, 0]).with_base("right", xyz=[0.6, 0.3, 0])
+    alone = dual_ur5.with_values({"robots.left.base.xyz": [-0.7, 0, 0]}).with_values(
+        {"robots.right.base.xyz": [0.6, 0.3, 0]}
+    )
     given = cell["robots"][0]["posture"]
     with pytest.raises(mrts.MotionError, match="robot 'left'") as caught:
         mrts.follow_object(alone.with_postures({"left": given}), path)

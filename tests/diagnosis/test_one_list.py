@@ -103,7 +103,7 @@ def test_limits_of_a_cell_file_or_of_python_are_no_placeholders(tmp_path):
     assert "effort-placeholders" in codes(given)
     other = given
     for robot in given.robots:
-        other = other.with_torque_limits(robot.name, [150.0, 150, 150, 28, 28, 28])
+        other = other.with_values({f"robots.{robot.name}.torque": [150.0, 150, 150, 28, 28, 28]})
     assert "effort-placeholders" not in codes(other)
     assert "torque-of-urdf" not in codes(other)
     again = tmp_path / "again.yaml"

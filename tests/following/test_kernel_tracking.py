@@ -11,8 +11,7 @@ from grasp_tracking import held, tracked
 import mrts
 from mrts.base.rigid_transform import rotations_from_vectors
 from mrts.following.grasp_tracking import FURTHER_STEPS, SETTLED_PREFERENCE, reached, solve_grasps
-from mrts.following.starting_positions import starting_reference
-from mrts.following.variant_tracking import follow_from
+from mrts.following.variant_tracking import follow_from, starting_reference
 from mrts.kernel.tracking import FOLLOWED, LOST, OUT_OF_REACH, SINGULAR
 from mrts.motion.velocity_profile import PROFILES
 

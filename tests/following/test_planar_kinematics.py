@@ -6,7 +6,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 
 import mrts
-from mrts.following.planar_closed_form import planar_branches
+from mrts.following.branches import branches_at_start
 from mrts.motion.velocity_profile import PROFILES
 
 pytestmark = pytest.mark.quick
@@ -62,9 +62,9 @@ def test_joint_motion_closes_the_chain_and_is_its_own_derivative(planar_cell, li
 
 
 def test_both_branches_reach_and_the_posture_chooses(planar_cell, lift):
-    for robot in planar_cell.robots:
-        branches = planar_branches(planar_cell, robot, lift)
-        assert np.sign(branches[0][0, 1]) == -np.sign(branches[1][0, 1])
+    for index in range(2):
+        first, second = branches_at_start(planar_cell, index, lift)
+        assert np.sign(np.sin(first[1])) == -np.sign(np.sin(second[1]))
     up_up = mrts.follow_object(planar_cell, lift)
     assert (np.sign(up_up.q[:, 1]) == -1).all()
     assert (np.sign(up_up.q[:, 4]) == 1).all()

@@ -1,6 +1,6 @@
 """Whether two cells are one, to the last bit."""
 
-from mrts.cell.cell_text import manifest_of
+from mrts.cell.cell_keys import manifest_of
 
 
 def same_cell(one, other):

@@ -3,63 +3,42 @@
 import dataclasses
 import inspect
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
-import numpy as np
 import pytest
 from conftest import DATA
 from shown_results import AWKWARD, with_all_rates, with_awkward_names
 
 import mrts
 from mrts.base.notebook.in_notebooks import InNotebooks
-from mrts.layout.layout_numbers import LayoutNumbers
 
-CLASSES = {
-    name: kind
-    for name in mrts.__all__
-    if inspect.isclass(kind := getattr(mrts, name)) and hasattr(kind, "notebook_tables")
-    if kind.notebook_tables is not InNotebooks.notebook_tables
-}
+
+def shown_by_notebooks(kind):
+    """Classes that are made of a class and have tables."""
+    for sub in kind.__subclasses__():
+        if sub.notebook_tables is not InNotebooks.notebook_tables and not inspect.isabstract(sub):
+            yield sub.__name__, sub
+        yield from shown_by_notebooks(sub)
+
+
+for name in mrts.__all__:
+    getattr(mrts, name)  # imports every class
+CLASSES = dict(shown_by_notebooks(InNotebooks))
 
 LONGEST_PAGE = 40_000
 """Characters: what a notebook shows of one object stays a screen or two."""
 
 
-def motors(robot):
-    """An arm as if a recording had told of its motors."""
-    count, blocks = len(robot.joints), np.linspace(0, 1, 4)
-    numbers, known = np.full(count, 0.25), np.full(count, fill_value=True)
-    each = mrts.MotorParameter(numbers, numbers, numbers, known, ("",) * count, ~known, numbers)
-    columns = [np.full((4, count), value) for value in (1.0, 2.0, 3.0, 4.0)]
-    return mrts.ArmMotors(
-        robot=robot, armature=each, coulomb=each, viscous=each, offset=numbers, residual_rms=numbers,
-        explained=numbers, cutoff=30.0, time=blocks, used=np.full((4, count), fill_value=True), velocity=columns[0],
-        acceleration=columns[1], left_over=columns[2], fitted=columns[3],
-    )  # fmt: skip
-
-
 @pytest.fixture(scope="module")
-def held(planar_cell, lift, lifted, tmp_path_factory):
+def held(planar_cell, lift, lifted):
     """One object of every public class, by its name: what is found in a few results, and what is made here."""
-    folder = tmp_path_factory.mktemp("notebook")
-    study = mrts.read_study(DATA.parent / "dual_ur5" / "place.yaml")
-    played = mrts.PlayedLayout(study.cell, None, None, lifted, 0.25)
     smooth = mrts.retime(with_all_rates(planar_cell), lift, rates=11.0, between=None)
     answered = lifted.what_if()
     roots = [
+        mrts.scale(planar_cell.with_mass(24.0), lift),
         dataclasses.replace(lifted, changes=answered),
         smooth,
         mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift),
-        mrts.scale(planar_cell.with_mass(24.0), lift),
-        mrts.rank_configurations(planar_cell, lift),
         mrts.load_cell(DATA.parent / "squeeze" / "cell.yaml"),
-        study,
-        mrts.StudyFolder(folder, {"digest": "d", "variants": 9, "chunk": 4, "columns": {"variant": {}}}),
-        mrts.Placement(
-            study=study, numbers=LayoutNumbers.of(study, mrts.load_cell(DATA.parent / "dual_ur5" / "cell.yaml")),
-            before=None, after=played, reason="", looked_at=9, playable=5, searches=2, stopped="",
-        ),
-        mrts.MotorIdentification("cell", Path("recorded.csv"), tuple(map(motors, planar_cell.robots)), ()),
         mrts.check(DATA / "cell.yaml", DATA / "lift.yaml"),
     ]  # fmt: skip
     found, seen = {}, {}

@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-import threading
 from collections import Counter
 
 import daqp
@@ -18,10 +17,8 @@ from random_programs import cell_programs, hard_programs
 import mrts
 from mrts.kernel.c_text import programs_source
 from mrts.kernel.compiler import find_compiler, library_in_cache
-from mrts.kernel.foreign_arrays import work_arrays
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_programs
 from mrts.program.convex_program import ConvexPrograms, optimality_error
-from mrts.program.motion_rows import motion_rows
 from mrts.program.solvers import solve_programs
 
 LINEAR_PROGRAMS = 34_000
@@ -231,40 +228,6 @@ def test_hard_quadratic_programs_pass_their_conditions(kernel):
 
 
 @pytest.mark.parametrize("name", ["planar_dual_arm", "dual_ur5"])
-def test_results_do_not_depend_on_threads_and_need_no_fallback(name, monkeypatch):
-    folder = DATA.parent / name
-    cell = mrts.load_cell(folder / "cell.yaml")
-    motion_file = "lift.yaml" if name == "planar_dual_arm" else "lift_and_turn.yaml"
-    text = (folder / motion_file).read_text().replace("samples: 101", f"samples: {5 * 256 + 7}")
-    description = mrts.MotionDescription.model_validate(__import__("yaml").safe_load(text))
-    motion = mrts.follow_object(cell, mrts.sample_motion(description))
-    results = []
-    for threads in (1, 2, 3):
-        monkeypatch.setattr("mrts.kernel.foreign_arrays.MOST_THREADS", threads)
-        monkeypatch.setattr("mrts.kernel.foreign_arrays._processors", lambda: 8)
-        result = mrts.scale(cell, motion)
-        assert result.fallbacks == 0
-        timed = mrts.retime(cell, motion, between=None)
-        rows = motion_rows(cell.without_velocity_limits(), motion)
-        ends = cell.library.ranges(
-            motion.samples,
-            motion.inputs(cell.load) | {"geometry": cell.geometry},
-            rows.sparse,
-            rows.terms(),
-            np.full(motion.samples, np.inf),
-        )
-        results.append(
-            (
-                *(ends.lower, ends.upper, ends.basis, ends.dual, result.trajectory.torque, result.trajectory.wrench),
-                *(timed.pieces[0].x, timed.retimed.trajectory.torque, timed.retimed.trajectory.wrench),
-            )
-        )
-    for other in results[1:]:
-        for one, two in zip(results[0], other, strict=True):
-            np.testing.assert_array_equal(one, two)
-
-
-@pytest.mark.parametrize("name", ["planar_dual_arm", "dual_ur5"])
 def test_the_compiled_path_equals_the_reference_solver(name):
     folder = DATA.parent / name
     cell = mrts.load_cell(folder / "cell.yaml")
@@ -303,23 +266,6 @@ def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
             planar_cell.functions("kinematics", 50, {"q": q})
 
 
-def test_a_failing_thread_is_an_error_and_not_a_result(planar_cell, lift, monkeypatch):
-    fields = (lift.time, lift.position, lift.rotation, lift.twist, lift.acceleration)
-    longer = np.linspace(0, lift.time[-1], 1000)
-    motion = mrts.ObjectMotion(longer, *(interpolated(field, longer, lift.time) for field in fields[1:]))
-    whole = mrts.follow_object(planar_cell, motion)
-
-    def fails_elsewhere(*asked):
-        if threading.current_thread() is not threading.main_thread():
-            raise MemoryError
-        return work_arrays(*asked)
-
-    monkeypatch.setattr("mrts.kernel.cell_library.work_arrays", fails_elsewhere)
-    monkeypatch.setattr("mrts.kernel.foreign_arrays._processors", lambda: 2)
-    with pytest.raises(MemoryError):
-        mrts.scale(planar_cell, whole, "nominal")
-
-
 def interpolated(field, at, time):
     flat = field.reshape(len(field), -1)
     return np.column_stack([np.interp(at, time, column) for column in flat.T]).reshape(len(at), *field.shape[1:])
@@ -334,7 +280,7 @@ def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     assert status[0] != OPTIMAL
     _, _, status = kernel.quadratic_programs(np.eye(2)[None], np.array([[-5.0, 1]]), A, low, high)
     assert status[0] != OPTIMAL
-    with pytest.raises(mrts.InputError, match="at most 1e"):
+    with pytest.raises(mrts.InputError, match="must be <= 1e"):
         planar_cell.with_mass(1.7e308)
 
 

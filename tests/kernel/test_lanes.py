@@ -14,7 +14,7 @@ import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
-from mrts.kernel.between_samples import path_places, widenings
+from mrts.kernel.between_samples import path_places
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
@@ -23,6 +23,7 @@ from mrts.kernel.sample_terms import SampleTerms
 from mrts.kernel.tracking import closure_sizes
 from mrts.limits import limit_rows
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.torque_distribution import least_torques
 from mrts.timing.path_pieces import PLACES
 
 C = ROOT / "mrts" / "kernel" / "c"
@@ -93,13 +94,16 @@ def answers(request, tmp_path_factory):
         inputs = {name: value[at] if value.ndim > 1 else value for name, value in all_inputs.items()}
         known = {}
         for kind, added in (("plain", SampleTerms()), ("more", terms.at(at))):
-            ranges = library.ranges(count, inputs, limits, added, np.full(count, np.inf))
-            known |= {f"{kind} {name}": getattr(ranges, name) for name in ("lower", "upper", "effect")}
-            known[f"{kind} status"] = ranges.status.T
-            known[f"{kind} widening"] = widenings(library, count, inputs, limits, units, added, c2)[0]
+            lower, upper, effect, widening = np.zeros((4, count))
+            status, unread = np.zeros((3, count), dtype=np.uint8), np.zeros((2, count, library.unknowns))
+            of_ranges = [lower, upper, *status[:2], effect, *unread.astype(np.int16), *unread.astype(np.float32)]
+            library.over_samples("mrts_ranges", count, inputs, limits, added, [np.full(count, 1e300)], of_ranges)
+            library.over_samples("mrts_widenings", count, inputs, limits, added, [c2], [widening, status[2]], (units,))
+            numbers = {"lower": lower, "upper": upper, "effect": effect, "status": status[:2].T, "widening": widening}
+            known |= {f"{kind} {name}": value for name, value in numbers.items()}
             for weights, W_all in (("diagonal", np.eye(len(W))), ("full", np.diag(W) + 0.1 * np.outer(W, W))):
                 speed = np.full(count, 0.5)
-                torque, _, status = library.torques(count, inputs, limits, added, speed, W_all, 1e-9)
+                torque, _, status = least_torques(library, inputs, limits, added, speed, W_all)
                 known |= {f"{kind} {weights} torque": torque, f"{kind} {weights} status": status}
         of_path = problem.at(at)
         effect = np.max(np.abs(of_path.A), axis=1)

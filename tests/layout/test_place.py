@@ -139,9 +139,8 @@ def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     other = next(one for one in ranked if one.c2_upper < 0.95 * ranked[0].c2_upper)
     start = search.tried(values, other.postures())
     assert start.c2 == pytest.approx(other.c2_upper, rel=SAME)
-    found = []
-    search.improve(start, found)
-    best = max(found, key=lambda one: one.c2)
+    search.improve(start)
+    best = max(search.found, key=lambda one: one.c2)
     assert best.c2 > start.c2
     assert search.tried(best.values).c2 < 0.9 * best.c2  # where the study's own postures lead
     cell = mrts.Cell.from_description(best.keys, folder=study.folder)

@@ -287,6 +287,10 @@ def test_a_limit_that_gives_no_rows_of_this_motion_is_named(wrong, planar_cell, 
 def test_a_limit_of_no_robot_and_without_a_unit_is_named_in_plain_words():
     whole = mrts.RowName("kinetic energy", unit="J")
     assert str(mrts.ActiveRow(whole, "upper", 2.0)) == "kinetic energy (upper, 2 J)"
+    slip = mrts.RowName("contact", "left", "pad friction -a", "N")
+    assert str(mrts.ActiveRow(slip, "upper", 0.0)) == "left/pad slips: friction 100 % used"
+    speed = mrts.RowName("velocity", "left", "elbow", "rad/s")
+    assert str(mrts.ActiveRow(speed, "upper", 4.0)) == "left/elbow velocity (4 rad/s)"
     assert mrts.RowName("acceleration", element="z").short == "z acceleration"
     assert str(mrts.ActiveRow(mrts.RowName("slip", "left"), "upper", 2.0)) == "left slip (upper, 2)"
 

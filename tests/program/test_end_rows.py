@@ -10,9 +10,9 @@ from scipy.optimize import linprog
 import mrts
 from mrts.limits.rows import STANDSTILL
 from mrts.program import sample_ranges
-from mrts.program.range_ends import BindingRows, ends_by_linear_programs, no_codes, rows_at_end
+from mrts.program.range_ends import ends_of_problem, rows_at_end
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.sample_ranges import TIE
+from mrts.program.sample_ranges import TIE, BindingRows
 from mrts.scaling.range import intersect
 
 SOLVERS = ("kernel", "qpsol:qpoases", "scipy:highs")
@@ -47,10 +47,10 @@ def problem_of(A, lower, upper):
 
 def binding_at_the_top(problem):
     """Rows with a multiplier at the largest c², each with its side, 1 at the upper limit; None if there is no end."""
-    found = ends_by_linear_programs(problem, "scipy:highs")
-    if found.undecided[0] or not np.isfinite(found.upper[0]):
+    found = ends_of_problem(problem, "scipy:highs", np.inf)
+    if found.undecided.size or not np.isfinite(found.upper[0]):
         return None
-    return [(int(row.name.element), 1.0 if row.side == "upper" else -1.0) for row in found.rows.at(0, "upper")]
+    return [(abs(code) - 1, np.sign(code)) for code in found.codes[1, 0].tolist() if code != 0]
 
 
 def degenerate_problem(rng):
@@ -102,11 +102,11 @@ def test_all_rows_with_a_multiplier_in_some_dual_solution_are_named_for_every_so
             continue
         named, by_solver = set(), set()
         for solver in SOLVERS:
-            found = ends_by_linear_programs(problem, solver)
+            found = sample_ranges.sample_ranges(problem, np.zeros(1), solver)
             rows = rows_at_end(problem, float(found.upper[0]), "upper")
-            assert set(found.rows.at(0, "upper")) <= set(rows)
+            assert set(found.binding(0, "upper")) <= set(rows)
             named.add(rows)
-            by_solver.add(frozenset(found.rows.at(0, "upper")))
+            by_solver.add(frozenset(found.binding(0, "upper")))
         assert len(named) == 1
         multipliers = largest_multipliers(problem)
         largest = max(multipliers.values())
@@ -159,7 +159,7 @@ def test_of_samples_that_differ_by_rounding_the_first_sets_the_end():
         lower, upper = low.copy(), high.copy()
         lower[2] *= 1 + shift
         upper[3] *= 1 + shift
-        status, rows = (mrts.SampleStatus.FEASIBLE,) * 4, BindingRows((), np.zeros((2, 0)), no_codes(4))
+        status, rows = (mrts.SampleStatus.FEASIBLE,) * 4, BindingRows((), np.zeros((2, 0)), np.zeros((2, 4, 0), int))
         found = intersect(mrts.SampleRanges(np.arange(4.0), status, lower, upper, rows, (), 0))
         assert (found.lower.sample, found.upper.sample) == (1, 1)
         assert (found.lower.c2, found.upper.c2) == (np.max(lower), np.min(upper))

@@ -12,7 +12,6 @@ from random_motors import drawn_motors
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.following.denser_motion import velocity_polynomials
-from mrts.kernel import foreign_arrays
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.program.widening import motion_widening, widening_at
@@ -122,16 +121,3 @@ def test_places_between_samples_are_those_of_numpy(name):
         *((getattr(found.object, of), getattr(theirs.object, of)) for of in ("twist", "acceleration")),
     ):
         np.testing.assert_allclose(ours, other, atol=SAME_MOTION * np.max(np.abs(other)), rtol=0)
-
-
-@pytest.mark.quick
-def test_threads_change_no_bit(monkeypatch):
-    cell, motion = shipped("dual_ur5", 600)
-    part, c2 = timed(motion), np.full(600, 22.0)
-    answers = []
-    for threads in (1, 2, 3):
-        monkeypatch.setattr(foreign_arrays, "MOST_THREADS", threads)
-        monkeypatch.setattr(foreign_arrays, "_processors", lambda: 3)
-        there = between_path_samples(cell, part, PLACES)
-        answers.append((motion_widening(cell, motion, c2).tobytes(), there.ddq.tobytes(), there.object.twist.tobytes()))
-    assert answers[0] == answers[1] == answers[2]

@@ -14,7 +14,8 @@ from mrts.base.manifest import GEOMETRY
 from mrts.base.torque_weights import WEIGHT_SPREAD
 from mrts.kernel.programs import OPTIMAL, STOPPED
 from mrts.program.motion_rows import motion_rows
-from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
+from mrts.program.torque_distribution import least_torques, torque_weights
+from mrts.program.trajectory_programs import motion_ranges
 
 pytestmark = pytest.mark.quick
 
@@ -115,9 +116,7 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
     given = yaml.safe_load((DATA.parent / "dual_ur5" / "lift_and_turn.yaml").read_text()) | {"samples": SAMPLES}
     motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
     rows, inputs = motion_rows(cell, motion), motion.inputs(cell.load)
-    ends = cell.library.ranges(
-        SAMPLES, inputs | {GEOMETRY: cell.geometry}, rows.sparse, rows.terms(1.0), np.full(SAMPLES, np.inf)
-    )
+    ends = motion_ranges(cell, motion, "wrench", None, "kernel")
     share = rng.choice([0.9, 1.0, 1.2], p=[0.8, 0.1, 0.1], size=SAMPLES)
     c2 = ends.lower + share * (np.minimum(ends.upper, 10 * np.median(ends.upper)) - ends.lower)
     no_number = rng.choice(SAMPLES, size=6, replace=False)
@@ -130,7 +129,7 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
         some = {name: value[samples] if value.ndim > 1 else value for name, value in inputs.items()}
         here = some | {GEOMETRY: cell.geometry}
         terms = rows.terms(1.0).at(samples)
-        return cell.library.torques(len(samples), here, rows.sparse, terms, c2[samples], W, TORQUE_WIDENING)
+        return least_torques(cell.library, here, rows.sparse, terms, c2[samples], W)
 
     every = np.arange(SAMPLES)
     torque, wrench, status = least(every)

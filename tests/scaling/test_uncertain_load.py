@@ -215,7 +215,7 @@ def test_where_the_load_enters_monotonically_the_best_is_a_corner(planar_cell, l
 
 
 @pytest.mark.parametrize("seed", seeds(3, RULES - 3))
-def test_the_closed_form_of_a_fixed_rule_equals_its_corners(seed, tmp_path):
+def test_the_guaranteed_range_of_a_fixed_rule_is_that_of_its_corners(seed, tmp_path):
     cell, motion = coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path)
     rule = mrts.LoadSharing()
     result = scaled(cell, motion, sharing=rule)
@@ -227,18 +227,9 @@ def test_the_closed_form_of_a_fixed_rule_equals_its_corners(seed, tmp_path):
     np.testing.assert_allclose(found.lower, np.max([c.lower for c in corners], axis=0), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(found.upper, np.min([c.upper for c in corners], axis=0), rtol=1e-9)
     end = intersect(found).upper
-    if not result.load.points and end.sample is not None:
+    if end is not None and end.sample is not None:
         worst = ends_of_loads(cell, motion, end.sample, [end.load.load], rule)
         assert worst.upper[0] == pytest.approx(end.c2, rel=1e-9)
-
-
-@pytest.mark.slow
-def test_most_fixed_rules_have_a_closed_form(tmp_path):
-    found = (
-        coordinated(np.random.default_rng(200 + seed), random_planar_cell, 1 + seed % 3, tmp_path)
-        for seed in range(RULES)
-    )
-    assert sum(not scaled(*pair, sharing=mrts.LoadSharing()).load.points for pair in found) >= RULES / 3
 
 
 def test_how_fast_a_motion_is_given_hides_no_parameter(dual_ur5, lift_and_turn):

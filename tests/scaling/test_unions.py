@@ -8,7 +8,7 @@ from gantries import gantries
 from slowing_gantries import Slowing
 
 import mrts
-from mrts.program.range_ends import BindingRows, no_codes
+from mrts.program.sample_ranges import BindingRows
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import common_range
 
@@ -108,7 +108,7 @@ def test_samples_go_down_until_they_have_an_interval_in_common(unions, status, e
     def find(high):
         found = [max((one for one in union if one[0] <= high), default=max(union)) for union in unions]
         lower, upper = np.array(found, dtype=float).T
-        rows, statuses = BindingRows((), np.zeros((2, 0)), no_codes(2)), (mrts.SampleStatus.FEASIBLE,) * 2
+        rows, statuses = BindingRows((), np.zeros((2, 0)), np.zeros((2, 2, 0), int)), (mrts.SampleStatus.FEASIBLE,) * 2
         return mrts.SampleRanges(np.arange(2.0), statuses, lower, upper, rows, (), 0, several=True)
 
     found = common_range(find)

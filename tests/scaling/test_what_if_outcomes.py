@@ -286,7 +286,7 @@ def test_samples_that_were_added_stay(planar_cell):
     assert found["mass +10 %"].before.c2 == result.range.upper.c2
     for text, cell in (
         ("mass +10 %", planar_cell.with_mass(1.1 * planar_cell.mass)),
-        ("left base about z -1°", planar_cell.with_base("left", rpy=[0, 0, np.radians(-1)])),
+        ("left base about z -1°", planar_cell.with_values({"robots.left.base.rpy": [0, 0, np.radians(-1)]})),
     ):
         assert found[text].after.c2 == pytest.approx(mrts.scale(cell, motion).range.upper.c2, rel=BETWEEN), text
         assert found[text].matters

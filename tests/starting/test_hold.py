@@ -79,7 +79,7 @@ def test_a_grasp_that_something_else_repeats_is_not_replaced():
 def test_lines_of_grasps_are_those_of_a_cell_file(planar_cell):
     robot = planar_cell.robots[1]
     line = yaml.safe_load(grasp_lines(planar_cell)[robot.name])
-    again = planar_cell.with_grasp(robot.name, **line)
+    again = planar_cell.with_values({f"robots.{robot.name}.grasp": line})
     assert again.robots[1].T_object_tip.p == pytest.approx(robot.T_object_tip.p, abs=SAME)
     assert pytest.approx(robot.T_object_tip.R, abs=SAME) == again.robots[1].T_object_tip.R
     assert yaml.safe_load((DATA / "cell.yaml").read_text())["robots"][1]["grasp"]["xyz"] == line["xyz"]

@@ -1,7 +1,6 @@
 """Points of a study: grids in order, hypercubes with one point a stratum, Sobol's sequence, the same in any block."""
 
 from itertools import product
-from time import process_time
 
 import numpy as np
 import pytest
@@ -102,29 +101,3 @@ def test_levels_are_drawn_alike():
     assert [int(np.sum(points == level)) for level in levels.levels] == [100, 100, 100]
     assert levels.at(np.array([0.0, 1.0])).tolist() == [4, 9]
     assert levels.bounds == (2, 9)
-
-
-def test_the_last_block_of_a_million_takes_no_longer_than_the_first():
-    million, distributions = 10**6, [Distribution("uniform", (0.0, 1.0))] * 20
-    for sample in ("lhs", "sobol"):
-        sample_points(distributions, sample, million, 1, (0, 1000))
-        start = process_time()
-        sample_points(distributions, sample, million, 1, (million - 1000, million))
-        assert process_time() - start < 0.5
-
-
-def test_distributions_are_told_with_their_unit():
-    told = [
-        Distribution("values", (0.4, 0.5)).text("kg"),
-        Distribution("values", tuple(range(20))).text(""),
-        Distribution("steps", (0.0, 0.5, 1.0)).text("m"),
-        Distribution("uniform", (0.0, 2.0)).text("rad"),
-        Distribution("normal", (1.0, 0.1)).text("kg"),
-        Distribution("lognormal", (1.0, 0.1)).text("s"),
-        Distribution("triangular", (1.0, 1.5, 3.0)).text("m"),
-    ]
-    assert told == [
-        "0.4, 0.5 kg", "0, 1, 2, 3, 4, 5, … (20 values)", "from 0 to 1 m in 3 steps", "from 0 to 2 rad",
-        "normal, around 1, standard deviation 0.1 kg", "lognormal, around 1 s, standard deviation 0.1 of the logarithm",
-        "triangular, from 1 to 3, likeliest 1.5 m",
-    ]  # fmt: skip

@@ -10,8 +10,8 @@ from conftest import DATA, ROOT
 from study_files import planar_study
 
 import mrts
+from mrts.cell.number_paths import numbers_below, path_text, value_at
 from mrts.studies.distributions import Distribution
-from mrts.studies.number_paths import numbers_below, path_text, value_at
 from mrts.studies.variant_rows import solve_variants
 
 UR5 = DATA.parent / "dual_ur5"

@@ -1,5 +1,6 @@
 """A study on disk: what a folder may hold, what is said of a wrong one, and what becomes of damage."""
 
+import dataclasses
 import json
 import os
 import shutil
@@ -12,7 +13,7 @@ from study_files import planar_study
 
 import mrts
 from mrts.plots.study_table import read_study_table
-from mrts.studies.study_folder import first_difference, opened_study_folder
+from mrts.studies.study_folder import opened_study_folder
 from mrts.studies.variant_rows import solve_variants
 
 VARY = "vary: {object.mass: [1, 2, 3, 4, 24], 'robots.left.base.xyz[0]': [0, 0.1]}"
@@ -63,7 +64,7 @@ def test_rows_come_back_in_order_with_their_types_and_units(complete, study):
     assert found.table(["status"]).column_names == ["status"]
     vary = found.record["study"]["vary"]
     assert [each["path"] for each in vary] == ["object.mass", "robots.left.base.xyz[0]"]
-    assert vary[0]["bounds"] == [1, 24]
+    assert (vary[0]["kind"], vary[0]["numbers"]) == ("values", [1, 2, 3, 4, 24])
 
 
 def test_what_a_killed_writer_left_is_not_seen_and_goes(complete, study):
@@ -94,17 +95,15 @@ def test_a_damaged_part_is_dropped_and_said(damage, complete, study, caplog):
 
 
 @pytest.mark.parametrize(
-    ("changed", "key", "said"),
+    ("changed", "said"),
     [
-        (VARY.replace("24", "25"), "vary.object.mass = '1, 2, 3, 4, 25 kg'", 'in which this is "1, 2, 3, 4, 24 kg"'),
-        (VARY.replace("24", "24.000001"), r"vary\[0\].spread.values\[4\] = 24.000001", "in which this is 24.0"),
-        (VARY.replace("object.mass", "duration"), "vary.motion.duration = '1, 2, 3, 4, 24 s'", "this is not there"),
-        (f"{VARY}\ntorques: true", "torques = True", "in which this is false"),
-        (f"{VARY}\nsample: sobol\ncount: 16", "sample = 'sobol'", 'in which this is "grid"'),
+        (VARY.replace("24", "24.000001"), "vary"),
+        (f"{VARY}\ntorques: true", "question"),
+        (f"{VARY}\nsample: sobol\ncount: 16", "sample"),
     ],
 )
-def test_a_changed_study_is_refused_with_what_differs(changed, key, said, complete, tmp_path):
-    with pytest.raises(mrts.InputError, match=rf"out: {key}.*holds another study.*{said}"):
+def test_a_changed_study_is_refused_with_what_differs(changed, said, complete, tmp_path):
+    with pytest.raises(mrts.InputError, match=rf"out: holds another study, which differs in {said}"):
         opened(complete.path, planar_study(tmp_path, changed))
     assert len(complete.parts()) == 3
 
@@ -115,24 +114,23 @@ def test_changed_files_of_a_study_are_seen(complete, study, tmp_path):
     for robot in keys["robots"]:
         robot["urdf"] = str(study.folder / robot["urdf"])
     cell.write_text(json.dumps(keys))
-    with pytest.raises(mrts.InputError, match=r"cell\.gravity\[1\] = -9.7: holds another study, in which this is -9.8"):
+    with pytest.raises(mrts.InputError, match="differs in cell"):
         opened(complete.path, planar_study(tmp_path, VARY, cell=cell))
 
 
-def test_another_version_of_mrts_is_named(complete, study):
-    record = json.loads((complete.path / "study.json").read_text())
-    (complete.path / "study.json").write_text(json.dumps(record | {"mrts": "0.0.9", "digest": "other"}))
-    with pytest.raises(mrts.InputError, match=r"was begun by mrts 0\.0\.9, this is "):
-        opened(complete.path, study)
+def test_another_version_of_mrts_is_named(complete, study, monkeypatch):
+    monkeypatch.setattr("mrts.studies.study_folder.__version__", "0.0.9")
+    with pytest.raises(mrts.InputError, match=r"was begun by mrts .*0\.0\.9"):
+        opened(complete.path, dataclasses.replace(study, digest="other"))
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("{", "is damaged: Expecting"),
-        ("[]", "is not a study of format 1"),
-        ('{"format": 2}', "is not a study of format 1"),
-        ('{"format": 1, "digest": 3}', "digest = 3: is damaged"),
+        ("{", "is damaged"),
+        ("[]", "is not a study of format 2"),
+        ('{"format": 1}', "is not a study of format 2"),
+        ('{"format": 2, "digest": 3}', "is damaged"),
         (None, r"holds no study: study.json: there is no such file"),
     ],
 )
@@ -143,28 +141,10 @@ def test_what_is_no_study_is_said(text, said, tmp_path):
         mrts.read_study_folder(tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("place", "value", "said"),
-    [
-        (("chunk",), 0, "chunk = 0: is damaged: must be"),
-        (("columns",), {}, "is damaged: there must be a column 'variant' of type int64"),
-        (("columns", "duration", "type"), "string", "a column 'duration' of type float64"),
-        (("columns", "status", "type"), "<b>", "columns.status.type = '<b>': is damaged"),
-        (("study",), {}, "study.file: is damaged"),
-        (("study", "cell", "name"), 3, "study.cell.name = 3: is damaged"),
-        (("study", "question", "load"), [], "study.question.load.* is damaged"),
-        (("study", "vary", 0), "x", r"study.vary\[0\] = 'x': is damaged"),
-        (("study", "vary", 0, "path"), "mass", "there must be a column 'mass'"),
-    ],
-)
-def test_a_damaged_record_is_said_where_it_is(place, value, said, complete):
-    record = json.loads((complete.path / "study.json").read_text())
-    inside = record
-    for key in place[:-1]:
-        inside = inside[key]
-    inside[place[-1]] = value
-    (complete.path / "study.json").write_text(json.dumps(record))
-    with pytest.raises(mrts.InputError, match=said):
+def test_a_record_that_was_changed_by_hand_is_refused(complete):
+    path = complete.path / "study.json"
+    path.write_text(path.read_text().replace('"chunk": 4', '"chunk": 5'))
+    with pytest.raises(mrts.InputError, match=r"study.json: is damaged, or was changed by hand"):
         read_study_table(complete.path)
 
 
@@ -216,11 +196,3 @@ def test_two_sweeps_in_one_folder_are_refused_and_the_lock_of_a_dead_one_is_not(
             opened(complete.path, study)
         other.kill()
     assert opened(complete.path, study).chunk == CHUNK
-
-
-def test_the_first_difference_has_its_path():
-    before = {"a": [{"b": 1}, 2], "c": 3}
-    assert first_difference(before, before) is None
-    assert first_difference(before, {"a": [{"b": 4}, 2], "c": 3}) == ("a[0].b", 1, 4)
-    assert first_difference(before, {"a": [2], "c": 3}) == ("a", [{"b": 1}, 2], [2])
-    assert first_difference(before, {"a": [{"b": 1}, 2]}) == ("c", 3, None)

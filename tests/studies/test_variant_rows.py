@@ -260,7 +260,7 @@ def test_a_dry_run_says_what_varies_and_how_long_it_takes(wide):
     assert lines[0] == "study.yaml: 48 variants (sobol, seed 3) of cell 'planar_dual_arm'"
     assert lines[1] == "  robots.left.base.xyz[0]: from -1.5 to 0.5 m"
     assert lines[3] == "  object.mass: normal, around 0.4, standard deviation 0.4 kg"
-    assert lines[-1] == "asked of each: range of c², at the samples alone"
+    assert lines[-1] == "asked of each: profile constant, load auto, at the samples alone"
     found = estimate(wide)
     assert sum(found.statuses.values()) == found.tried <= wide.variants
     assert found.seconds() == pytest.approx(found.seconds_each * wide.variants)
@@ -270,14 +270,3 @@ def test_a_dry_run_says_what_varies_and_how_long_it_takes(wide):
     assert re.match(r"  such as variant \d+, (unreachable|invalid): \w", reason)
     assert [time_text(seconds) for seconds in (0.032, 119, 200, 9000, 4e5)] == ["0.032 s", "120 s", "3.3 min",
                                                                               "2.5 h", "4.6 days"]  # fmt: skip
-
-
-def test_a_grid_says_its_steps(tmp_path):
-    study = planar_study(
-        tmp_path, "vary: {apart: {shifts: {motion.end.xyz: 1}, from: 0, to: 1, steps: 5}}\nreserve: 0.2"
-    )
-    numbers = ", ".join(f"motion.end.xyz[{axis}]" for axis in range(3))
-    assert list(study_lines(study))[1:] == [
-        f"  apart ({numbers}): from 0 to 1 m in 5 steps",
-        "asked of each: range of c², reserve 0.2, at the samples alone",
-    ]

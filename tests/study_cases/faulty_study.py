@@ -25,9 +25,15 @@ class FaultyStudy(Study):
         if os.getpid() != self.driver:
             if any(first <= variant < last for variant in self.deadly):
                 os.kill(os.getpid(), signal.SIGKILL)
-            if any(first <= variant < last for variant in self.stumbling):
+            if last - first > 1 and any(first <= variant < last for variant in self.stumbling):
                 raise ZeroDivisionError("1 / 0")
         return super().points(first, last)
+
+    def descriptions(self, point):
+        stumbling = [Study.points(self, variant, variant + 1)[0].tolist() for variant in self.stumbling]
+        if os.getpid() != self.driver and point.tolist() in stumbling:
+            raise ZeroDivisionError("1 / 0")
+        return super().descriptions(point)
 
 
 def faulty(study, **faults):

@@ -1,6 +1,6 @@
 """Studies of layouts: files, and what `mrts.scale` says of a layout by itself."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +64,7 @@ class Layouts:
     def program_at(self, values: Array) -> LayoutAnswer:
         """The program with its layout held fixed: c²⁺ there, and how it changes."""
         result = self.result(values)
-        numbers = LayoutNumbers.of(self.study, result.cell)
+        numbers = replace(LayoutNumbers.of(self.study, result.cell), lower=values, upper=values)
         functions = symbolic_functions(self.study.cell, self.study.folder.absolute())
         samples = np.arange(result.motion.samples)
-        return solve_layout(functions, numbers, values, result, samples, bounds=(values, values))
+        return solve_layout(functions, numbers, values, result, samples)

@@ -27,7 +27,8 @@ def wide_study(folder, cell, motion, *, spread, count, seed=1, limits=0.2, mass=
     def pose(name, of):
         return [(f"{name}.{part}[{axis}]", (of or {}).get(part, [0, 0, 0])[axis], spread) for part, axis in parts]
 
-    numbers = [number for robot in given["robots"] for number in _of_robot(robot, pose, spread, limits)]
+    planar = "plane" in given
+    numbers = [each for robot in given["robots"] for each in _of_robot(robot, pose, spread, limits, planar=planar)]
     numbers += [(f"gravity[{axis}]", given["gravity"][axis], 0.3) for axis in axes]
     numbers += [number for end in ("start", "end") for number in pose(f"motion.{end}", path[end])]
     numbers.append(("motion.duration", path["duration"], 0.1 * path["duration"]))
@@ -42,10 +43,13 @@ def wide_study(folder, cell, motion, *, spread, count, seed=1, limits=0.2, mass=
     return mrts.read_study(file)
 
 
-def _of_robot(robot, pose, spread, limits):
+def _of_robot(robot, pose, spread, limits, *, planar):
     """Path, value and width of what varies of one arm."""
     arm = f"robots.{robot['name']}"
-    numbers = pose(f"{arm}.base", robot.get("base")) + pose(f"{arm}.grasp", robot.get("grasp"))
+    base, grasp = (pose(f"{arm}.{frame}", robot.get(frame)) for frame in ("base", "grasp"))
+    if planar or robot.get("contact"):  # what turns these is solved one by one
+        grasp = [number for number in grasp if ".rpy" not in number[0]]
+    numbers = [number for number in base if not planar or ".rpy" not in number[0]] + grasp
     numbers += [(f"{arm}.posture[{joint}]", value, spread) for joint, value in enumerate(robot["posture"])]
     sides = {"torque": robot.get("torque", [])}
     sides |= {f"wrench.{side}": values for side, values in robot.get("wrench", {}).items()}

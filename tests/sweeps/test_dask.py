@@ -9,7 +9,7 @@ import pytest
 import yaml
 from conftest import DATA
 from study_files import planar_study
-from sweep_processes import assert_same_table, driver_command, kill, parts, processes, started, until, workers
+from sweep_processes import assert_same_table, kill, parts, started, until, workers
 
 import mrts
 import mrts.sweeps.sweep as engine
@@ -90,19 +90,6 @@ def test_a_cluster_goes_on_with_what_processes_of_this_machine_began(cluster, st
     for path in sorted((tmp_path / "out").glob("rows/part*"))[::2]:
         path.unlink()
     assert_same_table(mrts.sweep(study, tmp_path / "out", scheduler=cluster[0]), alone)
-
-
-@pytest.mark.slow
-def test_a_local_cluster_is_made_and_gone_after(alone, study, tmp_path):
-    path = tmp_path / "study.yaml"
-    path.write_text(f"cell: {DATA / 'cell.yaml'}\nmotion: {DATA / 'lift.yaml'}\n{STUDY}\n")
-    out = tmp_path / "out"
-    with started(driver_command(path, "-o", out, "--scheduler", "local", "--workers", 2)) as driver:
-        _, said = driver.communicate()
-        assert (driver.returncode, said) == (0, "")
-        until(lambda: not processes(driver.pid))
-    assert_same_table(mrts.read_study_folder(out).table(), alone)
-    assert mrts.read_study_folder(out).variants == study.variants
 
 
 @pytest.mark.slow

@@ -197,7 +197,7 @@ def test_the_best_of_what_is_possible_has_its_duration(tmp_path):
     with opened_study_folder(tmp_path / "out", possible, lambda: 1) as folder:
         folder.write(0, folder.rows([solve_variants(possible, 0, 1)]))
     (best,) = write_best(possible, folder, 1)
-    assert best.duration == pytest.approx(folder.table()["duration"][0].as_py(), rel=1e-6)
+    assert best.row["duration"] == pytest.approx(folder.table()["duration"][0].as_py(), rel=1e-6)
 
 
 @pytest.mark.parametrize(

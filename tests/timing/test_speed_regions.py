@@ -121,15 +121,3 @@ def test_every_corner_is_feasible_and_none_lies_further_out_by_highs(arms, size)
             found = linprog(np.zeros(free), rows[kept][:, :free], left + BY_HIGHS, bounds=(None, None))
             assert found.status == 0
     assert compared or np.all(status == INFEASIBLE)
-
-
-def test_chunks_do_not_depend_on_each_other():
-    """To the bit, so that the number of threads does not change a result."""
-    given = along_a_path(np.random.default_rng(183), 700, 2, 6)
-    kernel = default_programs()
-    chunk = int(kernel._library.mrts_chunk())  # noqa: SLF001 (the length is the library's own)
-    number, corners, status = kernel.projections(*given)
-    parts = [kernel.projections(*at(given, slice(first, first + chunk))) for first in range(0, 700, chunk)]
-    assert len(parts) > 2
-    for whole, pieces in zip((number, corners, status), zip(*parts, strict=True), strict=True):
-        np.testing.assert_array_equal(whole, np.concatenate(pieces))

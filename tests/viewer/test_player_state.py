@@ -10,8 +10,8 @@ from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import limit_rows
-from mrts.program.range_ends import BindingRows, no_codes
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import BindingRows
 from mrts.program.torque_distribution import torque_weights
 from mrts.program.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
@@ -33,7 +33,7 @@ def turning():
 def synthetic(lower, upper):
     lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
     status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
-    rows = BindingRows((), np.zeros((2, 0)), no_codes(len(lower)))
+    rows = BindingRows((), np.zeros((2, 0)), np.zeros((2, len(lower), 0), int))
     return intersect(mrts.SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, (), 0))
 
 

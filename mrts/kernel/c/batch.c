@@ -2,13 +2,9 @@
  *
  * Whole batches in one call from Python: maps of generated functions, linear and quadratic programs, intervals of speeds, and
  * the passes of the fastest timing.
- * Work is cut into chunks of fixed length by the caller, so results do not depend on the number of threads.
  */
 #include "quadratic_programs.h"
 #include "speed_intervals.h"
-
-/* Samples between cold starts. */
-MRTS_EXPORT int mrts_chunk(void) { return MRTS_CHUNK; }
 
 typedef void (*mrts_function)(const double *const *arg, double *const *res);
 

@@ -27,11 +27,6 @@ typedef MRTS_REAL mrts_real;
 #define MRTS_EXPORT __attribute__((visibility("default")))
 #endif
 
-/* Samples between cold starts. Threads take whole chunks, so their number does not change a result. */
-#ifndef MRTS_CHUNK
-#define MRTS_CHUNK 256
-#endif
-
 #ifdef MRTS_SINGLE
 #define MRTS_ABS(value) fabsf(value)
 #define MRTS_C(value) value##f

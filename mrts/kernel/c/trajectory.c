@@ -157,8 +157,8 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
     lanes.rows.upper = lanes.rows.lower + rows.count + K;
     mrts_take_inputs(in, stride, 0, count, 1, &lanes.inputs);
 #endif
+    basis[0][0] = basis[1][0] = 0;
     for (long long n = 0; n < count; ++n) {
-        if (n % MRTS_CHUNK == 0) basis[0][0] = basis[1][0] = 0; /* so that chunks do not depend on each other */
 #if MRTS_TORQUE_LANES
         const int lane = (int)(n % MRTS_LANES), in_lanes = !limits->base;
         if (lane == 0 && in_lanes) {
@@ -215,12 +215,9 @@ MRTS_EXPORT int mrts_speed_ranges(long long count, const double *const *in, cons
     mrts_curve curve;
     mrts_rows rows;
     if (!mrts_rows_over(K, limits, work, iwork, &rows)) return 1;
+    for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
     for (long long n = 0; n < count; ++n) {
         mrts_interval found;
-        if (n % MRTS_CHUNK == 0) {
-            ends.speed = 0;
-            for (int i = 0; i < MRTS_CURVE_BASES; ++i) basis[i * N] = 0;
-        }
         const int built = mrts_rows_of_sample(in, stride, n, &form, turned, limits, terms, &rows);
         status[n] = MRTS_STOPPED;
         if (!built) continue;
@@ -329,9 +326,9 @@ MRTS_EXPORT int mrts_torques(long long count, const double *const *in, const lon
 #endif
     const int in_lanes = MRTS_TORQUE_LANES && F > 0 && !limits->base;
     if (!in_lanes) mrts_begin_forms(in, stride, count, &forms);
+    search.active_count = -1;
     for (long long n = 0; n < count; ++n) {
         const mrts_terms here = mrts_terms_of_sample(terms, n, limits->rows);
-        if (n % MRTS_CHUNK == 0) search.active_count = -1; /* so that chunks do not depend on each other */
 #if MRTS_TORQUE_LANES
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0 && in_lanes) {

@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import CellChange, Changed, machine_of
+from mrts.cell.cell_change import CellChange, Changed, with_machine_at
 from mrts.following.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
@@ -115,9 +114,8 @@ class Choices:
             cell = CellChange(kind=kind, robot=robot, element=element, step=share - 1).applied(cell)
         for name, base in self.bases.items():
             cell = with_machine_at(cell, name, base)
-        for name, grasp in self.grasps.items():
-            cell = cell.with_grasp(name, grasp.p, rpy_from_rotation(grasp.R))
-        return cell if self.postures is None else cell.with_postures(dict(self.postures))
+        values: dict[str, object] = {f"robots.{name}.grasp": _pose(pose) for name, pose in self.grasps.items()}
+        return cell.with_values(values | {f"robots.{name}.posture": q for name, q in (self.postures or {}).items()})
 
     def motion(self, given: Given, most: int | None = None) -> ObjectMotion | JointTable:
         """The motion as it was chosen.
@@ -172,26 +170,6 @@ class Choices:
         words += [f"{name} base" for name in self.bases] + [f"{name} grasp" for name in self.grasps]
         words += [name for name in ("start", "end") if getattr(self, name) is not None]
         return words + ([f"configuration {self.configuration}"] if self.configuration else [])
-
-
-def with_machine_at(cell: Cell, name: str, base: RigidTransform) -> Cell:
-    """The same cell with a robot's base elsewhere; the other arms of its machine move along.
-
-    Raises:
-        InputError: If a number breaks a rule of the cell, or the functions hold the bases as numbers.
-    """
-    fellows = machine_of(cell, name)
-    moved = next(robot for robot in cell.robots if robot.name == name)
-    step = base @ moved.T_world_base.inverse()
-    if not np.all(np.isfinite(base.numbers)):
-        raise InputError(f"robot '{name}'", "must be finite.", key="base", value=base.p.tolist())
-    robots = tuple(
-        replace(robot, T_world_base=base if robot.name == name else step @ robot.T_world_base)
-        if robot.name in fellows
-        else robot
-        for robot in cell.robots
-    )
-    return replace(cell, robots=robots)
 
 
 def _pose(pose: RigidTransform) -> Pose:

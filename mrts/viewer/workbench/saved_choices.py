@@ -9,17 +9,16 @@ from typing import Any
 import numpy as np
 import yaml
 
-from mrts.base.arrays import Array, without_infinity
+from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.edited_yaml import Key, edited_yaml
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
-from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
+from mrts.cell.cell_keys import cell_keys, pose_keys
 from mrts.cell.generation import cell_model, described_model
 from mrts.cell.loading import uncompiled_cell
-from mrts.cell.robot import Robot
 from mrts.motion.motion_file import MotionDescription
 from mrts.viewer.workbench.choices import Choices, Given
 
@@ -93,7 +92,7 @@ def _cell_text(given: Given, choices: Choices, path: Path, target: Path) -> tupl
     def is_wanted(read: Any) -> bool:
         return _same(uncompiled_cell(described_model(read, target.parent), target.parent), wanted)
 
-    return _edited_or_anew("cell", path, _cell_edits(original, wanted, choices), is_wanted, wanted.to_yaml)
+    return _edited_or_anew("cell", path, _cell_edits(original, wanted), is_wanted, wanted.to_yaml)
 
 
 def _edited_or_anew(
@@ -118,41 +117,18 @@ def _edited_or_anew(
     return anew(), ANEW.format(what)
 
 
-def _cell_edits(original: Cell, wanted: Cell, choices: Choices) -> Edits:
-    edits: Edits = {} if choices.mass is None else {("object", "mass"): choices.mass}
-    for index, (before, after) in enumerate(zip(original.robots, wanted.robots, strict=True)):
-        for key, old, new in (
-            ("base", before.T_world_base, after.T_world_base),
-            ("grasp", before.T_object_tip, after.T_object_tip),
-        ):
-            edits |= _pose_edits(("robots", index, key), old, new)
-        for key, limits in (("torque", _torque), ("wrench", _wrench)):
-            if limits(before) != limits(after):
-                edits[("robots", index, key)] = limits(after)
-        if not np.array_equal(before.posture, after.posture):
-            edits[("robots", index, "posture")] = after.posture.tolist()
+def _cell_edits(original: Cell, wanted: Cell) -> Edits:
+    before, after = cell_keys(original), cell_keys(wanted)
+    edits: Edits = {} if original.mass == wanted.mass else {("object", "mass"): wanted.mass}
+    for index, (old, new) in enumerate(zip(before["robots"], after["robots"], strict=True)):
+        for key in ("base", "grasp", "torque", "wrench", "posture"):
+            if old[key] == new[key]:
+                continue
+            if key in {"base", "grasp"} and old[key]["rpy"] == new[key]["rpy"]:  # a file may give it in another form
+                edits["robots", index, key, "xyz"] = new[key]["xyz"]
+            else:
+                edits["robots", index, key] = new[key]
     return edits
-
-
-def _pose_edits(keys: tuple[Key, ...], old: RigidTransform, new: RigidTransform) -> Edits:
-    """The whole pose where its rotation changed: a file may give it in another form."""
-    if not np.array_equal(old.R, new.R):
-        return {keys: _pose(new)}
-    return {} if np.array_equal(old.p, new.p) else {(*keys, "xyz"): new.p.tolist()}
-
-
-def _pose(pose: RigidTransform) -> dict[str, list[float]]:
-    return {"xyz": pose.p.tolist(), "rpy": rpy_from_rotation(pose.R)}
-
-
-def _torque(robot: Robot) -> list[float] | dict[str, list[float]]:
-    if np.array_equal(robot.torque_lower, -robot.torque_upper):
-        return list(robot.torque_upper.tolist())
-    return {"lower": robot.torque_lower.tolist(), "upper": robot.torque_upper.tolist()}
-
-
-def _wrench(robot: Robot) -> dict[str, list[float | None]]:
-    return {"lower": without_infinity(robot.wrench_lower), "upper": without_infinity(robot.wrench_upper)}
 
 
 def _numbers(cell: Cell) -> Mapping[str, Array]:
@@ -196,7 +172,7 @@ def motion_text(given: Given, choices: Choices) -> tuple[str, str]:
     for name, keys in places.items():
         pose = choices.start if name == "start" else choices.end
         if pose is not None:
-            edits[keys] = _pose(pose)
+            edits[keys] = pose_keys(pose)
     whole = {key: value for key, value in described.model_dump().items() if value is not None}
     return _edited_or_anew(
         "motion",

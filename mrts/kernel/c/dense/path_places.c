@@ -188,18 +188,16 @@ static void mrts_some_places(const mrts_places *to, const mrts_lanes *geometry, 
     mrts_put_numbers(6, acceleration, places, to->acceleration);
 }
 
-/* Places first .. first + count - 1 of all segments in a row, see mrts_places: the time from the first place of all, joints
- * and object. */
-MRTS_EXPORT void mrts_path_places(long long first, long long count, const mrts_joint_path *path, const double *x,
-                                  const double *u, const double *geometry, const int *components, double *time, double *q,
-                                  double *dq, double *ddq, double *position, double *rotation, double *twist,
-                                  double *acceleration) {
+/* All `count` places of all segments in a row, see mrts_places: the time from the first place of all, joints and object. */
+MRTS_EXPORT void mrts_path_places(long long count, const mrts_joint_path *path, const double *x, const double *u,
+                                  const double *geometry, const int *components, double *time, double *q, double *dq,
+                                  double *ddq, double *position, double *rotation, double *twist, double *acceleration) {
     const mrts_places to = {path, x, u, geometry, components, time, q, dq, ddq, position, rotation, twist, acceleration};
     long long places[MRTS_LANES];
     mrts_lanes numbers[MRTS_GEOMETRY_NUMBERS];
     for (int i = 0; i < MRTS_GEOMETRY_NUMBERS; ++i) numbers[i] = mrts_each(geometry[i]);
     for (long long n = 0; n < count; n += MRTS_LANES) { /* beyond the last the last is repeated */
-        for (int lane = 0; lane < MRTS_LANES; ++lane) places[lane] = first + (n + lane < count ? n + lane : count - 1);
+        for (int lane = 0; lane < MRTS_LANES; ++lane) places[lane] = n + lane < count ? n + lane : count - 1;
         mrts_some_places(&to, numbers, places);
     }
 }

@@ -299,11 +299,9 @@ MRTS_EXPORT int mrts_widenings(long long count, const double *const *in, const l
     lanes.at.terms = terms;
     lanes.at.of = &path.rows;
     lanes.at.samples = lanes.inputs.at;
+    path.known.count = -1;
+    path.basis[0] = 0;
     for (long long n = 0; n < count; ++n) {
-        if (n % MRTS_CHUNK == 0) { /* so that chunks do not depend on each other */
-            path.known.count = -1;
-            path.basis[0] = 0;
-        }
         for (int j = 0; j < F && path.known.count < 0; ++j) path.known.wrench[j] = 0;
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0) mrts_take_widening(in, stride, n, count, c2, &lanes);

@@ -126,7 +126,6 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
     mrts_lane_mask known = {0};
     for (long long n = 0; n < count; ++n) {
         double *found = corners + n * 2 * MRTS_CORNERS;
-        if (n % MRTS_CHUNK == 0) outline.count = 0;
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0) {
             known = (mrts_lane_mask){0};

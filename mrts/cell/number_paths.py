@@ -134,13 +134,7 @@ def numbers_below(files: Mapping[str, Any], keys: Keys) -> Iterator[Keys]:
 
 
 def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]) -> str:
-    """Unit of the number at a place; empty if it has none, or its file does not say.
-
-    Args:
-        keys: The place.
-        robots: Of the cell.
-        wrench_units: Of the cell's contact wrenches.
-    """
+    """Unit of the number at a place; empty if it has none, or its file does not say."""
     words = [key for key in keys if isinstance(key, str)]
     if "variation" in words:
         key = words[words.index("variation") + 1]
@@ -169,13 +163,7 @@ def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Seque
 
 
 def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> None:
-    """Write into a file what it leaves out on the way to a place, so that the place is there.
-
-    Args:
-        file: Keys and values as they were given; changed.
-        filled: The same with all that they leave out.
-        keys: The place, from the file's own keys inward.
-    """
+    """Write into a file what it leaves out on the way to a place, so that the place is there."""
     here: Any = file
     full: Any = filled
     for key in keys[:-1]:
@@ -186,8 +174,8 @@ def with_place(file: dict[str, Any], filled: Mapping[str, Any], keys: Keys) -> N
         here = here[key]
 
 
-def set_number(file: dict[str, Any], keys: Keys, value: float) -> None:
-    """Write a number at a place, from the file's own keys inward."""
+def set_value(file: dict[str, Any], keys: Keys, value: Any) -> None:
+    """Write a value at a place, from the file's own keys inward."""
     value_at(file, keys[:-1])[keys[-1]] = value
 
 

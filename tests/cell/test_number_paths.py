@@ -5,7 +5,7 @@ import yaml
 from gantries import gantries
 
 import mrts
-from mrts.studies.number_paths import PathError, find_keys, number_unit, path_text, value_at
+from mrts.cell.number_paths import PathError, find_keys, number_unit, path_text, value_at
 
 MOTION = "duration: 1\nprofile: cubic\nstart: {xyz: [0, 0, 0]}\nend: {xyz: [2, 0, 0]}\n"
 

@@ -1,0 +1,319 @@
+# SPDX-License-Identifier: MIT
+"""A cell as the keys of a cell file: told, changed at paths, and written."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.arrays import without_infinity
+from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import InputError
+from mrts.base.formats.package_uri import is_uri
+from mrts.base.formats.pose import Angle, Finite, Pose, Positive, Vector3
+from mrts.base.formats.record import checked
+from mrts.base.input_file import plain
+from mrts.base.load_box import load_vector
+from mrts.base.remark import NEAREST_INERTIA
+from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
+from mrts.base.yaml_parser import parse_yaml, yaml_text
+from mrts.cell.cell import Cell
+from mrts.cell.generation import described_model
+from mrts.cell.hands.kinds import wrench_bounds
+from mrts.cell.motors.joint_motors import given_torque_limits
+from mrts.cell.number_paths import PathError, find_keys, set_value
+from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
+from mrts.cell.robot import Robot, RobotSource
+
+SAME_ROTATION = 1e-12
+"""Largest difference of an entry of a rotation that comes back from its angles: rounding, or a matrix of other make."""
+
+FILES = frozenset({"urdf", "file"})
+"""Keys that say where a file is, which need not be alike: its hash is compared."""
+
+POSES = {"base": "T_world_base", "grasp": "T_object_tip"}
+
+Bound = list[Finite | None] | None
+"""Of a wrench, one side: None is unbounded, a component or the whole side."""
+
+
+def cell_keys(cell: Cell) -> dict[str, Any]:
+    """Keys and values of a cell file that say what the cell is now; None where there is no limit, or nothing is said.
+
+    Files stand as its own cell file names them; a contact that no cell file can hold is None.
+    """
+    box = cell.load_box
+    moments, (linear, angular) = cell.load[4:].tolist(), without_infinity(cell.object_velocity_limit)
+    variation: dict[str, Any] = {} if box is None else {name: list(ends) for name, ends in box.ranges.items()}
+    if box is not None and box.outer_hull:
+        variation["hull"] = "outer"
+    return {
+        "name": cell.name,
+        "gravity": cell.gravity.tolist(),
+        "plane": cell.plane,
+        "inertia": "lenient" if any(remark.code == NEAREST_INERTIA for remark in cell.remarks) else None,
+        "object": {
+            "mass": cell.mass,
+            "inertia": cell.inertia.tolist() if any(moments[3:]) else moments[:3],
+            "shape": None if cell.object_shape is None else _shape(cell.object_shape),
+            "variation": variation or None,
+            "velocity": {"linear": linear, "angular": angular},
+        },
+        "robots": [_robot(robot) for robot in cell.robots],
+    }
+
+
+def pose_keys(T: RigidTransform) -> dict[str, list[float]]:
+    """The keys of a pose: `xyz` [m] and `rpy` [rad]."""
+    return {"xyz": T.p.tolist(), "rpy": rpy_from_rotation(T.R)}
+
+
+def _shape(shape: ShapeRecord) -> dict[str, Any]:
+    mesh, pose = shape.mesh, pose_keys(shape.pose)
+    return {
+        "box": shape.box,
+        "cylinder": None if shape.cylinder is None else shape.cylinder.model_dump(),
+        "mesh": None if mesh is None else mesh.file,
+        "scale": None if mesh is None else mesh.scale,
+        "pose": pose if any(pose["xyz"]) or any(pose["rpy"]) else None,
+    }
+
+
+def _robot(robot: Robot) -> dict[str, Any]:
+    source, motors, upper = robot.source, robot.motors, robot.torque_upper.tolist()
+    symmetric = np.array_equal(robot.torque_lower, -robot.torque_upper)
+    per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", "torque_rate", "jerk", "rated")}
+    return {
+        "name": robot.name,
+        "urdf": source.urdf,
+        "xacro_args": source.xacro_args or None,
+        "base_link": source.base_link,
+        "tip_link": source.tip_link,
+        **{key: pose_keys(getattr(robot, name)) for key, name in POSES.items()},
+        "posture": robot.posture.tolist(),
+        "torque": upper if symmetric else {"lower": robot.torque_lower.tolist(), "upper": upper},
+        "wrench": {"lower": without_infinity(robot.wrench_lower), "upper": without_infinity(robot.wrench_upper)},
+        "contact_rate": without_infinity(robot.contact_rate[[0, -1]]),
+        "contact": [contact.given for contact in robot.contacts] or None,
+        "fixed": source.fixed or None,
+        "motors": per_joint
+        | {
+            "friction": {"coulomb": motors.coulomb.tolist(), "viscous": motors.viscous.tolist()},
+            "torque_speed": [None if curve is None else curve.tolist() for curve in motors.torque_speed],
+        },
+    }
+
+
+def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
+    """See `mrts.Cell.with_values`."""
+    check_type("values", values, Mapping)
+    keys, joints = cell_keys(cell), [len(robot.joints) for robot in cell.robots]
+    changes: dict[str, Any] = {}
+    of_robots: dict[int, dict[str, Any]] = {}
+    for path, value in values.items():
+        check_type("values: path", path, str)
+        try:
+            place = find_keys({"cell": keys, "motion": {}}, joints, path)[1:]
+        except PathError as error:
+            raise InputError("values", str(error), key=path) from None
+        set_value(keys, place, value if isinstance(value, RigidTransform) else plain(path, value))
+        match place:
+            case ("gravity", *_):
+                changes["gravity"] = np.array(_given("cell", "gravity", keys["gravity"], Vector3))
+            case ("object", "mass"):
+                mass: float = _given("cell", "object.mass", value, Positive)
+                changes["load"] = np.array([mass, *cell.load[1:]])
+                changes["load_box"] = None if cell.load_box is None else replace(cell.load_box, mass=mass)
+            case ("robots", int(at), "base" | "grasp" | "posture" | "torque" | "wrench" as key, *inside):
+                read = _of_robot(cell, cell.robots[at], key, keys["robots"][at][key])
+                if inside[:1] == ["xyz"]:  # the rotation as it is, not as its angles give it
+                    before = of_robots.get(at, {}).get(POSES[key], getattr(cell.robots[at], POSES[key]))
+                    read = {POSES[key]: RigidTransform(before.R, read[POSES[key]].p)}
+                of_robots.setdefault(at, {}).update(read)
+            case _:
+                rule = "is not changed in Python: change the cell file, and read it again."
+                raise InputError("values", rule, key=path)
+    robots = [replace(robot, **of_robots[at]) if at in of_robots else robot for at, robot in enumerate(cell.robots)]
+    return replace(cell, robots=tuple(robots), **changes)
+
+
+def _of_robot(cell: Cell, robot: Robot, key: str, value: Any) -> dict[str, Any]:
+    """Attributes of a robot that a key of the cell file gives."""
+    where = f"robot '{robot.name}'"
+    if key in POSES:
+        return {POSES[key]: value if isinstance(value, RigidTransform) else _given(where, key, value, Pose).transform}
+    if key == "posture":
+        return {"posture": np.array(_given(where, key, value, list[Angle]))}
+    sides = value if isinstance(value, dict) else {"upper": value}
+    if key == "torque":
+        lower = _given(where, "torque.lower", sides.get("lower"), list[Finite] | None)
+        upper = _given(where, "torque.upper", sides.get("upper"), list[Finite])
+        lower, upper = given_torque_limits(where, key, lower, upper, robot.joints)
+    else:
+        lower, upper = (_given(where, f"wrench.{side}", sides.get(side), Bound) for side in ("lower", "upper"))
+        lower, upper = wrench_bounds(where, key, lower, upper, cell.wrench_components)
+    return {f"{key}_lower": lower, f"{key}_upper": upper}
+
+
+def _given(where: str, key: str, value: object, kind: Any) -> Any:
+    try:
+        return checked(kind, value)
+    except InputError as error:
+        raise error.inside(where, key) from None
+
+
+def cell_text(cell: Cell, path: Path | str | None) -> str:
+    """See `mrts.Cell.to_yaml`."""
+    target = None if path is None else as_path("path", path)
+    where = Path(f"cell '{cell.name}'")
+    _refuse_what_no_file_holds(where, cell)
+    assert cell.folder is not None  # noqa: S101 (refused above)
+    try:
+        beside = None if target is None else target.resolve().parent
+    except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL
+        raise InputError("path", "is no path of a file.", value=str(path)) from None
+    text = yaml_text(_written(cell, cell.folder, beside))
+    read = described_model(parse_yaml(text), beside or cell.folder, str(where)).record
+    robots = tuple(replace(robot, source=_source_now(robot)) for robot in cell.robots)
+    _check_same(where, manifest_of(replace(cell, robots=robots)), read)
+    if target is not None:
+        write_text_atomically(target, text)
+    return text
+
+
+def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
+    """The keys of a cell file in another folder, without what its URDFs say anyway."""
+
+    def reference(given: str) -> str:
+        """How the cell file names a file: as a package's, relative to itself, or absolute."""
+        file = (folder / given).resolve()
+        if is_uri(given):
+            return given
+        near = beside is not None and file.is_relative_to(beside)
+        return file.relative_to(beside).as_posix() if near and beside is not None else file.as_posix()
+
+    keys = cell_keys(cell)
+    shape = keys["object"]["shape"]
+    if shape is not None and shape["mesh"] is not None:
+        shape["mesh"] = reference(shape["mesh"])
+    for robot, said in zip(cell.robots, keys["robots"], strict=True):
+        said["urdf"] = reference(said["urdf"])
+        motors = said["motors"]
+        if robot.has_urdf_torque:
+            del said["torque"]
+        if robot.has_urdf_friction:
+            del motors["friction"]
+        elif not robot.motors.has_friction:
+            motors["friction"] = "none"
+        if not np.any(robot.motors.armature):
+            del motors["armature"]
+    written: dict[str, Any] = _known(keys)
+    return written
+
+
+def _known(value: Any) -> Any:
+    """A value of YAML without keys that say nothing: nulls, lists of them, and mappings without any other key."""
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return [_known(each) for each in value]
+    if isinstance(value, list):
+        return None if all(each is None for each in value) else value
+    if not isinstance(value, Mapping):
+        return value
+    said = {key: _known(each) for key, each in value.items()}
+    return {key: each for key, each in said.items() if each is not None} or None
+
+
+def _refuse_what_no_file_holds(where: Path, cell: Cell) -> None:
+    moments = cell.load[1:4]
+    if cell.reserve:
+        rule = "a cell file holds no reserve: write cell.with_reserve(0), and give the reserve to what is asked of it."
+        raise InputError(where, rule, key="reserve", value=cell.reserve)
+    if cell.limits:
+        rule = "a cell file holds no functions: write cell.with_limits(), and give them to the cell that is read."
+        raise InputError(where, rule, key="limits")
+    if not cell.enforces_velocity_limits:
+        rule = "a cell file cannot leave velocity limits out: write the cell before without_velocity_limits()."
+        raise InputError(where, rule, key="enforces_velocity_limits", value=False)
+    if np.any(moments):
+        rule = "a cell file's object has its centre of mass at the origin of its frame, so it holds no first moments."
+        raise InputError(where, rule, key="load", value=moments.tolist())
+    box = cell.load_box
+    if box is not None and not np.array_equal(load_vector(box.mass, moments, box.inertia), cell.load):
+        rule = "its ranges are about another load than the cell carries. Give them anew: cell.with_variation(…)."
+        raise InputError(where, rule, key="load_box", value=box.mass)
+    if cell.folder is None:
+        rule = (
+            "it is not known where its URDFs are, because it was read from generated files or a saved result. Read its "
+            "cell file: mrts.load_cell(path)."
+        )
+        raise InputError(where, rule, key="folder")
+    for robot in cell.robots:
+        for contact in robot.contacts:
+            if contact.given is None:
+                rule = (
+                    "a cell file cannot hold a contact that was made row by row. Make it with mrts.pad_contact, "
+                    "rows_contact or their neighbours."
+                )
+                raise InputError(where, rule, key=f"robot '{robot.name}': contact '{contact.name}'")
+
+
+def manifest_of(cell: Cell) -> CellManifest:
+    """The manifest of a cell as it is now."""
+    ours = {name: getattr(cell, name) for name in CellRecord.model_fields}
+    try:
+        CellRecord(**ours)
+    except InputError:
+        raise InputError(
+            "cell",
+            "its name and its robots' names must be letters, digits and single underscores to be saved.",
+            value=cell.name,
+        ) from None
+    return cell.functions.manifest.model_copy(update=ours).sealed()
+
+
+def _source_now(robot: Robot) -> RobotSource:
+    """Where an arm is from, without the limits and the friction of its URDF where it has others now."""
+    source = robot.source
+    return replace(
+        source,
+        effort=source.effort if robot.has_urdf_torque else None,
+        friction=source.friction if robot.has_urdf_friction else None,
+    )
+
+
+def _check_same(where: Path, ours: CellManifest, read: CellRecord) -> None:
+    """Refuse what a cell file cannot hold: what it reads back to is another cell."""
+    said = {*CellRecord.model_fields} - {"remarks"}
+    different = _difference(ours.model_dump(include=said), read.model_dump(include=said))
+    if different is None:
+        return
+    key, value, found = different
+    if key.endswith("sha256"):
+        what = "mesh" if key.startswith("object_shape.") else "URDF"
+        file = key.removesuffix(".sha256") if what == "mesh" else key.removesuffix("source.sha256") + "urdf"
+        raise InputError(where, f"the {what} is another one than the cell was made from.", key=file)
+    raise InputError(
+        where,
+        f"a cell file cannot hold this value, it would be read as {json.dumps(found)}: it is another one's to say (the "
+        "URDF's), or one value for several.",
+        key=key,
+        value=value,
+    )
+
+
+def _difference(ours: Any, theirs: Any, key: str = "") -> tuple[str, Any, Any] | None:
+    """The first number, text or length in which two values of JSON differ; rotations come back to rounding."""
+    if isinstance(ours, dict) and isinstance(theirs, dict) and ours.keys() == theirs.keys():
+        named = [name for name in ours if name not in FILES]
+        pairs = [(f"{key}.{name}".lstrip("."), ours[name], theirs[name]) for name in named]
+    elif isinstance(ours, list) and isinstance(theirs, list) and len(ours) == len(theirs):
+        pairs = [(f"{key}[{place}]", *both) for place, both in enumerate(zip(ours, theirs, strict=True))]
+    else:
+        same = ours == theirs or (".R[" in key and abs(ours - theirs) <= SAME_ROTATION)
+        return None if same else (key, ours, theirs)
+    found = (_difference(one, other, inside) for inside, one, other in pairs)
+    return next((different for different in found if different is not None), None)
