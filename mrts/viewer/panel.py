@@ -59,12 +59,7 @@ def verdict_html(outcome: str, error: str, *, computing: bool, outdated: bool) -
 
 
 def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
-    """The outcome in a sentence; red where no speed is admissible.
-
-    Args:
-        state: With the outcome.
-        coarse: Whether another follows that also keeps the limits between the samples.
-    """
+    """The outcome in a sentence; red where no speed is admissible."""
     result = state.result
     admits = result.status.admits_motion and not state.refusal
     text = f"<b>{html_text(state.card.outcome)}</b><br>" if admits and state.admissible else ""
@@ -99,12 +94,7 @@ def held_html(held: HeldPoses) -> str:
 
 
 def limits_html(cell: Cell, colours: Mapping[str, Rgb]) -> str:
-    """The limits of every arm, as they are now.
-
-    Args:
-        cell: The cell.
-        colours: Of the arms, by name, as the scene draws them.
-    """
+    """The limits of every arm, as they are now."""
     rows = []
     for robot in cell.robots:
         rows.append(_robot_row(robot.name, colours, "torque", "velocity"))
@@ -197,14 +187,7 @@ def error_html(text: str) -> str:
 def bars_html(
     kind: str, groups: dict[str, list[Bar]], colours: Mapping[str, Rgb] = MappingProxyType({}), *, kept: bool = True
 ) -> str:
-    """Bars about zero, a group a robot; the thin lines are the limits.
-
-    Args:
-        kind: "torque", "wrench", or "velocity".
-        groups: Bars by robot.
-        colours: Of the arms, by name, as the scene draws them.
-        kept: Whether the limits are kept, or reported only.
-    """
+    """Bars about zero, a group a robot; the thin lines are the limits."""
     colour = OVER if kept else PASSED
     rows = []
     for robot, bars in groups.items():

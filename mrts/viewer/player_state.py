@@ -40,15 +40,7 @@ Profile = Literal["constant", "optimal", "smooth"]
 
 @dataclass(frozen=True)
 class Bar:
-    """A quantity against its limits.
-
-    Attributes:
-        name: Joint or wrench component.
-        value: In `unit`.
-        lower: Minus infinity where unbounded.
-        upper: Infinity where unbounded.
-        unit: Of value and limits.
-    """
+    """A quantity against its limits."""
 
     name: str
     value: float

@@ -138,11 +138,7 @@ class ViewerScene:
         self.show_answer(answer)
 
     def show_answer(self, answer: Answer) -> None:
-        """Draw what does not move along the motion: the body that is held, its path, its ends, where arms stand.
-
-        Args:
-            answer: With a state or with what is not reached; one without either leaves the scene as it is.
-        """
+        """Draw what does not move along the motion: the body that is held, its path, its ends, where arms stand."""
         shown = answer.state or answer.held
         if shown is None:
             return
@@ -175,12 +171,7 @@ class ViewerScene:
         )
 
     def show_moment(self, state: PlayerState, place: float) -> None:
-        """Draw a moment of a state.
-
-        Args:
-            state: The state.
-            place: A sample of it, or between two while it plays.
-        """
+        """Draw a state at one of its samples, or between two while it plays."""
         moment = self._course.moment(place)
         self._pose(moment)
         contacts = moment.contacts(blended(state.trajectory.wrench, place))

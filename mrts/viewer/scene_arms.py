@@ -13,15 +13,7 @@ from mrts.scene.scene import Rgb
 
 
 class DrawnArm:
-    """An arm: a frame for each body, which carries its meshes.
-
-    Args:
-        scene: Where.
-        name: Of the arm in the scene.
-        bodies: How many it has.
-        parts: What they carry.
-        colour: Of all parts; None leaves each its own.
-    """
+    """An arm: a frame for each body, which carries its meshes."""
 
     def __init__(
         self, scene: viser.SceneApi, name: str, bodies: int, parts: Sequence[ArmMesh], colour: Rgb | None = None

@@ -84,11 +84,6 @@ def close_server(server: viser.ViserServer) -> None:
 class GuardedServer(viser.ViserServer):
     """A viser server that is reached only by those who know its address, and takes only what its controls can send.
 
-    Args:
-        host: Name or address of this machine to listen at.
-        port: 0 takes any free one.
-        label: Title of the panel.
-
     Attributes:
         token: First part of the path of every address; another one each run.
 

@@ -129,11 +129,7 @@ class Viewer:
                 last = now
 
     def step(self, elapsed: float) -> None:
-        """Do what the controls ask for, show what is new, and play on.
-
-        Args:
-            elapsed: Since the last call [s].
-        """
+        """Do what the controls ask for, show what is new, and play on."""
         try:
             with contextlib.suppress(Empty):
                 while True:
@@ -157,11 +153,7 @@ class Viewer:
         self._show_verdict()
 
     def settle(self, patience: float = PATIENCE) -> None:
-        """Step until every question is answered and shown, as scripts want it.
-
-        Args:
-            patience: How long at most [s].
-        """
+        """Step until every question is answered and shown, as scripts want it."""
         end = time.monotonic() + patience
         self.step(FRAME)
         while self._unsettled() and time.monotonic() < end:

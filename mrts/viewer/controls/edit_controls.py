@@ -37,10 +37,6 @@ NO_LIMIT = "–"
 class EditControls:
     """The controls, in folders where the panel is at the moment.
 
-    Args:
-        gui: Where.
-        given: What they change.
-
     Attributes:
         place: What the sliders of `add_offsets` move; None hides them.
     """

@@ -22,11 +22,6 @@ class PlaceGizmo:
 
     Its rotation is what turned the place from where it was given, so that in a plane its axes are those of the world.
 
-    Args:
-        server: Where.
-        given: What can be moved.
-        size: Radius of a ball that holds the cell [m].
-
     Attributes:
         place: What it moves; None hides it.
         dragged: Whether a user holds it.
@@ -58,12 +53,7 @@ class PlaceGizmo:
         self._handle.visible = place is not None
 
     def follow(self, choices: Choices, held: RigidTransform) -> None:
-        """Stand where the place is, unless a user holds it.
-
-        Args:
-            choices: As they are.
-            held: Of the object in the world, at the moment that is shown.
-        """
+        """Stand where the place is, unless a user holds it."""
         if self.place is None or self.dragged:
             return
         self._held = held

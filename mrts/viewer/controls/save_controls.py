@@ -15,13 +15,7 @@ FIXED = "Only a cell file is written anew: this cell is from generated files, or
 
 
 def add_save_controls(gui: viser.GuiApi, bench: Workbench, later: Callable[[Callable[[], None]], None]) -> None:
-    """Add names of the files, and the button that writes them, to the container that is open.
-
-    Args:
-        gui: Where.
-        bench: Whose choices are saved.
-        later: Takes work for the thread that follows the controls.
-    """
+    """Add names of the files, and the button that writes them, to the container that is open."""
     with gui.add_folder("Save as"):
         if bench.given.cell_path is None:
             gui.add_html(note_html(FIXED))

@@ -35,12 +35,6 @@ COLOUR: Rgb = (140, 146, 156)
 class OtherResult:
     """Arms and object of another result at the time of the first; it stands where it has ended.
 
-    Args:
-        server: Where.
-        scene: Whose view has room for it.
-        name: Of the result, for people.
-        result: With a trajectory.
-
     Attributes:
         frame: What holds all of it.
         body: What it carries.

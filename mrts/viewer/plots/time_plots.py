@@ -117,11 +117,6 @@ def names_html(panel: Panel) -> str:
 class PlotPanel:
     """Plots that follow what is shown, with a cursor at its time.
 
-    Args:
-        gui: Where.
-        tab: Of the panel, which is open.
-        others: Results with their names; the first is compared with what is shown.
-
     Attributes:
         cursor: The style sheet that says where it stands.
     """
@@ -152,11 +147,7 @@ class PlotPanel:
             self._at = state.time / end, way / farthest
 
     def step(self, elapsed: float) -> None:
-        """Plot what waits.
-
-        Args:
-            elapsed: Since the last call [s].
-        """
+        """Plot what waits."""
         self._since += elapsed
         if self._wanted is not None and self._since >= RENEWAL:
             state, self._wanted, self._since = self._wanted, None, 0.0
