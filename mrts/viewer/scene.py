@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
-from mrts.plots.round_numbers import round_down
 from mrts.scene.arm_meshes import Urdfs, drawn_arms
 from mrts.scene.cell_shapes import name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
@@ -28,9 +27,11 @@ from mrts.scene.scene import (
     Scene,
     arm_colour,
     blended,
+    round_down,
+    wxyz,
 )
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene_arms import DrawnArm, wxyz, z_along
+from mrts.viewer.scene_arms import DrawnArm, z_along
 from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.held_poses import HeldPoses
 

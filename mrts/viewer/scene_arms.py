@@ -7,9 +7,8 @@ import numpy as np
 import viser
 
 from mrts.base.arrays import Array
-from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.scene.arm_meshes import ArmMesh
-from mrts.scene.scene import Rgb
+from mrts.scene.scene import Rgb, wxyz
 
 
 class DrawnArm:
@@ -56,8 +55,3 @@ def z_along(directions: Array) -> Array:
     x = np.cross(directions, least)
     x = x / np.linalg.norm(x, axis=-1, keepdims=True)
     return np.stack([x, np.cross(directions, x), directions], axis=-1)
-
-
-def wxyz(R: Array) -> Array:
-    """Rotations, Shape (…, 3, 3), as viser's quaternions, Shape (…, 4)."""
-    return np.roll(quaternions_from_rotations(R), 1, axis=-1)

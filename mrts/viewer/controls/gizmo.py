@@ -7,8 +7,8 @@ import numpy as np
 import viser
 
 from mrts.base.rigid_transform import RigidTransform, rotations_from_quaternions
+from mrts.scene.scene import wxyz
 from mrts.viewer.controls.places import Place, free_axes, in_plane
-from mrts.viewer.scene_arms import wxyz
 from mrts.viewer.workbench.choices import Choices, Given
 
 NAME = "/gizmo"

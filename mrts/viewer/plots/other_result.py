@@ -11,10 +11,10 @@ from mrts.scaling.result import ScalingResult
 from mrts.scene.arm_meshes import drawn_arms
 from mrts.scene.cell_view import look_at_cell
 from mrts.scene.held_body import held_body
-from mrts.scene.scene import OBJECT, Rgb, Scene
+from mrts.scene.scene import OBJECT, Rgb, Scene, wxyz
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.scene import ViewerScene
-from mrts.viewer.scene_arms import DrawnArm, wxyz
+from mrts.viewer.scene_arms import DrawnArm
 from mrts.viewer.workbench.answer import Answer
 
 Others = Sequence[tuple[str, ScalingResult]]
