@@ -33,7 +33,7 @@ def squeezed(object_=None, **robot):
 
 
 def read(cell, folder="."):
-    return build_cell_model(Path("cell.yaml"), cell_description(cell), Path(folder))
+    return build_cell_model(Path("cell.yaml"), cell_description(cell, "cell.yaml"), Path(folder))
 
 
 def place_on(shape, rng):
