@@ -82,8 +82,9 @@ fuzz: install  ## read CASES damaged input files, from SEED on; look between the
 wheel: install  ## build the wheel and use it in an empty environment of each Python that is here
 	$(BIN)/python .ci/try_wheel.py
 
-docs: install  ## build the documentation as a site in build/site
+docs: install  ## build the documentation as a site in build/site, with a report to look at
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	$(BIN)/mrts scale -q mrts/data/dual_ur5/cell.yaml mrts/data/dual_ur5/lift_and_turn.yaml --what-if --report build/site/lift.html
 
 check: install  ## lint, format and types
 	rm -rf build/typing && mkdir -p build/typing && ln -s ../../codegen build/typing/mrts_codegen

@@ -3,7 +3,7 @@
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
@@ -189,9 +189,7 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
     if not rest.startswith("."):
         raise PathError(f"{where} has keys, not places: {', '.join(map(str, here))}.")
     inside = rest[1:]
-    fitting = [key for key in here if inside == key or inside.startswith((f"{key}.", f"{key}["))]
-    if fitting:
-        key = max(fitting, key=len)
+    if key := _leading_name(here, inside):
         return key, inside[len(key) :]
     wrong = inside.split(".")[0].split("[")[0]
     if not here:
@@ -209,11 +207,18 @@ def _step_into_list(here: list[Any], where: str, rest: str) -> tuple[int, str]:
             raise PathError(f"{where} has {len(here)} values: {most}.")
         return place, rest[index.end() :]
     if named and rest.startswith("."):
-        wrong = rest[1:].split(".", maxsplit=1)[0].split("[", maxsplit=1)[0]
-        if wrong in named:
-            return named[wrong], rest[1 + len(wrong) :]
+        inside = rest[1:]
+        if name := _leading_name(named, inside):
+            return named[name], inside[len(name) :]
+        wrong = inside.split(".", maxsplit=1)[0].split("[", maxsplit=1)[0]
         raise PathError(f"there is no robot '{wrong}'{_others(wrong, named)}")
     raise PathError(f"{where} is a list of {len(here)} values: name one of them, such as {where}[0].")
+
+
+def _leading_name(names: Iterable[str], path: str) -> str:
+    """The longest name that a path begins with, which may hold dots of its own; empty if it begins with none."""
+    fitting = [name for name in names if path == name or path.startswith((f"{name}.", f"{name}["))]
+    return max(fitting, key=len, default="")
 
 
 def _others(wrong: str, known: Mapping[str, Any]) -> str:

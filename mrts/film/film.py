@@ -113,9 +113,6 @@ def picture_bytes(clips: Sequence[Clip], time: float, backward: Array | None = N
 def check_film(path: Path) -> None:
     """Say before any work what would keep a film from being written.
 
-    Args:
-        path: The file.
-
     Raises:
         InputError: If its name ends otherwise than .gif or .mp4, or there is nothing to code it by.
     """
@@ -125,7 +122,6 @@ def check_film(path: Path) -> None:
 
 
 def _mp4() -> list[str]:
-    """Arguments of ffmpeg."""
     size = "pad=ceil(iw/2)*2:ceil(ih/2)*2"
     return ["-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-vf", size, "-f", "mp4", "-movflags", "+faststart"]
 
@@ -141,11 +137,6 @@ def _gif(composition: Composition, times: Sequence[float], palette: Path) -> lis
 
 
 def _encode(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate: int, coded: Sequence[str]) -> None:
-    """Write frames as a film.
-
-    Raises:
-        InputError: If ffmpeg cannot.
-    """
     width, height = size
     source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(rate), "-i", "pipe:"]
     command = [_ffmpeg(), "-nostdin", "-loglevel", "error", *source, *coded, "-y", f"file:{path}"]
@@ -160,11 +151,6 @@ def _encode(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate: in
 
 
 def _ffmpeg() -> str:
-    """The program that codes films.
-
-    Raises:
-        InputError: If it is not installed.
-    """
     try:
         import imageio_ffmpeg  # noqa: PLC0415 (an extra)
     except ImportError:

@@ -128,7 +128,6 @@ class Composition:
         return frame
 
     def _draw_surroundings(self, pace: str) -> None:
-        """Draw what is the same in all frames."""
         width, height = self.size
         self._figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
         canvas: Any = FigureCanvasAgg(self._figure)  # has no types
@@ -191,7 +190,6 @@ class Composition:
             here -= self._width_of(put) + SMALL
 
     def _put_foot(self, titles: dict[str, str], colours: dict[str, str], pace: str) -> None:
-        """What the lines of all plots are."""
         words = [("nearest to a limit:", FAINT), *((f"— {text}", colours[kind]) for kind, text in titles.items())]
         words += [(pace, FAINT)] if pace else []
         room = self.size[0] - LEFT - RIGHT - 6 * TEXT - SMALL * (len(words) - 1)

@@ -13,15 +13,25 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.rigid_transform import quaternions_from_rotations
-from mrts.plots.round_numbers import round_down
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import ContactForces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
 from mrts.scene.held_body import held_body, object_edges
-from mrts.scene.scene import FORCE, OBJECT, OUTLINE, PATH, DecidingLimit, Rgb, Scene, blended, deciding_limit
+from mrts.scene.scene import (
+    FORCE,
+    OBJECT,
+    OUTLINE,
+    PATH,
+    DecidingLimit,
+    Rgb,
+    Scene,
+    blended,
+    deciding_limit,
+    round_down,
+    wxyz,
+)
 
 ARROW_RADIUS, PATH_RADIUS = 0.008, 0.004
 """As a share of the cell's size."""
@@ -83,9 +93,7 @@ class Clip:
     @cached_property
     def scene(self) -> Scene:
         """Where everything is at the trajectory's samples."""
-        carried = self.trajectory.motion.object
-        nothing = np.zeros(len(carried.time), dtype=bool)
-        return Scene(self.trajectory.cell, self.trajectory.q, carried.position, carried.rotation, nothing)
+        return Scene.of(self.trajectory)
 
     def place(self, time: float) -> float:
         """Where a time is among the samples, between two of them too; before the start and after the end it stands.
@@ -213,7 +221,6 @@ class SceneRenderer:
         return drawn
 
     def _add_path(self) -> None:
-        """The line along which the object moves, and the object's edges at its ends."""
         capsule, size, scene = self._mujoco.mjtGeom.mjGEOM_CAPSULE, self._view.size, self._clip.scene
         for start, end in pairwise(self._path):
             self._connect(capsule, start, end, PATH_RADIUS * size, PATH)
@@ -241,7 +248,7 @@ class SceneRenderer:
         spec.stat.extent, spec.stat.center = view.size, camera.target
         world, right, up, forward = spec.worldbody, *camera.axes
         world.add_camera(
-            name="camera", pos=camera.position, quat=_wxyz(np.stack([right, up, -forward], axis=1)),
+            name="camera", pos=camera.position, quat=wxyz(np.stack([right, up, -forward], axis=1)),
             fovy=np.rad2deg(FIELD_OF_VIEW),
         )  # fmt: skip
         lamp = 0.9 * view.up - 0.45 * forward - 0.35 * right + 0.2 * up
@@ -264,7 +271,7 @@ class SceneRenderer:
         across /= np.linalg.norm(across)
         world.add_geom(
             type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 0.1), pos=view.floor, material="floor",
-            quat=_wxyz(np.stack([across, np.cross(view.up, across), view.up], axis=1)),
+            quat=wxyz(np.stack([across, np.cross(view.up, across), view.up], axis=1)),
         )  # fmt: skip
 
     def _add_mesh(
@@ -283,7 +290,7 @@ class SceneRenderer:
 
     def _move(self, name: str, R: Array, p: Array) -> None:
         body = self._model.body(name).mocapid[0]
-        self._data.mocap_pos[body], self._data.mocap_quat[body] = p, _wxyz(R)
+        self._data.mocap_pos[body], self._data.mocap_quat[body] = p, wxyz(R)
 
     def _connect(self, shape: Any, start: Array, end: Array, radius: float, colour: Rgb) -> None:
         """Add a shape from one point to another; it casts no shadow."""
@@ -300,7 +307,3 @@ class SceneRenderer:
 def _rgba(colour: Rgb) -> tuple[float, float, float, float]:
     red, green, blue = (part / 255 for part in colour)
     return red, green, blue, 1.0
-
-
-def _wxyz(R: Array) -> Array:
-    return np.roll(quaternions_from_rotations(R), 1)

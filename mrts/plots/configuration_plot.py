@@ -14,12 +14,7 @@ MOST_BARS = 64
 
 
 def ranking_plot(study: ConfigurationStudy, title: str) -> Plot:
-    """c²⁺ of every configuration as a bar, the best above, with what limits it; infeasible ones are crosses.
-
-    Args:
-        study: What `rank_configurations` found.
-        title: Title of the figure.
-    """
+    """c²⁺ of every configuration as a bar, the best above, with what limits it; infeasible ones are crosses."""
     shown = study.ranked[:MOST_BARS]
     more = f" (the best {len(shown)} of {len(study.ranked)})" if len(shown) < len(study.ranked) else ""
     title = f"{title}{more}\nbranch of each arm; at the right: when and by what c²⁺ is limited"
@@ -48,7 +43,6 @@ def ranking_plot(study: ConfigurationStudy, title: str) -> Plot:
 
 
 def _reason(configuration: Configuration) -> str:
-    """What limits a configuration, in a few words."""
     found = configuration.range
     if found.status is RangeStatus.INFEASIBLE:
         worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)

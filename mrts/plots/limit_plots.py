@@ -32,11 +32,6 @@ MAP_COLORS = ("#fff", "#0072B2")
 def limits_plot(result: ScalingResult, title: str, without: Sequence[str] = ()) -> Plot:
     """How much of its limits the motion uses along time [%], a panel for each kind.
 
-    Args:
-        result: A result with a trajectory.
-        title: Above it.
-        without: Kinds that are left out.
-
     Raises:
         ValueError: If there is no trajectory.
     """

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.limits.rows import SPEEDS, RowName
 from mrts.scaling.limit_use import limited_rate_kinds, limited_rates, used_shares
-from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
@@ -182,14 +181,12 @@ def _binds(name: RowName, told: Sequence[str]) -> bool:
 
 def _of_range(result: ScalingResult) -> dict[RowName, str]:
     assert result.trajectory is not None  # noqa: S101 (its caller has a trajectory)
-    words = {"lower": "c²⁻", "upper": "c²⁺"}
-    ends = result.range.ends_at(result.trajectory.c2, AT_END)
-    return {row.name: _words(end, words[side]) for side, end in ends for row in end.rows}
-
-
-def _words(end: RangeEnd, word: str) -> str:
-    load = "" if end.load is None else f" with {end.load}"
-    return f"sets {word} at {end.time:.4g} s of the given motion{load}"
+    words, told = {"lower": "c²⁻", "upper": "c²⁺"}, dict[RowName, str]()
+    for side, end in result.range.ends_at(result.trajectory.c2, AT_END):
+        load = "" if end.load is None else f" with {end.load}"
+        said = f"sets {words[side]} at {end.time:.4g} s of the given motion{load}"
+        told |= dict.fromkeys((row.name for row in end.rows), said)
+    return told
 
 
 def _forced(result: ScalingResult, names: tuple[RowName, ...]) -> tuple[NDArray[np.bool_], set[RowName]]:

@@ -144,7 +144,6 @@ def _legend_names(panel: Panel) -> list[str]:
 
 
 def _legend_columns(panel: Panel, columns: int) -> int:
-    """As many as the panel's width takes."""
     longest = max((len(_label(name)) for name in _legend_names(panel)), default=0)
     return max(1, int(WIDTHS.get(columns, 3.6 * columns) / columns / (LETTER_INCHES * longest + 0.65)))
 

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
 """What a plot shows, as data: matplotlib draws it for files (`matplotlib_drawer`), plotly for pages (`plotly_drawer`).
 
-Texts are as a user gave them: the drawers make them printable. Colours are names of the web, `#rrggbb`.
+Texts are as a user gave them: the drawers make them printable. A `label` stands in the legend unless it is empty,
+`texts` are told under the mouse, one a value; of points they stand beside them. Colours are those of the web,
+`#rrggbb`; arrays have Shape (N,) unless another is told.
 """
 
 from collections.abc import Sequence
@@ -25,18 +27,8 @@ MARGIN = 0.06
 class Line:
     """A curve, with its limits as thin lines of the same look.
 
-    Attributes:
-        x: Shape (N,).
-        y: NaN makes a gap, Shape (N,).
-        label: In the legend; empty: not there.
-        color: Of the line.
-        dash: Number of its dashes, 0 for none.
-        width: [pt].
-        unit: Of its values; None: it does not answer hovering.
-        lower: Its lower limit, minus infinity where there is none, Shape (N,); None: none anywhere.
-        upper: Its upper limit, likewise.
-        steps: Whether a value holds until the next x.
-        texts: What is told under the mouse beside the values, one a value.
+    `y`, `lower` and `upper` have gaps where they are not finite. `dash` is the number of its dashes, `width` in pt.
+    Without a `unit` (None) it does not answer hovering. Of `steps` a value holds until the next x.
     """
 
     x: Array
@@ -59,17 +51,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Points:
-    """Marks, each with a text beside it.
-
-    Attributes:
-        x: Shape (N,).
-        y: Shape (N,).
-        symbol: "circle", "dot" (a small one), "cross", "star" or "up".
-        label: In the legend; empty: not there.
-        color: Of the marks.
-        texts: One a mark; none, or empty where nothing is written.
-        below: Whether texts stand below the marks.
-    """
+    """Marks, each with a text beside it: "circle", "dot" (a small one), "cross", "star" or "up"."""
 
     x: Array
     y: Array
@@ -82,16 +64,7 @@ class Points:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Band:
-    """The area between two curves.
-
-    Attributes:
-        x: Shape (N,).
-        lower: Shape (N,).
-        upper: Shape (N,).
-        label: In the legend; empty: not there.
-        color: Of the area.
-        opacity: 0 to 1.
-    """
+    """The area between two curves."""
 
     x: Array
     lower: Array
@@ -103,14 +76,7 @@ class Band:
 
 @dataclass(frozen=True, kw_only=True)
 class Spans:
-    """Parts of the x axis, filled from the bottom to the top.
-
-    Attributes:
-        ends: Start and end of each.
-        label: In the legend.
-        color: Of the areas.
-        hatch: As matplotlib has it; empty for a plain area.
-    """
+    """Parts of the x axis from `ends` to `ends`, filled from the bottom to the top, hatched as matplotlib has it."""
 
     ends: Sequence[tuple[float, float]]
     label: str
@@ -133,17 +99,8 @@ class Rule:
 class Bars:
     """Bars along an axis of names (level), or upright ones on the x axis.
 
-    Attributes:
-        place: Row of each level bar, its middle; x of each upright one.
-        start: Where each begins.
-        end: Where each ends.
-        thickness: Of each.
-        label: In the legend; empty: not there.
-        color: Of the bars.
-        upright: Whether they stand on the x axis.
-        hatched: Whether they are outlines that are hatched.
-        texts: What is told of each under the mouse.
-        written: What is written at the end of each.
+    `place` is the row of each level bar, its middle, or the x of an upright one. Hatched bars are outlines. What is
+    `written` stands at the end of each.
     """
 
     place: Array
@@ -160,19 +117,10 @@ class Bars:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HeatMap:
-    """Cells whose colours are values.
+    """Cells whose colours are values, NaN where one is empty, Shape (rows, columns); edges `x` and `y` have one more.
 
-    Attributes:
-        x: Edges, Shape (columns + 1,).
-        y: Edges, Shape (rows + 1,).
-        z: NaN where a cell is empty, Shape (rows, columns).
-        colors: From the least to the largest value.
-        low: Value of the first colour.
-        high: Value of the last colour, which larger ones have too.
-        title: Of the bar of colours.
-        unit: Told with a value under the mouse.
-        texts: Told instead of it, one a cell.
-        contours: Whether lines of one value are drawn where there is room.
+    `low` and `high` have the first and the last colour, which values beyond have too. Contours are lines of one value,
+    where there is room. `texts` are told in place of a value and its unit.
     """
 
     x: Array
@@ -189,16 +137,9 @@ class HeatMap:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cells:
-    """Cells whose colours are names.
+    """Cells whose colours are names: `code` is the number of the name, -1 where a cell is empty; edges as of `HeatMap`.
 
-    Attributes:
-        x: Edges, Shape (columns + 1,).
-        y: Edges, Shape (rows + 1,).
-        code: Number of the name of each cell, -1 where it is empty, Shape (rows, columns).
-        names: In the legend, those that some cell has.
-        colors: One a name.
-        hatches: One a name, as matplotlib has them; none, or empty for a plain area.
-        texts: What is told of each cell under the mouse.
+    Names, colours and hatches (as matplotlib has them) are one each; the legend has those names that some cell has.
     """
 
     x: Array
@@ -215,17 +156,10 @@ Item = Line | Points | Band | Spans | Rule | Bars | HeatMap | Cells
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """What an axis counts, or the names along it.
+    """What an axis counts, or the names along it, in rows 0, 1, … from the top.
 
-    Attributes:
-        label: Beside it.
-        ends: Of what is shown; None: all there is.
-        log: Whether it is logarithmic.
-        names: Of the rows 0, 1, … from the top; none where it counts.
-        colors: Of the names.
-        strong: Which of them are bold.
-        beside: Written at the other end of the rows.
-        hover: What a value under the mouse is called, such as "t = {} s".
+    Without `ends` all there is is shown. `colors` and `strong` (bold) are of the names, `beside` is written at the
+    other end of the rows; `hover` is what a value under the mouse is called, such as "t = {} s".
     """
 
     label: str = ""
@@ -240,15 +174,7 @@ class Axis:
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """One pair of axes.
-
-    Attributes:
-        title: Above it.
-        x: The level axis.
-        y: The upright one.
-        items: What is drawn, the last one on top.
-        note: Written in its middle.
-    """
+    """One pair of axes: items are drawn in order, the last one on top; `note` stands in the middle."""
 
     x: Axis
     y: Axis
@@ -283,15 +209,10 @@ class Panel:
 
 @dataclass(frozen=True, kw_only=True)
 class Plot:
-    """A figure.
+    """A figure: panels beside each other, in rows below each other; `name` is that of its file or its place in a page.
 
-    Attributes:
-        name: Of its file or its place in a page, one of a kind.
-        title: Lines above it.
-        rows: Panels beside each other in rows below each other.
-        shared: Whether the panels of a column have one x axis.
-        clock: What that counts in a report, for the cursor: "played" is the time of the trajectory, "given" that of
-            the given motion, "way" that along the path; empty where it is none of these.
+    Of `shared` the panels of a column have one x axis. `clock` is what that counts in a report, for the cursor:
+    "played" is the time of the trajectory, "given" that of the given motion, "way" that along the path.
     """
 
     name: str
@@ -326,12 +247,7 @@ def look(index: int) -> dict[str, Any]:
 
 
 def value_ends(values: Array, limits: Array) -> tuple[float, float]:
-    """Ends of an axis that shows values and their limits.
-
-    Args:
-        values: Finite, any shape.
-        limits: Any shape, infinity where unbounded.
-    """
+    """Ends of an axis that shows values and their limits."""
     size = float(np.max(np.abs(values), initial=0.0))
     near = limits[np.isfinite(limits) & ((np.abs(limits) <= FARTHEST_LIMIT * size) | (size == 0))]
     shown = np.concatenate([values.ravel(), near.ravel(), [0.0]])

@@ -69,7 +69,9 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
         shape["shapes"] += [_shape(item, last) for item in panel.items if isinstance(item, Rule)]
         for item in panel.items:
             if isinstance(item, Spans):
-                shape["shapes"] += [_area(end, item.color, last) for end in item.ends]
+                area = {"type": "rect", "yref": f"y{last} domain", "y0": 0, "y1": 1, "layer": "below"}
+                area |= {"fillcolor": item.color, "line": {"width": 0}}
+                shape["shapes"] += [area | {"x0": start, "x1": end} for start, end in item.ends]
         if panel.note:
             word = {"x": 0.5, "xref": "paper", "y": 0.5, "yref": f"y{last} domain", "showarrow": False}
             shape["annotations"].append(word | {"text": plot_text(panel.note), "bgcolor": "#ffffffc0"})
@@ -127,11 +129,6 @@ def _shape(rule: Rule, last: str) -> dict[str, Any]:
     if rule.upright:
         return look | {"x0": rule.at, "x1": rule.at, "yref": f"y{last} domain", "y0": 0, "y1": 1}
     return look | {"y0": rule.at, "y1": rule.at, "yref": f"y{last}", "xref": "x domain", "x0": 0, "x1": 1}
-
-
-def _area(ends: tuple[float, float], color: str, last: str) -> dict[str, Any]:
-    area = {"type": "rect", "x0": ends[0], "x1": ends[1], "yref": f"y{last} domain", "y0": 0, "y1": 1}
-    return area | {"fillcolor": color, "line": {"width": 0}, "layer": "below"}
 
 
 def _traces(item: Item, panel: Panel) -> list[dict[str, Any]]:  # noqa: PLR0911 (one a kind of item)
@@ -266,7 +263,6 @@ def _grid(x: Array, y: Array, z: Array, texts: Sequence[Sequence[str]], unit: st
 
 
 def _key(name: str, color: str, symbol: str) -> dict[str, Any]:
-    """An entry of the legend for what is no trace."""
     if symbol == "line":
         return {"x": [None], "y": [None], "mode": "lines", "line": {"color": color}} | _named(name)
     marker = {"symbol": symbol, "size": 12, "color": color, "line": {"width": 1, "color": "#666"}}

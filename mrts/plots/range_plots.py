@@ -15,7 +15,6 @@ from mrts.plots.colours import ADMISSIBLE, COLOURS, CONFLICT, END_COLOURS
 from mrts.plots.labels import range_facts, range_text, row_label
 from mrts.plots.plot import MARGIN, Axis, Band, Bars, Item, Line, Panel, Plot, Points, Rule, Spans, look, one_panel
 from mrts.program.range_status import RangeStatus
-from mrts.program.sample_ranges import SampleRanges
 from mrts.scaling.loads import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
@@ -69,8 +68,9 @@ def range_plot(result: ScalingResult) -> Plot:
 def _range_panel(found: ScalingRange) -> Panel:
     samples, (low, high) = found.samples, c2_ends(found)
     items: list[Item] = []
-    if spans_without := infeasible_spans(samples):
-        items.append(Spans(ends=spans_without, label="no c² at all", color="#ddd", hatch="///"))
+    infeasible = np.array([status is RangeStatus.INFEASIBLE for status in samples.status])
+    if without := spans(samples.time, infeasible):
+        items.append(Spans(ends=without, label="no c² at all", color="#ddd", hatch="///"))
     if found.status.admits_motion and found.lower and found.upper:
         ends = (np.full(2, end) for end in (found.lower.c2, min(found.upper.c2, 2 * high)))
         items.append(Band(x=samples.time[[0, -1]], lower=next(ends), upper=next(ends), color=ADMISSIBLE, opacity=0.15,
@@ -148,7 +148,6 @@ def binding_lanes(found: ScalingRange) -> list[Lane]:
 
 
 def _rows(found: ScalingRange, side: Side) -> tuple[list[tuple[ActiveRow, ...]], Sequence[ActiveRow]]:
-    """The rows at one end of every sample, and those that set the end over the motion."""
     end = found.lower if side == "lower" else found.upper
     rows = [found.binding(sample, side) for sample in range(len(found.samples.time))]
     return rows, () if end is None else end.rows
@@ -169,11 +168,6 @@ def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequenc
     ]
 
 
-def infeasible_spans(samples: SampleRanges) -> list[tuple[float, float]]:
-    """Spans of time where no c² keeps the limits [s]."""
-    return spans(samples.time, np.array([status is RangeStatus.INFEASIBLE for status in samples.status]))
-
-
 def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
     """Start and end of spans of consecutive samples, each sample reaching half way to its neighbours [s].
 
@@ -182,6 +176,11 @@ def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
         where: Which samples count, Shape (N,).
     """
     edges = np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]])
+    return neighbours(edges, where)
+
+
+def neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """Ends of neighbouring cells as one."""
     steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))
     return [(float(edges[start]), float(edges[end])) for start, end in steps.reshape(-1, 2)]
 

@@ -130,7 +130,6 @@ def study_map(table: StudyTable, over: Sequence[str] = ()) -> StudyMap:
 
 
 def _knobs(table: StudyTable, over: Sequence[str]) -> list[int]:
-    """Indices of numbers."""
     if not over:
         return sorted(weight.knob for weight in weights(table)[:2])
     paths = [knob.path for knob in table.knobs]
@@ -179,9 +178,6 @@ def weights(table: StudyTable) -> list[Weight]:
     The durations are replaced by their ranks, and the variants sorted into groups by the number's value; what the means
     of the groups spread, of what all spread, is the correlation ratio ε² (Kelley, 1935): the first-order index of
     Sobol, corrected for the number of groups. What numbers do only together, it does not see.
-
-    Args:
-        table: The study.
     """
     some = np.arange(table.variants)
     if table.variants > MOST_WEIGHED:  # by chance: an even choice would keep time with a grid
@@ -217,12 +213,7 @@ def _explained(values: Array, group: Index) -> float:
 
 
 def ends_reached(table: StudyTable, row: int) -> list[tuple[int, str]]:
-    """Which numbers of a variant lie at an end of what was tried, and whether at the "lower" or "upper" one.
-
-    Args:
-        table: The study.
-        row: Of the variant.
-    """
+    """Which numbers of a variant lie at an end of what was tried, and whether at the "lower" or "upper" one."""
     low, high = np.min(table.values, axis=0), np.max(table.values, axis=0)
     at = (table.values[row] - low) / np.where(high > low, high - low, np.inf)
     return [
@@ -254,12 +245,7 @@ def spreads_widely(table: StudyTable) -> bool:
 
 
 def map_remark(table: StudyTable, drawn: StudyMap) -> str:
-    """What a cell of the map stands for; nothing where each is one variant.
-
-    Args:
-        table: The study.
-        drawn: Its map.
-    """
+    """What a cell of the map stands for; nothing where each is one variant."""
     if drawn.exact and not drawn.others:
         return ""
     shape = " × ".join(str(cells.count) for cells in drawn.axes)
@@ -270,25 +256,12 @@ def map_remark(table: StudyTable, drawn: StudyMap) -> str:
     return text
 
 
-@dataclass(frozen=True)
-class Binding:
-    """Which limit binds where on a map.
+def map_binding(table: StudyTable, drawn: StudyMap) -> tuple[list[str], Index]:
+    """Which limit binds at c²⁺ of the best in each cell of a map; of several at once, the first.
 
-    Attributes:
-        names: Of the limits, the most frequent first; the last one may stand for several.
-        codes: Which binds at c²⁺ of the best in each cell, -1 where there is none; Shape of the map.
-    """
-
-    names: tuple[str, ...]
-    codes: Index
-
-
-def map_binding(table: StudyTable, drawn: StudyMap) -> Binding:
-    """Which limit binds where, at most as many as there are colours; of several at once, the first.
-
-    Args:
-        table: The study.
-        drawn: Its map.
+    Returns:
+        Names, the most frequent first, at most as many as there are colours: the last may stand for several; and the
+        number of each cell's, -1 where there is none, Shape of the map.
     """
     firsts = [name.split(", ")[0] for name in table.limit.names]
     first = {name: code for code, name in enumerate(dict.fromkeys(firsts))}
@@ -301,4 +274,4 @@ def map_binding(table: StudyTable, drawn: StudyMap) -> Binding:
         names = [*names[: most - 1], f"{len(order) - most + 1} other limits"]
     place = np.full(len(first) + 1, -1)
     place[order] = np.minimum(np.arange(len(order)), most - 1)
-    return Binding(tuple(names), place[limits])
+    return names, place[limits]

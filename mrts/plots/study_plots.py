@@ -2,17 +2,16 @@
 """The durations of a study over one or two of its numbers, which limit binds where, and how durations spread."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.plots.colours import COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.plot import Axis, Bars, Cells, HeatMap, Item, Line, Panel, Plot, Points, Rule, Spans
 from mrts.plots.plotly_drawer import numbers, plot_text
+from mrts.plots.range_plots import neighbours
 from mrts.plots.study_map import (
     LIMIT_COLOURS,
     StudyMap,
@@ -94,7 +93,6 @@ def study_map_plot(table: StudyTable, over: Sequence[str] = ()) -> Plot:
 
 
 def _title(table: StudyTable, *remarks: str) -> str:
-    """What was found, the best, and what a figure shows, a line each."""
     return "\n".join([f"{table.name}: {outcome_text(table)}", best_text(table), *filter(None, remarks)])
 
 
@@ -102,7 +100,7 @@ def _map_panels(table: StudyTable, drawn: StudyMap) -> list[Panel]:
     texts = _texts(table, drawn)
     over_x, over_y = drawn.axes
     grid: dict[str, Any] = {"x": over_x.edges, "y": over_y.edges, "texts": texts}
-    binding = map_binding(table, drawn)
+    limits, binding = map_binding(table, drawn)
     names = table.outcome.names
     colors, hatches = zip(*(WITHOUT.get(name, ("#fff", "")) for name in names), strict=True)
     without = Cells(**grid, code=drawn.outcome, names=names, colors=colors, hatches=hatches)
@@ -111,7 +109,7 @@ def _map_panels(table: StudyTable, drawn: StudyMap) -> list[Panel]:
         low, high = duration_ends(table)
         duration = [HeatMap(**grid, z=drawn.of_best(table.duration), colors=FASTER, low=low, high=high, unit="s",
                             title="shortest duration [s]", contours=drawn.exact)]  # fmt: skip
-    limit = Cells(**grid, code=binding.codes, names=binding.names, colors=LIMIT_COLOURS[: len(binding.names)])
+    limit = Cells(**grid, code=binding, names=limits, colors=LIMIT_COLOURS[: len(limits)])
     x, y = (
         Axis(label=table.knobs[cells.knob].title, ends=(float(cells.edges[0]), float(cells.edges[-1])))
         for cells in drawn.axes
@@ -119,7 +117,7 @@ def _map_panels(table: StudyTable, drawn: StudyMap) -> list[Panel]:
     best = _best(table, *(table.values[:, cells.knob] for cells in drawn.axes))
     return [
         Panel(title="Shortest duration", x=x, y=y, items=[*duration, without, *best]),
-        Panel(title="What limits it", x=x, y=y, items=[*([limit] if binding.names else []), without, *best]),
+        Panel(title="What limits it", x=x, y=y, items=[*([limit] if limits else []), without, *best]),
     ]
 
 
@@ -131,7 +129,6 @@ def _best(table: StudyTable, x: Array, y: Array) -> list[Item]:
 
 
 def _texts(table: StudyTable, drawn: StudyMap) -> list[list[str]]:
-    """What is said of each cell: its best variant, or what became of it."""
     texts = np.full(drawn.best.shape, "", dtype=object)
     for place, best in np.ndenumerate(drawn.best):
         row = int(best)
@@ -150,10 +147,10 @@ def _texts(table: StudyTable, drawn: StudyMap) -> list[list[str]]:
 
 def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
     (cells,) = drawn.axes
-    durations, binding = drawn.of_best(table.duration), map_binding(table, drawn)
+    durations, (limits, binding) = drawn.of_best(table.duration), map_binding(table, drawn)
     fills = [
-        (binding.codes == code, name, _pale(color), "")
-        for code, (name, color) in enumerate(zip(binding.names, LIMIT_COLOURS, strict=False))
+        (binding == code, name, _pale(color), "")
+        for code, (name, color) in enumerate(zip(limits, LIMIT_COLOURS, strict=False))
     ]
     fills += [
         (drawn.outcome == code, name, *WITHOUT[name])
@@ -161,7 +158,7 @@ def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
         if name in WITHOUT
     ]
     items: list[Item] = [
-        Spans(ends=_neighbours(cells.edges, where), label=name, color=color, hatch=hatch)
+        Spans(ends=neighbours(cells.edges, where), label=name, color=color, hatch=hatch)
         for where, name, color, hatch in fills
         if np.any(where)
     ]
@@ -174,15 +171,8 @@ def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
 
 
 def _pale(color: str) -> str:
-    """A colour behind a line."""
     red, green, blue = (255 - (255 - int(color[at : at + 2], 16)) * 3 // 10 for at in (1, 3, 5))
     return f"#{red:02x}{green:02x}{blue:02x}"
-
-
-def _neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """Ends of neighbouring cells as one."""
-    steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int))).reshape(-1, 2)
-    return [(float(edges[first]), float(edges[last])) for first, last in steps]
 
 
 def durations_plot(table: StudyTable) -> Plot:
@@ -214,81 +204,24 @@ def durations_plot(table: StudyTable) -> Plot:
     return Plot(name="durations", title=title, rows=rows, shared=True)
 
 
-@dataclass(frozen=True)
-class ParallelAxes:
-    """An axis for each number and one for the duration, and lines.
+def parallel_figure(table: StudyTable) -> dict[str, Any]:
+    """The variants through an axis for each number that matters and one for the duration, as plotly reads them.
 
-    Attributes:
-        knobs: Indices of the numbers with an axis, in the study's order.
-        low: Least value on each axis, that of the durations last, Shape (A + 1,).
-        high: Largest value, likewise.
-        best: Rows of the best that are drawn, the best first.
-        others: Rows of others with a duration.
-        without: Rows without.
-        all_drawn: Whether these are all variants.
+    A drag along an axis filters them. The "remark" says what is left out, if anything is.
     """
-
-    knobs: tuple[int, ...]
-    low: Array
-    high: Array
-    best: Index
-    others: Index
-    without: Index
-    all_drawn: bool
-
-    def remark(self, table: StudyTable) -> str:
-        """What is drawn, where that is not everything; else nothing."""
-        remarks = []
-        if len(self.knobs) < len(table.knobs):
-            remarks.append(f"the {len(self.knobs)} of {len(table.knobs)} numbers that matter most")
-        if not self.all_drawn:
-            drawn = len(self.best) + len(self.others) + len(self.without)
-            remarks.append(f"an even choice of {drawn} of {table.variants} variants")
-        return ", ".join(remarks)
-
-
-def parallel_axes(table: StudyTable) -> ParallelAxes:
-    """Choose axes and lines of a study with at least one variant."""
-    knobs = tuple(sorted(weight.knob for weight in weights(table)[:MOST_AXES]))
-    ends = duration_ends(table) if len(table.ranked) else (0.0, 1.0)
-    shown = table.values[:, knobs]
+    knobs = sorted(weight.knob for weight in weights(table)[:MOST_AXES])
     first = len(best_part(table))
-    groups = (
-        table.ranked[:first],
-        table.ranked[first:],
-        np.flatnonzero(~np.isin(np.arange(table.variants), table.ranked)),
-    )
-    best, others, without = (_some(rows) for rows in groups)
-    return ParallelAxes(
-        knobs=knobs,
-        low=np.append(np.min(shown, axis=0), ends[0]),
-        high=np.append(np.max(shown, axis=0), ends[1]),
-        best=best,
-        others=others,
-        without=without,
-        all_drawn=len(best) + len(others) + len(without) == table.variants,
-    )
-
-
-def _some(rows: Index) -> Index:
-    """All, or an even choice with the first."""
-    if len(rows) <= MOST_LINES:
-        return rows
-    return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_LINES).round().astype(int)])
-
-
-def parallel_figure(table: StudyTable, drawn: ParallelAxes) -> dict[str, Any]:
-    """The variants through parallel axes, as plotly reads it: a drag along an axis filters them."""
-    groups = (drawn.without, drawn.others, drawn.best[::-1])
+    without = np.flatnonzero(~np.isin(np.arange(table.variants), table.ranked))
+    groups = [_some(rows) for rows in (without, table.ranked[first:], table.ranked[:first])]
+    groups[2] = groups[2][::-1]  # the best above all others
     rows: Index = np.concatenate(groups)
-    kind = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
     axes: list[dict[str, Any]] = []
-    for at, knob in enumerate(drawn.knobs):
-        ends = numbers(np.array([drawn.low[at], drawn.high[at]]))
-        title = plot_text(shortened(table.knobs[knob].title, AXIS_LETTERS))
-        axis = {"label": title, "values": numbers(table.values[rows, knob])}
+    for knob in knobs:
+        shown = table.values[:, knob]
+        axis = {"label": plot_text(shortened(table.knobs[knob].title, AXIS_LETTERS)), "values": numbers(shown[rows])}
+        ends = numbers(np.array([np.min(shown), np.max(shown)]))
         axes.append(axis | {"range": ends} if ends[0] != ends[1] else axis)
-    low, high = float(drawn.low[-1]), float(drawn.high[-1])
+    low, high = duration_ends(table) if len(table.ranked) else (0.0, 1.0)
     share = (table.duration[rows] - low) / (high - low) if high > low else np.full(len(rows), 0.5)
     heights = np.where(np.isnan(table.duration[rows]), NO_DURATION, np.minimum(share, 1))
     ticks = np.linspace(0, 1, 6)
@@ -296,6 +229,7 @@ def parallel_figure(table: StudyTable, drawn: ParallelAxes) -> dict[str, Any]:
     names[-1] = f"≥ {names[-1]}"
     axes.append({"label": "duration [s]", "values": numbers(heights), "range": [0, NO_DURATION],
                  "tickvals": [*ticks.tolist(), NO_DURATION], "ticktext": [*names, "none"]})  # fmt: skip
+    kind = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
     scale = [[end / 3, color] for code, color in enumerate(LINE_COLOURS) for end in (code, code + 1)]
     trace = {
         "type": "parcoords",
@@ -311,4 +245,16 @@ def parallel_figure(table: StudyTable, drawn: ParallelAxes) -> dict[str, Any]:
         "paper_bgcolor": "#fff",
         "height": LINES_HEIGHT,
     }
-    return {"data": [trace], "layout": shape, "clock": ""}
+    remarks = []
+    if len(knobs) < len(table.knobs):
+        remarks.append(f"the {len(knobs)} of {len(table.knobs)} numbers that matter most")
+    if len(rows) < table.variants:
+        remarks.append(f"an even choice of {len(rows)} of {table.variants} variants")
+    return {"data": [trace], "layout": shape, "clock": "", "remark": ", ".join(remarks)}
+
+
+def _some(rows: Index) -> Index:
+    """All, or an even choice with the first."""
+    if len(rows) <= MOST_LINES:
+        return rows
+    return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_LINES).round().astype(int)])

@@ -176,9 +176,6 @@ class StudyTable:
 def read_study_table(folder: Path) -> StudyTable:
     """What a sweep has found so far.
 
-    Args:
-        folder: Of the study, as `mrts sweep -o` wrote it.
-
     Raises:
         InputError: If it holds no study, or none of its variants is solved.
     """
@@ -255,6 +252,5 @@ def _short_limits(limit: Labels) -> Labels:
 
 
 def _short(limit: str) -> str:
-    """A limit as other pictures have it."""
     found = LIMIT.fullmatch(limit)
     return limit if found is None else limit_label(found[1], found[2])

@@ -83,10 +83,6 @@ def best_part(table: StudyTable) -> Index:
 def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]:
     """The best variants as a table, a row each below what was tried.
 
-    Args:
-        table: The study.
-        most: Variants at most.
-
     Returns:
         Titles of the columns, and the rows.
     """
@@ -107,12 +103,7 @@ def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]
 
 
 def span_texts(low: float, high: float) -> tuple[str, str]:
-    """The ends of a span to a thousandth of it: what is next to 0 beside the other end is 0.
-
-    Args:
-        low: Its lower end.
-        high: Its upper end.
-    """
+    """The ends of a span to a thousandth of it: what is next to 0 beside the other end is 0."""
     digits = 3 - int(np.floor(np.log10(high - low))) if high > low else 12
     return f"{round(low, digits) + 0.0:.4g}", f"{round(high, digits) + 0.0:.4g}"
 

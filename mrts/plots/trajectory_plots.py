@@ -59,10 +59,6 @@ def wrench_plots(result: ScalingResult) -> list[Plot]:
 def joint_plots(result: ScalingResult, what: str) -> list[Plot]:
     """Joint positions or velocities with limits, kept or not, of each robot a plot for each unit.
 
-    Args:
-        result: A result with a trajectory.
-        what: "position" or "velocity".
-
     Raises:
         ValueError: If there is no trajectory.
     """

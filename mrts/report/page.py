@@ -80,7 +80,6 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
 
 
 def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]:
-    """What stands below the answer."""
     done = shown.trajectory
     if timing is not None:
         text = timing.sentence()

@@ -188,7 +188,6 @@ def _line_trace(name: str, colour: str, width: int, *, legend: bool = True) -> d
 
 
 def _layout(cell: Cell, points: Array, camera: dict[str, Any]) -> dict[str, Any]:
-    """The scene around everything that moves; the page scales it to the window."""
     low, high = np.nanmin(points, axis=0), np.nanmax(points, axis=0)
     margin = MARGIN * float(np.max(high - low))
     low, high = low - margin, high + margin

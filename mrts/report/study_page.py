@@ -10,7 +10,7 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.plots import study_words
 from mrts.plots.plot import one_panel
 from mrts.plots.study_map import map_remark, study_map, weights
-from mrts.plots.study_plots import durations_plot, parallel_axes, parallel_figure, study_map_plot
+from mrts.plots.study_plots import durations_plot, parallel_figure, study_map_plot
 from mrts.plots.study_table import OUTCOMES, StudyTable, read_study_table
 from mrts.report.document import document
 from mrts.report.tables import Entry, Styled, Table, bar, more
@@ -44,13 +44,10 @@ def write_study_report(study: StudyTable | Path | str, path: Path | str) -> None
 def study_html(found: StudyTable) -> str:
     """The report of a study as text; the same study gives the same text.
 
-    Args:
-        found: The study, with at least one variant.
-
     Raises:
         InputError: If plotly is not installed.
     """
-    lines = parallel_axes(found) if len(found.knobs) > MOST_ON_A_MAP else None
+    lines = parallel_figure(found) if len(found.knobs) > MOST_ON_A_MAP else None
     names = ("duration-map", "limit-map") if len(found.knobs) > 1 else ("duration-line",)
     panels = study_map_plot(found).rows[0] if found.knobs else []
     return document(
@@ -66,7 +63,6 @@ def study_html(found: StudyTable) -> str:
         map_remark=map_remark(found, study_map(found)) if found.knobs else "",
         maps=[one_panel(name, panel) for name, panel in zip(names, panels, strict=False)],
         outcomes_table=_outcomes_table,
-        parallel_figure=parallel_figure,
         reasons_table=_reasons_table,
         varied_table=_varied_table,
         weights_table=_weights_table,
@@ -83,13 +79,11 @@ def _best_table(found: StudyTable) -> Table:
 
 
 def _weights_table(found: StudyTable) -> Table:
-    """How much each number matters."""
     rows = [(found.knobs[each.knob].path, bar(each.duration), bar(each.playable)) for each in weights(found)]
     return Table(("number", "of how the durations spread", "of whether it can be played"), rows)
 
 
 def _limits_table(found: StudyTable) -> Table:
-    """Which limit binds how often."""
     best = np.isin(np.arange(found.variants), study_words.best_part(found))
     counts, of_best = found.limit_counts(found.admitted), dict(found.limit_counts(best))
     total, total_best = int(np.sum(found.admitted)), max(1, int(np.sum(best)))

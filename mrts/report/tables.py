@@ -228,12 +228,7 @@ def range_table(found: ScalingRange) -> Table:
 
 
 def margins_table(result: ScalingResult, limiting: LimitingRows) -> Table:
-    """Every limit by falling share that the trajectory uses; those that set the speed first, each hand's failure once.
-
-    Args:
-        result: A result.
-        limiting: Which rows set its speed.
-    """
+    """Every limit by falling share that is used; those that set the speed first, each hand's failure once."""
     rows: dict[str, tuple[Entry, ...]] = {}
     for use in sorted(limit_uses(result), key=lambda use: use.name not in limiting.setting):
         values = interval_text(use.lower, use.upper, use.name.unit), f"{use.least:.4g}", f"{use.largest:.4g}"
@@ -275,12 +270,7 @@ def duty_table(result: ScalingResult) -> Table:
 
 
 def rates_table(result: ScalingResult, limiting: LimitingRows) -> Table:
-    """Every rate that is limited by falling share.
-
-    Args:
-        result: A result.
-        limiting: Which rows set its speed.
-    """
+    """Every rate that is limited by falling share."""
     rows: list[tuple[Entry, ...]] = []
     for use in sorted(rate_uses(result), key=lambda use: use.name not in limiting.setting):
         unit = use.name.unit

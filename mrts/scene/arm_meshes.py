@@ -90,12 +90,7 @@ def drawn_arms(cell: Cell, urdfs: Urdfs, warn: Warn) -> list[list[ArmMesh]]:
 
 
 def bars(robot: Robot, colour: Rgb) -> list[ArmMesh]:
-    """An arm as bars from joint to joint, with a cylinder along every joint's axis.
-
-    Args:
-        robot: The arm.
-        colour: Of the bars.
-    """
+    """An arm as bars from joint to joint, with a cylinder along every joint's axis."""
     from trimesh.creation import cylinder, icosphere  # noqa: PLC0415 (half a second, for what is drawn)
     from trimesh.graph import smooth_shade  # noqa: PLC0415
 
@@ -184,10 +179,6 @@ def _bodies(joints: list[Any], base_link: str, chain: tuple[str, ...], held: Map
 
 def mesh_file(urdf: Path, fname: str) -> str:
     """Path of a mesh: of a package, relative to the URDF, or in a package that stands there under another name.
-
-    Args:
-        urdf: The file that names it.
-        fname: How.
 
     Raises:
         InputError: If it is not there.

@@ -22,22 +22,13 @@ SAME_PLACE = 1e-3
 
 
 def shares_base(cell: Cell, robot: Robot) -> bool:
-    """Whether another arm stands where this one does, on the same machine.
-
-    Args:
-        cell: Of the arm.
-        robot: The arm.
-    """
+    """Whether another arm stands where this one does, on the same machine."""
     bases = [other.T_world_base.p for other in cell.robots if other is not robot]
     return any(float(np.linalg.norm(base - robot.T_world_base.p)) < SAME_PLACE for base in bases)
 
 
 def name_place(cell: Cell, robot: Robot) -> Array:
     """Where the name of an arm stands in the world: at its base, or at its first joint where another has that too.
-
-    Args:
-        cell: Of the arm.
-        robot: The arm.
 
     Returns:
         Shape (3,) [m].

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.limits.rows import RowName
@@ -38,6 +39,10 @@ SHORTEST_PLAY = 3.0
 """A motion is played at least this long, at one of `PACES` [s]."""
 
 
+ROUNDED_DOWN = 1e-9
+"""A number below a round one by this share is that one: rounding of a quotient."""
+
+
 def arm_hex(index: int) -> str:
     """The colour of the arm with this number, as "#0072B2"; after six they begin again."""
     return COLOURS[index % (len(COLOURS) - 1)]
@@ -47,6 +52,12 @@ def arm_colour(index: int) -> Rgb:
     """The colour of `arm_hex` as numbers."""
     colour = arm_hex(index)
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:], 16)
+
+
+def round_down(value: float) -> float:
+    """The largest of 1, 2 and 5 times a power of ten that is not above a value > 0, but for rounding."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(max(digit for digit in (1, 2, 5, 10) if digit <= value / power * (1 + ROUNDED_DOWN)) * power)
 
 
 def suited_pace(duration: float) -> float:
@@ -81,12 +92,7 @@ class DecidingLimit:
 
 
 def deciding_limit(done: ScaledTrajectory, found: ScalingRange) -> DecidingLimit | None:
-    """The limit that decides; None where nothing does.
-
-    Args:
-        done: A motion as it is played.
-        found: Its range.
-    """
+    """The limit that decides; None where nothing does."""
     names, share = used_shares(done)
     end = found.upper
     if end is not None and end.sample is not None:
@@ -115,6 +121,13 @@ class Scene:
     position: Array
     rotation: Array
     passed: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, done: ScaledTrajectory, passed: NDArray[np.bool_] | None = None) -> "Scene":
+        """A motion at its samples."""
+        carried = done.motion.object
+        nowhere = np.zeros(len(carried.time), dtype=bool)
+        return cls(done.cell, done.q, carried.position, carried.rotation, nowhere if passed is None else passed)
 
     @cached_property
     def bodies(self) -> tuple[tuple[Array, Array], ...]:
@@ -176,6 +189,11 @@ class Moment:
         return ContactForces(
             *(np.concatenate([getattr(one, name) for one in each]) for name in ("point", "force", "moment"))
         )
+
+
+def wxyz(R: Array) -> Array:
+    """Rotations, Shape (…, 3, 3), as quaternions of viser and MuJoCo, w first, Shape (…, 4)."""
+    return np.roll(quaternions_from_rotations(R), 1, axis=-1)
 
 
 def blended(values: Array, place: float) -> Array:

@@ -49,11 +49,7 @@ class Speeds:
 
 
 def offered_speeds(found: ScalingRange) -> Speeds:
-    """Speeds around a range of c²: slightly beyond both ends.
-
-    Args:
-        found: The range; without an admissible speed, the motion as given is the first choice.
-    """
+    """Speeds to slightly beyond both ends of a range of c²; without an admissible one c = 1 is the first choice."""
     both = [end.c2 for end in (found.lower, found.upper) if end is not None]
     ends = {name: c2 for name, c2 in zip(("c⁻", "c⁺"), both, strict=False) if isfinite(c2) and c2 > 0}
     of_ends = [sqrt(c2) for c2 in ends.values()]

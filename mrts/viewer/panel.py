@@ -2,6 +2,7 @@
 """What a player says of its state, as HTML: outcome, speed, time, and bars against the limits."""
 
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from types import MappingProxyType
 
 import numpy as np
@@ -38,46 +39,8 @@ MOST_NAMED = 5
 PANEL = 400
 """Width of the panel beside the scene [pixels]; the scene has the rest of the window."""
 
-DOCKED = f'div[style*="position: absolute"][style*="width: {PANEL + 4}px"]'
-"""What holds the panel beside the scene, with its edges, as long as nobody draws it wider or closes it."""
-
-STYLE = """<style>
-:root { --mrts-over: #D40000; }
-:root[data-mantine-color-scheme="dark"] { --mrts-over: #FF7B7B; }
-[data-text] { overflow-wrap: anywhere; }
-[data-text=outcome], [data-text=speed], [data-text=moment], [data-bars], [data-plot] { opacity: var(--mrts-answer, 1); }
-div:has(> [data-verdict]) { position: sticky; top: 0; z-index: 9; background: var(--mantine-color-body); }
-div[style*="overflow"]:has(> div > div > div > [data-verdict]) { overflow: visible !important; }
-[data-verdict] { position: relative; padding-bottom: 8px; }
-[data-verdict] > div, [data-text=speed], [data-text=moment] { overflow-y: auto; }
-[data-verdict] > div { height: 96px; }
-[data-text=speed] { height: 64px; margin-bottom: 8px; }
-[data-text=moment] { height: 48px; margin-bottom: 8px; }
-[data-text=computing] { position: absolute; bottom: 4px; right: 9px; font-size: 12px; }
-[data-text=computing] { background: var(--mantine-color-body); }
-.mantine-Slider-root + .mantine-NumberInput-root { width: 3.75rem !important; }
-[data-bars] { padding: 0 6px; }
-[data-bars] td { overflow-wrap: anywhere; vertical-align: top; }
-.mantine-Slider-label { display: none; }
-[data-bars] .track { background: #8883; }
-[data-bars] .limit { background: #888; }
-@media (max-width: 36em) {
-  div:has(> .mantine-Paper-root [data-mrts]) > div:has(canvas) { height: 45% !important; }
-  .mantine-Paper-root:has([data-mrts]) { width: 100% !important; height: 55%; max-height: 55% !important; }
-  .mantine-Paper-root:has([data-mrts]) div[style*="20em"] { width: 100% !important; }
-}
-@media (min-width: 36.01em) and (max-width: 50em) {
-  [data-verdict] > div { height: 64px; }
-  [data-text=speed], [data-text=moment] { height: 32px; }
-  div:has(> DOCKED [data-mrts]) > div:has(> canvas) { inset: 0 0 55% 0 !important; }
-  div:has(> DOCKED [data-mrts]) > DOCKED { top: 45% !important; width: 100% !important; }
-  DOCKED div[style*="width: EDGEDpx"] { width: 100% !important; }
-}
-</style><span data-mrts></span>""".replace("DOCKED", DOCKED).replace("EDGED", str(PANEL + 4))
-"""Of the page. On a narrow window viser lays the panel over the scene, on a wider one the panel leaves little of it;
-here it stands below, and covers nothing. Texts above controls have fixed heights and scroll, so that no control moves
-under a hand; the verdict stays in view. What is shown of an answer fades once another is asked for. A slider's value
-stands beside it, not above it as well."""
+STYLE = f"<style>{(files('mrts') / 'viewer' / 'viewer.css').read_text(encoding='utf-8')}</style><span data-mrts></span>"
+"""Of the page."""
 
 
 def verdict_html(outcome: str, error: str, *, computing: bool, outdated: bool) -> str:
@@ -96,15 +59,10 @@ def verdict_html(outcome: str, error: str, *, computing: bool, outdated: bool) -
 
 
 def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
-    """The outcome in a sentence; red where no speed is admissible.
-
-    Args:
-        state: With the outcome.
-        coarse: Whether another follows that also keeps the limits between the samples.
-    """
+    """The outcome in a sentence; red where no speed is admissible."""
     result = state.result
     admits = result.status.admits_motion and not state.refusal
-    text = f"<b>{html_text(state.card.outcome)}</b><br>" if admits else ""
+    text = f"<b>{html_text(state.card.outcome)}</b><br>" if admits and state.admissible else ""
     text += html_text(state.sentence())
     if coarse:
         samples = len(result.motion.object.time)
@@ -116,11 +74,7 @@ def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
 
 
 def held_html(held: HeldPoses) -> str:
-    """What the arms hold without a motion; of one that they cannot follow, why, and how far from its samples they stay.
-
-    Args:
-        held: Where the arms are.
-    """
+    """What the arms hold without a motion; of one that they cannot follow, why, and how far they stay from it."""
     stands = not held.message
     lost = [
         f"{html_text(robot.name)}{'' if stands else f' at {np.count_nonzero(~reached)} of {len(reached)} samples'}, "
@@ -140,12 +94,7 @@ def held_html(held: HeldPoses) -> str:
 
 
 def limits_html(cell: Cell, colours: Mapping[str, Rgb]) -> str:
-    """The limits of every arm, as they are now.
-
-    Args:
-        cell: The cell.
-        colours: Of the arms, by name, as the scene draws them.
-    """
+    """The limits of every arm, as they are now."""
     rows = []
     for robot in cell.robots:
         rows.append(_robot_row(robot.name, colours, "torque", "velocity"))
@@ -166,8 +115,7 @@ def speed_html(state: PlayerState | None) -> str:
     done, samples = state.trajectory, len(state.excess)
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
     if fast := state.joints_beyond_velocity():
-        verb = "pass their" if fast > 1 else "passes its"
-        text += f"{fast} of {done.q.shape[1]} joints {verb} velocity limit. "
+        text += f"{fast} of {done.q.shape[1]} joints beyond their velocity limit. "
     if state.admissible:
         return _paragraph("speed", f"{text}Inside the admissible range.")
     over = int(np.count_nonzero(state.excess))
@@ -175,7 +123,7 @@ def speed_html(state: PlayerState | None) -> str:
     if over == 0:
         load = ", though the load shown keeps all limits" if state.result.load is not None else ""
         return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
-    text += f"{over} of {samples} samples pass{'' if over > 1 else 'es'} a limit (red): "
+    text += f"{over} of {samples} samples beyond a limit (red): "
     passed = state.violations()
     text += "; ".join(
         f"{html_text(one.name.short)} by {_percent(one.excess)} at {one.time:.3g} s" for one in passed[:MOST_NAMED]
@@ -239,14 +187,7 @@ def error_html(text: str) -> str:
 def bars_html(
     kind: str, groups: dict[str, list[Bar]], colours: Mapping[str, Rgb] = MappingProxyType({}), *, kept: bool = True
 ) -> str:
-    """Bars about zero, a group a robot; the thin lines are the limits.
-
-    Args:
-        kind: "torque", "wrench", or "velocity".
-        groups: Bars by robot.
-        colours: Of the arms, by name, as the scene draws them.
-        kept: Whether the limits are kept, or reported only.
-    """
+    """Bars about zero, a group a robot; the thin lines are the limits."""
     colour = OVER if kept else PASSED
     rows = []
     for robot, bars in groups.items():
@@ -265,7 +206,6 @@ def _table(rows: Sequence[str], widths: Sequence[int] = BAR_COLUMNS) -> str:
 
 
 def _robot_row(robot: str, colours: Mapping[str, Rgb], *columns: str) -> str:
-    """The name of an arm in its colour, and those of the columns below."""
     mark = f'<span style="color:rgb{colours[robot]}">■</span> ' if robot in colours else ""
     cells = "".join(f'<td style="padding-top:2px">{column}</td>' for column in columns)
     span = 3 - len(columns)
@@ -306,6 +246,8 @@ def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
 
 
 def _value(bar: Bar) -> str:
+    if bar.unit == "%":
+        return f"{_number(bar.value)} %"
     if bar.limit is None:
         return f"{_number(bar.value)} {bar.unit} (no limit)"
     return f"{_number(bar.value)} of {_number(bar.limit)} {bar.unit}"

@@ -41,15 +41,7 @@ Profile = Literal["constant", "optimal", "smooth"]
 
 @dataclass(frozen=True)
 class Bar:
-    """A quantity against its limits.
-
-    Attributes:
-        name: Joint or wrench component.
-        value: In `unit`.
-        lower: Minus infinity where unbounded.
-        upper: Infinity where unbounded.
-        unit: Of value and limits.
-    """
+    """A quantity against its limits."""
 
     name: str
     value: float
@@ -163,11 +155,7 @@ class PlayerState:
 
     @classmethod
     def saved(cls, result: ScalingResult) -> "PlayerState":
-        """A result that was read from a file, at its own speed: other torques take the functions of its cell.
-
-        Args:
-            result: With a trajectory.
-        """
+        """A result that was read from a file, at its own speed: other torques take the functions of its cell."""
         done = result.trajectory
         assert done is not None  # noqa: S101 (what is shown has one)
         state = cls.__new__(cls)
@@ -179,8 +167,7 @@ class PlayerState:
     @property
     def scene(self) -> Scene:
         """What is drawn of it."""
-        motion = self.result.motion
-        return Scene(self.result.cell, motion.q, motion.object.position, motion.object.rotation, self.excess > 0)
+        return Scene.of(self.trajectory, self.excess > 0)
 
     @property
     def played(self) -> ScalingResult:
@@ -207,9 +194,6 @@ class PlayerState:
 
     def at_speed(self, c: float) -> "PlayerState":
         """The same outcome played at another speed: torques are distributed anew; this state stays as it is.
-
-        Args:
-            c: As in `choose_speed`.
 
         Raises:
             InputError: As `choose_speed`.

@@ -13,12 +13,7 @@ from mrts.viewer.workbench.answer import Answer
 
 
 class Readings:
-    """The numbers of the moment that is shown.
-
-    Args:
-        gui: Where, in the container that is open.
-        scene: Whose arrows and colours they explain.
-    """
+    """The numbers of the moment that is shown."""
 
     def __init__(self, gui: viser.GuiApi, scene: ViewerScene) -> None:
         self._scene = scene

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
-from mrts.plots.round_numbers import round_down
 from mrts.scene.arm_meshes import Urdfs, drawn_arms
 from mrts.scene.cell_shapes import name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
@@ -28,9 +27,11 @@ from mrts.scene.scene import (
     Scene,
     arm_colour,
     blended,
+    round_down,
+    wxyz,
 )
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene_arms import DrawnArm, wxyz, z_along
+from mrts.viewer.scene_arms import DrawnArm, z_along
 from mrts.viewer.workbench.answer import Answer
 from mrts.viewer.workbench.held_poses import HeldPoses
 
@@ -92,7 +93,7 @@ class ViewerScene:
         self._draw_surroundings()
         radius = THICKNESS * self.size
         self._arms = [
-            DrawnArm(self._scene, robot.name, len(robot.joints) + 1, parts)
+            DrawnArm(self._scene, f"/arms/{robot.name}", len(robot.joints) + 1, parts)
             for robot, parts in zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True)
         ]
         self._names = [
@@ -138,11 +139,7 @@ class ViewerScene:
         self.show_answer(answer)
 
     def show_answer(self, answer: Answer) -> None:
-        """Draw what does not move along the motion: the body that is held, its path, its ends, where arms stand.
-
-        Args:
-            answer: With a state or with what is not reached; one without either leaves the scene as it is.
-        """
+        """Draw what does not move along the motion: the body that is held, its path, its ends, where arms stand."""
         shown = answer.state or answer.held
         if shown is None:
             return
@@ -175,12 +172,7 @@ class ViewerScene:
         )
 
     def show_moment(self, state: PlayerState, place: float) -> None:
-        """Draw a moment of a state.
-
-        Args:
-            state: The state.
-            place: A sample of it, or between two while it plays.
-        """
+        """Draw a state at one of its samples, or between two while it plays."""
         moment = self._course.moment(place)
         self._pose(moment)
         contacts = moment.contacts(blended(state.trajectory.wrench, place))
@@ -264,7 +256,6 @@ class ViewerScene:
         self._fitted = {client_id: (np.inf, put) for client_id, (_, put) in self._fitted.items()}
 
     def _show_names(self) -> None:
-        """Of start and goal where they are two."""
         poses = np.hstack([self._course.position, self._course.rotation.reshape(-1, 9)])
         moves = bool(np.any(np.ptp(poses, axis=0) > 0))
         for label in self._names:

@@ -7,31 +7,22 @@ import numpy as np
 import viser
 
 from mrts.base.arrays import Array
-from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.scene.arm_meshes import ArmMesh
-from mrts.scene.scene import Rgb
+from mrts.scene.scene import Rgb, wxyz
 
 
 class DrawnArm:
-    """An arm: a frame for each body, which carries its meshes.
-
-    Args:
-        scene: Where.
-        name: Of the arm.
-        bodies: How many it has.
-        parts: What they carry.
-        colour: Of all parts; None leaves each its own.
-    """
+    """An arm: a frame for each body, which carries its meshes."""
 
     def __init__(
         self, scene: viser.SceneApi, name: str, bodies: int, parts: Sequence[ArmMesh], colour: Rgb | None = None
     ) -> None:
-        self._frames = [scene.add_frame(f"/arms/{name}/body{index}", show_axes=False) for index in range(bodies)]
+        self._frames = [scene.add_frame(f"{name}/body{index}", show_axes=False) for index in range(bodies)]
         self._parts = [
             (
                 part,
                 scene.add_mesh_simple(
-                    f"/arms/{name}/body{part.body}/mesh{number}", part.mesh.vertices, part.mesh.faces,
+                    f"{name}/body{part.body}/mesh{number}", part.mesh.vertices, part.mesh.faces,
                     color=colour or part.own, flat_shading=False,
                 ),
             )
@@ -64,8 +55,3 @@ def z_along(directions: Array) -> Array:
     x = np.cross(directions, least)
     x = x / np.linalg.norm(x, axis=-1, keepdims=True)
     return np.stack([x, np.cross(directions, x), directions], axis=-1)
-
-
-def wxyz(R: Array) -> Array:
-    """Rotations, Shape (…, 3, 3), as viser's quaternions, Shape (…, 4)."""
-    return np.roll(quaternions_from_rotations(R), 1, axis=-1)

@@ -84,11 +84,6 @@ def close_server(server: viser.ViserServer) -> None:
 class GuardedServer(viser.ViserServer):
     """A viser server that is reached only by those who know its address, and takes only what its controls can send.
 
-    Args:
-        host: Name or address of this machine to listen at.
-        port: 0 takes any free one.
-        label: Title of the panel.
-
     Attributes:
         token: First part of the path of every address; another one each run.
 
@@ -157,7 +152,6 @@ class GuardedServer(viser.ViserServer):
             module["serve"] = serve
 
     def _problem(self, request: Request, token: str) -> str:
-        """Why a request is refused; empty if it is not."""
         hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
         if len(hosts) != 1 or not names_this_machine(hosts[0], self._host):
             return "This viewer has another name: start it with --host and the name that you want to reach it by."
@@ -196,12 +190,7 @@ class GuardedServer(viser.ViserServer):
 
 
 def names_this_machine(header: str, listens: str) -> bool:
-    """Whether a Host header names this machine: a name of somebody else's choice may lead here, a number cannot.
-
-    Args:
-        header: Of a request.
-        listens: Where the server listens.
-    """
+    """Whether a Host header names this machine: a name of somebody else's choice may lead here, a number cannot."""
     try:
         name = (urlsplit(f"http://{header}").hostname or "").lower()
     except ValueError:
@@ -224,7 +213,6 @@ def _is_loopback(host: str) -> bool | None:
 
 
 def _are_numbers(read: dict[str, Any], lengths: dict[str, int]) -> bool:
-    """Whether a message has as many finite numbers by name."""
     for name, length in lengths.items():
         parts = read.get(name) if length else [read.get(name)]
         if not isinstance(parts, list) or len(parts) != max(length, 1):

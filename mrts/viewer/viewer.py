@@ -11,16 +11,15 @@ from collections.abc import Callable
 from functools import partial
 from math import sqrt
 from queue import Empty, SimpleQueue
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import viser
 
 from mrts.base.errors import MrtsError
-from mrts.base.rigid_transform import RigidTransform
 from mrts.scene.arm_meshes import Urdfs
 from mrts.viewer.controls.change_controls import ChangeControls
-from mrts.viewer.controls.save_controls import SaveControls
+from mrts.viewer.controls.save_controls import add_save_controls
 from mrts.viewer.controls.view_controls import ViewControls
 from mrts.viewer.offered_speeds import Speeds
 from mrts.viewer.panel import (
@@ -56,23 +55,6 @@ FIXED = "A saved result is played at the speed it was saved with. To change some
 """Of a panel with nothing to change."""
 
 
-class ViewerPart(Protocol):
-    """What follows the scene and the panel, by the thread that follows the controls: nothing of it may wait."""
-
-    def show_answer(self, answer: Answer) -> None:
-        """Show an answer: other choices, or another speed; its state is None where arms do not reach."""
-
-    def show_moment(self, state: PlayerState) -> None:
-        """Show the state's chosen sample."""
-
-    def step(self, elapsed: float) -> None:
-        """Do what its own controls ask for, forty times a second.
-
-        Args:
-            elapsed: Since the last call [s].
-        """
-
-
 class Viewer:
     """The scene and the panel: the outcome, speed and time, readings, plots, changes and files.
 
@@ -86,7 +68,7 @@ class Viewer:
     Attributes:
         server: As given.
         bench: As given; None of a saved result.
-        parts: What follows the scene and the panel.
+        parts: What follows the scene and the panel, by the thread that follows the controls: nothing of it may wait.
         playback: Its time.
     """
 
@@ -103,7 +85,7 @@ class Viewer:
         answer = self._answer = bench.answer if isinstance(bench, Workbench) else Answer(Choices(), bench)
         self._stands = answer.state is None and not answer.message
         self._urdfs, self._others = urdfs, others
-        self.parts: list[ViewerPart] = []
+        self.parts: list[PlotPanel | OtherResult | FilmControls] = []
         self._readings: Readings | None = None
         self._todo: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._scene = ViewerScene(server, answer, urdfs, warn)
@@ -147,11 +129,7 @@ class Viewer:
                 last = now
 
     def step(self, elapsed: float) -> None:
-        """Do what the controls ask for, show what is new, and play on.
-
-        Args:
-            elapsed: Since the last call [s].
-        """
+        """Do what the controls ask for, show what is new, and play on."""
         try:
             with contextlib.suppress(Empty):
                 while True:
@@ -175,11 +153,7 @@ class Viewer:
         self._show_verdict()
 
     def settle(self, patience: float = PATIENCE) -> None:
-        """Step until every question is answered and shown, as scripts want it.
-
-        Args:
-            patience: How long at most [s].
-        """
+        """Step until every question is answered and shown, as scripts want it."""
         end = time.monotonic() + patience
         self.step(FRAME)
         while self._unsettled() and time.monotonic() < end:
@@ -196,7 +170,6 @@ class Viewer:
             self.bench.close()
 
     def _follow_choices(self, elapsed: float) -> None:
-        """Show what became ready, and ask for what the controls were changed to."""
         if (bench := self.bench) is None:
             return
         news = bench.take()
@@ -215,7 +188,7 @@ class Viewer:
 
     def _follow_changes(self, elapsed: float) -> None:
         if self._changes is not None:
-            self._changes.follow(elapsed, self._speed_at, self._held())
+            self._changes.follow(elapsed, self._speed_at, self._scene.held_pose(self._sample))
 
     def _speed_at(self, choices: Choices) -> float | None:
         """The speed that other choices are played at: the first one while that is shown, and of another profile."""
@@ -223,10 +196,6 @@ class Viewer:
         if state is None or state.profile != choices.profile or state.trajectory.c == state.speeds.start:
             return None
         return state.trajectory.c
-
-    def _held(self) -> RigidTransform:
-        """The object's pose at the moment that is shown."""
-        return self._scene.held_pose(self._sample)
 
     def _step_back(self, which: str) -> None:
         if self.bench is not None and self._changes is not None:
@@ -269,7 +238,7 @@ class Viewer:
             self.parts += [OtherResult(self.server, self._scene, *other) for other in self._others[:1]]  # more: no room
         with tabs.add_tab("Save"):
             if self.bench is not None:
-                SaveControls(gui, self.bench, self._todo.put)
+                add_save_controls(gui, self.bench, self._todo.put)
             if not self._stands:
                 self.parts.append(FilmControls(self.server, self._urdfs, self._others))
 
@@ -291,8 +260,8 @@ class Viewer:
         return float(answer.held.time[-1])
 
     def _show_answer(self, answer: Answer) -> None:
-        """Show all that depends on choices and speed, and the moment."""
-        others = answer is self._answer or not _is_same_outcome(answer.state, self._answer.state)
+        before, state = self._answer.state, answer.state
+        others = answer is self._answer or state is None or before is None or state.result is not before.result
         self._error = "" if answer.error is None else error_html(str(answer.error))
         if answer.error is not None:
             return  # what was shown before stays
@@ -300,24 +269,24 @@ class Viewer:
         with self.server.atomic():
             if others:
                 self._scene.show_answer(answer)
-            self._scene.mark(None if answer.state is None else answer.state.deciding)
-            if answer.state is not None:
+            self._scene.mark(None if state is None else state.deciding)
+            if state is not None:
                 if others:
-                    self._scene.rescale(answer.state)
-                self._outcome = outcome_html(answer.state, coarse=answer.coarse)
+                    self._scene.rescale(state)
+                self._outcome = outcome_html(state, coarse=answer.coarse)
             elif answer.held is not None:
                 self._outcome = held_html(answer.held)
                 if self._stands:
                     self._limits.content = limits_html(answer.held.cell, self._scene.colours)
             self._show_verdict()
-            self._speed_text.content = speed_html(answer.state)
+            self._speed_text.content = speed_html(state)
             if self._readings is not None:
                 self._readings.show_answer(answer)
             for part in self.parts:
                 part.show_answer(answer)
             self._show_moment(read=True)
-        if answer.state is not None:
-            self._renew_speed_slider(answer.state)
+        if state is not None:
+            self._renew_speed_slider(state)
 
     def _place(self, state: PlayerState, time: float) -> float:
         """Where along the samples the picture is: at one of them, or between two while the motion plays."""
@@ -326,11 +295,6 @@ class Viewer:
         return float(np.interp(time, state.trajectory.time, np.arange(len(state.trajectory.time))))
 
     def _show_moment(self, *, read: bool) -> None:
-        """Show all that depends on the time.
-
-        Args:
-            read: Whether numbers are renewed too.
-        """
         answer, at = self._answer, self.playback.time
         with self.server.atomic():
             if answer.state is not None:
@@ -343,18 +307,13 @@ class Viewer:
                 self._sample = answer.held.nearest(at)
                 self._scene.show_gap(answer.held, self._sample)
         if self._changes is not None:
-            self._changes.follow_gizmo(self._held())
+            self._changes.follow_gizmo(self._scene.held_pose(self._sample))
         if not read:
             return
         self.playback.show()
         self._moment_text.content = moment_html(answer.state)
         if self._readings is not None:
             self._readings.show_moment(answer.state)
-
-
-def _is_same_outcome(state: PlayerState | None, other: PlayerState | None) -> bool:
-    """Whether two states differ in speed and time alone."""
-    return state is not None and other is not None and state.result is other.result
 
 
 def set_marks(slider: viser.GuiSliderHandle[float], speeds: Speeds) -> None:

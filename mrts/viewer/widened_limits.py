@@ -26,12 +26,6 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
     first moved outward by the least share of their size that leaves a solution, so that what is beyond its limit is
     what forbids the speed. A fixed distribution asks no limits.
 
-    Args:
-        cell: The cell, with its load.
-        motion: Its motion.
-        options: How torques are distributed.
-        c2: Chosen c².
-
     Raises:
         InputError: If an option breaks a rule.
         SolverError: If no solver answers.

@@ -79,20 +79,6 @@ def test_spans_reach_half_way_to_the_neighbours():
     assert spans(time, np.zeros(4, dtype=bool)) == []
 
 
-def test_limits_that_bind_are_used_in_full_and_the_rest_by_their_share(planar_cell, lift):
-    result = mrts.scale(planar_cell, lift)
-    uses = {(use.name.robot, use.name.element): use for use in limit_uses(result)}
-    assert len(uses) == 10  # six joints, and the limited components fx and nz of both arms
-    for row in result.range.upper.rows:
-        assert uses[row.name.robot, row.name.element].share == pytest.approx(1, abs=1e-7)
-    wrist = result.torque["left"][:, 2]
-    assert uses["left", "wrist"].share == pytest.approx(np.max(np.abs(wrist)) / 50, rel=1e-12)
-    assert uses["left", "wrist"].time == result.trajectory.time[np.argmax(np.abs(wrist))]
-    assert (uses["left", "wrist"].least, uses["left", "wrist"].largest) == (np.min(wrist), np.max(wrist))
-    shares = [use.share for use in limit_uses(result)]
-    assert shares == sorted(shares, reverse=True)
-
-
 def test_each_side_of_unequal_limits_counts_by_itself(planar_cell, lift):
     """Limits of a wrench component at 0 and at infinity: a share of zero has the size of the other limits."""
     result = mrts.scale(planar_cell.without_wrench_limits(), lift)

@@ -7,8 +7,9 @@ from legible_figures import check_legible
 
 from mrts.plots import durations_plot, matplotlib_figure, study_map_plot, write_study_plots
 from mrts.plots.plot import Bars, Cells, HeatMap, Line, Points, Spans
-from mrts.plots.study_map import LIMIT_COLOURS, study_map
-from mrts.plots.study_plots import NO_DURATION, parallel_axes, parallel_figure
+from mrts.plots.study_map import LIMIT_COLOURS, duration_ends, study_map
+from mrts.plots.study_plots import NO_DURATION, parallel_figure
+from mrts.plots.study_words import best_part
 
 KINDS = kinds()
 
@@ -69,14 +70,12 @@ def test_the_line_has_what_binds_as_bands():
 
 def test_lines_of_the_best_end_at_their_durations():
     table = drawn_study(600, 4)
-    drawn = parallel_axes(table)
-    trace = parallel_figure(table, drawn)["data"][0]
+    trace = parallel_figure(table)["data"][0]
     kind, ends = np.array(trace["line"]["color"]), np.array(trace["dimensions"][-1]["values"])
-    span = drawn.high - drawn.low
-    shown = drawn.low[-1] + ends[kind == 2] * span[-1]
-    np.testing.assert_allclose(np.sort(shown), np.sort(table.duration[drawn.best]), rtol=1e-5)
+    (low, high), best = duration_ends(table), best_part(table)
+    np.testing.assert_allclose(np.sort(low + ends[kind == 2] * (high - low)), table.duration[best], rtol=1e-5)
     values = np.array(trace["dimensions"][2]["values"])[kind == 2]
-    np.testing.assert_allclose(np.sort(values), np.sort(table.values[drawn.best, 2]), rtol=1e-5)
+    np.testing.assert_allclose(np.sort(values), np.sort(table.values[best, 2]), rtol=1e-5)
     assert np.all(ends[kind == 0] == NO_DURATION)
 
 
@@ -91,9 +90,3 @@ def test_the_histogram_and_the_curve_are_shares_of_all_variants():
     marks = only(above, Points)
     assert (marks.x.tolist(), marks.y.tolist()) == ([half], [50.0])  # 85 % can be played at all
     assert only(above, Line).y[-1] == pytest.approx(100 * len(table.ranked) / table.variants)
-
-
-def test_a_long_study_says_that_it_is_shown_in_part():
-    table = drawn_study(100_000, 4)
-    assert parallel_axes(table).remark(table) == "an even choice of 600 of 100000 variants"
-    assert "each of 60 × 60 cells shows the best of its variants" in study_map_plot(table).title

@@ -268,12 +268,6 @@ def test_velocities_beyond_their_limit_are_counted(dual_ur5, turning):
     assert state.joints_beyond_velocity() == 0
 
 
-@pytest.mark.parametrize(("count", "said"), [(1, "1 of 12 joints passes its"), (2, "2 of 12 joints pass their")])
-def test_one_joint_passes_its_limit_and_more_pass_theirs(count, said, dual_ur5, turning, monkeypatch):
-    monkeypatch.setattr(PlayerState, "joints_beyond_velocity", lambda _state: count)
-    assert f"{said} velocity limit" in speed_html(PlayerState(dual_ur5, turning))
-
-
 def test_every_limit_of_the_cell_is_on_a_bar(dual_ur5, turning):
     state = PlayerState(dual_ur5, turning)
     bars = [

@@ -148,14 +148,6 @@ def test_start_and_goal_are_outlines(viewer, lift):
         assert outline.position == pytest.approx(lift.position[at])
 
 
-def test_play_and_pause_have_their_icons(viewer):
-    button, playback = viewer.controls["Play"], viewer.shown.playback
-    playback.toggle()
-    assert (button.label, button.icon) == ("Pause", viser.Icon.PLAYER_PAUSE)
-    playback.toggle()
-    assert (button.label, button.icon) == ("Play", viser.Icon.PLAYER_PLAY)
-
-
 def test_every_number_field_takes_decimal_places(viewer):
     """Of one with none the page drops the point: a typed 1.5 is 15."""
     sliders = [each for each in viewer.controls.values() if isinstance(each, viser.GuiSliderHandle)]

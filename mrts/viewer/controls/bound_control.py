@@ -38,9 +38,6 @@ class BoundControl:
     def changed(self, choices: Choices) -> Choices | None:
         """Choices with the control's value, if a user changed it since the last look; else None.
 
-        Args:
-            choices: As they are.
-
         Raises:
             InputError: If the value breaks a rule.
         """

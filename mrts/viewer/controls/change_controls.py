@@ -26,14 +26,7 @@ CONFIGURATIONS_SHOWN = 200
 
 
 class ChangeControls:
-    """The controls, in the container that is open.
-
-    Args:
-        server: Where.
-        bench: What they change.
-        size: Of the cell [m], for the gizmo.
-        later: Takes work for the thread that follows the controls.
-    """
+    """The controls, in the container that is open; `later` takes work for the thread that follows them."""
 
     def __init__(
         self, server: viser.ViserServer, bench: Workbench, size: float, later: Callable[[Callable[[], None]], None]

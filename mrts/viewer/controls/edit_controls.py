@@ -37,10 +37,6 @@ NO_LIMIT = "–"
 class EditControls:
     """The controls, in folders where the panel is at the moment.
 
-    Args:
-        gui: Where.
-        given: What they change.
-
     Attributes:
         place: What the sliders of `add_offsets` move; None hides them.
     """
@@ -59,9 +55,6 @@ class EditControls:
 
     def changed(self, choices: Choices) -> tuple[Choices, str] | None:
         """Choices as a user changed them since the last call, and which control did it; None if none did.
-
-        Args:
-            choices: As they are.
 
         Raises:
             InputError: If a value breaks a rule.
@@ -217,7 +210,6 @@ def _limit_text(name: Changed) -> str:
 
 
 def _common_share(names: list[Changed], now: Choices) -> float:
-    """The share of the first of some limits [%]."""
     return round(100 * now.limits.get(names[0], 1.0), DECIMALS)
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import viser
 
 from mrts.base.rigid_transform import RigidTransform, rotations_from_quaternions
+from mrts.scene.scene import wxyz
 from mrts.viewer.controls.places import Place, free_axes, in_plane
-from mrts.viewer.scene_arms import wxyz
 from mrts.viewer.workbench.choices import Choices, Given
 
 NAME = "/gizmo"
@@ -21,11 +21,6 @@ class PlaceGizmo:
     """One gizmo, at the place that is chosen.
 
     Its rotation is what turned the place from where it was given, so that in a plane its axes are those of the world.
-
-    Args:
-        server: Where.
-        given: What can be moved.
-        size: Radius of a ball that holds the cell [m].
 
     Attributes:
         place: What it moves; None hides it.
@@ -58,12 +53,7 @@ class PlaceGizmo:
         self._handle.visible = place is not None
 
     def follow(self, choices: Choices, held: RigidTransform) -> None:
-        """Stand where the place is, unless a user holds it.
-
-        Args:
-            choices: As they are.
-            held: Of the object in the world, at the moment that is shown.
-        """
+        """Stand where the place is, unless a user holds it."""
         if self.place is None or self.dragged:
             return
         self._held = held
@@ -73,11 +63,7 @@ class PlaceGizmo:
         self._handle.wxyz = wxyz(now.R @ given.R.T)
 
     def moved(self, choices: Choices) -> tuple[Choices | None, bool]:
-        """Choices as the gizmo was moved since the last call, None if it was not, and whether it was let go.
-
-        Args:
-            choices: As they are.
-        """
+        """Choices as the gizmo was moved since the last call, None if it was not, and whether it was let go."""
         last, ended = None, False
         try:
             while True:

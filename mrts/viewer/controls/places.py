@@ -61,12 +61,7 @@ class Place:
         return replace(choices, start=pose) if self.kind == "start" else replace(choices, end=pose)
 
     def in_world(self, pose: RigidTransform, held: RigidTransform) -> RigidTransform:
-        """Where a pose of it is in the world.
-
-        Args:
-            pose: The pose.
-            held: Of the object in the world.
-        """
+        """Where a pose of it is in the world."""
         return held @ pose if self.kind == "grasp" else pose
 
     def from_world(self, pose: RigidTransform, held: RigidTransform) -> RigidTransform:
@@ -108,13 +103,7 @@ def moved_by(given: RigidTransform, shift: Array, turn: Array) -> RigidTransform
 
 
 def in_plane(cell: Cell, pose: RigidTransform, given: RigidTransform) -> RigidTransform:
-    """The pose nearest to one that a planar cell may have; of a spatial cell itself.
-
-    Args:
-        cell: The cell.
-        pose: Wanted.
-        given: That is known to lie in the plane.
-    """
+    """The pose nearest to one that a planar cell may have; of a spatial cell itself."""
     if cell.plane is None:
         return pose
     shift, turn = offset_of(pose, given)

@@ -10,13 +10,7 @@ from mrts.viewer.scene import ViewerScene
 
 
 class ViewControls:
-    """What is drawn, in which colours, and from where.
-
-    Args:
-        server: Where.
-        scene: What.
-        later: Takes work for the thread that follows the controls.
-    """
+    """What is drawn, in which colours, and from where."""
 
     def __init__(
         self, server: viser.ViserServer, scene: ViewerScene, later: Callable[[Callable[[], None]], None]

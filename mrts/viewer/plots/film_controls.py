@@ -43,11 +43,6 @@ class FilmControls:
     """Buttons that make a file of the motion as it is shown, seen from where the browser looks.
 
     A film is drawn by a thread of its own, while everything else goes on, and no longer than its browser stays.
-
-    Args:
-        server: Where, in the container that is open.
-        urdfs: As the scene has them.
-        others: Results that stand beside it.
     """
 
     def __init__(self, server: viser.ViserServer, urdfs: Urdfs, others: Others = ()) -> None:

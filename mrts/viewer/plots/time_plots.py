@@ -38,17 +38,6 @@ OVER, FAINT = "#F03E3E", "#8888"
 
 PHASE = "Phase plane: speed along the path"
 
-PLOT_STYLE = """<style>
-:root { --mrts-cursor: 0; --mrts-along: 0; }
-.u-over::after { content: ""; position: absolute; top: 0; bottom: 0; border-left: 1.2px solid currentColor; }
-.u-over::after { left: calc(var(--mrts-cursor) * 100%); }
-.uplot:has(.u-title) .u-over::after { left: calc(var(--mrts-along) * 100%); }
-.uplot .u-title { font: 9px sans-serif; }
-.uplot-container { opacity: var(--mrts-answer, 1); border: none !important; }
-[data-plot].title { font-size: 12px; font-weight: bold; padding: 8px 9px 0; }
-[data-plot].names { font-size: 11px; line-height: 15px; padding: 0 9px; overflow-wrap: anywhere; }
-</style>"""
-
 
 def time_panels(result: ScalingResult) -> dict[str, Panel]:
     """What is plotted of a result with a trajectory, by title; the abscissa of the last is no time but the way."""
@@ -96,7 +85,7 @@ def uplot_props(panel: Panel, other: Panel | None = None) -> dict[str, Any]:
     x = np.unique(np.concatenate([line.x[shown_samples(len(line.x), line.y)] for line in lines]))
     y = [np.interp(x, line.x, np.clip(line.y, low, high), left=np.nan, right=np.nan) for line in lines]
     series = [
-        {"label": line.label, "stroke": line.color, "width": 1.5, "points": {"show": False},
+        {"label": line.label, "stroke": line.color if line.label else FAINT, "width": 1.5, "points": {"show": False},
          **({"dash": (4, 4)} if line.label == "the other" else {})}
         for line in lines
     ]  # fmt: skip
@@ -128,18 +117,12 @@ def names_html(panel: Panel) -> str:
 class PlotPanel:
     """Plots that follow what is shown, with a cursor at its time.
 
-    Args:
-        gui: Where.
-        tab: Of the panel, which is open.
-        others: Results with their names; the first is compared with what is shown.
-
     Attributes:
         cursor: The style sheet that says where it stands.
     """
 
     def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle, others: Others = ()) -> None:
         self._gui, self._tab = gui, tab
-        gui.add_html(PLOT_STYLE)
         self.cursor, self._compared = gui.add_html(""), gui.add_html("")
         self._plots: dict[str, tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle, viser.GuiHtmlHandle]] = {}
         self._other = next(iter(others), None)
@@ -164,11 +147,7 @@ class PlotPanel:
             self._at = state.time / end, way / farthest
 
     def step(self, elapsed: float) -> None:
-        """Plot what waits.
-
-        Args:
-            elapsed: Since the last call [s].
-        """
+        """Plot what waits."""
         self._since += elapsed
         if self._wanted is not None and self._since >= RENEWAL:
             state, self._wanted, self._since = self._wanted, None, 0.0

@@ -41,14 +41,9 @@ class Answer:
 
 
 def find_answer(given: Given, choices: Choices, speed: float | None, progress: Progress, *, coarse: bool) -> Answer:
-    """Find what follows from choices.
+    """Find what follows from choices, at a speed or the nearest on offer; None is the first choice.
 
-    Args:
-        given: What they change.
-        choices: The choices.
-        speed: To play at, or the nearest on offer; None is the first choice.
-        progress: Told how far the work is.
-        coarse: Whether to take few samples and keep the limits at these alone.
+    A coarse answer has few samples and keeps limits at these alone.
     """
     try:
         cell, motion = choices.cell(given), choices.motion(given, COARSE_SAMPLES if coarse else None)
@@ -79,12 +74,7 @@ def find_answer(given: Given, choices: Choices, speed: float | None, progress: P
 
 
 def at_another_speed(answer: Answer, speed: float | None) -> Answer:
-    """An answer that has a state, played at another speed.
-
-    Args:
-        answer: The answer.
-        speed: On offer; None is the first choice.
-    """
+    """An answer that has a state, played at another speed on offer; None is the first choice."""
     assert answer.state is not None  # noqa: S101 (only such are kept)
     try:
         state = answer.state.at_speed(answer.state.speeds.start if speed is None else speed)

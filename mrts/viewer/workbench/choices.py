@@ -120,10 +120,6 @@ class Choices:
     def motion(self, given: Given, most: int | None = None) -> ObjectMotion | JointTable:
         """The motion as it was chosen.
 
-        Args:
-            given: What it was.
-            most: Samples; None leaves them, and a table keeps its own.
-
         Raises:
             InputError: If two waypoints became the same.
         """

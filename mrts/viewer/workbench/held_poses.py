@@ -54,11 +54,7 @@ class HeldPoses:
 
 
 def still_motion(cell: Cell) -> ObjectMotion:
-    """The object at rest where the first arm holds it at its posture.
-
-    Args:
-        cell: The cell.
-    """
+    """The object at rest where the first arm holds it at its posture."""
     robot = cell.robots[0]
     R, p = body_poses(robot, robot.posture[None])
     turn, tip = tip_pose(robot, R[0], p[0])

@@ -37,11 +37,6 @@ ANEW = (
 Edits = dict[tuple[Key, ...], Any]
 
 
-def saving_folder(given: Given) -> Path | None:
-    """The folder that choices are saved in, that of the cell file; None where the cell is from none."""
-    return None if given.cell_path is None else given.cell_path.resolve().parent
-
-
 def save_choices(
     given: Given, choices: Choices, cell_name: str, motion_name: str, *, overwrite: bool
 ) -> tuple[list[Path], str]:
@@ -60,9 +55,9 @@ def save_choices(
     Raises:
         InputError: If a name is no name of a file, a file exists, or cannot be written.
     """
-    folder = saving_folder(given)
-    if folder is None or given.cell_path is None:
+    if given.cell_path is None:
         raise InputError("saving", "takes a cell file; this cell is from generated files, or a variant of a study.")
+    folder = given.cell_path.resolve().parent
     texts: dict[Path, str] = {}
     target = _target(folder, "cell file", cell_name)
     texts[target], remark = _cell_text(given, choices, given.cell_path, target)
@@ -82,7 +77,6 @@ def save_choices(
 
 
 def _target(folder: Path, where: str, name: str) -> Path:
-    """The path of a file in the folder, and nowhere else."""
     is_name = name.isprintable() and Path(name).name == name and not name.startswith(".") and "\\" not in name
     if not is_name or Path(name).suffix.lower() not in SUFFIXES or len(name.encode()) > LONGEST_NAME:
         rule = f"must be a name of at most {LONGEST_NAME} bytes that ends in .yaml, without a folder."
@@ -148,7 +142,6 @@ def _numbers(cell: Cell) -> Mapping[str, Array]:
 
 
 def _same(one: Cell, other: Cell) -> bool:
-    """Whether two cells of the same chains have the same numbers."""
     ours, theirs = _numbers(one), _numbers(other)
     return ours.keys() == theirs.keys() and all(
         np.allclose(ours[key], theirs[key], rtol=SAME, atol=SAME) for key in ours

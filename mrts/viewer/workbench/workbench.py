@@ -236,7 +236,6 @@ class Workbench:
                 self._rank(choices)
 
     def _answer_wishes(self) -> None:
-        """Answer what is asked, and what is asked meanwhile."""
         while True:
             with self._changed:
                 wish = self._wish
@@ -261,7 +260,6 @@ class Workbench:
         return progress
 
     def _rank(self, choices: Choices) -> None:
-        """Rank the configurations, and answer between two of them what is asked."""
         given = self.given
 
         def progress(done: int, total: int) -> None:
