@@ -44,8 +44,11 @@ MOMENT = re.compile(r" at t = \S+ s(?: with .*)?$")
 BETWEEN_LIMITS = re.compile(r", (?![^()]*\))")
 """Between the limits that bind together, not within the value of one."""
 
-LIMIT = re.compile(r"(.*?)(?: torque| contact wrench)? \((upper|lower)(?:, [^()]*)?\)")
-"""Name, side and value of a limit; the value may be what varies."""
+LIMIT = re.compile(r"(.*?)(?: torque| contact wrench)? \((?:(upper|lower)(?:, )?)?[^()]*\)")
+"""Name, side and value of a limit; a speed has no side, and the value may be what varies."""
+
+USED = re.compile(r": \S+ 100 % used$")
+"""What stands behind the name of a hand's limit."""
 
 NUMBER = re.compile(r"(?<![\w/.])[-+−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w/])")
 """Reasons that differ by such only are alike."""
@@ -253,4 +256,4 @@ def _short_limits(limit: Labels) -> Labels:
 
 def _short(limit: str) -> str:
     found = LIMIT.fullmatch(limit)
-    return limit if found is None else limit_label(found[1], found[2])
+    return USED.sub("", limit) if found is None else limit_label(found[1], found[2] or "upper")
