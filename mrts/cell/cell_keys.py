@@ -125,7 +125,7 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
             case ("gravity", *_):
                 changes["gravity"] = np.array(_given("cell", "gravity", keys["gravity"], Vector3))
             case ("object", "mass"):
-                mass: float = _given("cell", "object.mass", value, Positive)
+                mass: float = _given("cell", "object.mass", keys["object"]["mass"], Positive)
                 changes["load"] = np.array([mass, *cell.load[1:]])
                 changes["load_box"] = None if cell.load_box is None else replace(cell.load_box, mass=mass)
             case ("robots", int(at), "base" | "grasp" | "posture" | "torque" | "wrench" as key, *inside):

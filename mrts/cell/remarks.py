@@ -127,7 +127,7 @@ class JointSource:
 JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[[JointSource], bool]], ...] = (
     (
         "no-effort-limit",
-        "no effort limit, which a cell takes unless it says 'torque': mrts new assumes some",
+        "no effort limit, so a cell gives 'torque'; mrts new assumes one",
         lambda joint: joint.torque[1] == np.inf,
     ),
     ("no-velocity-limit", "no velocity limit, so none is kept", lambda joint: joint.velocity is None),

@@ -130,7 +130,7 @@ CHANGES = {
         "robots.right.wrench": {"lower": [None, *(-abs(x[1:])).tolist()], "upper": [*x[:5] ** 2, None]}
     },
     "no wrench": lambda _: {"robots.left.wrench": {}},
-    "gravity and mass": lambda x: {"gravity": x[:3], "object.mass": abs(x[0])},
+    "gravity and mass": lambda x: {"gravity": x[:3], "object.mass": np.int64(abs(x[0]) + 1)},
     "posture": lambda x: {"robots.left.posture": x.tolist()},
 }
 

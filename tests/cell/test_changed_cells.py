@@ -184,12 +184,3 @@ def test_nobody_writes_into_a_cell(planar_cell):
     for array in (cell.gravity, cell.load, cell.robots[0].torque_upper):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0
-
-
-def test_gravity_is_changed_in_the_cell_file(planar_cell, lift, tmp_path):
-    """The way out that the message names has the effect that was wanted."""
-    text = (DATA / "cell.yaml").read_text().replace("planar_arm.urdf", str(DATA / "planar_arm.urdf"))
-    lines = [line if not line.startswith("gravity:") else "gravity: [0.0, -1.6, 0.0]" for line in text.splitlines()]
-    (tmp_path / "cell.yaml").write_text("\n".join(lines))
-    moon = mrts.load_cell(tmp_path / "cell.yaml")
-    assert c2(moon, lift) > 1.1 * c2(planar_cell, lift)
