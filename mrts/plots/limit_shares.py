@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.limits.rows import SPEEDS, RowName
+from mrts.limits.rows import SPEEDS, ActiveRow, RowName
 from mrts.scaling.limit_use import limited_rate_kinds, limited_rates, used_shares
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -159,7 +159,7 @@ def limiting_rows(result: ScalingResult, timing: "RetimingResult | None") -> Lim
 
 
 def _of_timing(timing: "RetimingResult", names: Sequence[RowName]) -> tuple[NDArray[np.bool_], dict[RowName, str]]:
-    """Its limits are told by name, segment by segment, the two sides of a row apart; both do not bind at once."""
+    """Its limits are told segment by segment, the two sides of a row apart; both do not bind at once."""
     segments = timing.segment_limits
     binds = np.array([[_binds(name, of_segment) for name in names] for of_segment, _ in segments], dtype=bool)
     share = np.array([time for _, time in segments]) @ binds
@@ -171,12 +171,11 @@ def _of_timing(timing: "RetimingResult", names: Sequence[RowName]) -> tuple[NDAr
     return np.vstack([binds[:1], binds]) | np.vstack([binds, binds[-1:]]), setting
 
 
-def _binds(name: RowName, told: Sequence[str]) -> bool:
-    """Whether a row is among limits as a timing tells them: `rate of left/elbow torque` for its torque rate."""
+def _binds(name: RowName, told: Sequence[ActiveRow | str]) -> bool:
+    """Whether a row limits a timing; a smooth one names `rate of left/elbow torque` for its torque rate."""
     text, kind = str(name), name.kind.split()[-1]
     rate = f"{kind} of {text.removesuffix(f' {kind}')}" if kind in {"rate", "jerk"} else text
-    starts = f"{text} (", f"{name.failure or text}:"
-    return any(of in {text, rate} or of.startswith(starts) for of in told)
+    return any(of in {text, rate} if isinstance(of, str) else of.name == name for of in told)
 
 
 def _of_range(result: ScalingResult) -> dict[RowName, str]:

@@ -7,8 +7,11 @@ from functools import partial
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.programs import OPTIMAL
 from mrts.program.formulation import DistributionName
+from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.range_ends import RangeEnds, intervals_below, kernel_ends, known_ends, with_caps
 from mrts.program.reserve import reserved
@@ -39,7 +42,7 @@ def motion_ranges(
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         high: Of several intervals the highest is found that does not begin above this c².
     """
-    time, of_sample = rows.motion.object.time, partial(_problem_of_sample, rows, load)
+    time, of_sample = rows.motion.object.time, partial(_problem_of_sample, rows.cell, rows.motion, rows.sharing, load)
     if not _is_for_kernel(rows, solver) or (rows.one_unknown and rows.has_speed_terms):
         problem = build_sample_problem(rows, load=load)
         return replace(sample_ranges(problem, time, solver, high), problem=of_sample)
@@ -58,9 +61,17 @@ def motion_ranges(
     return found if rows.one_unknown else replace(found, problem=of_sample)
 
 
-def _problem_of_sample(rows: MotionRows, known: Array | None, sample: int, load: Array | None) -> SampleProblem:
+def _problem_of_sample(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    sharing: LoadSharing | None,
+    known: Array | None,
+    sample: int,
+    load: Array | None,
+) -> SampleProblem:
+    """It holds no rows: those of C stay in their process, where results may leave it."""
     given = known if load is None else load
-    return build_sample_problem(replace(rows, formulation="wrench"), load=given, samples=np.array([sample]))
+    return build_sample_problem(motion_rows(cell, motion, sharing), load=given, samples=np.array([sample]))
 
 
 def _kernel_ends(rows: MotionRows, load: Array | None, high: float) -> RangeEnds:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The outcome of retiming: the profile, its trajectory and what limits it, or why there is none."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -17,10 +17,10 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import ChangeSteps
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import ActiveRow
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.excess import Excess
 from mrts.program.infeasibility import Conflict
-from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
@@ -281,23 +281,38 @@ class RetimingResult(Result):
     def limits(self) -> list[tuple[str, float]]:
         """What limits the speed, for which share of the duration, most first."""
         shares: dict[str, float] = {}
-        for names, share in self.segment_limits:
-            for name in names:
+        for rows, share in self.segment_limits:
+            for name in dict.fromkeys(map(str, rows)):
                 shares[name] = shares.get(name, 0.0) + share
         return sorted(shares.items(), key=lambda entry: (-entry[1], entry[0]))
 
     @cached_property
-    def segment_limits(self) -> list[tuple[tuple[str, ...], float]]:
-        """What limits the speed on every segment between two samples, and the segment's share of the duration."""
-        found: list[tuple[tuple[str, ...], float]] = []
+    def segment_limits(self) -> list[tuple[tuple[ActiveRow | str, ...], float]]:
+        """What limits the speed on every segment between two samples, and the segment's share of the duration.
+
+        Rows; of a smooth timing their names, and those of rates.
+        """
+        found: list[tuple[tuple[ActiveRow | str, ...], float]] = []
         for part in self.pieces:
-            if isinstance(part, SmoothPiece):
-                binding = part.binding
-            else:
-                binding = _binding(self.cell, part, self.options.sharing, self.loads)
+            smooth = part if isinstance(part, SmoothPiece) else None
+            binding: Sequence[Iterable[ActiveRow | str]] = smooth.binding if smooth else self._binding(part)
             shares = (part.segment_times / new_times(self.pieces)[-1]).tolist()
-            found += [(tuple(sorted(names)), share) for names, share in zip(binding, shares, strict=True)]
+            found += [(tuple(sorted(rows, key=str)), share) for rows, share in zip(binding, shares, strict=True)]
         return found
+
+    def _binding(self, part: TimedPiece) -> list[set[ActiveRow]]:
+        """The limits that bind on every segment.
+
+        A point of a region's edge is one where the motion, faster or slower as a whole, would have c² <= 1; the rows
+        that bind there are the edge's.
+        """
+        sharing, bound = self.options.sharing, [set[ActiveRow]() for _ in part.piece.step]
+        for motion in at_segment_ends(part):
+            for load in self.loads:
+                found = motion_ranges(motion_rows(self.cell, motion, sharing), DEFAULT_SOLVER, load, 1 + BINDING)
+                for segment in np.flatnonzero(found.upper <= 1 + BINDING).tolist():
+                    bound[segment] |= {*found.binding(segment, "upper")}
+        return bound
 
     @property
     def warnings(self) -> tuple[Remark, ...]:  # type: ignore[override]  # nobody writes to either
@@ -378,18 +393,3 @@ class RetimingResult(Result):
         output["stops"] = self.stops.tolist()
         output["profile"] = [part.to_json(time) for part in self.pieces]
         return output | self.retimed.played_json(done)
-
-
-def _binding(cell: Cell, part: TimedPiece, sharing: LoadSharing | None, loads: Sequence[Array]) -> list[set[str]]:
-    """The limits that bind on every segment.
-
-    A point of a region's edge is one where the motion, faster or slower as a whole, would have c² <= 1; the rows that
-    bind there are the edge's.
-    """
-    rows: list[set[str]] = [set() for _ in part.piece.step]
-    for motion in at_segment_ends(part):
-        for load in loads:
-            found = motion_ranges(motion_rows(cell, motion, sharing), DEFAULT_SOLVER, load, 1 + BINDING)
-            for segment in np.flatnonzero(found.upper <= 1 + BINDING).tolist():
-                rows[segment] |= {str(row) for row in found.binding(segment, "upper")}
-    return rows

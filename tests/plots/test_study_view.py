@@ -210,7 +210,6 @@ def test_a_long_study_is_shown_by_few_lines_and_cells():
     assert parallel_figure(table)["remark"] == "an even choice of 600 of 200000 variants"
 
 
-
 def test_limits_have_the_names_of_other_plots():
     texts = "right/wrist velocity (3.14 rad/s), right/elbow torque (upper, 80 N m), left/pad slips: friction 100 % used"
     found = found_study(np.array([[0.5], [0.6]]), np.array([0.4, 0.5]), limit=texts)
