@@ -12,7 +12,7 @@ from same_cells import same_cell
 
 import mrts
 from mrts.cell.source_files import urdf_files
-from mrts.starting import reading as mrts_new
+from mrts.starting import reading
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 ARM = f"""<robot name="planar_arm" {XACRO}>
@@ -123,17 +123,16 @@ def test_what_is_drawn_and_studied_is_the_urdf_that_it_becomes(cell, tmp_path):
 
 def test_mrts_new_takes_arguments(cell, monkeypatch):
     monkeypatch.chdir(cell.parent)
-    request = mrts_new.request_of(given("arm.urdf.xacro", {"far": "true"}), cell.parent)
+
+    def request_of(robot):
+        gravity, arguments = np.array([0, -9.81, 0]), {"far": "true"}
+        return reading.request_of(cell.parent, name="cell", robots=[robot], gravity=gravity, xacro_args=arguments)
+
+    request = request_of("arm.urdf.xacro")
     assert [each.arm.robot.position_upper[0] for each in request.arms] == [3.5, 3.5]
     assert [each.xacro_args for each in request.arms] == [{"far": "true"}] * 2
     with pytest.raises(mrts.InputError, match="--xacro-arg: no --robot is a xacro"):
-        mrts_new.request_of(given(str(DATA / "planar_arm.urdf"), {"far": "true"}), cell.parent)
-
-
-def given(robot, arguments):
-    gravity = np.array([0, -9.81, 0])
-    said = {"name": "cell", "tips": [], "bases": [], "postures": [], "mass": None, "gravity": gravity}
-    return mrts_new.Given(robots=[robot], xacro_args=arguments, **said)
+        request_of(str(DATA / "planar_arm.urdf"))
 
 
 NO_PACKAGE = (
