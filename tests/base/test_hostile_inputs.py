@@ -64,6 +64,7 @@ YAML = {
 }
 
 
+@pytest.mark.slow
 def test_yaml_costs_what_its_size_says(tmp_path):
     arguments = []
     for name, (text, _) in YAML.items():
@@ -201,6 +202,7 @@ def test_urdfs_cost_what_their_size_says(tmp_path):
     assert "at most 3000000 bytes" in found["size"]
 
 
+@pytest.mark.slow
 def test_tables_cost_what_their_size_says(tmp_path):
     texts = {
         "columns": (",".join(f"q.a{k}" for k in range(300_000)) + "\n", "has 300000 columns"),

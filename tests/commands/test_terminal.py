@@ -221,6 +221,7 @@ def test_help_has_examples_and_imports_nothing_heavy():
         assert "--quiet" in text
 
 
+@pytest.mark.slow
 def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
     """The examples run as they stand, in a folder with the files that they name."""
     varied(DATA, tmp_path, mass=[0.5, 2], izz=[0.5, 2])

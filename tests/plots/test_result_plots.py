@@ -46,7 +46,13 @@ def of_panel(panel, kind):
     return {item.label: item for item in panel.items if isinstance(item, kind)}
 
 
-@pytest.mark.parametrize("kind", KINDS)
+OFTEN = ("planar", "infeasible", "empty", "unbounded", "four arms", "awkward names")
+"""Kinds of results that are drawn in `make test`: those with the most lines, the longest names, and nothing."""
+
+
+@pytest.mark.parametrize(
+    "kind", [kind if kind in OFTEN else pytest.param(kind, marks=pytest.mark.slow) for kind in KINDS]
+)
 def test_every_kind_of_result_has_legible_figures(kind, planar_cell, dual_ur5, lift, tmp_path):
     found = result_of(kind, planar_cell, dual_ur5, lift, tmp_path)
     write_result_plots(found, tmp_path / "out")

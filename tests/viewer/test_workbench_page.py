@@ -184,6 +184,7 @@ TALL = {"width": 1400, "height": 1700}
 """Of a window in which the panel does not scroll [pixels]."""
 
 
+@pytest.mark.slow
 def test_numbers_keep_the_point_that_is_typed(chromium):
     with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url), open_page(chromium, url) as page:
         page.get_by_role("tab", name="Change").click()
@@ -202,6 +203,7 @@ def test_numbers_keep_the_point_that_is_typed(chromium):
         assert page.problems == []
 
 
+@pytest.mark.slow
 def test_no_control_moves_when_an_answer_comes(chromium):
     """Feasible, beyond the range, infeasible and out of reach, and while each is found."""
     with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url), open_page(chromium, url) as page:
