@@ -70,10 +70,10 @@ def of_factor(found: Any) -> Answer:
         told["numbers"][f"c² {side}"] = end.c2
         alike = np.isclose(getattr(samples, side), end.c2, rtol=TIE, atol=0) & (end.time is not None)
         near = samples.time[alike].tolist()
-        told[side] = {"time": end.time, "near": near, "rows": sorted(map(str, end.rows)), "load": str(end.load)}
+        told[side] = {"time": end.time, "near": near, "rows": rows_told(end.rows), "load": str(end.load)}
     if done is not None:
         told["numbers"] |= {"c² chosen": done.c2, "duration": done.duration}
-        told["at limit"] = [str(use.name) for use in found.limit_uses if use.share >= 1 - TIE]
+        told["at limit"] = [name_told(use.name) for use in found.limit_uses if use.share >= 1 - TIE]
         told["arrays"] = of_plan(found)
     return told
 
@@ -87,8 +87,18 @@ def of_plan(found: Any) -> dict[str, Any]:
 
 def of_conflict(conflict: Any) -> Answer:
     """When limits conflict, by how much, and which."""
-    rows = sorted(map(str, conflict.rows))
-    return {"time": conflict.time, "widening": conflict.widening, "rows": rows, "load": str(conflict.load)}
+    told = {"time": conflict.time, "widening": conflict.widening, "rows": rows_told(conflict.rows)}
+    return told | {"load": str(conflict.load)}
+
+
+def rows_told(rows: Any) -> list[str]:
+    """Active rows whatever their wording, in order."""
+    return sorted(f"{name_told(row.name)} ({row.side}, {row.limit:g})" for row in rows)
+
+
+def name_told(name: Any) -> str:
+    """What a row limits, whatever its wording."""
+    return f"{name.kind} {name.robot}/{name.element}"
 
 
 def answered(question: Callable[[], Answer]) -> Answer:

@@ -2,7 +2,8 @@
 """A cell as the keys of a cell file: told, changed at paths, and written."""
 
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.generation import described_model
 from mrts.cell.hands.kinds import wrench_bounds
 from mrts.cell.motors.joint_motors import given_torque_limits
-from mrts.cell.number_paths import PathError, find_keys, set_value
+from mrts.cell.number_paths import Keys, PathError, find_keys, set_value
 from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot, RobotSource
 
@@ -36,6 +37,9 @@ FILES = frozenset({"urdf", "file"})
 """Keys that say where a file is, which need not be alike: its hash is compared."""
 
 POSES = {"base": "T_world_base", "grasp": "T_object_tip"}
+
+SIDES = ("lower", "upper")
+"""Keys of the limits of torques and wrenches."""
 
 Bound = list[Finite | None] | None
 """Of a wrench, one side: None is unbounded, a component or the whole side."""
@@ -111,16 +115,14 @@ def _robot(robot: Robot) -> dict[str, Any]:
 def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
     """See `mrts.Cell.with_values`."""
     check_type("values", values, Mapping)
-    keys, joints = cell_keys(cell), [len(robot.joints) for robot in cell.robots]
+    keys = cell_keys(cell)
+    places = _places(cell, keys, values)
+    for path, place in places.items():
+        value = values[path]
+        set_value(keys, place, value if isinstance(value, RigidTransform) else plain(path, value))
     changes: dict[str, Any] = {}
     of_robots: dict[int, dict[str, Any]] = {}
-    for path, value in values.items():
-        check_type("values: path", path, str)
-        try:
-            place = find_keys({"cell": keys, "motion": {}}, joints, path)[1:]
-        except PathError as error:
-            raise InputError("values", str(error), key=path) from None
-        set_value(keys, place, value if isinstance(value, RigidTransform) else plain(path, value))
+    for path, place in places.items():
         match place:
             case ("gravity", *_):
                 changes["gravity"] = np.array(_given("cell", "gravity", keys["gravity"], Vector3))
@@ -128,17 +130,35 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
                 mass: float = _given("cell", "object.mass", keys["object"]["mass"], Positive)
                 changes["load"] = np.array([mass, *cell.load[1:]])
                 changes["load_box"] = None if cell.load_box is None else replace(cell.load_box, mass=mass)
-            case ("robots", int(at), "base" | "grasp" | "posture" | "torque" | "wrench" as key, *inside):
+            case ("robots", int(at), "base" | "grasp" | "posture" | "torque" | "wrench" as key, *_):
                 read = _of_robot(cell, cell.robots[at], key, keys["robots"][at][key])
-                if inside[:1] == ["xyz"]:  # the rotation as it is, not as its angles give it
-                    before = of_robots.get(at, {}).get(POSES[key], getattr(cell.robots[at], POSES[key]))
-                    read = {POSES[key]: RigidTransform(before.R, read[POSES[key]].p)}
+                if all(other[3:4] == ("xyz",) for other in places.values() if other[:3] == place[:3]):
+                    R = getattr(cell.robots[at], POSES[key]).R  # as it is, not as its angles give it
+                    read = {POSES[key]: RigidTransform(R, read[POSES[key]].p)}
                 of_robots.setdefault(at, {}).update(read)
             case _:
                 rule = "is not changed in Python: change the cell file, and read it again."
                 raise InputError("values", rule, key=path)
     robots = [replace(robot, **of_robots[at]) if at in of_robots else robot for at, robot in enumerate(cell.robots)]
     return replace(cell, robots=tuple(robots), **changes)
+
+
+def _places(cell: Cell, keys: dict[str, Any], paths: Iterable[str]) -> dict[str, Keys]:
+    """Where paths lead, none into what another changes."""
+    joints, places = [len(robot.joints) for robot in cell.robots], dict[str, Keys]()
+    for path in paths:
+        check_type("values: path", path, str)
+        if re.match(r"motion\b", path):
+            raise InputError("values", "is of a motion: paths of a cell begin in its file.", key=path)
+        try:
+            place = find_keys({"cell": keys, "motion": {}}, joints, path)[1:]
+        except PathError as error:
+            raise InputError("values", str(error), key=path) from None
+        for other, taken in places.items():
+            if place[: len(taken)] == taken or taken[: len(place)] == place:
+                raise InputError("values", f"is changed by '{other}' too: say each number once.", key=path)
+        places[path] = place
+    return places
 
 
 def _of_robot(cell: Cell, robot: Robot, key: str, value: Any) -> dict[str, Any]:
@@ -148,14 +168,18 @@ def _of_robot(cell: Cell, robot: Robot, key: str, value: Any) -> dict[str, Any]:
         return {POSES[key]: value if isinstance(value, RigidTransform) else _given(where, key, value, Pose).transform}
     if key == "posture":
         return {"posture": np.array(_given(where, key, value, list[Angle]))}
-    sides = value if isinstance(value, dict) else {"upper": value}
-    if key == "torque":
-        lower = _given(where, "torque.lower", sides.get("lower"), list[Finite] | None)
-        upper = _given(where, "torque.upper", sides.get("upper"), list[Finite])
-        lower, upper = given_torque_limits(where, key, lower, upper, robot.joints)
-    else:
-        lower, upper = (_given(where, f"wrench.{side}", sides.get(side), Bound) for side in ("lower", "upper"))
+    if isinstance(value, dict) and (unknown := [name for name in value if name not in SIDES]):
+        raise InputError(where, f"unknown key '{unknown[0]}'. The keys here are: {', '.join(SIDES)}.", key=key)
+    if key == "wrench":
+        if not isinstance(value, dict | None):
+            raise InputError(where, f"must be a mapping of {' and '.join(SIDES)}.", key=key, value=value)
+        lower, upper = (_given(where, f"{key}.{side}", (value or {}).get(side), Bound) for side in SIDES)
         lower, upper = wrench_bounds(where, key, lower, upper, cell.wrench_components)
+    else:
+        sides, at = (value, f"{key}.upper") if isinstance(value, dict) else ({"upper": value}, key)
+        lower = _given(where, f"{key}.lower", sides.get("lower"), list[Finite] | None)
+        upper = _given(where, at, sides.get("upper"), list[Finite])
+        lower, upper = given_torque_limits(where, key, lower, upper, robot.joints)
     return {f"{key}_lower": lower, f"{key}_upper": upper}
 
 

@@ -27,7 +27,7 @@ from mrts.limits.row_check import limit_name
 from mrts.limits.rows import LimitRows
 from mrts.output.npz_file import open_arrays
 from mrts.output.value_tree import Arrays, TreeReader, TreeWriter
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import OTHER_LIMITS, ScalingResult
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.result import RetimingResult
 
@@ -48,9 +48,6 @@ FOUND: dict[str, tuple[str, ...]] = {
     "ConstantFactor": ("factor",),
 }
 """What is found once and kept: finding it again takes the cell's functions."""
-
-OTHER_LIMITS = "other-limits"
-"""Code of the remark on limits that a result was found with and its cell does not have."""
 
 
 class LostLimit:

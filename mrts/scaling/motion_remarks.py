@@ -25,6 +25,9 @@ LEAST_STEP = 0.05
 NOISY = 0.15
 """Share of a joint's largest acceleration that is noise, from which it may change c²: by 1 % and more, soon by half."""
 
+STILL = 1e-9
+"""A joint that moves by less stands still [rad or m]: what is left of its velocity is rounding."""
+
 FEWEST_SAMPLES = 21
 """With fewer, noise and jumps cannot be told from corners of the velocity."""
 
@@ -88,7 +91,7 @@ def _not_at_rest(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
 
 
 def _rough(cell: Cell, motion: CoordinatedMotion) -> list[Remark]:
-    if motion.samples < FEWEST_SAMPLES:
+    if motion.samples < FEWEST_SAMPLES or np.max(np.ptp(motion.q, axis=0)) < STILL:
         return []
     names, units = cell.joint_names, _position_units(cell)
     jumps, noise = _velocity_jumps(motion), noise_share(motion.ddq)

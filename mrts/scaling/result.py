@@ -11,7 +11,7 @@ import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.errors import SolverError
+from mrts.base.errors import InputError, SolverError
 from mrts.base.json_output import JsonOutput
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
@@ -35,6 +35,9 @@ from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 if TYPE_CHECKING:
     from mrts.scaling.what_if import WhatIf
+
+OTHER_LIMITS = "other-limits"
+"""Code of the remark on limits that a saved result was found with and its cell does not have."""
 
 END_TOLERANCE = 1e-7
 """Share by which c² may miss a range by rounding: a plan at its fastest read back from a file, another load's range."""
@@ -224,13 +227,15 @@ class ScalingResult(Result):
             progress: Told how many of how many changes are done.
 
         Raises:
-            InputError: If a step breaks a rule, or the result is that of a retimed motion or of a possible load.
+            InputError: If a step breaks a rule, the result is that of a retimed motion or of a possible load, or was
+                read with another cell's limits.
             SolverError: If no solver answers.
         """
         from mrts.scaling.what_if import what_if  # noqa: PLC0415 (it scales, which makes results)
 
         check_solver(solver)
         check_callable("progress", progress)
+        check_own_limits(self.warnings)
         return what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), solver, progress)
 
     def too_fast(self) -> list[str]:
@@ -391,3 +396,16 @@ def _speed_advice(ends: tuple[float, float], given: float, *, several: bool) -> 
         return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}{slower}"
     allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
     return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
+
+
+def check_own_limits(warnings: Iterable[Remark]) -> None:
+    """Check that a result's cell has the limits that it was found with.
+
+    Raises:
+        InputError: If not.
+    """
+    if any(warning.code == OTHER_LIMITS for warning in warnings):
+        rule = (
+            "needs the limits that the result was found with: mrts.load_result(path, cell=…) with a cell that has them."
+        )
+        raise InputError("what_if", rule)

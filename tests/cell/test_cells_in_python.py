@@ -198,7 +198,7 @@ def test_what_a_hand_can_exert_turns_with_the_grasp():
         ("robots.left.torque", [1, 2], r"torque = \[1.0, 2.0\]: must have 3 values, .* wrist"),
         ("robots.left.torque[1]", 0, r"limit -?0 of joint 'elbow' must be below"),
         ("robots.left.torque", {"lower": [0, 0, 2], "upper": [1, 1, 1]}, r"limit 2 of joint 'wrist' must be"),
-        ("robots.left.torque", ["a", 1, 1], r"torque.upper\[0\] = 'a': must be a number"),
+        ("robots.left.torque", ["a", 1, 1], r"torque\[0\] = 'a': must be a number"),
         ("robots.left.wrench", {"lower": [0] * 6}, r"wrench.lower = .*must have 3 values"),
         (
             "robots.left.wrench",
@@ -244,3 +244,29 @@ def test_nobody_writes_into_a_pose(planar_cell):
     assert cell.geometry[12] == cell.robots[0].T_world_base.p[0] == 0.01
     with pytest.raises(ValueError, match="read-only"):
         cell.robots[0].T_world_base.p[0] = 1.0
+
+
+@pytest.mark.parametrize(
+    ("values", "where"),
+    [
+        ({"robots.left.wrench": {"max": [1.0, 1.0, 1.0]}}, "robot 'left'"),
+        ({"robots.left.wrench": [2.0, None, 1.0]}, "robot 'left'"),
+        ({"robots.left.torque": {"upper": [9.0, 9.0, 9.0], "elbow_joint": 1.0}}, "robot 'left'"),
+        ({"robots.left.torque": 100.0}, "robot 'left'"),
+        ({"robots.left.base.xyz[0]": -0.9, "robots[0].base.xyz[0]": -0.8}, "values"),
+        ({"robots.left.base.xyz[0]": -0.9, "robots.left.base": {"xyz": [0, 0, 0]}}, "values"),
+        ({"gravity": [0, 0, 0], "gravity[2]": -1.0}, "values"),
+        ({"motion.duration": 2.0}, "values"),
+    ],
+)
+def test_changes_that_no_file_could_say_are_refused(planar_cell, values, where):
+    with pytest.raises(mrts.InputError) as refused:
+        planar_cell.with_values(values)
+    assert refused.value.where == where
+
+
+def test_changes_are_one_step_in_any_order(planar_cell):
+    bounds = {"robots.left.wrench.lower[0]": 3.0, "robots.left.wrench.upper[0]": 5.0}
+    for values in (bounds, dict(reversed(bounds.items()))):
+        left = planar_cell.with_values(values).robots[0]
+        assert (left.wrench_lower[0], left.wrench_upper[0]) == (3.0, 5.0)

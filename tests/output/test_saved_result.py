@@ -293,7 +293,12 @@ def test_other_limits_than_it_was_found_with_are_told(planar_cell, lift, lifted,
         (own, None, ["other-limits"]),
         (own, limited, []),
     ):
-        assert [remark.code for remark in mrts.load_result(path, cell=cell).warnings] == codes
+        found = mrts.load_result(path, cell=cell)
+        assert [remark.code for remark in found.warnings] == codes
+        if codes:
+            with pytest.raises(mrts.InputError) as refused:
+                found.what_if()
+            assert refused.value.where == "what_if"
 
 
 def test_names_of_limits_that_a_file_cannot_hold_last(planar_cell, lift, tmp_path):
