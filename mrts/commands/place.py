@@ -9,7 +9,7 @@ from click import argument, option
 from mrts.commands import options
 from mrts.commands.options import Named, Written
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.output_files import Outputs
+from mrts.console.output_files import Outputs, check_not_read
 from mrts.console.progress import working
 from mrts.console.terminal import warn
 
@@ -35,6 +35,7 @@ def run(study: Path, output: Path, **given: Any) -> int:
 
     with working(f"reading {study}"):
         asked = read_study(study)
+    check_not_read(output)
     with working(f"placing {asked.cell['name']}") as progress:
         found = place(asked, **given, progress=progress)
     outputs = Outputs()

@@ -16,6 +16,12 @@ NOTES = ("note:", "warning:", "hint:")
 """How a line of an answer begins that is a note."""
 
 
+def check_not_read(path: Path) -> None:
+    """Check that an output is no file that the command has read."""
+    if os.path.realpath(path) in FILES_READ:
+        raise InputError(path, "is a file that this command has read: not written. Name another.")
+
+
 class Outputs:
     """What became of the outputs."""
 
@@ -30,8 +36,7 @@ class Outputs:
             return
         before = _files(path)
         try:
-            if os.path.realpath(path) in FILES_READ:
-                raise InputError(path, "is a file that this command has read: not written. Name another.")  # noqa: TRY301
+            check_not_read(path)
             write(path)
             self.written += sorted(file for file, state in _files(path).items() if before.get(file) != state)
         except MrtsError as error:

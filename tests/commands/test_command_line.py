@@ -203,6 +203,9 @@ def test_no_output_overwrites_a_file_that_was_read(tmp_path, monkeypatch, capsys
     assert out.startswith("planar_dual_arm: ")
     assert (tmp_path / "planar_arm.urdf").read_bytes() == before
     assert (tmp_path / "result.json").exists()
+    shutil.copytree(DATA.parent / "dual_ur5", "dual")
+    assert main(["place", "dual/place.yaml", "-o", "dual/poor_cell.yaml"]) == 2
+    assert capsys.readouterr().out == ""  # before the search
 
 
 def test_an_error_of_a_file_is_not_told_of_an_option_of_its_name(tmp_path, monkeypatch, capsys):
