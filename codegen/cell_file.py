@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from mrts_codegen.hand_file import MOST_CONTACTS, Bounds, ContactDescription
+from mrts_codegen.hand_file import MOST_CONTACTS, ContactDescription
 from mrts_codegen.motors_block import MotorsDescription
 from mrts_codegen.object_shape import ShapeDescription
 from mrts_codegen.urdf_reference import FileReference, mesh_reference
@@ -16,6 +16,8 @@ from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positiv
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
+from mrts.cell.hands.kinds import Bounds
+from mrts.cell.motors.joint_motors import TorqueLimits
 
 INERTIA_TOLERANCE = 1e-9
 """Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
@@ -29,13 +31,6 @@ MOST_ARGUMENTS = 100
 
 Range = Annotated[list[Finite], Rule(min_length=2, max_length=2)]
 """Least and largest value."""
-
-
-class TorqueBounds(Record):
-    """Torque limits that differ by side [N m, N for prismatic joints]."""
-
-    lower: Annotated[list[Finite], Rule(min_length=1)]
-    upper: Annotated[list[Finite], Rule(min_length=1)]
 
 
 class VariationDescription(Record):
@@ -129,7 +124,7 @@ class RobotDescription(Record):
     base: Pose = Pose()
     grasp: GraspPose = GraspPose()
     posture: Annotated[list[Angle], Rule(min_length=1)]
-    torque: Annotated[list[Finite], Rule(min_length=1)] | TorqueBounds | None = None
+    torque: TorqueLimits | None = None
     wrench: Bounds = Bounds()
     contact_rate: Annotated[list[Positive | None], Rule(min_length=2, max_length=2)] | None = None
     contact: Annotated[list[ContactDescription], Rule(max_length=MOST_CONTACTS)] = []  # noqa: RUF012

@@ -12,7 +12,6 @@ from mrts_codegen.cell_file import (
     CellDescription,
     ObjectDescription,
     RobotDescription,
-    TorqueBounds,
     inertia_problem,
     read_cell_description,
 )
@@ -228,10 +227,7 @@ def _torque_limits(
         mistakes.raise_noted()
         upper = np.array([joint.effort for joint in model.joints], dtype=float)
         return -upper, upper
-    given = robot.torque
-    if isinstance(given, TorqueBounds):
-        return given_torque_limits(path, f"{key}.torque", given.lower, given.upper, joints)
-    return given_torque_limits(path, f"{key}.torque", None, given, joints)
+    return given_torque_limits(path, f"{key}.torque", robot.torque, joints)
 
 
 def _check_effort(path: Path, urdf_path: Path, robot: RobotDescription, joint: Joint, joints: list[str]) -> None:

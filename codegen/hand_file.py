@@ -10,17 +10,10 @@ from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite, Vector3
 from mrts.base.formats.record import Record, Rule
 from mrts.cell.hands.contact import NOT_IN_PLANE, Contact, numbered, tip_components
-from mrts.cell.hands.kinds import KINDS
+from mrts.cell.hands.kinds import KINDS, Bounds
 
 MOST_CONTACTS = 20
 """Of one robot."""
-
-
-class Bounds(Record):
-    """Limits of each component; null or an absent side is unbounded."""
-
-    lower: list[Finite | None] | None = None
-    upper: list[Finite | None] | None = None
 
 
 class BoxDescription(Bounds):

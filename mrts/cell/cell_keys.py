@@ -2,7 +2,6 @@
 """A cell as the keys of a cell file: told, changed at paths, and written."""
 
 import json
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +14,7 @@ from mrts.base.arrays import without_infinity
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri
-from mrts.base.formats.pose import Angle, Finite, Pose, Positive, Vector3
+from mrts.base.formats.pose import Angle, Pose, Positive, Vector3
 from mrts.base.formats.record import checked, dumped
 from mrts.base.input_file import plain
 from mrts.base.load_box import load_vector
@@ -24,8 +23,8 @@ from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.generation import described_model
-from mrts.cell.hands.kinds import wrench_bounds
-from mrts.cell.motors.joint_motors import given_torque_limits
+from mrts.cell.hands.kinds import Bounds, wrench_bounds
+from mrts.cell.motors.joint_motors import TorqueLimits, given_torque_limits
 from mrts.cell.number_paths import Keys, PathError, find_keys, set_value
 from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot, RobotSource
@@ -37,12 +36,6 @@ FILES = frozenset({"urdf", "file"})
 """Keys that say where a file is, which need not be alike: its hash is compared."""
 
 POSES = {"base": "T_world_base", "grasp": "T_object_tip"}
-
-SIDES = ("lower", "upper")
-"""Keys of the limits of torques and wrenches."""
-
-Bound = list[Finite | None] | None
-"""Of a wrench, one side: None is unbounded, a component or the whole side."""
 
 
 def cell_keys(cell: Cell) -> dict[str, Any]:
@@ -148,10 +141,8 @@ def _places(cell: Cell, keys: dict[str, Any], paths: Iterable[str]) -> dict[str,
     joints, places = [len(robot.joints) for robot in cell.robots], dict[str, Keys]()
     for path in paths:
         check_type("values: path", path, str)
-        if re.match(r"motion\b", path):
-            raise InputError("values", "is of a motion: paths of a cell begin in its file.", key=path)
         try:
-            place = find_keys({"cell": keys, "motion": {}}, joints, path)[1:]
+            place = find_keys({"cell": keys}, joints, path)[1:]
         except PathError as error:
             raise InputError("values", str(error), key=path) from None
         for other, taken in places.items():
@@ -168,18 +159,11 @@ def _of_robot(cell: Cell, robot: Robot, key: str, value: Any) -> dict[str, Any]:
         return {POSES[key]: value if isinstance(value, RigidTransform) else _given(where, key, value, Pose).transform}
     if key == "posture":
         return {"posture": np.array(_given(where, key, value, list[Angle]))}
-    if isinstance(value, dict) and (unknown := [name for name in value if name not in SIDES]):
-        raise InputError(where, f"unknown key '{unknown[0]}'. The keys here are: {', '.join(SIDES)}.", key=key)
     if key == "wrench":
-        if not isinstance(value, dict | None):
-            raise InputError(where, f"must be a mapping of {' and '.join(SIDES)}.", key=key, value=value)
-        lower, upper = (_given(where, f"{key}.{side}", (value or {}).get(side), Bound) for side in SIDES)
-        lower, upper = wrench_bounds(where, key, lower, upper, cell.wrench_components)
+        bounds: Bounds = _given(where, key, {} if value is None else value, Bounds)
+        lower, upper = wrench_bounds(where, key, bounds.lower, bounds.upper, cell.wrench_components)
     else:
-        sides, at = (value, f"{key}.upper") if isinstance(value, dict) else ({"upper": value}, key)
-        lower = _given(where, f"{key}.lower", sides.get("lower"), list[Finite] | None)
-        upper = _given(where, at, sides.get("upper"), list[Finite])
-        lower, upper = given_torque_limits(where, key, lower, upper, robot.joints)
+        lower, upper = given_torque_limits(where, key, _given(where, key, value, TorqueLimits), robot.joints)
     return {f"{key}_lower": lower, f"{key}_upper": upper}
 
 

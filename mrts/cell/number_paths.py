@@ -68,8 +68,8 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
     """Where a path leads.
 
     Args:
-        files: Keys and values of the "cell" and the "motion" file, what they leave out filled in. Where one number
-            stands for all joints and the path names a joint, it becomes a list here.
+        files: Keys and values of the "cell" and, if there is one, the "motion" file, what they leave out filled in.
+            Where one number stands for all joints and the path names a joint, it becomes a list here.
         joints: Number of joints of each robot.
         path: As a user writes it; `robots.left` and `robots[0]` are the same, and so are `duration` and
             `motion.duration`.
@@ -80,8 +80,10 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
         keys: Keys = ("motion",)
         rest = path[len(top) :]
     else:
-        keys = ("motion" if top in files["motion"] and top not in files["cell"] else "cell",)
+        keys = ("motion" if top in files.get("motion", {}) and top not in files["cell"] else "cell",)
         rest = f".{path}"
+    if keys[0] not in files:
+        raise PathError("is of a motion: paths of a cell begin in its file.")
     if keys == ("motion",) and not files["motion"]:
         raise PathError("the motion is a table, of which no number varies. Give it by poses to vary it.")
     here = value_at(files, keys)

@@ -230,7 +230,7 @@ def _hold(cell_path: Path, motion_path: Path, *, force: bool) -> int:
     from mrts.motion.motion_file import load_motion
     from mrts.motion.object_motion import ObjectMotion
     from mrts.starting.hold import hold_here, with_grasps
-    from mrts.starting.proposal import pose_keys
+    from mrts.starting.proposal import short_pose
 
     motion = load_motion(motion_path)
     if not isinstance(motion, ObjectMotion):
@@ -240,7 +240,7 @@ def _hold(cell_path: Path, motion_path: Path, *, force: bool) -> int:
     content = read_regular(cell_path, "cell file", MAX_YAML_BYTES)
     text = text_of(cell_path, "cell file", content)
     cell = hold_here(options.compiled_cell(cell_path), motion.position[0], rpy_from_rotation(motion.rotation[0]))
-    grasps = {robot.name: pose_keys(robot.T_object_tip) for robot in cell.robots}
+    grasps = {robot.name: short_pose(robot.T_object_tip) for robot in cell.robots}
     if force:
         held = with_grasps(cell_path, text, grasps)
         write_text_atomically(cell_path, held.replace("\n", "\r\n") if b"\r\n" in content else held)

@@ -106,7 +106,7 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
         InputError: If two columns are the same joint.
     """
     robots = {robot.name: robot.joints for robot in cell.robots}
-    joints = {f"{robot}/{joint}" for robot in robots for joint in robots[robot]}
+    joints = {*cell.joint_names}
     found = {name: name for name in columns if name in joints}
     for name in columns:
         prefix, _, joint = name.rpartition("/")

@@ -462,12 +462,8 @@ def _still(
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
     if not any(np.any(np.isfinite(robot.motors.rated)) for robot in done.cell.robots):
         return ()
-    shares = {
-        f"{robot.name}/{joint}": float(share)
-        for robot, duty in zip(done.cell.robots, done.duty.values(), strict=True)
-        for joint, share in zip(robot.joints, duty.rated_share, strict=True)
-        if share > 1
-    }
+    used = np.concatenate([duty.rated_share for duty in done.duty.values()]).tolist()
+    shares = {joint: share for joint, share in zip(done.cell.joint_names, used, strict=True) if share > 1}
     if not shares:
         return ()
     worst, *others = sorted(shares, key=lambda joint: -shares[joint])

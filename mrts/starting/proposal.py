@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from mrts.base.errors import MotionError, MrtsError
-from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
+from mrts.cell.cell_keys import pose_keys
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.program.excess import BETWEEN
 from mrts.scaling.result import ScalingResult
@@ -177,7 +178,7 @@ def _robot_keys(request: Request, each: ArmRequest, stand: Stand, layout: Layout
     if each.xacro_args:
         robot["xacro_args"] = dict(each.xacro_args)
     robot |= {"base_link": chain.source.base_link, "tip_link": chain.source.tip_link}
-    robot |= {"base": pose_keys(stand.T_world_base), "grasp": pose_keys(T), "posture": stand.posture.tolist()}
+    robot |= {"base": short_pose(stand.T_world_base), "grasp": short_pose(T), "posture": stand.posture.tolist()}
     if each.arm.without_effort:
         known = chain.torque_upper
         robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, each.arm, mass)).tolist()
@@ -198,12 +199,12 @@ def _up_to_two_digits(number: float) -> float:
     return _two_digits(ceil(number / step) * step)
 
 
-def pose_keys(T: RigidTransform) -> dict[str, list[float]]:
-    """A pose as a cell file has it: `rpy` only where it turns."""
-    xyz = (np.round(T.p, 9) + 0.0).tolist()
+def short_pose(T: RigidTransform) -> dict[str, list[float]]:
+    """`pose_keys` in few digits, `rpy` only where it turns."""
+    keys = pose_keys(RigidTransform(T.R, np.round(T.p, 9) + 0.0))
     if np.array_equal(T.R, np.eye(3)):
-        return {"xyz": xyz}
-    return {"xyz": xyz, "rpy": rpy_from_rotation(T.R)}
+        del keys["rpy"]
+    return keys
 
 
 def renamed(proposal: Proposal, urdfs: list[str]) -> Proposal:

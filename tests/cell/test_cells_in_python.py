@@ -253,6 +253,7 @@ def test_nobody_writes_into_a_pose(planar_cell):
         ({"robots.left.wrench": [2.0, None, 1.0]}, "robot 'left'"),
         ({"robots.left.torque": {"upper": [9.0, 9.0, 9.0], "elbow_joint": 1.0}}, "robot 'left'"),
         ({"robots.left.torque": 100.0}, "robot 'left'"),
+        ({"robots.left.torque": {"upper": [9.0, 9.0, 9.0]}}, "robot 'left'"),
         ({"robots.left.base.xyz[0]": -0.9, "robots[0].base.xyz[0]": -0.8}, "values"),
         ({"robots.left.base.xyz[0]": -0.9, "robots.left.base": {"xyz": [0, 0, 0]}}, "values"),
         ({"gravity": [0, 0, 0], "gravity[2]": -1.0}, "values"),

@@ -11,6 +11,8 @@ import numpy as np
 from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError, as_array
+from mrts.base.formats.pose import Finite
+from mrts.base.formats.record import Record
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.cell.hands.contact import Contact, Frame, as_given, check_components, contact_axes, holds, in_tip_axes
@@ -26,6 +28,13 @@ INTERIOR = 1e-6
 
 Side = Sequence[float | None] | Array | None
 """One side of the bounds of a wrench, Shape (w,): None is unbounded, a component or the whole side."""
+
+
+class Bounds(Record):
+    """Limits of each component, as a cell file has them; null or an absent side is unbounded."""
+
+    lower: list[Finite | None] | None = None
+    upper: list[Finite | None] | None = None
 
 
 def wrench_bounds(

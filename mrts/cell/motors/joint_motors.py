@@ -5,12 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
+from mrts.base.formats.pose import Finite
+from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 
 ROUNDED_SLOPE = 1e-9
@@ -149,25 +151,35 @@ def _checked_curve(joint: int, given: object) -> Array:
     return curve
 
 
+class TorqueBounds(Record):
+    """Torque limits that differ by side, as a cell file has them [N m, N for prismatic joints]."""
+
+    lower: Annotated[list[Finite], Rule(min_length=1)]
+    upper: Annotated[list[Finite], Rule(min_length=1)]
+
+
+TorqueLimits = Annotated[list[Finite], Rule(min_length=1)] | TorqueBounds
+"""As a cell file has them: a list is the same in both directions."""
+
+
 def given_torque_limits(
-    where: Path | str, key: str, lower: Sequence[float] | None, upper: Sequence[float], joints: Sequence[str]
+    where: Path | str, key: str, given: Sequence[float] | TorqueBounds, joints: Sequence[str]
 ) -> tuple[Array, Array]:
     """Torque limits, one a joint, each Shape (n,) [N m, N for prismatic joints].
 
     Args:
         where: The file, or what else they are given in, for messages.
         key: Of the limits in it.
-        lower: None where they are symmetric, which is then -upper.
-        upper: Largest torques.
+        given: As `TorqueLimits`.
         joints: Their names.
     """
-    sides = {key: upper} if lower is None else {f"{key}.lower": lower, f"{key}.upper": upper}
+    sides = {f"{key}.{side}": values for side, values in given} if isinstance(given, TorqueBounds) else {key: given}
     for name, values in sides.items():
         if len(values) != len(joints):
             rule = f"must have {len(joints)} values, one for each of {', '.join(joints)}."
             raise InputError(where, rule, key=name, value=values)
-    most = np.array(upper, dtype=float)
-    least = -most if lower is None else np.array(lower, dtype=float)
+    *lower, most = (np.array(values, dtype=float) for values in sides.values())
+    least = lower[0] if lower else -most
     if np.any(least >= most):
         joint = int(np.argmax(least >= most))
         raise InputError(
