@@ -37,14 +37,15 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
     vectors: list[EmbeddedVector] = []
     for factor in MASS_FACTORS:
         heavy = cell.with_mass(cell.mass * factor)
-        free = motion_ranges(motion_rows(heavy, motion), DEFAULT_SOLVER)
+        rows = motion_rows(heavy, motion)
+        free = motion_ranges(rows, DEFAULT_SOLVER)
         even = motion_ranges(motion_rows(heavy, motion, LoadSharing()), DEFAULT_SOLVER)
         speeds = np.where([status is RangeStatus.FEASIBLE for status in free.status], SHARE_OF_END * free.upper, 0.0)
         speeds = np.where(speeds >= free.lower, speeds, 0.0)
         compared = np.flatnonzero(speeds > 0)
         torque = np.zeros((motion.samples, motion.q.shape[1]))
         if compared.size:
-            problem = build_sample_problem(motion_rows(heavy, motion), samples=compared)
+            problem = build_sample_problem(rows, samples=compared)
             x, _ = distribute_torques(problem, speeds[compared], torque_weights(None, cell), DEFAULT_SOLVER)
             torque[compared] = problem.torque(x)
         vectors += [

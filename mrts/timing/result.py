@@ -308,8 +308,9 @@ class RetimingResult(Result):
         """
         sharing, bound = self.options.sharing, [set[ActiveRow]() for _ in part.piece.step]
         for motion in at_segment_ends(part):
+            rows = motion_rows(self.cell, motion, sharing)
             for load in self.loads:
-                found = motion_ranges(motion_rows(self.cell, motion, sharing), DEFAULT_SOLVER, load, 1 + BINDING)
+                found = motion_ranges(rows, DEFAULT_SOLVER, load, 1 + BINDING)
                 for segment in np.flatnonzero(found.upper <= 1 + BINDING).tolist():
                     bound[segment] |= {*found.binding(segment, "upper")}
         return bound
