@@ -23,10 +23,10 @@ from mrts.console.terminal import say, warn
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from mrts.viewer.plots.other_result import Others
+    from mrts.viewer.choices import Given
+    from mrts.viewer.film_controls import Others
     from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
-    from mrts.viewer.workbench.choices import Given
 
 EXAMPLES = """\
 examples:
@@ -103,7 +103,7 @@ def _serve(
     follow: "Callable[..., None]",
 ) -> int:
     from mrts.viewer.viewer import Viewer
-    from mrts.viewer.workbench.workbench import Workbench
+    from mrts.viewer.workbench import Workbench
 
     urdfs = shown_urdfs(cell)
     start = _start(cell, motion, cell_path if urdfs else None, given)
@@ -122,11 +122,11 @@ def _serve(
 
 
 def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[str, Any]) -> "Given":
-    from mrts.viewer.workbench.choices import Given
+    from mrts.viewer.choices import Given
 
     if motion is None:
         from mrts.cell.loading import cell_to_compile
-        from mrts.viewer.workbench.held_poses import still_motion
+        from mrts.viewer.held_poses import still_motion
 
         alone = cell_to_compile(cell) or options.compiled_cell(cell)
         return Given(cell=alone, motion=still_motion(alone), cell_path=cell_path, stands=True)

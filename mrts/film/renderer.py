@@ -267,12 +267,8 @@ class SceneRenderer:
         tile = round_down(view.size / TILES)
         floor = spec.add_material(name="floor", texrepeat=(1 / tile, 1 / tile), texuniform=True, specular=0.0)
         floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
-        across = np.cross(view.up, np.eye(3)[np.argmin(np.abs(view.up))])
-        across /= np.linalg.norm(across)
-        world.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 0.1), pos=view.floor, material="floor",
-            quat=wxyz(np.stack([across, np.cross(view.up, across), view.up], axis=1)),
-        )  # fmt: skip
+        plane = mujoco.mjtGeom.mjGEOM_PLANE
+        world.add_geom(type=plane, size=(0, 0, 0.1), pos=view.floor, material="floor", quat=wxyz(view.level))
 
     def _add_mesh(
         self, body: Any, name: str, vertices: Array, normals: Array, faces: NDArray[np.integer], colour: Rgb
