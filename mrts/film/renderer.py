@@ -289,7 +289,6 @@ class SceneRenderer:
         self._data.mocap_pos[body], self._data.mocap_quat[body] = p, wxyz(R)
 
     def _connect(self, shape: Any, start: Array, end: Array, radius: float, colour: Rgb) -> None:
-        """Add a shape from one point to another; it casts no shadow."""
         mujoco, scene = self._mujoco, self._renderer.scene
         if scene.ngeom >= scene.maxgeom or np.linalg.norm(end - start) == 0:
             return

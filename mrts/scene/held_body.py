@@ -93,7 +93,6 @@ def _narrowed(half: Array, contacts: Array) -> Array:
 
 
 def _bar(start: Array, end: Array, half_width: float) -> HeldBody:
-    """A square bar from a point to another, which differ."""
     along = (end - start) / np.linalg.norm(end - start)
     across = perpendicular(along)
     axes = np.stack([2 * half_width * across, 2 * half_width * np.cross(along, across), end - start])

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What was given to a workbench, and what its user changed since: numbers of the cell, places, timing."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -90,7 +90,7 @@ class Place:
         if not self.robot:
             described = given.description
             assert described is not None  # noqa: S101 (else it is no place)
-            poses = described.waypoints or [described.start, described.end]
+            poses: Sequence[Pose | None] = described.waypoints or [described.start, described.end]
             pose = poses[0 if self.kind == "start" else -1]
             assert pose is not None  # noqa: S101 (a description has either)
             return pose.transform

@@ -109,7 +109,6 @@ class Gizmo:
         self._handle.on_update(self._note)
 
     async def _note(self, event: viser.TransformControlsEvent) -> None:
-        """Keep what a browser did for the thread that follows the controls."""
         handle = event.target
         quaternion = np.roll(np.asarray(handle.wxyz, dtype=np.float64), -1)
         pose = RigidTransform(rotations_from_quaternions(quaternion), np.array(handle.position, dtype=np.float64))
@@ -312,7 +311,6 @@ class ChangeControls:
         self._bind_limits(of_single, chosen)
 
     def _bind_limits(self, slider: viser.GuiSliderHandle[float], names: list[Changed]) -> None:
-        """Let a slider set the share of limits together."""
 
         def apply(now: Choices, value: float) -> Choices:
             for name in names:

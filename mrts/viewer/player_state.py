@@ -295,7 +295,6 @@ class PlayerState:
         return sorted((one for one in found if one[1] > LIMIT_TOLERANCE), key=lambda one: -one[1])
 
     def _admits(self, c2: float) -> bool:
-        """Whether a c² is in the range, or in a lower interval."""
         result = self.result
         found = result.range
         if found.lower is None or not found.status.admits_motion or c2 >= found.lower.c2:
@@ -353,7 +352,6 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
 
 
 def _least_widening(problem: SampleProblem, c2: float, solver: str) -> Array:
-    """The share by which all limits of a sample must move outward, Shape (N,)."""
     if problem.unknowns == 1:
         return np.zeros(problem.samples)
     share = widening_at(problem, c2, solver, f"how far limits are passed at c² = {c2:g}")

@@ -97,15 +97,6 @@ def _cell_text(choices: Choices, path: Path, target: Path) -> tuple[str, str]:
 def _edited_or_anew(
     what: str, path: Path, edits: Edits, is_wanted: Callable[[Any], bool], anew: Callable[[], str]
 ) -> tuple[str, str]:
-    """The original text with other values where these read back, else a text written anew; and a remark.
-
-    Args:
-        what: The file, for people: "cell" or "motion".
-        path: Of the original.
-        edits: Other values.
-        is_wanted: Whether what a text reads as is what was chosen.
-        anew: The text without the original.
-    """
     before = read_text(path, f"{what} file")
     try:
         text = edited_yaml(before, edits)
@@ -131,7 +122,6 @@ def _cell_edits(original: Cell, wanted: Cell) -> Edits:
 
 
 def _same(one: Cell, other: Cell) -> bool:
-    """Whether two cells are alike; their poses to rounding."""
     ours, theirs = cell_keys(one), cell_keys(other)
     for robot in [*ours["robots"], *theirs["robots"]]:
         del robot["base"], robot["grasp"]

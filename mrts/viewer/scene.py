@@ -2,8 +2,8 @@
 """The cell in a viser scene: arms, the body they hold, its path, contact wrenches, gaps, another result beside it."""
 
 import warnings
-from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import viser
@@ -17,7 +17,7 @@ from mrts.scaling.result import ScalingResult
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
-from mrts.scene.held_body import held_body, object_edges
+from mrts.scene.held_body import HeldBody, held_body, object_edges
 from mrts.scene.scene import (
     FORCE,
     MOMENT,
@@ -64,19 +64,22 @@ MOVED_AWAY = 0.02
 """How far a camera is from where it was put, as a share of its distance, once somebody moved it."""
 
 
-Bodies = Sequence[tuple[Array, Array]]
-"""By arm, as of `Moment`."""
+class DrawnCell:
+    """Arms, a frame for each body that carries its meshes, and the object that they carry.
 
-
-class DrawnArms:
-    """The arms of a cell: a frame for each body, which carries its meshes."""
+    Attributes:
+        carried: The object's frame.
+        ends: By robot, the names of its first and its last body.
+    """
 
     def __init__(
         self, scene: viser.SceneApi, name: str, cell: Cell, urdfs: Urdfs, warn: Warn, colour: Rgb | None = None
     ) -> None:
-        self._frames, self._parts = [], []
+        self._scene, self._name, self._opacity = scene, name, 0.9 if colour is None else 0.6
+        self._frames, self._parts, self.ends = [], [], dict[str, tuple[str, str]]()
         for robot, parts in zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True):
-            names = [f"{name}/{robot.name}/body{body}" for body in range(len(robot.joints) + 1)]
+            names = [f"{name}/arms/{robot.name}/body{body}" for body in range(len(robot.joints) + 1)]
+            self.ends[robot.name] = names[0], names[-1]
             self._frames.append([scene.add_frame(of, show_axes=False) for of in names])
             for number, part in enumerate(parts):
                 mesh, at = part.mesh, f"{names[part.body]}/mesh{number}"
@@ -84,12 +87,28 @@ class DrawnArms:
                     at, mesh.vertices, mesh.faces, color=colour or part.own, flat_shading=False
                 )
                 self._parts.append((robot, part, drawn))
+        self.carried = scene.add_frame(f"{name}/carried", show_axes=False)
+        self._body_key = b""
+        self.show_body(cell)
 
-    def move(self, bodies: Bodies) -> None:
-        """Move the bodies."""
-        for frames, (R, p) in zip(self._frames, bodies, strict=True):
+    def show_body(self, cell: Cell) -> HeldBody | None:
+        """Draw the object where its shape is another one; None where it is as it was."""
+        body = held_body(cell)
+        if body.vertices.tobytes() == self._body_key:
+            return None
+        self._body_key = body.vertices.tobytes()
+        self._scene.add_mesh_simple(
+            f"{self._name}/carried/object", body.vertices.astype(np.float32), body.faces.astype(np.uint32),
+            color=OBJECT, opacity=self._opacity, flat_shading=True,
+        )  # fmt: skip
+        return body
+
+    def move(self, moment: Moment) -> None:
+        """Move all that moves."""
+        for frames, (R, p) in zip(self._frames, moment.bodies, strict=True):
             for frame, at, turn in zip(frames, p, wxyz(R), strict=True):
                 frame.position, frame.wxyz = at, turn
+        self.carried.position, self.carried.wxyz = moment.position, wxyz(moment.rotation)
 
     def mark(self, deciding: DecidingLimit | None) -> None:
         """Let the body stand out that decides how fast the motion may be played, or none."""
@@ -125,24 +144,20 @@ class ViewerScene:
         self.show_shadows(on=False)
         self._draw_surroundings()
         radius = THICKNESS * self.size
-        self._arms = DrawnArms(self._scene, "/arms", cell, urdfs, warn)
+        drawn = self._drawn = DrawnCell(self._scene, "", cell, urdfs, warn)
         self._names = [
             self._scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
         ]
-        self._hands = [
-            self._scene.add_icosphere(f"/hands/{robot.name}", 1.7 * radius, self.colours[robot.name])
-            for robot in cell.robots
-        ]
-        self._frames = self._scene.add_batched_axes(
-            "/frames",
-            np.zeros((0, 4)),
-            np.zeros((0, 3)),
-            axes_length=FRAME * self.size,
-            axes_radius=0.04 * FRAME * self.size,
-            visible=False,
-        )
+        axes: dict[str, Any] = {"axes_length": FRAME * self.size, "axes_radius": 0.04 * FRAME * self.size}
+        self._frames = [self._scene.add_frame("/carried/frame", visible=False, **axes)]
+        for robot in cell.robots:
+            base, (end, tip) = drawn.ends[robot.name][0], (drawn.ends[robot.name][1], robot.T_base_tip)
+            self._scene.add_icosphere(f"{end}/hand", 1.7 * radius, self.colours[robot.name], position=tip.p)
+            self._frames += [
+                self._scene.add_frame(f"{base}/base", visible=False, **axes),
+                self._scene.add_frame(f"{end}/tip", visible=False, wxyz=wxyz(tip.R), position=tip.p, **axes),
+            ]
         thin = 0.4 * radius
-        self._carried = self._scene.add_frame("/carried", show_axes=False)  # a page draws new poses before new arrows
         self._forces, self._moments = (
             self._scene.add_arrows(
                 name, NO_LINES, colour, shaft_radius=thin, head_radius=2.2 * thin, head_length=5 * thin
@@ -163,7 +178,7 @@ class ViewerScene:
             self._scene.add_label("/start_name", "start", anchor="top-left"),
             self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
         ]
-        self._body_key: bytes = b""
+        self._draw_outlines(held_body(cell))
         self._named = True
         self._fitted: dict[int, tuple[float, Camera]] = {}
         self.show(shown)
@@ -171,7 +186,8 @@ class ViewerScene:
     def show(self, course: Scene) -> None:
         """Draw what does not move along the motion: the body that is held, its path, its ends, where arms stand."""
         self._course = course
-        self._draw_body(course)
+        if (body := self._drawn.show_body(course.cell)) is not None:
+            self._draw_outlines(body)
         for name, robot in zip(self._names, course.cell.robots, strict=True):
             name.position = name_place(course.cell, robot)
         for outline, at in zip(self._outlines, (0, -1), strict=True):
@@ -186,7 +202,7 @@ class ViewerScene:
 
     def mark(self, deciding: DecidingLimit | None) -> None:
         """Let the joint or the hand stand out whose limit decides how fast the motion may be played."""
-        self._arms.mark(deciding)
+        self._drawn.mark(deciding)
 
     def rescale(self, state: PlayerState) -> None:
         """Choose the arrows' lengths for a trajectory as it is now."""
@@ -200,7 +216,7 @@ class ViewerScene:
     def show_moment(self, state: PlayerState, place: float) -> None:
         """Draw a state at one of its samples, or between two while it plays."""
         moment = self._course.moment(place)
-        self._pose(moment)
+        self._drawn.move(moment)
         contacts = moment.contacts(blended(state.trajectory.wrench, place))
         points = (contacts.point - moment.position) @ moment.rotation
         forces, moments = contacts.force @ moment.rotation, contacts.moment @ moment.rotation
@@ -215,7 +231,7 @@ class ViewerScene:
     def show_gap(self, held: HeldPoses, sample: int) -> None:
         """Draw how near the arms come to their grasps at one of the samples looked at."""
         moment, self._forces.points, self._moments.points = self._course.moment(sample), NO_LINES, NO_LINES
-        self._pose(moment)
+        self._drawn.move(moment)
         lines: dict[int, tuple[Array, Array]] = {}
         for index in np.flatnonzero(~held.reached[sample]).tolist():
             tip, robot = moment.lines[index][-1], moment.cell.robots[index]
@@ -227,7 +243,8 @@ class ViewerScene:
 
     def show_frames(self, *, on: bool) -> None:
         """Show or hide the frames of bases, tips and the object."""
-        self._frames.visible = on
+        for frame in self._frames:
+            frame.visible = on
 
     def show_names(self, *, on: bool) -> None:
         """Show or hide what is written in the scene."""
@@ -285,23 +302,6 @@ class ViewerScene:
         for label in self._end_names:
             label.visible = self._named and moves
 
-    def _pose(self, moment: Moment) -> None:
-        """Move all that moves."""
-        cell, tips = moment.cell, [line[-1] for line in moment.lines]
-        position, rotation = moment.position, moment.rotation
-        self._arms.move(moment.bodies)
-        for part in (self._body, self._carried):
-            part.position, part.wxyz = position, wxyz(rotation)
-        for hand, tip in zip(self._hands, tips, strict=True):
-            hand.position = tip
-        if self._frames.visible:
-            bases = [robot.T_world_base for robot in cell.robots]
-            turned = [R[-1] @ robot.T_base_tip.R for robot, (R, _) in zip(cell.robots, moment.bodies, strict=True)]
-            turns = np.array([rotation, *turned, *(base.R for base in bases)])
-            places = np.array([position, *tips, *(base.p for base in bases)])
-            self._frames.batched_wxyzs = wxyz(turns).astype(np.float32)
-            self._frames.batched_positions = places.astype(np.float32)
-
     def _arrows(self, start: Array, step: Array) -> NDArray[np.float32]:
         long = np.linalg.norm(step, axis=1) > SHORTEST * self.size
         return np.stack([start[long], start[long] + step[long]], axis=1).astype(np.float32)
@@ -312,15 +312,8 @@ class ViewerScene:
         for index, label in enumerate(self._gap_names):
             label.visible = index in lines
 
-    def _draw_body(self, course: Scene) -> None:
-        """The body that is held, and its outlines at both ends; drawn anew where its shape changed."""
-        body = held_body(course.cell)
-        key = body.vertices.tobytes()
-        if key == self._body_key:
-            return
-        self._body_key = key
-        mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
-        self._body = self._scene.add_mesh_simple("/object", *mesh, color=OBJECT, opacity=0.9, flat_shading=True)
+    def _draw_outlines(self, body: HeldBody) -> None:
+        """The object's edges at both ends of its path."""
         edges = object_edges(body.vertices, body.faces)
         lines = body.vertices[edges if len(edges) else body.faces[:, :2]]  # a ball has no edges
         self._outlines = [
@@ -365,7 +358,7 @@ class OtherResult:
 
     Attributes:
         frame: What holds all of it.
-        body: What it carries.
+        drawn: Its arms and what they carry.
         offset: From where it stands over the first to where it stands beside it, Shape (3,) [m].
     """
 
@@ -377,10 +370,7 @@ class OtherResult:
         across = np.cross(view.up, view.direction)
         self.offset = APART * view.size * across / np.linalg.norm(across)
         self.frame = drawing.add_frame(OTHER, show_axes=False)
-        self._arms = DrawnArms(drawing, OTHER, cell, {}, lambda _text: None, GREY)
-        body = held_body(cell)
-        mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
-        self.body = drawing.add_mesh_simple(f"{OTHER}/object", *mesh, color=OBJECT, opacity=0.6, flat_shading=True)
+        self.drawn = DrawnCell(drawing, OTHER, cell, {}, lambda _text: None, GREY)
         self._label = drawing.add_label(f"{OTHER}/name", shortened(name), anchor="bottom-center")
         self._above = 0.5 * view.size * view.up
         with server.gui.add_folder("Other result"):
@@ -391,8 +381,7 @@ class OtherResult:
     def show_moment(self, time: float) -> None:
         """Go to the time of the first [s]."""
         moment = self._scene.moment(int(np.argmin(np.abs(self._done.time - time))))
-        self._arms.move(moment.bodies)
-        self.body.position, self.body.wxyz = moment.position, wxyz(moment.rotation)
+        self.drawn.move(moment)
         self._label.position = moment.position + self._above
 
     def step(self) -> None:

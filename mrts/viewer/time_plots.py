@@ -96,7 +96,6 @@ def uplot_props(panel: Panel, other: Panel | None = None) -> dict[str, Any]:
 
 
 def _joint_end(panel: Panel, other: Panel | None) -> float:
-    """Where the level axis of a panel ends, which shows all of another one too."""
     return max(each.x.ends[1] for each in (panel, other) if each is not None and each.x.ends is not None)
 
 

@@ -217,13 +217,13 @@ def frame_after(opened):
     """Parts of the next message in which the object moves."""
     while True:
         parts = messages_of(opened.recv(timeout=PATIENCE))
-        if any(part.get("name") == "/object" and part["type"] == "SetPositionMessage" for part in parts):
+        if any(part.get("name") == "/carried" and part["type"] == "SetPositionMessage" for part in parts):
             return parts
 
 
 def test_a_second_of_playing_is_thirty_frames_each_whole(spatial):
     """Each step of the viewer is one message with every part that moves, counted through a raw websocket."""
-    moving = {"/object", "/hands/left", "/hands/right", "/carried", "/carried/forces"}
+    moving = {"/carried", "/carried/forces"}
     moving |= {f"/arms/{arm}/body{body}" for arm in ("left", "right") for body in range(1, 7)}
     viewer = spatial.shown
     for spatial.controls["pace"].value in ("1/10", "1/50"):
@@ -238,7 +238,7 @@ def test_a_second_of_playing_is_thirty_frames_each_whole(spatial):
                 parts = frame_after(opened)
                 frames += moving <= {part.get("name") for part in parts}
                 assert sum("position" in part or "wxyz" in part for part in parts) <= MOST_PARTS
-                seen.add(tuple(next(part["position"] for part in parts if part.get("name") == "/object")))
+                seen.add(tuple(next(part["position"] for part in parts if part.get("name") == "/carried")))
             viewer.playback.toggle()
             viewer.step(FRAME)
         assert frames >= WANTED
@@ -265,8 +265,8 @@ def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(spat
     viewer.step(0.4 * FRAME)
     viewer.playback.toggle()
     viewer.step(FRAME)
-    np.testing.assert_array_equal(drawn(spatial, "/object").position, course.position[state.sample])
-    np.testing.assert_allclose(turned(drawn(spatial, "/object")), course.rotation[state.sample], atol=1e-12)
+    np.testing.assert_array_equal(drawn(spatial, "/carried").position, course.position[state.sample])
+    np.testing.assert_allclose(turned(drawn(spatial, "/carried")), course.rotation[state.sample], atol=1e-12)
 
 
 def assert_links_join(viewer, robot, line):
@@ -315,8 +315,8 @@ def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
                 np.testing.assert_allclose(start, contacts[index], atol=SINGLE)
                 length = np.linalg.norm(end - start) / scene.metres_per_newton
                 assert length == pytest.approx(sizes[index], rel=1e-4, abs=1e-3)
-            np.testing.assert_allclose(drawn(viewer, "/object").position, moved.position[sample])
-            np.testing.assert_allclose(turned(drawn(viewer, "/object")), moved.rotation[sample], atol=1e-12)
+            np.testing.assert_allclose(drawn(viewer, "/carried").position, moved.position[sample])
+            np.testing.assert_allclose(turned(drawn(viewer, "/carried")), moved.rotation[sample], atol=1e-12)
         assert scene.metres_per_newton == float(f"{scene.metres_per_newton:.0e}")  # one digit
 
 
@@ -419,7 +419,7 @@ def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_c
         assert f"--mrts-along: {line.x[state.sample] / line.x[-1]:.4f}" in style
         other = viewer.other
         sample = int(np.argmin(np.abs(slow.trajectory.time - state.time)))
-        np.testing.assert_allclose(other.body.position, slow.motion.object.position[sample], atol=1e-6)
+        np.testing.assert_allclose(other.drawn.carried.position, slow.motion.object.position[sample], atol=1e-6)
         np.testing.assert_allclose(other.frame.position, other.offset, atol=1e-6)
         stands.value = "over it"
         viewer.step(0.0)
@@ -427,11 +427,3 @@ def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_c
         stands.value = "hidden"
         viewer.step(0.0)
         assert not other.frame.visible
-
-
-def test_what_some_load_admits_has_no_motion_to_play(planar_cell, lift, tmp_path, capsys):
-    found = mrts.scale(planar_cell.with_variation(mass=(0.5, 2.0)), lift, load="possible")
-    mrts.save_result(found, tmp_path / "possible.npz")
-    assert found.status.admits_motion
-    assert main(["view", str(tmp_path / "possible.npz"), "--no-open"]) == 2
-    assert "chooses no c² and no torques" in capsys.readouterr().err

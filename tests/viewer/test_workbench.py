@@ -15,7 +15,7 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.motion.motion_file import sample_motion
 from mrts.scene.cell_shapes import body_poses
 from mrts.viewer import workbench
-from mrts.viewer.choices import COARSE_SAMPLES, Choices, Given, Place, in_plane, moved_by, offset_of, places
+from mrts.viewer.choices import COARSE_SAMPLES, Choices, Given, Place, moved_by, places
 from mrts.viewer.held_poses import still_motion, tip_pose
 from mrts.viewer.panel import held_html, outcome_html
 from mrts.viewer.workbench import Workbench, find_answer
@@ -181,14 +181,6 @@ def test_a_joint_table_fixes_the_configuration_and_its_ends(planar, tmp_path):
     bench = Workbench(Given(planar.cell, table))
     assert "fixes the configuration" in bench.fixed_configuration
     assert {place.kind for place in places(bench.given)} == {"base", "grasp"}
-
-
-def test_poses_of_a_planar_cell_stay_in_its_plane(planar):
-    given = Place("base", "left").given(planar)
-    wild = moved_by(given, np.array([0.1, 0.2, 0.3]), np.array([0.4, 0.5, 0.6]))
-    shift, turn = offset_of(in_plane(planar.cell, wild, given), given)
-    np.testing.assert_allclose(shift, [0.1, 0.2, 0.0], atol=1e-12)
-    np.testing.assert_allclose(turn, [0.0, 0.0, 0.6], atol=1e-12)
 
 
 class Gate:
