@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from given_ranges import ranges_of
 from random_programs import cell_programs
 from scipy.optimize import linprog
 
@@ -12,7 +13,7 @@ from mrts.limits.rows import STANDSTILL
 from mrts.program import sample_ranges
 from mrts.program.range_ends import ends_of_problem, rows_at_end
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.sample_ranges import TIE, BindingRows
+from mrts.program.sample_ranges import TIE
 from mrts.scaling.range import intersect
 
 SOLVERS = ("kernel", "qpsol:qpoases", "scipy:highs")
@@ -159,7 +160,6 @@ def test_of_samples_that_differ_by_rounding_the_first_sets_the_end():
         lower, upper = low.copy(), high.copy()
         lower[2] *= 1 + shift
         upper[3] *= 1 + shift
-        status, rows = (mrts.SampleStatus.FEASIBLE,) * 4, BindingRows((), np.zeros((2, 0)), np.zeros((2, 4, 0), int))
-        found = intersect(mrts.SampleRanges(np.arange(4.0), status, lower, upper, rows, (), 0))
+        found = intersect(ranges_of(lower, upper))
         assert (found.lower.sample, found.upper.sample) == (1, 1)
         assert (found.lower.c2, found.upper.c2) == (np.max(lower), np.min(upper))

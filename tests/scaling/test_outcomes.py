@@ -9,13 +9,13 @@ import pytest
 import yaml
 from cell_bank import random_planar_cell
 from conftest import DATA
+from given_ranges import ranges_of
 
 import mrts
 from mrts.program.infeasibility import separation
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import rate_limits
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import BindingRows
 from mrts.scaling.range import intersect
 from mrts.scaling.scale import choose_c2
 
@@ -120,13 +120,6 @@ def test_a_small_limit_among_large_ones_is_kept(planar_cell, lift):
     assert np.max(np.abs(result.wrench["left"][:, 2])) <= 1e-3 * (1 + 1e-8)
 
 
-def ranges_of(lower, upper):
-    lower, upper = np.array(lower, float), np.array(upper, float)
-    status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
-    none = BindingRows((), np.zeros((2, 0)), np.zeros((2, len(lower), 0), int))
-    return mrts.SampleRanges(np.arange(len(lower), dtype=float), status, lower, upper, none, (), 0)
-
-
 def test_an_empty_intersection_names_both_samples():
     found = intersect(ranges_of([0, 2, 0], [5, 5, 1]))
     assert found.status is mrts.ScalingStatus.EMPTY
@@ -154,8 +147,8 @@ def test_a_minimum_speed_is_legal(planar_cell, lift):
 def test_too_slow_is_refused_by_the_lower_end():
     codes = np.zeros((2, 3, 1), dtype=np.int32)
     codes[0, 1] = 1
-    elbow = BindingRows((mrts.RowName("torque", "left", "elbow", "N m"),), np.array([[-80.0], [80.0]]), codes)
-    ranges = replace(ranges_of([0, 2, 0], [5, 5, 4]), rows=elbow)
+    elbow = {"names": (mrts.RowName("torque", "left", "elbow", "N m"),), "limits": np.array([[-80.0], [80.0]])}
+    ranges = replace(ranges_of([0, 2, 0], [5, 5, 4]), codes=codes, **elbow)
     with pytest.raises(
         mrts.SelectionError, match=r"outside .* \[2, 4\]. The lower end is set at t = 1 s by left/elbow"
     ):

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gantries import gantries
+from given_ranges import ranges_of
 from slowing_gantries import Slowing
 
 import mrts
 from mrts.program.motion_rows import motion_rows
-from mrts.program.sample_ranges import BindingRows
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import common_range
 
@@ -108,9 +108,7 @@ INTERVALS = {
 def test_samples_go_down_until_they_have_an_interval_in_common(unions, status, expected):
     def find(high):
         found = [max((one for one in union if one[0] <= high), default=max(union)) for union in unions]
-        lower, upper = np.array(found, dtype=float).T
-        rows, statuses = BindingRows((), np.zeros((2, 0)), np.zeros((2, 2, 0), int)), (mrts.SampleStatus.FEASIBLE,) * 2
-        return mrts.SampleRanges(np.arange(2.0), statuses, lower, upper, rows, (), 0, several=True)
+        return ranges_of(*np.transpose(found), several=True)
 
     found = common_range(find)
     assert (found.status.value, ends(found)) == (status, expected)
