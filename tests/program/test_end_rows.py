@@ -1,7 +1,5 @@
 """The rows that set an end of the range: all of them, whichever solver found it and in whichever form."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from given_ranges import ranges_of
@@ -132,26 +130,6 @@ def test_limits_without_room_set_no_end():
     A = np.array([[[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]])
     problem = problem_of(A, np.array([[0.0, -np.inf, -5.0]]), np.array([[0.0, 1.0, 5.0]]))
     assert [(row.name.element, row.side) for row in rows_at_end(problem, 1.0, "upper")] == [("1", "upper")]
-
-
-@pytest.mark.parametrize("changed", ["as given", "tighter wrists"])
-def test_every_solver_and_form_names_the_same_rows_in_the_same_order(planar_cell, lift, changed):
-    cell = planar_cell
-    if changed == "tighter wrists":  # which then limit the speed together with the elbows
-        cell = replace(
-            cell,
-            robots=tuple(
-                replace(robot, torque_lower=-np.array([100.0, 80.0, 1.0]), torque_upper=np.array([100.0, 80.0, 1.0]))
-                for robot in cell.robots
-            ),
-        )
-    found = {
-        tuple(mrts.scale(cell, lift, solver=solver, formulation=formulation).range.upper.rows)
-        for solver in ("kernel", "qpsol:qpoases")
-        for formulation in ("wrench", "torque")
-    }
-    assert len(found) == 1
-    assert len(found.pop()) > 1
 
 
 def test_of_samples_that_differ_by_rounding_the_first_sets_the_end():

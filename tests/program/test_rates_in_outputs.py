@@ -1,6 +1,5 @@
 """What is said of limits of rates, kept or not: warnings, lines, JSON, saved results, the report, the command line."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -79,40 +78,6 @@ def test_rates_that_are_kept_warn_of_nothing_but_steps_at_the_ends(kept, reporte
     assert named == {str(use.name) for use in rate_uses(kept)}
 
 
-def test_a_quintic_profile_has_no_step_at_its_ends(planar_cell, lift):
-    description = {"duration": 0.5, "samples": 41, "profile": "quintic"}
-    description |= {"start": {"xyz": lift.position[0].tolist()}, "end": {"xyz": lift.position[-1].tolist()}}
-    smooth = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
-    assert mrts.scale(with_rates(planar_cell, 0.5), smooth, rates=True).warnings == ()
-
-
-def test_a_saved_result_says_the_same(kept, tmp_path):
-    mrts.save_result(kept, tmp_path / "kept.npz")
-    again = mrts.load_result(tmp_path / "kept.npz")
-    assert again.range.upper == kept.range.upper
-    assert again.range.upper.rows == kept.range.upper.rows
-    assert again.json_text() == kept.json_text()
-    assert again.sentence() == kept.sentence()
-
-
-def test_a_range_that_rates_leave_empty_is_saved(planar_cell, lift, tmp_path, lifted):
-    """Only its form: `test_constant_rates` has an answer that is."""
-    upper = lifted.range.upper
-    empty = mrts.ScalingRange(mrts.ScalingStatus.EMPTY, upper, replace(upper, c2=1.0), lifted.range.samples)
-    limits = mrts.scale(planar_cell, lift, rates=100.0).options
-    mrts.save_result(replace(lifted, found=empty, c2=None, trajectory=None, options=limits), tmp_path / "empty.npz")
-    again = mrts.load_result(tmp_path / "empty.npz")
-    assert (again.range.status, again.range.lower, again.range.upper) == (empty.status, upper, replace(upper, c2=1.0))
-
-
-def test_the_command_line_keeps_rates(capsys, tmp_path):
-    assert main(["scale", CELL, LIFT, "--rates", "3", "--json", str(tmp_path / "result.json")]) == 0
-    assert capsys.readouterr().out.startswith("planar_dual_arm: within the rates, c² ∈ [0, 1.70")
-    found = json.loads((tmp_path / "result.json").read_text())
-    assert found["kept_rates"]["torque"] == [300, 240, 150] * 2
-    assert found["rates"][0]["share"] == pytest.approx(1, abs=1e-7)
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -128,11 +93,6 @@ def test_the_command_line_keeps_rates(capsys, tmp_path):
 def test_what_does_not_go_with_rates_is_refused(options, message, capsys):
     assert main(["scale", CELL, LIFT, *options]) == 2
     assert message in capsys.readouterr().err.replace("\n", " ")
-
-
-def test_what_is_possible_keeps_no_rates(planar_cell, lift):
-    with pytest.raises(mrts.InputError, match=r"load = 'possible': what is possible leaves no torques"):
-        mrts.scale(planar_cell.with_variation(mass=(0.5, 2)), lift, load="possible", rates=3.0)
 
 
 def test_a_chosen_factor_beyond_the_rates_is_refused(planar_cell, lift):
