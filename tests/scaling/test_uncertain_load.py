@@ -124,6 +124,12 @@ def lowering():
     return mrts.sample_motion(mrts.MotionDescription.model_validate(given))
 
 
+def start_of(lowering):
+    """Before the braking, which a heavy load cannot survive at all."""
+    fields = (lowering.time, lowering.position, lowering.rotation, lowering.twist, lowering.acceleration)
+    return mrts.ObjectMotion(*(field[:20] for field in fields))
+
+
 @pytest.mark.quick
 def test_the_worst_load_of_a_lowering_is_the_lightest(planar_cell, lowering):
     """On forks 2 f_y = m (g - c² a) >= 2 N: at the start c² <= (g - 2/m)/a, which the lightest load makes smallest."""
@@ -207,9 +213,7 @@ def test_a_known_load_of_the_box_has_torques_at_the_guaranteed_c2(dual_ur5, lift
 def test_loads_that_share_no_speed_are_told_apart(planar_cell, lowering):
     """With 1 N <= f_y <= 3 N a light load sets an upper and a heavy one a lower end at t = 0."""
     cell = on_forks(planar_cell, 3.0).with_variation(mass=(0.45, 2.0))
-    first = slice(20)  # before the braking, which the heavy load cannot survive at all
-    fields = (lowering.time, lowering.position, lowering.rotation, lowering.twist, lowering.acceleration)
-    result = scaled(cell, mrts.ObjectMotion(*(field[first] for field in fields)))
+    result = scaled(cell, start_of(lowering))
     assert result.status is mrts.ScalingStatus.EMPTY
     assert result.range.samples.status[0] is mrts.SampleStatus.EMPTY
     assert "mass 1 kg" in result.summary()
@@ -217,3 +221,17 @@ def test_loads_that_share_no_speed_are_told_apart(planar_cell, lowering):
     a = -lowering.acceleration[0, 1]
     assert result.range.samples.lower[0] == pytest.approx((9.8 - 6 / 1.0) / a, rel=RANGE_TOLERANCE)
     assert result.range.samples.upper[0] == pytest.approx((9.8 - 2 / 0.225) / a, rel=RANGE_TOLERANCE)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("largest", "says"),
+    [
+        (2.2, "you must play it 0.367 to 0.803 × as fast as given: 0.2714 to 0.1239 s instead of 0.09948 s"),
+        (2.45, "you must play it at most 0.803 × as fast as given: 0.1239 s instead of 0.09948 s"),
+    ],
+)
+def test_no_slower_than_what_can_be_held(planar_cell, lowering, largest, says):
+    result = scaled(on_forks(planar_cell, largest), start_of(lowering))
+    assert says in result.sentence()
+    assert (result.range.lower.c2 > 0) == (largest < 2.45)
