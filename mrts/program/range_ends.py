@@ -6,7 +6,7 @@ depends on its basis. `rows_at_end` names all that are at their limit in every s
 they are those with a multiplier in some solution of the dual program.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +42,7 @@ class RangeEnds:
         gap: A c² in the gap below the interval, 0 where there is no other, Shape (N,).
         effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
         fallbacks: Programs that the chosen solver did not solve and another did.
-        several: Whether some sample admits other intervals as well.
+        gaps: Whether a sample admits other intervals as well, Shape (N,).
     """
 
     lower: Array
@@ -52,7 +52,9 @@ class RangeEnds:
     gap: Array
     effect: Array
     fallbacks: int = 0
-    several: bool = False
+
+    def __post_init__(self) -> None:
+        self.gaps = self.gap > 0
 
     @classmethod
     def unknown(cls, samples: int) -> "RangeEnds":
@@ -68,18 +70,17 @@ class RangeEnds:
 
     def replace(self, samples: NDArray[np.intp], other: "RangeEnds") -> None:
         """Take some samples from another batch."""
-        wide = max(self.codes.shape[2], other.codes.shape[2])
-        self.codes = wide_codes(self.codes, wide)
-        self.codes[:, samples] = wide_codes(other.codes, wide)
-        for mine, found in ((self.lower, other.lower), (self.upper, other.upper), (self.status, other.status)):
-            mine[samples] = found
+        self.codes, theirs = same_width([self.codes, other.codes])
+        self.codes[:, samples] = theirs
+        for name in ("lower", "upper", "status", "gaps"):
+            getattr(self, name)[samples] = getattr(other, name)
         self.fallbacks += other.fallbacks
-        self.several |= other.several
 
 
-def wide_codes(codes: Codes, size: int) -> Codes:
-    """Codes with zeros behind them, so that there are so many."""
-    return np.concatenate([codes, np.zeros((*codes.shape[:2], size - codes.shape[2]), dtype=np.int32)], axis=2)
+def same_width(parts: Sequence[Codes]) -> list[Codes]:
+    """Codes with zeros behind them, so that all have as many."""
+    wide = max(codes.shape[2] for codes in parts)
+    return [np.pad(codes, ((0, 0), (0, 0), (0, wide - codes.shape[2]))) for codes in parts]
 
 
 def kernel_ends(library: CellLibrary, inputs: dict[str, Array], rows: MotionRows, most: Array) -> RangeEnds:
@@ -233,7 +234,7 @@ MOST_INTERVALS = 100
 def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float) -> RangeEnds:
     """The highest intervals of c² that do not begin above `high`, from what finds them below a c² of each sample."""
     found, lowest = find(most), np.zeros(len(most), dtype=bool)
-    several = bool(np.any(found.gap > 0))
+    gaps = found.gaps
     for _ in range(MOST_INTERVALS):
         above = (found.gap > 0) & (found.lower > high) & ~lowest
         if not np.any(above):
@@ -244,7 +245,7 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
         lowest |= nothing
         if not np.any(nothing):
             most, found = tried, below
-    found.several = several
+    found.gaps = gaps
     return found
 
 

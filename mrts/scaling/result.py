@@ -27,7 +27,7 @@ from mrts.program.motor_terms import motor_terms
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import PlanReserve, plan_reserve
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.scaling.limit_use import LimitUse, found_limit_uses, largest_step, limit_tables, limit_uses, rate_uses
+from mrts.scaling.limit_use import LimitUse, all_quantities, largest_step, limit_tables, limit_uses, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
@@ -157,7 +157,8 @@ class ScalingResult(Result):
     @cached_property
     def limit_uses(self) -> tuple[LimitUse, ...]:
         """What the trajectory makes of each quantity that can be limited; nothing without a trajectory."""
-        return found_limit_uses(self)
+        done = self.trajectory
+        return () if done is None else all_quantities(done, driven=True).uses(done.time)
 
     @property
     def status(self) -> RangeStatus:

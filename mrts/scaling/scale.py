@@ -426,14 +426,12 @@ def _holding(options: Options, rows: MotionRows) -> tuple[Holding, tuple[Remark,
     if not np.any(needed):
         return Holding((False, False), torque, wrench), ()
     places = np.array([0, motion.samples - 1])
-    at_rest = rows.at_rest(*_still(motion, options.sharing, places), places)
-    widening = motion_widening(at_rest, np.zeros(2))
-    held = needed & (widening <= TORQUE_WIDENING)
+    still = _still(rows, places)
+    held = needed & (motion_widening(still, np.zeros(2)) <= TORQUE_WIDENING)
     if np.any(held):
         if not np.all(held):  # the other end has no torques: the one that has them stands for both
-            both = places[held][[0, -1]]
-            at_rest = rows.at_rest(*_still(motion, options.sharing, both), both)
-        found = distributed_torques(at_rest, options, 0.0)
+            still = _still(rows, places[held][[0, -1]])
+        found = distributed_torques(still, options, 0.0)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
     remarks = tuple(
         Remark(
@@ -447,16 +445,14 @@ def _holding(options: Options, rows: MotionRows) -> tuple[Holding, tuple[Remark,
     return Holding((bool(held[0]), bool(held[1])), torque, wrench), remarks
 
 
-def _still(
-    motion: CoordinatedMotion, sharing: LoadSharing | None, samples: NDArray[np.intp]
-) -> tuple[CoordinatedMotion, LoadSharing | None]:
-    """Some samples at which the joints stand, so that no friction opposes a motion, with the distribution there."""
+def _still(rows: MotionRows, samples: NDArray[np.intp]) -> MotionRows:
+    """The rows at some samples where the joints stand, so that no friction opposes a motion."""
+    motion, sharing = rows.motion, rows.sharing
     stands = np.zeros((len(samples), motion.q.shape[1]))
+    if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
+        sharing = replace(sharing, internal_wrench=np.asarray(sharing.internal_wrench)[samples])
     still = replace(motion.at(samples), dq=stands, ddq=stands, travel=None)
-    internal = None if sharing is None else sharing.internal_wrench
-    if sharing is None or internal is None or np.ndim(internal) == 1:
-        return still, sharing
-    return still, replace(sharing, internal_wrench=np.asarray(internal)[samples])
+    return motion_rows(rows.cell, still, sharing, rows.formulation)
 
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:

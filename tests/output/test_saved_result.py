@@ -100,7 +100,7 @@ FOUND_WHEN_READ = {
     "Excess.named": ("row",),
     "RangeEnd.named": ("rows",),
     "ScalingResult.found": ("range",),
-    "SampleRanges.rows": (),  # a file has all rows at the ends over the motion: what is saved again is compared
+    "SampleRanges.codes": (),  # a file has all rows at the ends over the motion: what is saved again is compared
     "SampleRanges.problem": (),
 }
 """Fields that hold what finds a value, and where the value is."""

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from cell_bank import random_spatial_cell
 from conftest import DATA
 from gantries import UPHILL, along_x, gantries, uphill_gantries
 from smooth_program import Rates, quintic_path, smooth_timing, with_third
@@ -116,23 +115,3 @@ def test_the_shipped_cells_over_time(name):
     ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None)
     theirs = timed_by_ipopt(cell, description, Rates(torque=rates), TIME_STEPS)
     assert ours.duration == pytest.approx(theirs, rel=OTHER)
-
-
-@pytest.mark.slow
-def test_a_random_cell_over_time(tmp_path):
-    rng = np.random.default_rng(16)
-    drawn = random_spatial_cell(rng, tmp_path, 2, samples=81)
-    cell = drawn.cell
-    description = described(tmp_path, "motion.yaml")
-    rates = RATE * np.concatenate([robot.torque_upper for robot in cell.robots])
-    ours = mrts.retime(cell, drawn.motion, rates=RATE, between=None)
-    theirs = timed_by_ipopt(cell, description, Rates(torque=rates), TIME_STEPS)
-    assert ours.duration == pytest.approx(theirs, rel=OTHER)
-
-
-@pytest.mark.slow
-def test_steps_of_time_converge_to_it():
-    cell, description, rates = shipped("planar")
-    ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None).duration
-    coarse, fine = (timed_by_ipopt(cell, description, Rates(torque=rates), steps) / ours - 1 for steps in (20, 40))
-    assert abs(fine) < abs(coarse) / 2

@@ -12,7 +12,6 @@ from random_motors import equipped
 
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
-from mrts.limits.rows import STANDSTILL
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
@@ -104,12 +103,6 @@ def test_ends_and_the_rows_that_set_them(case):
     assert found.fallbacks == known.fallbacks == 0
 
 
-def test_a_standstill_that_holds_is_named_alone(tmp_path):
-    cell, path = arm_and_path(tmp_path)
-    found = motion_ranges(motion_rows(cell, along_spline(cell, path, 9)), "kernel")
-    assert {row.name for k in range(9) for row in found.binding(k, "lower")} == {STANDSTILL}
-
-
 def sides_at(regions, u, x):
     """How far points of each sample are inside its half-planes, the least of all, in limits, Shape (N,)."""
     planes = regions.planes.reshape(len(regions.lower), -1, 3)
@@ -129,11 +122,3 @@ def test_half_planes_of_an_arm_are_its_torques_by_pinocchio(seed, tmp_path):
         velocity, acceleration = motion.dq[k] * np.sqrt(x[k]), motion.ddq[k] * x[k] + motion.dq[k] * u[k]
         torque = pin.rnea(model, data, configuration(model, motion.q[k]), velocity, acceleration)
         assert inside[k] == pytest.approx(float(np.min(1 - np.abs(torque) / limit)), abs=BY_PINOCCHIO)
-
-
-def test_friction_in_proportion_to_speed_is_left_to_the_intervals(tmp_path):
-    cell, path = arm_and_path(tmp_path)
-    cell = equipped(cell, viscous=3.0)
-    motion = along_spline(cell, path, 31)
-    found, known = (motion_ranges(motion_rows(cell, motion), solver) for solver in ("kernel", "qpsol:qpoases"))
-    np.testing.assert_allclose(found.upper, known.upper, rtol=1e-9)
