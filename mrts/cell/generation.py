@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.formats.record import read_json
 from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
 from mrts.cell.record import CellManifest, read_generated, verified_manifest
 from mrts.kernel.c_text import one_file
@@ -96,7 +97,7 @@ def _chains_in_cache(cell: Any) -> tuple[Path, ChainsRecord | None]:
     from mrts_codegen.content_key import chains_key  # noqa: PLC0415 (build time, on demand)
 
     folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
-    chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
+    chains = _if_sound(folder / CHAINS_NAME, lambda text: ChainsRecord.model_validate(read_json(text)))
     return folder, chains if chains is not None and _is_source(folder / chains.source, chains) else None
 
 
