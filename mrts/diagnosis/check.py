@@ -12,7 +12,6 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
 from mrts.cell.loading import uncompiled_cell
-from mrts.cell.remarks import joint_sources
 from mrts.cell.source_files import is_generated, read_without_generating
 from mrts.diagnosis.arm_reach import ArmReach, of_machine, reach_of
 from mrts.diagnosis.cell_check import CellCheck
@@ -63,7 +62,7 @@ def check(
     if model is None:
         return found
     whole = uncompiled_cell(model, path.resolve().parent)
-    found = replace(found, joints=joint_sources(whole.robots), remarks=whole.all_remarks)
+    found = replace(found, robots=whole.robots, remarks=whole.all_remarks)
     return found if given is None else _with_reach(found, model, whole, given, progress)
 
 

@@ -10,7 +10,7 @@ from mrts.base.edited_yaml import flow
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.base.yaml_parser import parse_yaml
-from mrts.cell.remarks import joint_sources, missing_masses
+from mrts.cell.remarks import missing_masses
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal
 from mrts.starting.request import ArmRequest
@@ -99,7 +99,7 @@ def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
         yield _line(f"    # torque: {flow(efforts)}", "the URDF's efforts, which count; remove the # to set your own")
     speeds = ", ".join("none" if each == np.inf else f"{each:.4g}" for each in chain.velocity_limit)
     yield f"    # the URDF's velocity limits: {speeds}"
-    for remark in missing_masses(joint_sources([arm.robot])):
+    for remark in missing_masses([arm.robot]):
         yield f"    # {printable(remark.text)}"
 
 

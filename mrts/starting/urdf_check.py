@@ -7,7 +7,7 @@ from pathlib import Path
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.remark import Remark
-from mrts.cell.remarks import first_few, joint_assumptions, joint_sources, missing_masses, urdf_remarks
+from mrts.cell.remarks import first_few, joint_assumptions, missing_masses, urdf_remarks
 from mrts.cell.source_files import UrdfReading, urdf_with_mistakes
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.scene.arm_meshes import mesh_file
@@ -24,10 +24,10 @@ def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
     for mistake in read.mistakes:
         mistakes.add(mistake)
     arms = _arms(read, mistakes)
-    joints = joint_sources(arm.robot for arm in arms)
+    robots = tuple(arm.robot for arm in arms)
     remarks = [hint for arm in arms for hint in _hints(arm, path)]
-    remarks += [*read.remarks, *missing_masses(joints), *joint_assumptions(joints), *_missing_meshes(read)]
-    return CellCheck(cell=path, mistakes=tuple(mistakes.found), joints=joints, remarks=tuple(remarks))
+    remarks += [*read.remarks, *missing_masses(robots), *joint_assumptions(robots), *_missing_meshes(read)]
+    return CellCheck(cell=path, mistakes=tuple(mistakes.found), robots=robots, remarks=tuple(remarks))
 
 
 def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:

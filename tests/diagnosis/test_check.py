@@ -13,7 +13,7 @@ from draws import draws
 from published_robots import CASES, single_arm_cell
 
 import mrts
-from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS, joint_sources, missing_masses
+from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS, missing_masses
 from mrts.starting.reading import HOPELESS, request_of
 
 UR5 = DATA.parent / "dual_ur5"
@@ -285,6 +285,6 @@ def test_links_without_mass_and_points_are_told_in_the_same_words_as_for_a_new_c
     }
     given = {"name": "cell", "robots": [str(tmp_path / "arm.urdf")], "gravity": np.array([0, -9.81, 0])}
     arm = request_of(tmp_path, **given).arms[0].arm.robot
-    told = [remark.text for remark in missing_masses(joint_sources([arm]))]
+    told = [remark.text for remark in missing_masses([arm])]
     assert told == [f"{WEIGHTLESS} (left: elbow)", f"{POINT_MASSES} (left: hand)"]
     assert mrts.check(DATA / "cell.yaml").warnings == ()

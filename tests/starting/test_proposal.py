@@ -13,7 +13,7 @@ from published_robots import ROBOTS
 import mrts
 from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
-from mrts.cell.remarks import joint_assumptions, joint_sources
+from mrts.cell.remarks import joint_assumptions
 from mrts.starting.cell_writing import cell_file, motion_file
 from mrts.starting.layouts import layouts
 from mrts.starting.proposal import propose
@@ -100,7 +100,7 @@ def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
     proposal = propose(request)
     text = cell_file(proposal)
     assert "# assumed: the URDF has no effort. Put the data sheet's here" in text
-    assumed = {remark.code for remark in joint_assumptions(joint_sources([request.arms[0].arm.robot]))}
+    assumed = {remark.code for remark in joint_assumptions([request.arms[0].arm.robot])}
     assert "no-effort-limit" in assumed
     assert [each.arm.without_effort for each in request.arms] == [request.arms[0].arm.robot.joints] * 2
     assert proposal.result.range.upper.c2 >= 4

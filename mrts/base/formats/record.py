@@ -260,7 +260,7 @@ def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ..
 
 
 def _plain(kind: type, value: Any) -> Any:
-    taken = (float, int) if kind is float else kind
+    taken: Any = (float, int) if kind is float else kind
     if not isinstance(value, taken) or (isinstance(value, bool) and kind is not bool):
         raise _broken(f"must be {TYPES[kind]}", value)
     if kind is not float:
