@@ -34,10 +34,7 @@ class FileReference:
         if is_uri(self.text):
             return file_of_uri(cell_path, self.text, folder / cell_path.name, key=self.key)
         given = folder / self.text
-        try:
-            return given.parent.resolve() / given.name
-        except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL: told when it is read
-            return given
+        return given.parent.resolve() / given.name if ".." in given.parts and "\0" not in self.text else given
 
     def content(self, cell_path: Path, folder: Path) -> bytes:
         """The file's bytes; of a xacro, the URDF that it becomes with all that it includes."""

@@ -54,19 +54,14 @@ def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     return manifest if _is_source(_source_in_cache(manifest), manifest) else None
 
 
-def described_in_cache(description: object, folder: Path) -> tuple[CellManifest, Path]:
-    """Manifest of a cell that a dictionary describes, and its C file; chains are cached.
-
-    Args:
-        description: Keys of a cell file.
-        folder: That URDFs are relative to, absolute.
-    """
-    manifest = _manifest(described_model(description, folder))
+def described_in_cache(model: Any) -> tuple[CellManifest, Path]:
+    """Manifest and C file of a cell from `described_model`; chains are cached."""
+    manifest = _manifest(model)
     return manifest, _source_in_cache(manifest)
 
 
 def described_model(description: object, folder: Path, where: str = "cell description") -> Any:
-    """A cell that a dictionary describes, with its URDFs; as in `described_in_cache`.
+    """A cell that a dictionary describes, with its URDFs.
 
     Args:
         description: Keys of a cell file.
@@ -187,7 +182,7 @@ def comes_with_tests(parts: tuple[str, ...]) -> bool:
 
 
 def symbolic_functions(description: object, folder: Path) -> dict[str, Any]:
-    """CasADi's functions of a cell by short name, to build programs of; as in `described_in_cache`."""
+    """CasADi's functions of a cell by short name, to build programs of."""
     from mrts_codegen.function_registry import build_functions  # noqa: PLC0415 (build time, on demand)
 
     functions: dict[str, Any] = build_functions(described_model(description, folder), CACHED_STEM, bake=False)

@@ -10,7 +10,13 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.regular_file import is_folder
 from mrts.cell.cell import Cell
 from mrts.cell.functions import CellFunctions, compiled_functions, uncompiled_functions
-from mrts.cell.generation import described_in_cache, generated_in_cache, motion_functions_of, read_to_generate
+from mrts.cell.generation import (
+    described_in_cache,
+    described_model,
+    generated_in_cache,
+    motion_functions_of,
+    read_to_generate,
+)
 from mrts.cell.record import read_generated
 from mrts.cell.source_files import is_generated
 
@@ -35,7 +41,7 @@ def described_cell(description: object, folder: Path | str | None) -> Cell:
     """A cell from a dictionary; see `mrts.Cell.from_description`."""
     check_type("folder", folder, str, PathLike, NoneType)
     here = (Path() if folder is None else as_path("folder", folder)).absolute()
-    return cell_of(compiled_functions(*described_in_cache(description, here)), here)
+    return cell_of(compiled_functions(*described_in_cache(described_model(description, here))), here)
 
 
 def cell_of(functions: CellFunctions, folder: Path | None = None) -> Cell:

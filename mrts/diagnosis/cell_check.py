@@ -3,7 +3,7 @@
 
 import shlex
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError
+from mrts.base.formats.record import dumped
 from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
@@ -270,19 +271,10 @@ def _joints_json(robot: Robot) -> Iterator[dict[str, Any]]:
 
 
 def _arm_json(arm: ArmReach) -> dict[str, Any]:
-    said: dict[str, Any] = _json(arm) | {"follows": arm.follows, "failure": arm.failure or None}
+    said: dict[str, Any] = dumped(arm) | {"follows": arm.follows, "failure": arm.failure or None}
     del said["ways"]
     if arm.nearest is not None:
         said["nearest"] |= {"gap": arm.nearest.gap}
+    if arm.margin is not None and arm.margin.joint is None:
+        said["margin"] |= {"to_limit": None}
     return said
-
-
-def _json(value: Any) -> Any:
-    """A value as JSON values; None for an infinite number: it stands for no limit."""
-    if is_dataclass(value):
-        return {field.name: _json(getattr(value, field.name)) for field in fields(value)}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, tuple):
-        return [_json(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -8,7 +8,7 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.remark import Remark
 from mrts.cell.remarks import first_few, joint_assumptions, missing_masses, urdf_remarks
-from mrts.cell.source_files import UrdfReading, urdf_with_mistakes
+from mrts.cell.source_files import UrdfReading, read_urdf
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.scene.arm_meshes import mesh_file
 from mrts.starting.arm import Arm, plane_of
@@ -20,7 +20,7 @@ def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
     """Check one URDF: its XML, joints and masses, the chains to its hands, and whether its meshes are there."""
     if args and not is_xacro(path):
         raise InputError("--xacro-arg", f"{path.name} is no xacro, whose name ends in .xacro.")
-    read, mistakes = urdf_with_mistakes(path, args), Mistakes()
+    read, mistakes = read_urdf(path, Path(), str(path), args), Mistakes()
     for mistake in read.mistakes:
         mistakes.add(mistake)
     arms = _arms(read, mistakes)
