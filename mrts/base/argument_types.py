@@ -26,16 +26,7 @@ WORDS = {
 
 
 def check_type(name: str, value: object, *kinds: type) -> None:
-    """Check what an argument is.
-
-    Args:
-        name: Of the argument.
-        value: What was given.
-        *kinds: Types that it may have; a truth value counts as no number.
-
-    Raises:
-        InputError: If it is something else.
-    """
+    """Check what an argument is."""
     if isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool)):
         return
     *others, last = map(_type_name, kinds)

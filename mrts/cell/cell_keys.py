@@ -152,7 +152,6 @@ def _places(cell: Cell, keys: dict[str, Any], paths: Iterable[str]) -> dict[str,
 
 
 def _of_robot(cell: Cell, robot: Robot, key: str, value: Any) -> dict[str, Any]:
-    """Attributes of a robot that a key of the cell file gives."""
     where = f"robot '{robot.name}'"
     if key in POSES:
         return {POSES[key]: value if isinstance(value, RigidTransform) else _given(where, key, value, Pose).transform}

@@ -61,13 +61,7 @@ def described_in_cache(model: Any) -> tuple[CellManifest, Path]:
 
 
 def described_model(description: object, folder: Path, where: str = "cell description") -> Any:
-    """A cell that a dictionary describes, with its URDFs.
-
-    Args:
-        description: Keys of a cell file.
-        folder: That URDFs are relative to, absolute.
-        where: What messages call the dictionary.
-    """
+    """A cell that a dictionary describes, with its URDFs."""
     from mrts_codegen.cell_file import cell_description  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415
 
@@ -101,7 +95,6 @@ def _source_in_cache(manifest: CellManifest) -> Path:
 
 
 def _chains_folder(key: str) -> Path:
-    """What was generated for chains, by this version of the emitter."""
     from mrts_codegen.content_key import emitter_key  # noqa: PLC0415 (build time, on demand)
 
     return cache_folder("chains", key, emitter_key())
@@ -109,11 +102,6 @@ def _chains_folder(key: str) -> Path:
 
 def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple[CellManifest, Path]:
     """Generate a cell and keep it.
-
-    Args:
-        path: The cell file.
-        folder: Where to write the C file and manifest.json; None is the cache.
-        bake: Whether gravity, bases, grasps and held joints are folded into the C; needs a folder.
 
     Returns:
         The manifest and the path of the C file.

@@ -147,7 +147,6 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
 
 
 def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Sequence[str]) -> str | None:
-    """Unit of a number of a robot; None where the key alone says it."""
     index = keys[-1] if isinstance(keys[-1], int) else 0
     if inside[0] == "fixed":
         return ""
@@ -180,7 +179,6 @@ def set_value(file: dict[str, Any], keys: Keys, value: Any) -> None:
 
 
 def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[str | int, str]:
-    """The next key or index of a path, and what is left of the path after it."""
     where = path_text(files, keys) or "the cell file"
     if here is None:
         raise PathError(NOTHING_THERE.format(where))

@@ -270,14 +270,7 @@ def _lengths(cell: "Cell") -> Iterator[Remark]:
 
 
 def base_remarks(robot: "Robot", middle: Array, meant: Array, longest: float) -> Iterator[Remark]:
-    """That the base of an arm is a thousand times too far from where the arms work.
-
-    Args:
-        robot: The arm.
-        middle: Where that is, Shape (3,) [m].
-        meant: Where it would be, were the base in metres, Shape (3,) [m].
-        longest: Length of the longest arm [m].
-    """
+    """That the base of an arm is a thousand times too far from where the arms work."""
     away = float(np.linalg.norm(robot.T_world_base.p - middle))
     thousandth = float(np.linalg.norm(robot.T_world_base.p / 1000 - meant))
     if away > FAR * longest + np.linalg.norm(robot.T_object_tip.p) and thousandth < NEAR * longest:
@@ -346,7 +339,6 @@ def _inertia_remarks(cell: "Cell") -> Iterator[Remark]:
 
 
 def _moments(cell: "Cell", inertia: Array) -> Array:
-    """Principal moments; in a planar cell that about the normal alone, which is all that counts there."""
     if cell.plane is None:
         return np.asarray(np.linalg.eigvalsh(inertia))
     normal = {"yz": 0, "xz": 1, "xy": 2}[cell.plane]
@@ -383,7 +375,6 @@ def _half_sides(shape: "ShapeRecord") -> Array:
 
 
 def _placeholder_efforts(cell: "Cell") -> dict[str, float]:
-    """Names of the arms whose efforts look like placeholders, and the effort [N m]."""
     found = {}
     for robot in cell.robots:
         efforts = robot.torque_upper[_turning(robot)].tolist()

@@ -214,7 +214,6 @@ class Robot(InNotebooks):
 
 
 def _checked_pose(where: str, key: str, given: object) -> RigidTransform:
-    """A pose that nobody can write to."""
     if not isinstance(given, RigidTransform):
         raise InputError(where, "must be an mrts RigidTransform.", key=key, value=given)
     R, p = as_array(f"{where}: {key}.R", given.R), as_array(f"{where}: {key}.p", given.p)

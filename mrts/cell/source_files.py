@@ -83,12 +83,6 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
 def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> UrdfReading:
     """A URDF with all that is wrong with it.
 
-    Args:
-        where: What names it, for messages.
-        folder: That it is relative to.
-        urdf: As in a cell file.
-        args: Of a xacro, by name.
-
     Raises:
         InputError: If it names a package that is nowhere.
     """

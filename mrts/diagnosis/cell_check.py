@@ -196,11 +196,7 @@ def arm_lines(arm: ArmReach) -> Iterator[str]:
 
 
 def direction(move: Array) -> str:
-    """A move in words: how far along which axes of the world.
-
-    Args:
-        move: Shape (3,) [m].
-    """
+    """A move in words, Shape (3,) [m]: how far along which axes of the world."""
     size = float(np.linalg.norm(move))
     parts = [
         f"{length(abs(value))} towards {'-' if value < 0 else '+'}{axis}"
@@ -211,11 +207,7 @@ def direction(move: Array) -> str:
 
 
 def length(size: float) -> str:
-    """A length in words, in mm below a metre.
-
-    Args:
-        size: [m].
-    """
+    """A length [m] in words, in mm below a metre."""
     return f"{1e3 * size:.3g} mm" if size < 1 else f"{size:.4g} m"
 
 
@@ -252,7 +244,6 @@ def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
 
 
 def _joints_json(robot: Robot) -> Iterator[dict[str, Any]]:
-    """What is known of each joint of an arm; None is no limit, or what is not known."""
     sources = zip(friction_sources(robot), robot.source.carried_mass, robot.source.point_links, strict=True)
     for j, (friction, mass, points) in enumerate(sources):
         yield {

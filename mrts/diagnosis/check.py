@@ -69,7 +69,6 @@ def check(
 def _with_reach(
     found: CellCheck, model: Any, cell: Cell, motion: ObjectMotion | JointTable, progress: Progress
 ) -> CellCheck:
-    """What a check found, with what became of the motion."""
     if isinstance(motion, ObjectMotion):
         found = replace(found, remarks=(*found.remarks, *motion.remarks, *motion_units(cell, motion)))
     try:
@@ -101,7 +100,6 @@ def _with_reach(
 
 
 def _fellows(cell: Cell, index: int) -> list[int]:
-    """The other arms of the machine that an arm is of."""
     names = [robot.name for robot in cell.robots]
     return [names.index(name) for name in machine_of(cell, names[index]) if name != names[index]]
 

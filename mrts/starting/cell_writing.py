@@ -58,7 +58,6 @@ def motion_file(proposal: Proposal) -> str:
 
 
 def _line(text: str, comment: str, proposal: Proposal | None = None) -> str:
-    """A line with a comment behind it; what a user wrote in it is made printable."""
     if proposal is not None and proposal.request.mass not in {None, proposal.mass}:
         comment = f"{proposal.request.mass:g} were asked for, which the motors cannot hold"
     if not comment:
@@ -87,7 +86,6 @@ def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Itera
 
 
 def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
-    """What the URDF says of motors, or what stands in for it."""
     chain, assumed = arm.robot, arm.without_effort
     if assumed:
         whose = "assumed" if len(assumed) == len(chain.joints) else f"assumed for {', '.join(assumed)}"

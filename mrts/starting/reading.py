@@ -128,13 +128,7 @@ def request_of(
 
 
 def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
-    """Check that an arm can hold an object at all.
-
-    Args:
-        arm: The arm.
-        path: Of its URDF, for messages.
-        plane: In which all arms of the cell move; None in space.
-    """
+    """Check that an arm can hold an object at all."""
     count, needed = len(arm.robot.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
     if count < needed:
         rule = (
@@ -152,7 +146,6 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
 
 
 def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str, str]) -> list[_Chosen]:
-    """The arms, in the order of the robots."""
     files = {robot: _read(robot, xacro_args) for robot in robots}
     if xacro_args and not any(is_xacro(path) for path, _, _ in files.values()):
         raise InputError(XACRO_ARG, "no --robot is a xacro, whose name ends in .xacro.")
@@ -192,7 +185,6 @@ def _read(robot: str, xacro_args: Mapping[str, str]) -> tuple[Path, UrdfTree, Su
 
 
 def _machine(chosen: list[_Chosen], arm: _Chosen) -> list[_Chosen]:
-    """The arms of the machine that an arm is of: those of one URDF that other joints move, in their order."""
     same = [other for other in chosen if other.path == arm.path]
     return same if _differ(same) and len(same) > 1 else [arm]
 
@@ -202,7 +194,6 @@ def _differ(arms: list[_Chosen]) -> bool:
 
 
 def _names(tips: list[str]) -> list[str]:
-    """What arms are called: by the sides in the names of their tips, or left and right, or by number."""
     sides = [next((side for side in SIDES if side in tip.lower()), "") for tip in tips]
     if len(tips) > len(SIDES):
         return [f"arm_{index + 1}" for index in range(len(tips))]
@@ -210,7 +201,6 @@ def _names(tips: list[str]) -> list[str]:
 
 
 def _posture(posture: Array, chain: Robot, *, degrees: bool) -> Array:
-    """A posture in rad and m, inside the joint limits."""
     if len(posture) != len(chain.joints):
         rule = f"must have {len(chain.joints)} values, one for each of {', '.join(chain.joints)}."
         raise InputError(POSTURE, rule, value=posture.tolist())

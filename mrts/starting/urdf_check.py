@@ -56,7 +56,6 @@ def _hints(arm: Arm, path: Path) -> Iterator[Remark]:
 
 
 def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:
-    """Meshes that are not there: nothing is computed from them."""
     gone, why = [], ""
     for name in read.meshes:
         try:

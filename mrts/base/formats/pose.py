@@ -107,7 +107,6 @@ class Pose(Record):
         return known if len(known) > 1 else known | {"rpy": [0.0, 0.0, 0.0]}
 
     def _x_to_w(self) -> list[float] | None:
-        """Its quaternion, if it is given by one, the real part last."""
         if self.quaternion_wxyz is not None:
             return [*self.quaternion_wxyz[1:], self.quaternion_wxyz[0]]
         return self.quaternion_xyzw
