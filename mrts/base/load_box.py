@@ -230,24 +230,13 @@ class LoadBox:
 
 
 def load_vector(mass: float, first_moment: Array, inertia: Array) -> Array:
-    """The load in the layout `LOAD_ENTRIES`, Shape (10,).
-
-    Args:
-        mass: [kg].
-        first_moment: mass × com, object axes, Shape (3,) [kg m].
-        inertia: About the object frame's origin, object axes, Shape (3, 3) [kg m²].
-    """
+    """The load in the layout `LOAD_ENTRIES`, Shape (10,)."""
     off_diagonal = [inertia[0, 1], inertia[0, 2], inertia[1, 2]]
     return np.array([mass, *first_moment, *np.diag(inertia), *off_diagonal], dtype=np.float64)
 
 
 def range_problem(ranges: Mapping[str, tuple[float, float]], *, outer_hull: bool) -> str:
-    """The rule that some ranges break, in a sentence; empty if they break none.
-
-    Args:
-        ranges: Least and largest value by parameter.
-        outer_hull: Whether ranges of the com's offset are admitted.
-    """
+    """The rule that some ranges break, in a sentence; empty if they break none."""
     if not ranges:
         return f"needs at least one range, of {', '.join(PARAMETERS)}."
     for name, pair in ranges.items():
@@ -284,18 +273,13 @@ def _one_range_problem(name: str, pair: Any) -> str:
 
 
 def _meaning(name: str, mass: float, low: float, high: float) -> str:
-    """What the number of a parameter is, behind its range."""
     if name == "mass":
         return f": it is a factor of the nominal mass, {mass:g} kg, so {low * mass:g} to {high * mass:g} kg"
     return ": it is a factor of the nominal principal moment" if name in FACTORS else f" {UNITS[name]}"
 
 
 def principal_axes(inertia: Array) -> Array:
-    """The principal axes nearest to the object's axes, columns of a rotation, Shape (3, 3).
-
-    Args:
-        inertia: Symmetric, Shape (3, 3) [kg m²].
-    """
+    """The principal axes nearest to the object's axes, columns of a rotation, Shape (3, 3)."""
     moments, vectors = np.linalg.eigh(inertia)
     best = -np.inf
     axes = vectors

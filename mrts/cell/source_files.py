@@ -80,33 +80,20 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     return found
 
 
-def surveyed_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> "tuple[Path, UrdfTree, Survey]":
-    """Path of a URDF, what is in it, and what gives its chain from a base link (None is its root) to a tip link.
+def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> UrdfReading:
+    """A URDF with all that is wrong with it.
 
-    Args:
-        where: What names it, for messages.
-        folder: That it is relative to, absolute.
-        urdf: As in a cell file.
-        args: Of a xacro, by name.
+    Raises:
+        InputError: If it names a package that is nowhere.
     """
-    from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415
-    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
-
-    reference = FileReference(urdf, args, key="")
-    path = reference.path(where, folder)
-    read = parse_urdf(path, reference.content(where, folder))
-    return path, urdf_tree(path, read), partial(arm_chain, path, read)
-
-
-def urdf_with_mistakes(path: Path, args: Mapping[str, str]) -> UrdfReading:
-    """A URDF with all that is wrong with it."""
     from mrts_codegen.urdf.urdf_file import mesh_names, parse_urdf  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_mistakes, urdf_tree  # noqa: PLC0415
     from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
+    reference = FileReference(urdf, args, key="")
+    path = reference.path(where, folder)
     try:
-        content = FileReference(str(path), args, key="").content(path, Path.cwd())
+        content = reference.content(where, folder)
         read = parse_urdf(path, content)
     except InputError as error:
         return UrdfReading(path, None, None, error.each())
@@ -114,8 +101,8 @@ def urdf_with_mistakes(path: Path, args: Mapping[str, str]) -> UrdfReading:
     meshes = tuple(mesh_names(path, content))
     try:
         tree = urdf_tree(path, read)
-    except InputError:
-        return UrdfReading(path, None, None, mistakes, remarks, meshes)
+    except InputError as error:
+        return UrdfReading(path, None, None, mistakes or error.each(), remarks, meshes)
     return UrdfReading(path, tree, partial(arm_chain, path, read), mistakes, remarks, meshes)
 
 

@@ -71,12 +71,7 @@ def moved_by(tree: UrdfTree, link: str) -> list[JointEnds]:
 
 
 def first_link(tree: UrdfTree, tips: Sequence[str]) -> str:
-    """Where the chains of the arms of one machine begin: past what they share, and past what no chain may hold.
-
-    Args:
-        tree: The URDF.
-        tips: Its arms; the whole chain belongs to a single one.
-    """
+    """Where the chains of the arms of one machine begin: past what they share, and past what no chain may hold."""
     first = tree.root
     chains = [tree.chain(tip) for tip in tips]
     for joint in chains[0]:
@@ -104,17 +99,11 @@ def hands(tree: UrdfTree) -> list[Hand]:
 
 
 def possible_tips(tree: UrdfTree, found: Sequence[Hand]) -> list[str]:
-    """Links to choose a tip from: the hands that a URDF seems to have, or else all that enough joints move.
-
-    Args:
-        tree: The URDF.
-        found: From `hands`.
-    """
+    """Links to choose a tip from: the hands that a URDF seems to have, or else all that enough joints move."""
     return [hand.link for hand in found] or [link for link in tree.links if len(moved_by(tree, link)) >= FEWEST_JOINTS]
 
 
 def _ends(tree: UrdfTree) -> list[Hand]:
-    """Where names say nothing: the last link that all ends of a limb share."""
     above = {joint.parent for joint in tree.joints.values()}
     ends = [link for link in _candidates(tree) if link not in above]
     if not ends:  # a URDF whose only end has the name of a finger

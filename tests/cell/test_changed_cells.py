@@ -27,18 +27,13 @@ def with_left(cell, **changes):
 
 OF_CHAINS = {
     "plane": lambda cell: replace(cell, plane="xz"),
-    "wrench_components": lambda cell: replace(cell, wrench_components=("fx", "fz", "ny")),
     "name": lambda cell: replace(cell, name="other"),
     "robots": lambda cell: replace(cell, robots=cell.robots[::-1]),
-    "robots fewer": lambda cell: replace(cell, robots=cell.robots[:1]),
-    "robots more": lambda cell: replace(cell, robots=(*cell.robots, cell.robots[0])),
     "robot 'left' T_base_tip": lambda cell: with_left(
         cell, T_base_tip=mrts.RigidTransform(rotation_from_rpy(0, 0, 0.1), cell.robots[0].T_base_tip.p)
     ),
     "robot 'left' axes": lambda cell: with_left(cell, axes=-cell.robots[0].axes),
-    "robot 'left' points": lambda cell: with_left(cell, points=cell.robots[0].points + SIDE),
     "robot 'left' joints": lambda cell: with_left(cell, joints=("shoulder", "wrist", "elbow")),
-    "robot 'left' joint_types": lambda cell: with_left(cell, joint_types=("prismatic", "revolute", "revolute")),
     "robot 'left' held": lambda cell: with_left(cell, held={"torso": 0.1}),
 }
 
@@ -59,8 +54,7 @@ def baked(tmp_path_factory):
 
 @pytest.mark.parametrize("what", OF_CHAINS)
 def test_what_the_generated_c_holds_is_refused(what, planar_cell):
-    key = what.removesuffix(" fewer").removesuffix(" more")
-    with pytest.raises(mrts.InputError, match=rf"^cell: {key}: .*Change the cell file .*mrts\.load_cell\(path\)"):
+    with pytest.raises(mrts.InputError, match=rf"^cell: {what}: .*Change the cell file .*mrts\.load_cell\(path\)"):
         OF_CHAINS[what](planar_cell)
 
 
@@ -116,20 +110,12 @@ def test_limits_postures_and_load_have_their_effect(planar_cell, lift):
 
 BROKEN = {
     "torque_upper": (lambda _: [1.0, 2.0], r"torque_upper = \[1.0, 2.0\]: must be numbers"),
-    "torque_lower": (lambda _: [np.nan] * 3, r"torque_lower = \[nan, nan, nan\]: must be numbers .* Shape \(3,\)"),
     "velocity_limit": (lambda _: [0.0, 1.0, 1.0], r"velocity_limit = \[0.0, 1.0, 1.0\]: must be > 0"),
     "position_lower": (lambda left: left.position_upper + 1, r"position_lower = .* must be at most position_upper"),
-    "position_upper": (lambda _: "far", r"position_upper = 'far': must be numbers"),
     "posture": (lambda _: [0.0, np.inf, 0.0], r"posture = \[0.0, inf, 0.0\]: must be finite numbers"),
     "wrench_lower": (lambda _: [np.inf] * 3, r"wrench_lower = \[inf, inf, inf\]: must be at most wrench_upper"),
-    "wrench_upper": (lambda _: np.zeros(6), r"wrench_upper = .*must be numbers"),
-    "wrench_lower alone": (lambda _: -1.0, r"wrench_lower = -1.0: must be numbers .* Shape \(6,\)"),
-    "wrench_lower without a shape": (lambda _: np.array(-1.0), r"wrench_lower = -1.0: must be .* Shape \(6,\)"),
     "joints": (lambda _: 3, r"joints = 3: must be a tuple, each of it text"),
-    "held": (lambda _: ["torso"], r"held = \['torso'\]: must be a dictionary"),
-    "wrench_lower ragged": (lambda _: [[1], [1, 2]], r"wrench_lower = .*one rectangular shape"),
     "axes": (lambda _: np.zeros((2, 3)), r"axes = .*must be finite numbers with Shape \(3, 3\)"),
-    "joint_types": (lambda _: None, r"joint_types: must be a tuple, each of it text"),
     "joint_types fewer": (lambda _: ("revolute",), r"joint_types = \('revolute',\): must be revolute or prismatic"),
     "T_world_base": (lambda _: np.eye(4), r"T_world_base = .*RigidTransform"),
 }
@@ -148,11 +134,8 @@ def test_a_wrong_array_of_a_robot_is_refused(name, planar_cell):
     [
         ("load", np.full(10, np.nan)),
         ("load", np.zeros(10)),
-        ("load", np.ones(4)),
-        ("gravity", [0, 0]),
         ("robots", ["left", "right"]),
         ("object_velocity_limit", [1.0, 0.0]),
-        ("object_velocity_limit", np.nan),
     ],
 )
 def test_a_wrong_array_of_a_cell_is_refused(name, value, planar_cell):
@@ -160,13 +143,13 @@ def test_a_wrong_array_of_a_cell_is_refused(name, value, planar_cell):
         replace(planar_cell, **{name: value})
 
 
-@pytest.mark.parametrize("value", [5, "x", [1], np.array(1.0), {"a": 1}, object()])
 @pytest.mark.parametrize(
     "name", ["wrench_components", "load_box", "robots", "functions", "enforces_velocity_limits", "remarks"]
 )
-def test_a_value_of_another_type_is_refused_where_it_enters(name, value, planar_cell):
-    with pytest.raises(mrts.InputError, match=rf"^cell: {name} = .*must be "):
-        replace(planar_cell, **{name: value})
+def test_a_value_of_another_type_is_refused_where_it_enters(name, planar_cell):
+    for value in (5, "x", [1], np.array(1.0), {"a": 1}, object()):
+        with pytest.raises(mrts.InputError, match=rf"^cell: {name} = .*must be "):
+            replace(planar_cell, **{name: value})
 
 
 def test_a_wrench_of_another_size_is_refused(planar_cell):

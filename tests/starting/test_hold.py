@@ -69,12 +69,6 @@ def test_grasps_that_are_one_in_the_file_are_refused():
     assert raised.value.key == "robots"
 
 
-def test_a_grasp_that_something_else_repeats_is_not_replaced():
-    text = "robots:\n  - {name: left, grasp: &here {xyz: [0, 0, 0]}, base: *here}\n"
-    with pytest.raises(InputError, match="cannot be replaced where they stand"):
-        with_grasps(Path("cell.yaml"), text, {"left": {"xyz": [1, 0, 0]}})
-
-
 def test_a_hand_out_of_the_plane_is_refused(planar_cell):
     with pytest.raises(InputError, match="tilted"):
         hold_here(planar_cell, [1.25, 0.95, 0.0], [0.3, 0.0, 0.0])
