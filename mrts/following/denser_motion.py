@@ -18,9 +18,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.following.closed_chain import holds, joints_on_grasps, mean_object, nearest_rates
-from mrts.following.coordinated_motion import CoordinatedMotion, carried_object
-from mrts.following.grasp_closure import tip_motions
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_object, tip_motions
+from mrts.following.grasp_closure import holds, joints_on_grasps, mean_object, nearest_rates
 from mrts.motion.object_courses import ProfiledPath
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS

@@ -13,7 +13,7 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.following.coordinate import columns_by_joint, meant_instead
-from mrts.following.joint_limits import PRINTED_TOLERANCE, within_limits
+from mrts.following.tracking import PRINTED_TOLERANCE, within_limits
 from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
 from mrts.identification.motor_regression import PARAMETERS, fit_joint
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion

@@ -9,8 +9,9 @@ from scipy.interpolate import CubicSpline
 import mrts
 from mrts.cli import main
 from mrts.following.coordinate import coordinate
-from mrts.following.grasp_closure import grasp_gaps, tip_motions
-from mrts.following.grasp_tracking import tip_rates
+from mrts.following.coordinated_motion import tip_motions
+from mrts.following.grasp_closure import grasp_gaps
+from mrts.following.tracking import tip_rates
 from mrts.viewer.player_state import PlayerState
 
 UR5 = DATA.parent / "dual_ur5"

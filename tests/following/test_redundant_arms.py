@@ -13,7 +13,7 @@ from published_robots import ROBOTS
 from scipy.optimize import minimize
 
 import mrts
-import mrts.following.grasp_tracking
+import mrts.following.tracking
 from mrts.following.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
 
 PANDA = {"urdf": "panda_description/urdf/panda.urdf", "tip_link": "panda_hand_tcp"}
@@ -207,7 +207,7 @@ def test_talos_lifts_with_both_hands_inside_its_limits(talos, monkeypatch):
     followed = mrts.follow_object(cell, given)
     assert margin(cell, followed.q) > 0.01
     assert_consistent(cell, followed, tolerance=1e-4)  # so few samples: errors of the rule that integrates here
-    monkeypatch.setattr(mrts.following.grasp_tracking, "LIMIT_PUSH", 0.0)
+    monkeypatch.setattr(mrts.following.tracking, "LIMIT_PUSH", 0.0)
     with pytest.raises(mrts.MotionError, match=r"passes a position limit .* 'arm_(left|right)_7_joint'"):
         mrts.follow_object(cell, given)
 
