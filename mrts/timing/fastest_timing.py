@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from mrts.base.argument_types import Progress
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, median
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
@@ -172,7 +172,7 @@ class _Search:
             return self._none(RetimingStatus.UNBOUNDED, why)
         with np.errstate(divide="ignore"):
             times = timed.segment_times
-        stuck = ~(times <= STUCK * np.median(times)) | np.isinf(times)
+        stuck = ~(times <= STUCK * median(times)) | np.isinf(times)
         if not np.any(stuck):
             return None
         why = f"the limits let the cell only hold still at {self._place(int(np.argmax(stuck)))}"

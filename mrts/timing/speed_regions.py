@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, median
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import REST_TOLERANCE
@@ -137,7 +137,7 @@ def _at_rest(effect: Array) -> NDArray[np.bool_]:
 def _likely_speed(rates: Array, most: Array, length: float, ends: tuple[float, float]) -> float:
     """The x that the accelerations of some samples at rest reach along the whole path, at least those of its ends."""
     if rates.size:
-        return max(*ends, 2 * length * float(np.median(rates)))
+        return max(*ends, 2 * length * median(rates))
     return max(*ends, float(np.max(most[np.isfinite(most)], initial=1.0)))
 
 
