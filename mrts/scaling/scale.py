@@ -41,12 +41,12 @@ from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Limit, Options, Selection, limited_cell
-from mrts.scaling.range import ScalingRange, within_rates
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import END_TOLERANCE, ScalingResult, kept_text
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
 if TYPE_CHECKING:
-    from mrts.program.constant_rates import RatedFactors
+    from mrts.scaling.constant_rates import RatedFactors
 
 
 EXCEEDS_RATED_TORQUE = "above-rated"
@@ -252,14 +252,13 @@ def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFact
     cell, motion, options, found = result.cell, result.motion, result.options, result.range
     if options.rates is None or not found.status.admits_motion:
         return result, None
-    from mrts.program.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
+    from mrts.scaling.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
 
     def below(high: float) -> ScalingRange:
         return range_at_samples(cell, motion, options, high=high * (1 + POINT_TOLERANCE))[0]
 
-    loads = [None if point is None else point.load for point in result.loads]
-    factors = RatedFactors(cell, motion, loads, options.sharing, options.rates)
-    return replace(result, found=within_rates(found, factors, below, result.loads)), factors
+    factors = RatedFactors(cell, motion, result.loads, options.sharing, options.rates)
+    return replace(result, found=factors.within(found, below)), factors
 
 
 def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> None:
@@ -268,7 +267,7 @@ def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> Non
     if refused is not None:
         raise SelectionError(
             f"c² = {c2:g} lies in a gap that rates leave in the admissible range {found.text(digits=6)}: at "
-            f"t = {found.samples.time[refused.sample]:.4g} s {rows_text(refused.rows)} would be passed."
+            f"t = {refused.time:.4g} s {rows_text(refused.rows)} would be passed."
         )
 
 
@@ -397,7 +396,7 @@ def with_torques(
     elif options.rates is None:
         torque, wrench, fallbacks = distributed_torques(rows, options, c2)
     else:
-        from mrts.program.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
+        from mrts.scaling.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
         W = torque_weights(options.weights, cell)
         torque, wrench, fallbacks = *torques_within_rates(cell, motion, options.sharing, options.rates, c2, W), 0

@@ -79,7 +79,7 @@ def with_motors(cell):
 def test_the_reserve_is_the_largest_that_leaves_c2_in_the_range(seed, tmp_path):
     cell, motion, c2, asked = random_plan(seed, tmp_path, seed)
     asked = asked | {"between": None}  # samples that are added depend on the reserve
-    reserve = mrts.scale(cell, motion, c2, **asked).reserve.whole
+    reserve = mrts.scale(cell, motion, c2, **asked).reserve
     inside, outside = 0.0, 1 - BISECTION
     while outside - inside > BISECTION:
         middle = (inside + outside) / 2
@@ -110,7 +110,7 @@ def test_closed_form_on_gantries(tmp_path):
     cell, motion = gantries(tmp_path, wrench=50.0), along_x()
     fastest = mrts.scale(cell, motion).range.upper.c2
     result = mrts.scale(cell, motion, 0.25 * fastest, distribute="reserve")
-    assert result.reserve.whole.share == pytest.approx(0.75, abs=FORMULAS)
+    assert result.reserve.share == pytest.approx(0.75, abs=FORMULAS)
     shrunk = mrts.scale(cell, motion, reserve=0.1)
     assert shrunk.range.upper.c2 == pytest.approx(0.9 * fastest, rel=FORMULAS)
     assert max(use.share for use in limit_uses(shrunk)) == pytest.approx(0.9, abs=ROUNDING)
@@ -119,7 +119,7 @@ def test_closed_form_on_gantries(tmp_path):
     assert mrts.scale(quick, motion, reserve=0.1).range.upper.c2 == pytest.approx(
         0.81 * mrts.scale(quick, motion).range.upper.c2, rel=FORMULAS
     )
-    assert mrts.scale(quick, motion, 0.01 / 9).reserve.whole.share == pytest.approx(1 - 0.1, abs=FORMULAS)
+    assert mrts.scale(quick, motion, 0.01 / 9).reserve.share == pytest.approx(1 - 0.1, abs=FORMULAS)
 
 
 def test_sides_that_cross_are_an_outcome_that_names_the_reserve(planar_cell, lift):
@@ -153,7 +153,7 @@ def test_one_number_on_both_sides_has_no_size_to_give(planar_cell, lift):
     for rule in ("least-torque", "reserve"):
         result = mrts.scale(cell, lift, 0.5, reserve=0.1, distribute=rule)
         assert np.allclose(result.wrench["left"][:, 0], 0.5, atol=1e-8)
-        assert 0.1 < result.reserve.whole.share < 1
+        assert 0.1 < result.reserve.share < 1
 
 
 @pytest.mark.parametrize("reserve", [-0.1, 1.0, 2, np.nan, np.inf, "0.1", True, [0.1]])

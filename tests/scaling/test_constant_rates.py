@@ -11,9 +11,9 @@ from rated_factor import RatedFactor
 
 import mrts
 from mrts.cell.motors.joint_motors import JointMotors
-from mrts.program.constant_rates import RatedFactors
 from mrts.program.rate_limits import rate_limits
 from mrts.program.torque_distribution import torque_weights
+from mrts.scaling.constant_rates import RatedFactors
 from mrts.scaling.limit_use import rate_uses
 
 THIRD = 24.0
@@ -157,6 +157,13 @@ def test_a_load_that_varies_is_carried_at_its_worst(tmp_path):
     assert shares(heavy)["torque rate"] == pytest.approx(1, abs=ROUNDED)
     nominal = mrts.scale(cell, along_x(), rates=True, load="nominal")
     assert nominal.trajectory.c**3 == pytest.approx(2 * 10 / (MOVED * THIRD), rel=3 * ROUNDED)
+
+
+def test_a_motion_that_stands_still_is_limited_by_no_rate(dual_ur5):
+    here = {"xyz": [0, 0.1, 0.35]}
+    held = mrts.MotionDescription(duration=1.0, samples=21, profile="quintic", start=here, end=here)
+    found = mrts.scale(dual_ur5, mrts.sample_motion(held), rates=0.01).range
+    assert (found.status.value, found.upper.rows) == ("unbounded", ())
 
 
 def easing(samples=21):
