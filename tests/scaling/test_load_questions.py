@@ -39,7 +39,7 @@ def test_the_command_line_asks_what_the_cell_file_says(tmp_path, capsys):
     with pytest.raises(mrts.InputError) as refused:
         box.load_at({"mass": 7.0})
     assert (refused.value.key, refused.value.value) == ("mass", 7.0)
-    assert "factor of the nominal mass, 0.5 kg, so 0.1 to 3 kg" in refused.value.rule
+    assert "of the nominal value: mass 0.1 … 3 kg" in refused.value.rule
     capsys.readouterr()
     assert main([*command, "--carry", "mass=6,mass=2"]) == 2
     assert "gives mass twice" in capsys.readouterr().err
