@@ -48,15 +48,9 @@ def bomb(layer):
 
 YAML = {
     "aliases": (bomb("[{}]"), "more than 20000 values"),
-    "merged keys": (
-        "a0: &a0 {k: 1}\n" + "".join(f"a{k}: &a{k} {{<<: [{', '.join([f'*a{k - 1}'] * 9)}]}}\n" for k in range(1, 10)),
-        "more than 20000 values",
-    ),
     "a list as a key": ("? [a, b]\n: 1\n", "a key must be text"),
     "itself": ("a: &a [*a]\n", "'*a' stands inside of what it repeats"),
-    "many keys": ("".join(f"k{k}: 1\n" for k in range(200_000)), "at most 1000000 bytes"),
     "deep": ("[" * 100_000, "more than 20 deep"),
-    "a comment": ("#" * 999_999, "mapping"),
 }
 
 
@@ -121,7 +115,6 @@ def saved(planar_cell, lift, tmp_path_factory):
 
 
 def test_archives_unpack_to_what_fits_their_size(saved, tmp_path):
-    expected = {}
     with zipfile.ZipFile(saved) as archive:
         contents = {name: archive.read(name) for name in archive.namelist()}
     zeros = bytes(100_000_000)
@@ -169,7 +162,6 @@ def test_urdfs_cost_what_their_size_says(tmp_path):
         "chain": urdf(1900, lambda k: f"s{k - 1}" if k else "tip"),
         "loop": urdf(1900, lambda k: f"s{(k + 1) % 1900}"),
         "depth": '<robot name="r">' + "<a>" * 700_000,
-        "size": " " * 3_000_001,
     }
     for name, text in texts.items():
         (tmp_path / f"{name}.urdf").write_text(text, encoding="utf-8")
@@ -181,16 +173,13 @@ def test_urdfs_cost_what_their_size_says(tmp_path):
     assert "at most 2000" in found["side"]
     assert "the joints form a loop" in found["loop"]
     assert "not well-formed" in found["depth"]
-    assert "at most 3000000 bytes" in found["size"]
 
 
 @pytest.mark.slow
 def test_tables_cost_what_their_size_says(tmp_path):
     texts = {
-        "columns": (",".join(f"q.a{k}" for k in range(300_000)) + "\n", "has 300000 columns"),
         "rows": ("t,q.a/b\n" + "1,1\n" * 1_200_000, "at most 1000000 samples"),
         "quote": ('t,"' + "x" * 10_000_000, "is no CSV table"),
-        "digits": ("t,q.a/b\n0," + "1" * 131_000 + "\n1,1\n", "must be a finite number"),
     }
     for name, (text, _) in texts.items():
         (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8")

@@ -6,8 +6,7 @@ from copy import deepcopy
 from typing import Annotated, Literal, Union, get_args, get_origin
 
 import pytest
-from pydantic import AfterValidator, ConfigDict, Field, ValidationError, create_model
-from pydantic_core import PydanticCustomError
+from pydantic import ConfigDict, Field, ValidationError, create_model
 
 from mrts.base.errors import InputError, joined
 from mrts.base.formats.pose import Pose
@@ -22,8 +21,6 @@ ZOO = (None, True, 0, 3, -1, 1.5, 1e13, "x", "a b", "a\n", "", [], {}, [1], [[1.
 
 
 class TableRecord(Record):
-    """Of every kind."""
-
     rows: list[str | None]
     limits: dict[str, tuple[float, float]]
     kind: Literal["tip", "base"]
@@ -82,23 +79,10 @@ def as_pydantic(kind):
         return create_model(kind.__name__, __config__=config, **fields)
     parts = tuple(map(as_pydantic, get_args(kind)))
     if get_origin(kind) is Annotated:
-        smallest = [AfterValidator(sized(rule.limits["smallest"])) for rule in kind.__metadata__
-                    if "smallest" in rule.limits]  # fmt: skip
-        return Annotated[as_pydantic(kind.__origin__), *map(as_pydantic, kind.__metadata__), *smallest]
+        return Annotated[as_pydantic(kind.__origin__), *map(as_pydantic, kind.__metadata__)]
     if get_origin(kind) in {None, Literal}:
         return kind
     return Union[parts] if type(None) in parts else get_origin(kind)[parts]  # noqa: UP007 (as many as there are)
-
-
-def sized(smallest):
-    """Refuses numbers between 0 and the smallest."""
-
-    def check(value):
-        if 0 < abs(value) < smallest:
-            raise PydanticCustomError("too_near_zero", "{smallest}", {"smallest": smallest})
-        return value
-
-    return check
 
 
 @pytest.mark.parametrize("record", GIVEN, ids=lambda record: record.__name__)

@@ -25,36 +25,24 @@ def equipped(cell, rng):
             armature=rng.uniform(0, 1, n),
             coulomb=rng.uniform(0, 0.1, n),
             viscous=rng.uniform(0, 1, n),
-            torque_speed=tuple(
-                np.array([[0, 400.0 + joint], [3.0, 380.0], [7.0, 1.0]]) if joint % 2 else None for joint in range(n)
-            ),
+            torque_speed=(*[None] * (n - 1), np.array([[0, 400.0], [3.0, 380.0], [7.0, 1.0]])),
             torque_rate=rng.uniform(100, 1000, n),
             jerk=np.full(n, np.inf),
             rated=rng.uniform(1, 10, n),
         )
-        rate = np.where(["f" in unit for unit in cell.wrench_components], 500.0, 40.0)
-        in_base = {"frame": "base", "components": cell.wrench_components}
         lower = [-5.0, None, *([0.0] * (w - 2))]
-        contact = mrts.box_contact(lower=lower, upper=np.full(w, 30.0), **in_base)
-        robots.append(
-            replace(
-                robot,
-                motors=motors,
-                contacts=(contact, replace(contact, name="box2")),
-                contact_rate=rate,
-                torque_lower=-robot.torque_upper * 1.5,
-                T_world_base=mrts.RigidTransform.from_xyz_rpy(*turned(cell, robot.T_world_base, rng)),
-            )
-        )
+        contact = mrts.box_contact(lower=lower, upper=np.full(w, 30.0), frame="base", components=cell.wrench_components)
+        rpy = rng.uniform(-3, 3, 3) * ([1, 0.5, 1] if cell.plane is None else [0, 0, 1])  # a plane is not left
+        changes = {
+            "motors": motors,
+            "contacts": (contact, replace(contact, name="box2")),
+            "contact_rate": np.where(["f" in unit for unit in cell.wrench_components], 500.0, 40.0),
+            "torque_lower": -robot.torque_upper * 1.5,
+            "T_world_base": mrts.RigidTransform.from_xyz_rpy(robot.T_world_base.p + 0.1 * rng.uniform(-1, 1, 3), rpy),
+        }
+        robots.append(replace(robot, **changes))
     cell = replace(cell, robots=tuple(robots), object_velocity_limit=np.array([0.5, np.inf]))
     return cell.with_variation(mass=(0.5, 2.0), ixx=(0.9, 1.1)).with_values({"gravity": rng.uniform(-10, 10, 3)})
-
-
-def turned(cell, T, rng):
-    """Another base, in the plane of a planar cell."""
-    angle = rng.uniform(-3, 3)
-    rpy = rng.uniform(-3, 3, 3) * [1, 0.5, 1] if cell.plane is None else [0, 0, angle]
-    return (T.p + rng.uniform(-0.1, 0.1, 3)).tolist(), list(rpy)
 
 
 @pytest.mark.parametrize("name", SHIPPED)

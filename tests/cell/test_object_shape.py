@@ -94,11 +94,6 @@ def test_mistakes_in_a_shape(mistake, broken):
         shaped(broken, shape)
 
 
-def test_an_object_needs_an_inertia_or_a_shape(tmp_path):
-    with pytest.raises(mrts.InputError, match="'inertia' is required, or its 'shape'"):
-        mrts.Cell.from_description(described(None), folder=tmp_path)
-
-
 def volume(vertices, triangles):
     """Of a closed surface whose triangles run counterclockwise from outside; every side must lie between two."""
     sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)

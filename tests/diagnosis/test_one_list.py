@@ -7,7 +7,6 @@ import pytest
 import yaml
 from conftest import DATA
 from damaged_cells import URDF, sound, written
-from published_robots import ROBOTS
 
 import mrts
 from mrts.cli import main
@@ -71,20 +70,15 @@ def test_every_command_tells_what_a_check_does(code, damage, tmp_path, capsys):
     assert main(["check", *paths, "-q", "--json", "-"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert code in {one["code"] for one in told["hints"] + told["warnings"]}
-    report, saved = tmp_path / "report.html", tmp_path / "result.npz"
     output = tmp_path / "output.json"
-    options = ["--report", str(report), "--save", str(saved), "--json", str(output)]
-    assert main(["scale", *paths, *options]) in {0, 1}
+    assert main(["scale", *paths, "--save", str(tmp_path / "result.npz"), "--json", str(output)]) in {0, 1}
     first, *lines = capsys.readouterr().out.splitlines()
     assert str(remark) in lines
     assert ("efforts of the URDF that look like placeholders" in first) == (code == "effort-placeholders")
-    written_json = json.loads(output.read_text(encoding="utf-8"))
     expected = [one.code for one in checked.remarks if one.severity != "assumption"]
-    assert [one["code"] for one in written_json["warnings"]][: len(expected)] == expected
-    assert remark.text.split("'")[0] in report.read_text(encoding="utf-8").replace("&#x27;", "'")
-    assert code in {one.code for one in mrts.load_result(saved).warnings}
-    timed = mrts.retime(mrts.load_cell(paths[0]), mrts.load_motion(paths[1]))
-    assert code in {one.code for one in timed.warnings}
+    warnings = json.loads(output.read_text(encoding="utf-8"))["warnings"]
+    assert [one["code"] for one in warnings][: len(expected)] == expected
+    assert code in {one.code for one in mrts.load_result(tmp_path / "result.npz").warnings}
 
 
 def test_limits_of_a_cell_file_or_of_python_are_no_placeholders(tmp_path):
@@ -104,27 +98,6 @@ def test_limits_of_a_cell_file_or_of_python_are_no_placeholders(tmp_path):
     for robot in cell["robots"]:
         robot["torque"] = [1000.0] * 6
     assert "effort-placeholders" not in codes(mrts.load_cell(written(tmp_path, cell, motion)[0]))
-
-
-NEW = {
-    "ur5": ("ur_description/urdf/ur5_robot.urdf", ["tool0", "tool0"], None),
-    "z1": ("z1_description/urdf/z1.urdf", ["link06", "link06"], "urdf-friction"),
-}
-
-
-def arm_of(reference, tips):
-    return {"name": "cell", "robots": [str(ROBOTS / reference)], "tips": tips}
-
-
-@pytest.mark.parametrize("name", NEW)
-def test_what_is_proposed_is_played_near_its_limit(name, tmp_path):
-    reference, tips, code = NEW[name]
-    proposal = propose(request_of(tmp_path, **arm_of(reference, tips)))
-    factor = proposal.result.range.upper.c2**0.5
-    assert 1.5 <= factor <= 3
-    codes = {remark.code for remark in proposal.result.warnings}
-    assert "factor-above-10" not in codes
-    assert code is None or code in codes
 
 
 def test_placeholders_make_a_short_motion_and_no_absurd_factor(dual_ur5, tmp_path):
