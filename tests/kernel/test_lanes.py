@@ -13,8 +13,6 @@ from conftest import DATA, ROOT
 import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
-from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
-from mrts.kernel.between_samples import path_places
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
@@ -26,6 +24,7 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.torque_distribution import least_torques
 from mrts.timing.path_pieces import PLACES
+from mrts.timing.retimed_motion import path_places
 
 C = ROOT / "mrts" / "kernel" / "c"
 GCC = shutil.which("gcc") or "gcc"
@@ -119,10 +118,8 @@ def answers(request, tmp_path_factory):
     def of_all(library):
         """What is found between samples, and of all of them at once."""
         rng_of_speeds = np.random.default_rng(2)
-        path = (motion.object.time, motion.q, motion.dq, motion.ddq)
         speeds = rng_of_speeds.random(SAMPLES) + 1, rng_of_speeds.random((SAMPLES - 1, 2))
-        weights = (PLACES, polynomial_weights(PLACES), WHOLE_WAY)
-        places = path_places(library, path, weights, speeds, cell.geometry, cell.wrench_rows)
+        places = path_places(library, cell, motion, speeds, PLACES)
         closed = closure_sizes(library, all_inputs, motion.object.position + 1e-3, cell.geometry, cell.wrench_rows)
         return [*places, closed]
 

@@ -137,3 +137,5 @@ def test_bad_arguments_are_named(planar_cell, lift):
         mrts.retime(planar_cell, lift, end_speed=0.5)
     with pytest.raises(mrts.InputError, match="sharing"):
         mrts.retime(planar_cell, lift, sharing=0.5)
+    with pytest.raises(mrts.InputError, match=r"it is of type RetimingResult. Give its `retimed`\."):
+        mrts.write_trajectory_csv(mrts.retime(planar_cell, lift), "plan.csv")
