@@ -71,7 +71,6 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
 
 
 def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Remark, ...]]:
-    """What the table calls each joint of the cell, in the cell's order, and what it has besides."""
     columns = [*table.positions, *table.unusable]
     found = columns_by_joint(cell, table.path, columns)
     extra = [name for name in columns if name not in found.values()]

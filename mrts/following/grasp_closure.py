@@ -295,7 +295,6 @@ def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
 
 
 def _rates_on_grasps(cell: Cell, target: ObjectMotion, q: Array, given: CoordinatedMotion) -> tuple[Array, Array]:
-    """Velocities and accelerations that keep the tips on the grasps, nearest to the given ones, each Shape (N, m)."""
     jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         condition = np.linalg.cond(jacobians[:, :, joints])

@@ -349,7 +349,6 @@ def _reasons(cell: Cell, path: Mapping[str, Array], geometry: Array, failed: NDA
 
 
 def _arms(cell: Cell, geometry: Array) -> Iterator[tuple[Robot, slice, ArmPlaces]]:
-    """Each arm, its joints and where it stands and holds, of geometries with V or 1 first."""
     for index, (robot, joints) in enumerate(zip(cell.robots, cell.joint_slices.values(), strict=True)):
         of = geometry[:, GRAVITY_SIZE + ROBOT_SIZE * index :]
         base, tip = of[:, :9].reshape(-1, 3, 3), of[:, 12:21].reshape(-1, 3, 3)
@@ -382,7 +381,6 @@ def _some(values: Array, variants: NDArray[np.intp]) -> Array:
 
 
 def _of(values: Array, variant: int) -> Array:
-    """What a variant has of values with V or 1 first."""
     one: Array = values[variant if len(values) > 1 else 0]
     return one
 

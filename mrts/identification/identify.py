@@ -200,7 +200,6 @@ def _rigid_torque(cell: Cell, robot: Robot, motion: RecordedMotion) -> Array:
 
 
 def _explained(effort: Array, residual: Array, used: NDArray[np.bool_]) -> Array:
-    """Share of the effort's variance that is explained, 1 where nothing counts, Shape (n,)."""
     shares = np.ones(effort.shape[1])
     for place, counted in enumerate(used.T):
         variance = float(np.var(effort[counted, place])) if np.any(counted) else 0.0

@@ -66,7 +66,7 @@ def test_whole_chunks_and_what_is_left(dual_ur5):
     """The largest of all samples, wherever it is, with one thread or two."""
     motion = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     rng = np.random.default_rng(0)
-    for samples in (2, 3, 256, 257, 515):
+    for samples in (2, 257, 515):
         some = motion.at(np.linspace(0, motion.samples - 1, samples).astype(int))
         q = some.q.copy()
         q[rng.integers(samples), 3] += 1e-2
@@ -90,7 +90,7 @@ def test_a_motion_that_fits_is_taken_as_it_is_and_a_narrow_bound_counts(dual_ur5
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("elbow", [0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.5])
+@pytest.mark.parametrize("elbow", [0.0, 1e-7, 0.5])
 def test_a_singular_arm_keeps_what_it_was_given_in_the_direction_it_lost(elbow, planar_cell, lift):
     """Stretched out at one end, or nearly so: as with the pseudoinverse of every Jacobian."""
     motion = mrts.follow_object(planar_cell, lift)
