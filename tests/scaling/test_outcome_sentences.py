@@ -8,7 +8,6 @@ import pytest
 from shown_results import braking_only, result_of
 
 import mrts
-import mrts.output.limit_table
 from mrts.base.interval_text import interval_text
 from mrts.output.summary_lines import scaling_lines
 from mrts.plots.card import answer_card
