@@ -150,7 +150,7 @@ class LayoutSearch:
         self.found: list[PlayedLayout] = []
         self.failures: list[str] = []
         nearest, is_layout = self.numbers.nearest_given()
-        self.given = self._scaled(study.cell, nearest if is_layout else None)
+        self.given = self._scaled(study.cell, nearest, None)
         if self.given is not None and is_layout:
             self.found.append(self.given)
 
@@ -191,7 +191,7 @@ class LayoutSearch:
         return self._scaled(keys, values, postures)
 
     def _scaled(
-        self, keys: dict[str, Any], values: Array | None, postures: dict[str, list[float]] | None = None
+        self, keys: dict[str, Any], values: Array, postures: dict[str, list[float]] | None
     ) -> PlayedLayout | None:
         asked = self.study.question
         try:
@@ -213,7 +213,6 @@ class LayoutSearch:
         for _ in range(MAX_ROUNDS):
             if self.over() or not np.isfinite(best.c2):
                 return
-            assert best.values is not None  # noqa: S101 (a layout of the study)
             answer = solve_layout(self.functions, self.numbers, best.values, best.result, samples, stop=self.over)
             reached = self._reached(best, answer)
             if reached is None:
@@ -252,7 +251,6 @@ class LayoutSearch:
         """The same with every number that gains nothing where the cell file has it."""
         values, _ = self.numbers.nearest_given()
         for place, value in enumerate(values):
-            assert best.values is not None  # noqa: S101 (a layout of the study)
             moved = np.where(np.arange(len(values)) == place, value, best.values)
             if moved[place] != best.values[place]:
                 tried = self.tried(moved, best.postures)
