@@ -78,7 +78,7 @@ def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> 
     Raises:
         InputError: If it names a package that is nowhere.
     """
-    from mrts_codegen.urdf.urdf_file import mesh_names, parse_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_file import mesh_names, parse_parts, parse_urdf  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.urdf.urdf_survey import urdf_mistakes  # noqa: PLC0415
     from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
@@ -86,11 +86,14 @@ def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> 
     path = reference.path(where, folder)
     try:
         content = reference.content(where, folder)
-        read = parse_urdf(path, content)
+        mistakes, remarks = urdf_mistakes(path, *parse_parts(path, content))
     except InputError as error:
         return UrdfReading(path, None, error.each())
-    mistakes, remarks = urdf_mistakes(path, read)
-    return UrdfReading(path, read, mistakes, remarks, tuple(mesh_names(path, content)))
+    meshes = tuple(mesh_names(path, content))
+    try:
+        return UrdfReading(path, parse_urdf(path, content), mistakes, remarks, meshes)
+    except InputError as error:
+        return UrdfReading(path, None, (*error.each(), *mistakes), remarks, meshes)
 
 
 def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:
