@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
+from given_ranges import ranges_of
 from scipy.optimize import linprog
 
 import mrts
 from mrts.base.printable import html_text
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import BindingRows
 from mrts.scaling.range import intersect
 from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html
 from mrts.viewer.player_state import Bar, PlayerState, offered_speeds, widened_torques
@@ -28,10 +28,7 @@ def turning():
 
 
 def synthetic(lower, upper):
-    lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
-    status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
-    rows = BindingRows((), np.zeros((2, 0)), np.zeros((2, len(lower), 0), int))
-    return intersect(mrts.SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, (), 0))
+    return intersect(ranges_of(lower, upper))
 
 
 def red_bars(state):
