@@ -132,13 +132,6 @@ def test_the_same_result_gives_the_same_bytes(lifted, tmp_path):
     assert target.read_text(encoding="utf-8") == report_html(lifted)
 
 
-def test_a_result_without_a_trajectory_is_reported_when_the_speed_is_refused(tmp_path, capsys):
-    target = tmp_path / "report.html"
-    assert main(["scale", *FILES, "--c2", "100", "--report", str(target)]) == 2
-    assert "outside the admissible range" in capsys.readouterr().err
-    assert set(data_of(target.read_text(encoding="utf-8"))["plots"]) == {"plot-c2-range"}
-
-
 @pytest.mark.quick
 def test_a_saved_result_is_reported(lifted, tmp_path, capsys):
     mrts.save_result(lifted, tmp_path / "result.npz")
@@ -220,17 +213,6 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
     orange = cells.z == cells.names.index("at the limit where the speed is set")
     names, _ = used_shares(lifted.trajectory)
     assert [bool(row.any()) for row in orange] == [True] * len(end.rows) + [False] * (len(names) - len(end.rows))
-
-
-def test_where_a_velocity_sets_the_speed_torques_and_wrenches_are_at_their_limits_through_the_distribution(spatial):
-    found = spatial
-    (fastest,) = {row.name for row in found.range.upper.rows}
-    assert fastest.kind == "velocity"
-    told = limiting_rows(found, None)
-    assert set(told.setting) == {fastest}
-    names, _ = used_shares(found.trajectory)
-    assert {names[place] for place in np.flatnonzero(told.forced.any(axis=0))} == {fastest}
-    assert set(told.reached.values()) <= {"reached through the distribution"}
 
 
 def test_positions_and_velocities_have_their_limits_and_percentages(planar_cell, lift):

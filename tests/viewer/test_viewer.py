@@ -274,10 +274,11 @@ def assert_links_join(viewer, robot, line):
     seen = 0
     for number, part in enumerate(bars(robot, (1, 2, 3))):
         slides = (*robot.joint_types, "tip")[part.body] == "prismatic"
-        if part.marks or slides:
-            continue
         frame = drawn(viewer, f"/arms/{robot.name}/body{part.body}")
         mesh = drawn(viewer, f"/arms/{robot.name}/body{part.body}/mesh{number}")
+        assert np.isfinite(mesh.vertices).all()
+        if part.marks or slides:
+            continue
         middle = turned(frame) @ np.mean(mesh.vertices, axis=0) + frame.position
         between = line[part.body : part.body + 2]
         is_ball = number == 0
