@@ -16,7 +16,7 @@ from mrts.base.errors import InputError
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
-from mrts.scene.cell_shapes import ContactForces
+from mrts.scene.cell_shapes import ContactForces, contact_forces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
 from mrts.scene.held_body import held_body, object_edges
 from mrts.scene.scene import (
@@ -216,7 +216,8 @@ class SceneRenderer:
         self._mujoco.mj_camlight(self._model, self._data)
         self._renderer.update_scene(self._data, camera="camera")
         self._add_path()
-        self._add_forces(moment.contacts(blended(self._clip.trajectory.wrench, place)))
+        wrench = blended(self._clip.trajectory.wrench, place)
+        self._add_forces(contact_forces(moment.cell, moment.position, moment.rotation, wrench))
         drawn: Frame = self._renderer.render()
         return drawn
 

@@ -102,31 +102,27 @@ def _force_arrows(result: ScalingResult, frames: Array, longest: float) -> tuple
     if result.trajectory is None:
         return np.empty((len(frames), 0, 3)), 0.0
     cell, given = result.cell, result.motion.object
-    forces = [
-        contact_forces(cell, robot, given.position[frames], given.rotation[frames], result.wrench[robot.name][frames])
-        for robot in cell.robots
-    ]
-    largest = max(float(np.max(np.linalg.norm(part.force, axis=1))) for part in forces)
+    found = contact_forces(cell, given.position[frames], given.rotation[frames], result.trajectory.wrench[frames])
+    largest = float(np.max(np.linalg.norm(found.force, axis=-1)))
     scale = longest / largest if largest > NO_FORCE else 0.0
     sideways = np.eye(3)[{"xy": 2, "xz": 1, "yz": 0}.get(cell.plane or "", 2)]
-    arrows = [_arrow(part.point, scale * part.force, sideways) for part in forces]
-    return np.concatenate(arrows, axis=1), largest
+    return _arrows(found.point, scale * found.force, sideways).reshape(len(frames), -1, 3), largest
 
 
-def _arrow(start: Array, along: Array, sideways: Array) -> Array:
-    """Arrows as lines: shaft, two barbs at right angles to `sideways` and two along it, a gap, Shape (N, 9, 3)."""
+def _arrows(start: Array, along: Array, sideways: Array) -> Array:
+    """Arrows as lines: shaft, two barbs at right angles to `sideways` and two along it, a gap, Shape (…, 10, 3)."""
     tip = start + along
     across = np.cross(along, sideways)
-    length = np.linalg.norm(along, axis=1, keepdims=True)
-    width = np.linalg.norm(across, axis=1, keepdims=True)
+    length = np.linalg.norm(along, axis=-1, keepdims=True)
+    width = np.linalg.norm(across, axis=-1, keepdims=True)
     steep = width < ALONG * np.maximum(length, NO_LENGTH)
     across = np.where(steep, np.cross(along, sideways[[1, 2, 0]]), across)
-    across *= length / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), NO_LENGTH)
+    across *= length / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), NO_LENGTH)
     other = np.cross(along, across) / np.maximum(length, NO_LENGTH)
     back, half = tip - HEAD * along, HEAD / 2
     barbs = [back + half * across, back - half * across, back + half * other, back - half * other]
     line = [start, tip, barbs[0], tip, barbs[1], tip, barbs[2], tip, barbs[3], np.full_like(tip, np.nan)]
-    return np.stack(line, axis=1)
+    return np.stack(line, axis=-2)
 
 
 def _arm_trace(name: str, index: int, points: int) -> dict[str, Any]:

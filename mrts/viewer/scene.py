@@ -15,7 +15,7 @@ from mrts.cell.cell import Cell
 from mrts.plots.labels import shortened
 from mrts.scaling.result import ScalingResult
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
-from mrts.scene.cell_shapes import name_place
+from mrts.scene.cell_shapes import contact_forces, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
 from mrts.scene.held_body import HeldBody, held_body, object_edges
 from mrts.scene.scene import (
@@ -217,7 +217,8 @@ class ViewerScene:
         """Draw a state at one of its samples, or between two while it plays."""
         moment = self._course.moment(place)
         self._drawn.move(moment)
-        contacts = moment.contacts(blended(state.trajectory.wrench, place))
+        wrench = blended(state.trajectory.wrench, place)
+        contacts = contact_forces(moment.cell, moment.position, moment.rotation, wrench)
         points = (contacts.point - moment.position) @ moment.rotation
         forces, moments = contacts.force @ moment.rotation, contacts.moment @ moment.rotation
         self._forces.points = self._arrows(points, forces * self.metres_per_newton)
