@@ -43,10 +43,8 @@ def motion_ranges(
         high: Of several intervals the highest is found that does not begin above this c².
     """
     time, of_sample = rows.motion.object.time, partial(_problem_of_sample, rows.cell, rows.motion, rows.sharing, load)
-    if not _is_for_kernel(rows, solver) or rows.one_unknown:
-        problem = build_sample_problem(rows, load=load)
-        found = sample_ranges(problem, time, solver, high)
-        return replace(found, problem=None if problem.unknowns == 1 and problem.speed is None else of_sample)
+    if not _is_for_kernel(rows, solver):
+        return replace(sample_ranges(build_sample_problem(rows, load=load), time, solver, high), problem=of_sample)
     find = partial(kernel_ends, rows.cell.library, rows.inputs(load), rows)
     ends = intervals_below(find, rows.most, high) if rows.has_speed_terms else find(rows.most)
     ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
@@ -86,7 +84,7 @@ def motion_torques(
     if distribute == "reserve":
         whole = motion_rows(rows.cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation)
         return torques_by_blocks(whole, solver, c2, weights, within=lambda problem: reserved(problem, c2, solver))
-    if rows.sparse is None or not _is_for_kernel(rows, solver) or rows.sharing is not None:
+    if rows.sparse is None or not _is_for_kernel(rows, solver):
         return torques_by_blocks(rows, solver, c2, weights)
     terms, square = rows.terms(float(np.sqrt(c2))), np.full(rows.motion.samples, c2)
     torque, wrench, status = least_torques(rows.cell.library, rows.inputs(None), rows.sparse, terms, square, weights)
@@ -98,4 +96,5 @@ def motion_torques(
 def _is_for_kernel(rows: MotionRows, solver: str) -> bool:
     check_solver(solver)
     few = len(rows.kept.names) + rows.cell.library.unknowns <= MOST_ROWS
-    return solver == "kernel" and rows.formulation == "wrench" and rows.sparse is not None and few
+    free = rows.formulation == "wrench" and rows.sharing is None
+    return solver == "kernel" and free and rows.sparse is not None and few
