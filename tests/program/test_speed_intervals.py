@@ -20,7 +20,7 @@ from mrts.program.sample_ranges import sample_ranges
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.program.widening import widening_at
 
-FIRST, CELLS = 20, draws(20)
+FIRST, CELLS, TOGETHER = 20, draws(6), 6
 """Seeds: those before draw cells that take five times as long to scan."""
 
 END_TOLERANCE = 2e-6
@@ -110,13 +110,13 @@ def compared(seed, folder, seen):
         np.testing.assert_allclose(theirs, wide, rtol=END_TOLERANCE, atol=END_TOLERANCE * 1e-2, err_msg=where)
 
 
-@pytest.mark.parametrize("first", range(FIRST, FIRST + CELLS, 20))
+@pytest.mark.parametrize("first", range(FIRST, FIRST + CELLS, TOGETHER))
 def test_unions_equal_the_scan_of_the_reference(first, tmp_path):
     seen = Counter()
-    for seed in range(first, first + 20):
+    for seed in range(first, first + TOGETHER):
         compared(seed, tmp_path / str(seed), seen)
-    assert seen["several"] >= 2
-    assert seen["samples"] >= 20
+    assert seen["several"] >= 1
+    assert seen["samples"] >= TOGETHER
 
 
 def checked_ends(problem, found, sample):

@@ -51,7 +51,7 @@ def test_an_infeasible_motion_is_explained_by_a_certificate(planar_cell, lift):
     assert "elbow" in result.summary()
 
 
-@pytest.mark.parametrize("k", [1e-9, 1e-3, 1e3, 1e9])
+@pytest.mark.parametrize("k", [1e-9, 1e9])
 @pytest.mark.parametrize("formulation", ["wrench", "torque"])
 def test_units_do_not_matter(planar_cell, lift, k, formulation, tmp_path):
     """All masses, inertias and limits times k: the same range, and limits kept to the same share of themselves."""
