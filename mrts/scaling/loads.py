@@ -24,8 +24,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.range_ends import same_width
-from mrts.program.sample_ranges import SIDES, SampleRanges, first_least
-from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.sample_ranges import SIDES, SampleRanges, first_least, motion_ranges
 from mrts.scaling.options import Options, load_box
 from mrts.scaling.range import ScalingRange, common_range
 

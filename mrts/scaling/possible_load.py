@@ -17,8 +17,7 @@ from mrts.program.held_interrupt import held_interrupt
 from mrts.program.motion_rows import MotionRows
 from mrts.program.range_ends import NO_EFFECT, UNBOUNDED, effect_of_speed
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.sample_ranges import SampleRanges, sample_ranges
-from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.sample_ranges import SampleRanges, motion_ranges, sample_ranges
 from mrts.scaling.loads import (
     LoadStudy,
     combined_ranges,

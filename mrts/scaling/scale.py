@@ -31,11 +31,10 @@ from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
+from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, motion_ranges
 from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
-from mrts.program.trajectory_programs import motion_ranges, motion_torques
+from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.program.widening import motion_widening
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.loads import range_at_samples

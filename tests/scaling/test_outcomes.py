@@ -118,17 +118,6 @@ def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
         mrts.scale(planar_cell, still, "fastest")
 
 
-@pytest.mark.parametrize(
-    ("solver", "formulation"), [("kernel", "wrench"), ("kernel", "torque"), ("qpsol:qpoases", "wrench")]
-)
-def test_where_nothing_bounds_the_speed_no_row_is_named(dual_ur5, solver, formulation):
-    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
-    samples = mrts.scale(dual_ur5, motion, solver=solver, formulation=formulation).range.samples
-    unbounded = np.flatnonzero(np.isinf(samples.upper))
-    assert unbounded.size
-    assert [samples.binding(sample, "upper") for sample in unbounded] == [()] * len(unbounded)
-
-
 @pytest.mark.parametrize("c2", [3.1, 0.0, -1.0, float("nan"), float("inf"), 10**400])
 def test_a_value_outside_the_range_is_refused_with_the_range(planar_cell, lift, c2):
     with pytest.raises(mrts.SelectionError, match=r"\[0, 3\.0618") as caught:

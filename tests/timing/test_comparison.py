@@ -8,7 +8,7 @@ import pytest
 
 import mrts
 from mrts.program.motion_rows import motion_rows
-from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.sample_ranges import motion_ranges
 from mrts.scaling.motion_remarks import REMARKED, interpolated_timing
 from mrts.scaling.range import intersect
 

@@ -13,8 +13,7 @@ import mrts
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.torque_distribution import torque_weights
-from mrts.program.trajectory_programs import motion_torques
+from mrts.program.torque_distribution import motion_torques, torque_weights
 from mrts.scaling.range import intersect
 from mrts.viewer.offered_speeds import offered_speeds
 from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html
