@@ -31,6 +31,10 @@ def test_the_command_line_asks_what_the_cell_file_says(tmp_path, capsys):
     assert json.loads((tmp_path / "kg.json").read_text()) == result
     for wrong in ("mass=3.1kg", "mass=7", "izz=0.8kg", "mass=kg", "mass=6,mass=2"):
         assert main([*command, "--carry", wrong]) == 2
+    box = mrts.load_cell(tmp_path / "cell.yaml").load_box
+    with pytest.raises(mrts.InputError) as refused:
+        box.load_at({"mass": 7.0})
+    assert (refused.value.key, refused.value.value) == ("mass", 7.0)
     assert main([*command, "--load", "possible", "--carry", "mass=6"]) == 2
     assert main([*command, "--load", "possible"]) == 0
 

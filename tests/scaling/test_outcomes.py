@@ -183,7 +183,7 @@ def test_a_result_judges_itself(planar_cell, lift):
         ({"select": "slow"}, "must be 'auto'"),
         ({"select": None}, "must be 'auto'"),
         ({"select": True}, "must be 'auto'"),
-        ({"sharing": "equal"}, "must be a LoadSharing"),
+        ({"sharing": "equal"}, "must be of type LoadSharing"),
         ({"weights": "x"}, "numbers of one rectangular shape"),
         ({"weights": [1, 1, 1, 1, 1, 1e9]}, "spread over a factor of 1e"),
         ({"formulation": "force"}, "'wrench' or 'torque'"),
