@@ -140,13 +140,10 @@ class SampleRanges:
 def motion_ranges(
     rows: MotionRows, solver: str = DEFAULT_SOLVER, load: Array | None = None, high: float = np.inf
 ) -> SampleRanges:
-    """Least and largest c² at every sample (step 1 of MMTSF).
+    """Least and largest c² at every sample (step 1 of MMTSF), by the compiled path where it applies.
 
-    Args:
-        rows: Of a cell along its motion.
-        solver: Name in the registry; "kernel" takes the compiled path where it applies.
-        load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
-        high: Of several intervals the highest is found that does not begin above this c².
+    A load stands instead of the cell's, Shape (10,), or one a sample, Shape (N, 10). Of several intervals it is the
+    highest that does not begin above `high`.
     """
     time, of_sample = rows.motion.object.time, partial(_problem_of_sample, rows.cell, rows.motion, rows.sharing, load)
     if not takes_kernel(rows, solver):
@@ -210,13 +207,7 @@ def decide(
 ) -> list[Conflict]:
     """Find the ends of some samples that one solver did not find, or the conflicts of those that have none.
 
-    Args:
-        ends: Of all samples; changed in place.
-        samples: Indices of those, s of them.
-        problem: Rows of these alone, or of all.
-        time: Of all samples [s].
-        solver: As in `sample_ranges`.
-        high: Likewise.
+    `ends` and `time` are those of all samples; ends are changed in place. The problem is of these samples, or of all.
 
     Raises:
         SolverError: If no solver answers.

@@ -26,12 +26,7 @@ TORQUE_WIDENING = 1e-9
 
 
 def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
-    """W as a matrix, Shape (m, m).
-
-    Args:
-        weights: None weighs each torque by its limit (`weights_by_limits`), a number all alike, else the diagonal,
-            Shape (m,), or the matrix, Shape (m, m).
-        cell: With m joints.
+    """W as a matrix, Shape (m, m): None weighs each torque by its limit, a number all alike, else diagonal or matrix.
 
     Raises:
         InputError: Unless W is symmetric and positive definite.
@@ -79,11 +74,7 @@ def motion_torques(
 def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array, solver: str) -> tuple[Array, int]:
     """Eqs. (31), (32), (33), (34): minimise Φ = τᵀ W τ subject to the object's balance and every limit, at c².
 
-    Args:
-        problem: Rows along the motion, in any formulation.
-        c2: Chosen c², inside the range; one for all samples, or one a sample, Shape (N,).
-        weights: W, Shape (m, m), positive definite.
-        solver: Name in the registry.
+    c² is one for all samples, or Shape (N,); W has Shape (m, m) and is positive definite.
 
     Returns:
         Unknowns x with c² last, Shape (N, k), and the programs that a fallback had to solve.

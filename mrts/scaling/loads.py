@@ -94,9 +94,7 @@ def range_at_samples(
 ) -> tuple[ScalingRange, LoadStudy | None]:
     """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was found of an uncertain load.
 
-    Args:
-        options: Which load is asked about, and how the programs are made and solved; checked.
-        high: Of several intervals the highest is found that does not begin above this c².
+    Of several intervals the highest is found that does not begin above `high`.
 
     Raises:
         InputError: If there is no box, or the question does not fit it.

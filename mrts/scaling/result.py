@@ -310,10 +310,7 @@ class ScalingResult(Result):
         return Residuals(_largest_excess(cell, done), arms, carried)
 
     def checked(self, rows: LimitRows | None = None) -> Self:
-        """This result, if its trajectory keeps every limit.
-
-        Args:
-            rows: From `limit_rows`, where they are at hand; None puts them together.
+        """This result, if its trajectory keeps every limit; rows are those of `limit_rows`, where they are at hand.
 
         Raises:
             SolverError: If it oversteps one by more than `LIMIT_TOLERANCE`.
