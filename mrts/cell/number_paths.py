@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Paths to numbers of a cell and a motion file, such as `robots.left.base.xyz[0]`, `motion.duration`; their units."""
 
-import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
 from mrts.base.argument_types import is_number
+from mrts.base.errors import did_you_mean
 from mrts.cell.robot import Robot
 
 Keys = tuple[str | int, ...]
@@ -201,6 +201,4 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
         name = max(fitting, key=len)  # names may hold dots
         return names[name], path[len(name) :]
     wrong = re.split(r"[.\[]", path)[0]
-    close = difflib.get_close_matches(wrong, names, n=1)
-    hint = f"; did you mean '{close[0]}'?" if close else "."
-    raise PathError(f"there is no '{wrong}' in {where}{hint} There are {', '.join(names)}.")
+    raise PathError(f"there is no '{wrong}' in {where}{did_you_mean(wrong, names)} There are {', '.join(names)}.")
