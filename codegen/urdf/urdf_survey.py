@@ -23,7 +23,7 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.urdf_tree import JointEnds, UrdfTree
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.cell.robot import Robot, RobotSource
 
 

@@ -13,7 +13,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
-from mrts.cell.hands.contact import Contact
+from mrts.cell.hands import Contact
 from mrts.cell.robot import Robot
 
 AXES = "xyz"

@@ -15,8 +15,8 @@ from mrts.base.interval_text import interval_text
 from mrts.base.manifest import MOST, WRENCH_COMPONENTS
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
-from mrts.cell.hands.contact import Contact
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.hands import Contact
+from mrts.cell.motors import JointMotors
 
 ARRAYS = (
     *("axes", "points", "held_numbers", "position_lower", "position_upper", "velocity_limit", "posture"),

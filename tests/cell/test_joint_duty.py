@@ -10,7 +10,7 @@ from mcap_ros2.decoder import DecoderFactory
 from scipy.interpolate import make_interp_spline
 
 import mrts
-from mrts.cell.motors.joint_duty import joint_duty
+from mrts.cell.motors import joint_duty
 from mrts.output.trajectory_table import trajectory_columns, trajectory_csv
 
 pytestmark = pytest.mark.quick

@@ -12,7 +12,7 @@ from mrts_codegen.cell_model import build_cell_model
 
 import mrts
 from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
-from mrts.cell.hands.kinds import KINDS
+from mrts.cell.hands import KINDS
 
 SQUEEZE = DATA.parent / "squeeze" / "cell.yaml"
 PAD = {"friction": 0.5, "normal": [0, 0, 1], "half_width": [0.03, 0.02], "force": [0, 100]}

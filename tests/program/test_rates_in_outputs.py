@@ -8,7 +8,7 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.cli import main
 from mrts.output.summary_lines import scaling_lines
 from mrts.plots.card import answer_card
