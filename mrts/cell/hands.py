@@ -23,7 +23,6 @@ from mrts.base.rigid_transform import multiply
 Frame = Literal["tip", "object", "base"]
 
 FRAMES: tuple[Frame, ...] = ("tip", "object", "base")
-"""Axes in which a contact may be told."""
 
 SHORTEST_DIRECTION = 1e-9
 """A direction is given by numbers near 1: what is shorter is zero, misprinted."""
@@ -216,7 +215,6 @@ SMALLEST = 1e-6
 """Of a coefficient of friction, of a half width [m] and of a force [N]: what is smaller is a misprint, or zero."""
 
 NORMAL_FORCE = "normal force"
-"""Name of the row of how hard a surface presses."""
 
 INTERIOR = 1e-6
 """Least radius of a ball in a polytope, as a share of how far its rows are from the origin: HiGHS is right to 1e-7."""
@@ -488,7 +486,6 @@ KINDS: dict[str, Callable[..., Contact]] = {
     "gripper": gripper_contact,
     "rows": rows_contact,
 }
-"""By the key of a cell file."""
 
 
 def _positive(key: str, value: object) -> float:

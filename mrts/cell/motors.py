@@ -19,7 +19,6 @@ ROUNDED_SLOPE = 1e-9
 """Share by which a torque-speed curve may miss falling and concave: corners printed with few digits lie on one line."""
 
 PER_JOINT = ("armature", "coulomb", "viscous", "torque_rate", "jerk", "rated")
-"""Attributes with one number a joint."""
 
 NONE_GIVEN = {"armature": 0.0, "coulomb": 0.0, "viscous": 0.0, "torque_rate": np.inf, "jerk": np.inf, "rated": np.inf}
 """What they are where nothing is known: no effect, no limit."""
@@ -149,7 +148,6 @@ class TorqueBounds(Record):
 
 
 TorqueLimits = Annotated[list[Finite], Rule(min_length=1)] | TorqueBounds
-"""As a cell file has them: a list is the same in both directions."""
 
 
 def given_torque_limits(

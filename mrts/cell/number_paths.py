@@ -39,7 +39,6 @@ BY_KEY = {
     "force": "N",
     "holding_force": "N",
 }
-"""Unit of every number at or inside of a key."""
 
 OF_VARIATION = {"m": "kg m", "c": "m"}
 """Unit of a range of the object's variation by the first letter of its key (mx, com_x); factors have none."""
@@ -58,7 +57,6 @@ OF_JOINT = {
 
 
 OF_CURVE = ("rad/s", "N m"), ("m/s", "N")
-"""Units of a corner of a torque-speed curve, likewise."""
 
 
 class PathError(Exception):

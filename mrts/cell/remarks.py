@@ -46,7 +46,6 @@ STRAIGHT = 0.9
 """Share of gravity along one axis from which on that is the vertical."""
 
 TORQUE_UNIT = "torque-millimetres"
-"""Code of the hint on torques in N mm."""
 
 MOST_INERTIA = 2.0
 """Times the moment of inertia of a body whose mass is all at the corners of the box around its shape, which no body
@@ -83,10 +82,8 @@ ALIKE = 1e-6
 """Share by which masses and lengths of arms that are alike may differ: their URDFs may be printed with few digits."""
 
 WEIGHTLESS = "no mass in the URDF, so its links weigh nothing: torques come out too small, and speeds too high"
-"""Said of joints whose links have no mass."""
 
 POINT_MASSES = "a mass but no inertia in the URDF, so it counts as a point: turning it costs too little torque"
-"""Said of links."""
 
 NO_COLLISIONS = "collisions are not looked at: not of arms and hands with each other, the object or the room"
 """Said wherever somebody could think they were: of cells that are begun, checked, or laid out."""
@@ -115,10 +112,8 @@ JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[["Robot"], NDArray[np.bool_]]]
         lambda robot: robot.motors.armature == 0,
     ),
 )
-"""Code, text, and of which joints it is assumed."""
 
 NAMES_SHOWN = 12
-"""Joints or links that a sentence names."""
 
 
 def cell_remarks(cell: "Cell") -> Iterator[Remark]:

@@ -22,13 +22,11 @@ ARRAYS = (
     *("axes", "points", "held_numbers", "position_lower", "position_upper", "velocity_limit", "posture"),
     *("torque_lower", "torque_upper", "wrench_lower", "wrench_upper", "contact_rate"),
 )
-"""Attributes of a robot that are arrays."""
 
 DEGREES_SUSPECTED = 4 * np.pi
 """A joint position beyond two turns is rather degrees than radians."""
 
 JOINT_HEAD = ("type", "torque", "position", "velocity")
-"""Of `Robot.joint_rows`, after the name."""
 
 
 @dataclass(frozen=True, kw_only=True)

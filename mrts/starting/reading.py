@@ -28,7 +28,6 @@ SPATIAL_JOINTS = 6
 """What holding an object takes in space; in a plane `FEWEST_JOINTS`."""
 
 MOST_HANDS = 2
-"""Of a URDF that are taken without asking."""
 
 MOST_STEPS_UP = 3
 """Folders that a relative path may climb; a URDF farther away is named by its whole path."""
@@ -40,7 +39,6 @@ STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
 """World axes [m/s²]."""
 
 ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
-"""Whose values they are, for messages."""
 
 
 @dataclass(frozen=True, eq=False)
