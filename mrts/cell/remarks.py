@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, median
 from mrts.base.formats.pose import WHOLE_TURN
 from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
 from mrts.cell.robot import DEGREES_SUSPECTED
@@ -282,11 +282,11 @@ def _torques(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
             continue
         weight = STANDARD_GRAVITY * sum(robot.source.carried_mass) * arm_length(robot)
         turning = robot.torque_upper[_turning(robot)]
-        if len(turning) and weight > 0 and np.median(turning) > STRONG * weight:
+        if len(turning) and weight > 0 and median(turning) > STRONG * weight:
             source = torque_source(robot)
             yield Remark.hint(
                 TORQUE_UNIT,
-                f"the torque limits of robot '{robot.name}' ({source}) are around {np.median(turning):.4g} N m, "
+                f"the torque limits of robot '{robot.name}' ({source}) are around {median(turning):.4g} N m, "
                 f"and {weight:.3g} N m hold the whole arm stretched out: they seem to be in N mm, and must be in N m, "
                 "or the links weigh more than their URDF says.",
             )

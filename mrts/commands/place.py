@@ -43,4 +43,6 @@ def run(study: Path, output: Path, **given: Any) -> int:
         warn(f"no layout can be played: {output} not written")
     else:
         outputs.write(output, found.write)
+    if found.stopped:
+        warn(f"{found.stopped} ended the search: a longer one may find a better layout")
     return outputs.answer(found.lines(), INFEASIBLE if found.after is None else FEASIBLE)

@@ -13,12 +13,12 @@ from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri, is_xacro
-from mrts.base.formats.urdf_tree import UrdfTree
+from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.remarks import urdf_remarks
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
-from mrts.cell.source_files import Survey, read_urdf
+from mrts.cell.source_files import arm_of_urdf, read_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, plane_of, twist_rows
 from mrts.starting.request import ArmRequest, Request
@@ -48,8 +48,7 @@ class _Chosen:
     robot: int
     reference: str
     path: Path
-    tree: UrdfTree
-    survey: Survey
+    tree: Urdf
     tip: str
     why: str
 
@@ -99,11 +98,11 @@ def request_of(
     if machines and not alone and not bases:
         rule = "is needed for each robot where one has several arms: they cannot be moved about by themselves."
         raise InputError(BASE, rule)
-    survey = cache(lambda read, base_link, tip: read(base_link, tip))  # two of a kind have one chain
+    arm_of = cache(arm_of_urdf)  # two of a kind have one chain
     arms = []
     for index, (arm, called) in enumerate(zip(chosen, _names([arm.tip for arm in chosen]), strict=True)):
         fellows = _machine(chosen, arm)
-        chain, com = survey(arm.survey, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
+        chain, com = arm_of(arm.path, arm.tree, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
         T_root_base = chain.source.T_base_root.inverse()
         in_place = T_root_base if len(fellows) > 1 else None
         arms.append(
@@ -145,9 +144,9 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
 
 def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str, str]) -> list[_Chosen]:
     files = {robot: _read(robot, xacro_args) for robot in robots}
-    if xacro_args and not any(is_xacro(path) for path, _, _ in files.values()):
+    if xacro_args and not any(is_xacro(path) for path, _ in files.values()):
         raise InputError(XACRO_ARG, "no --robot is a xacro, whose name ends in .xacro.")
-    read = [files[robot] for robot in robots]  # two of a kind have one survey
+    read = [files[robot] for robot in robots]  # two of a kind are read once
     if tips:
         places = [0] * len(tips) if len(read) == 1 else list(range(len(read)))
         if len(places) != len(tips):
@@ -162,7 +161,7 @@ def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str,
             found = [replace(arm, robot=index) for index, arm in enumerate(found)]
     else:
         found = []
-        for at, (_, tree, _) in enumerate(read):
+        for at, (_, tree) in enumerate(read):
             seen = sorted(hands(tree), key=lambda hand: hand.side)
             if not 1 <= len(seen) <= MOST_HANDS or (len(seen) == MOST_HANDS and len({h.joints for h in seen}) > 1):
                 ends = possible_tips(tree, seen)
@@ -175,11 +174,11 @@ def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str,
     return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
 
 
-def _read(robot: str, xacro_args: Mapping[str, str]) -> tuple[Path, UrdfTree, Survey]:
+def _read(robot: str, xacro_args: Mapping[str, str]) -> tuple[Path, Urdf]:
     found = read_urdf(Path(ROBOT), Path.cwd(), robot, xacro_args)
-    if found.tree is None or found.survey is None:
+    if found.urdf is None:
         raise found.mistakes[0].with_others(found.mistakes[1:])
-    return found.path, found.tree, found.survey
+    return found.path, found.urdf
 
 
 def _machine(chosen: list[_Chosen], arm: _Chosen) -> list[_Chosen]:

@@ -8,7 +8,7 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.remark import Remark
 from mrts.cell.remarks import first_few, joint_assumptions, missing_masses, urdf_remarks
-from mrts.cell.source_files import UrdfReading, read_urdf
+from mrts.cell.source_files import UrdfReading, arm_of_urdf, read_urdf
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.scene.arm_meshes import mesh_file
 from mrts.starting.arm import Arm, plane_of
@@ -32,16 +32,16 @@ def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
 
 def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
     arms: list[Arm] = []
-    if read.tree is None or read.survey is None:
+    if read.urdf is None:
         return arms
-    tips = [hand.link for hand in hands(read.tree)]
+    tips = [hand.link for hand in hands(read.urdf)]
     if not tips:
         mistakes.add(InputError(read.path, f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."))
         return arms
-    base = first_link(read.tree, tips)
+    base = first_link(read.urdf, tips)
     for tip in tips:
         with mistakes.noted():
-            arms.append(Arm(*read.survey(base, tip)))
+            arms.append(Arm(*arm_of_urdf(read.path, read.urdf, base, tip)))
     return arms
 
 

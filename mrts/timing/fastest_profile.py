@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, median
 from mrts.kernel.programs import default_programs
 from mrts.timing.speed_regions import SpeedRegions
 
@@ -156,7 +156,7 @@ def _rises(step: Array, x: Array) -> Array:
     slope = 2 * np.diff(u) / (step[1:] + step[:-1])
     before, after = slope[:-1], slope[1:]
     lesser = np.where(np.abs(before) < np.abs(after), before, after)
-    most = MOST_RISE * np.median(np.abs(u))
+    most = MOST_RISE * median(np.abs(u))
     rise[1:-1] = np.clip(np.where(before * after > 0, lesser, 0.0) * step[1:-1], -most, most)
     return rise
 

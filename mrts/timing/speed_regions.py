@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, median
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL, default_programs
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.sample_ranges import REST_TOLERANCE
@@ -137,12 +137,11 @@ def _at_rest(effect: Array) -> NDArray[np.bool_]:
 def _likely_speed(rates: Array, most: Array, length: float, ends: tuple[float, float]) -> float:
     """The x that the accelerations of some samples at rest reach along the whole path, at least those of its ends."""
     if rates.size:
-        return max(*ends, 2 * length * float(np.median(rates)))
+        return max(*ends, 2 * length * median(rates))
     return max(*ends, float(np.max(most[np.isfinite(most)], initial=1.0)))
 
 
 def _probes(effect: Array) -> NDArray[np.int_]:
-    """Some samples at which u has an effect, Shape (N,)."""
     moving = np.flatnonzero(effect)
     return moving if len(moving) <= PROBES else moving[np.arange(PROBES) * (len(moving) - 1) // (PROBES - 1)]
 
@@ -172,7 +171,6 @@ def _rates_of_planes(planes: Array, effect: Array) -> Array:
 
 
 def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
-    """Every side of rows over u and x that has a limit, as half-planes, Shape (N, e, 3)."""
     sides = np.concatenate([A, -A], axis=1)
     limit = np.concatenate([upper, -lower], axis=1)
     limited = np.any(np.isfinite(limit), axis=0)

@@ -68,7 +68,6 @@ def there_and_back(turn, samples=101, wait=0):
 
 
 UPHILL = 36 / 11  # m/s²; against it the two arms and the object need 36 of 40 N
-SLOWING = 1.0  # m/s², from 1.5 to 0.5 m/s
 VISCOUS = 6.0  # N s/m of each arm
 
 

@@ -9,7 +9,7 @@ import pytest
 from conftest import DATA
 from published_robots import ROBOTS
 
-from mrts.cell.source_files import read_urdf
+from mrts.cell.source_files import arm_of_urdf, read_urdf
 from mrts.starting.arm import Arm, plane_of
 from mrts.starting.tips import first_link, hands
 
@@ -34,11 +34,11 @@ FOUND = {
 
 
 def tree_of(path):
-    return read_urdf(Path("here"), Path("/"), str(path), {}).tree
+    return read_urdf(Path("here"), Path("/"), str(path), {}).urdf
 
 
 def arm_of(path, tip):
-    return Arm(*read_urdf(Path("here"), Path("/"), str(path), {}).survey(None, tip))
+    return Arm(*arm_of_urdf(path, tree_of(path), None, tip))
 
 
 @pytest.mark.parametrize("urdf", FOUND)

@@ -34,6 +34,7 @@ robots:
 """
 
 
+@pytest.mark.quick
 def test_the_arms_start_at_their_postures(dual_ur5):
     """Where the compiled kinematics, not the ones that found the grasps, have the hands."""
     held = hold_here(dual_ur5, START, TURN)
