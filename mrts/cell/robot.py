@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_list, check_type
 from mrts.base.arrays import Array, freeze_array
@@ -199,6 +200,11 @@ class Robot(InNotebooks):
     def has_urdf_friction(self) -> bool:
         """Whether its friction is that of its URDF."""
         return self.source.friction == ((*self.motors.coulomb.tolist(),), (*self.motors.viscous.tolist(),))
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which joints are revolute, Shape (n_i,)."""
+        return np.array([kind == "revolute" for kind in self.joint_types])
 
     @property
     def position_units(self) -> tuple[str, ...]:

@@ -147,13 +147,13 @@ def _error(state: ArmState, R: Array, p: Array) -> Array:
 
 def _unwound(arm: Arm, q: Array) -> Array:
     """The same positions of turning joints, as near to the middle as whole turns bring them."""
-    turns = arm.turns
+    turns = arm.robot.turns
     middle = arm.middle()
     return np.asarray(np.where(turns, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q), dtype=np.float64)
 
 
 def _half_range(arm: Arm) -> Array:
-    free = np.where(arm.turns, FREE_TURN, FREE_SLIDE)
+    free = np.where(arm.robot.turns, FREE_TURN, FREE_SLIDE)
     span = arm.robot.position_upper - arm.robot.position_lower
     half: Array = np.minimum(np.where(np.isfinite(span), span / 2, free), free)
     return half

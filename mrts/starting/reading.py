@@ -201,10 +201,9 @@ def _posture(posture: Array, chain: Robot, *, degrees: bool) -> Array:
     if len(posture) != len(chain.joints):
         rule = f"must have {len(chain.joints)} values, one for each of {', '.join(chain.joints)}."
         raise InputError(POSTURE, rule, value=posture.tolist())
-    turns = np.array([kind == "revolute" for kind in chain.joint_types])
     if degrees:
-        posture = np.where(turns, np.radians(posture), posture)
-    elif np.any(np.abs(posture[turns]) > DEGREES_SUSPECTED):
+        posture = np.where(chain.turns, np.radians(posture), posture)
+    elif np.any(np.abs(posture[chain.turns]) > DEGREES_SUSPECTED):
         rule = "is more than two turns: these seem to be degrees. Say --degrees, or give radians."
         raise InputError(POSTURE, rule, value=posture.tolist())
     for name, position, lower, upper in zip(
