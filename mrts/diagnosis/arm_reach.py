@@ -98,13 +98,7 @@ class ArmReach:
 
 
 def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
-    """How far an arm follows the object, and what would help where it does not.
-
-    Args:
-        arm: A cell of one arm.
-        motion: Motion of the object.
-        seek: Whether to look for a move of the base with which it follows.
-    """
+    """How far an arm follows the object, and what would help where it does not."""
     try:
         return following(arm, follow_object(arm, motion))
     except MotionError as error:
@@ -193,7 +187,6 @@ def _ways(arm: Cell, motion: ObjectMotion, most: int) -> tuple[Array, list[Track
 
 
 def _first_failure(arm: Cell, q: Array, failure: TrackingFailure | None) -> TrackingFailure | None:
-    """Why a track ends: where it passes a position limit, or fails."""
     (robot,) = arm.robots
     inside = within_limits(robot, q if failure is None else q[: (failure.sample or 0) + 1])
     low, high = robot.position_lower - POSITION_TOLERANCE, robot.position_upper + POSITION_TOLERANCE

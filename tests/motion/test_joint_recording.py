@@ -113,7 +113,7 @@ def test_states_that_cannot_be_used_are_refused_by_name(planar_cell, recorded, t
 
 def test_a_bag_without_states_is_refused(tmp_path):
     text = TYPES.types["std_msgs/msg/String"]("hello")
-    bag = write_bag(tmp_path / "bag", [("/chatter", text)], kind="std_msgs/msg/String")
+    bag = write_bag(tmp_path / "bag", [("/chatter", text)])
     with pytest.raises(mrts.InputError, match=r"holds no message sensor_msgs/msg/JointState; its topics are /chatter"):
         mrts.load_recording(bag)
 

@@ -163,7 +163,7 @@ def test_mistakes_in_a_trajectory(mistake, dual_ur5, given, tmp_path):
 
 def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
     text = TYPES.types["std_msgs/msg/String"]("hello")
-    write_bag(tmp_path / "chatter", [("/chatter", text)], "std_msgs/msg/String")
+    write_bag(tmp_path / "chatter", [("/chatter", text)])
     with pytest.raises(mrts.InputError, match=r"holds no message .*JointTrajectory or .*; its topics are /chatter"):
         mrts.load_motion(tmp_path / "chatter")
     (tmp_path / "empty").mkdir()

@@ -16,7 +16,7 @@ from motion_tables import (
     write_motion,
     write_table,
 )
-from ros_bags import KIND, PARTS, message, trajectory, write_bag
+from ros_bags import PARTS, message, trajectory, write_bag
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
@@ -192,7 +192,7 @@ def test_joints_of_no_arm_are_passed_over(tmp_path, dual_ur5, exact):
         ("/one_point/joint_trajectory", message(["latch"], still[:1])),
         ("/third/joint_trajectory", message(*third)),
     ]
-    found = read(dual_ur5, write_bag(tmp_path / "bag", [*others, *arms], KIND))
+    found = read(dual_ur5, write_bag(tmp_path / "bag", [*others, *arms]))
     assert found.range.upper.c2 == pytest.approx(c2, rel=1e-6)
     text = found.motion.remarks[0].text
     for name in ("a_gripper/finger", "gripper/finger", "one_point/latch", "third/elbow"):

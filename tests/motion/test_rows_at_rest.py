@@ -27,32 +27,32 @@ def test_the_first_and_the_last_row_hold_still(name, way, planar_cell, dual_ur5)
     cell, folder = (planar_cell, "planar_dual_arm") if name == "planar" else (dual_ur5, "dual_ur5")
     result = plan(cell, scaled_path(folder, 0.15, 101, "cubic"), way)
     rows, done = played_rows(result.trajectory), result.trajectory
-    assert len(rows.time) == done.motion.samples + 2
-    assert rows.time[0] == 0
+    assert len(rows["t"]) == done.motion.samples + 2
+    assert rows["t"][0] == 0
     step = min(HOLDING_STEP, np.min(np.diff(done.time)))
-    np.testing.assert_allclose(np.diff(rows.time)[[0, -1]], step, rtol=1e-9)
-    np.testing.assert_allclose(np.diff(rows.time)[1:-1], np.diff(done.time), rtol=1e-9)
+    np.testing.assert_allclose(np.diff(rows["t"])[[0, -1]], step, rtol=1e-9)
+    np.testing.assert_allclose(np.diff(rows["t"])[1:-1], np.diff(done.time), rtol=1e-9)
     assert np.any(np.abs(done.ddq[-1]) > 1)  # what a controller would hold for ever
     terms = cell.functions("terms", done.motion.samples, done.motion.inputs(cell.load))
     limits = limit_rows(cell, done.motion)
     for row in (0, -1):
-        assert not np.any(rows.dq[row])
-        assert not np.any(rows.ddq[row])
-        np.testing.assert_array_equal(rows.q[row], done.q[row])
-        rest = rows.torque[row] - terms["G"][row]
+        assert not np.any(rows["dq"][row])
+        assert not np.any(rows["ddq"][row])
+        np.testing.assert_array_equal(rows["q"][row], done.q[row])
+        rest = rows["tau"][row] - terms["G"][row]
         for robot, joints in cell.joint_slices.items():
-            rest[joints] -= terms["J"][row][:, joints].T @ rows.wrench[row, cell.wrench_slices[robot]]
+            rest[joints] -= terms["J"][row][:, joints].T @ rows["F"][row, cell.wrench_slices[robot]]
         np.testing.assert_allclose(rest, 0, atol=STATICS)
-        np.testing.assert_allclose(terms["B"][row] @ rows.wrench[row], terms["Q"][row], atol=STATICS)
-        value = limits.at(np.array([row])).value(rows.torque[[row]], rows.wrench[[row]], 0.0, 0.0)
+        np.testing.assert_allclose(terms["B"][row] @ rows["F"][row], terms["Q"][row], atol=STATICS)
+        value = limits.at(np.array([row])).value(rows["tau"][[row]], rows["F"][[row]], 0.0, 0.0)
         assert np.max(limits.excess(value)) <= 1e-8
-    np.testing.assert_array_equal(rows.torque[1:-1], done.torque)
+    np.testing.assert_array_equal(rows["tau"][1:-1], done.torque)
 
 
 def test_a_motion_that_ends_without_acceleration_has_its_own_rows(planar_cell):
     done = mrts.scale(planar_cell, scaled_path("planar_dual_arm", 0.3, 101, "quintic")).trajectory
     assert done.holding.ends == (False, False)
-    np.testing.assert_array_equal(played_rows(done).time, done.time)
+    np.testing.assert_array_equal(played_rows(done)["t"], done.time)
 
 
 @pytest.mark.parametrize(("length", "samples"), [(1e-6, 301), (0.3, 31)])
@@ -124,7 +124,7 @@ def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
     assert result.motion.remarks == ()
     carried = mrts.torques_for_load(result, result.cell.load)
     assert carried.warnings == result.warnings
-    np.testing.assert_array_equal(played_rows(result.trajectory).time, result.trajectory.time)
+    np.testing.assert_array_equal(played_rows(result.trajectory)["t"], result.trajectory.time)
 
 
 def test_a_saved_result_keeps_them(planar_cell, lift, tmp_path):
