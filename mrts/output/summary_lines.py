@@ -9,7 +9,6 @@ from mrts.limits.rows import TORQUE_SPEED
 from mrts.plots.card import Card
 from mrts.plots.labels import range_text
 from mrts.scaling.limit_use import largest_step, limit_tables, limit_uses, rate_uses
-from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:
@@ -187,11 +186,7 @@ def _contact_lines(result: ScalingResult) -> Iterator[str]:
 
 def _load_lines(study: "LoadStudy") -> Iterator[str]:
     """Ranges by load, the worst first, and what the factors of inertia refer to."""
-
-    def end(found: ScalingRange) -> float:
-        return found.upper.c2 if found.upper else 0
-
-    ordered = sorted(zip(study.points, study.ranges, strict=True), key=lambda pair: end(pair[1]))
+    ordered = sorted(zip(study.points, study.ranges, strict=True), key=lambda pair: pair[1].c2_upper)
     for point, found in ordered[:LOADS_SHOWN]:
         yield f"  {range_text(found):<20} {point}"
     if len(ordered) > LOADS_SHOWN:

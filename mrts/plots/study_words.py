@@ -4,7 +4,7 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.plots.labels import first_names
+from mrts.limits.rows import first_names
 from mrts.plots.study_map import Weight, ends_reached, weights
 from mrts.plots.study_table import Index, StudyTable
 
