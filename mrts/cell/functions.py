@@ -2,6 +2,7 @@
 """The generated functions of a cell, bound once, called for all samples of a motion at once."""
 
 from collections.abc import Callable
+from ctypes import CDLL
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, NoReturn, Self
@@ -11,10 +12,10 @@ from mrts.base.errors import CompilerError, InputError, MrtsError
 from mrts.base.manifest import GEOMETRY, MANIFEST_NAME, check_source
 from mrts.cell.generation import emitted
 from mrts.cell.record import CellManifest, verified_manifest
-from mrts.kernel.c_text import cell_source, motion_source
+from mrts.kernel.c_text import SELDOM, cell_source, function_source, motion_source
 from mrts.kernel.cell_library import CellLibrary, MotionLibrary
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
-from mrts.kernel.function_shapes import check_shapes
+from mrts.kernel.function_shapes import check_shapes, check_signatures
 
 
 class CellFunctions:
@@ -90,10 +91,21 @@ def compiled_functions(manifest: CellManifest, source: Path) -> CellFunctions:
 
 
 def _compiled(where: Path | str, manifest: CellManifest, generated: str) -> CellFunctions:
+    @cache
+    def seldom(name: str) -> CDLL:
+        symbol = manifest.functions[name].symbol
+        library = library_or_rebuilt(find_compiler(), symbol, function_source(generated, symbol), _opened)
+        return check_signatures(where, manifest, library, [name])
+
+    check_shapes(where, manifest)
     text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
-    library = library_or_rebuilt(find_compiler(), name, text, partial(CellLibrary, manifest))
-    check_shapes(where, manifest, library.opened)
+    library = library_or_rebuilt(find_compiler(), name, text, partial(CellLibrary, manifest, seldom=seldom))
+    check_signatures(where, manifest, library.opened, manifest.functions.keys() - {*SELDOM})
     return CellFunctions(manifest, lambda: library, generated)
+
+
+def _opened(library: Path) -> CDLL:
+    return CDLL(str(library))
 
 
 def uncompiled_functions(manifest: CellManifest, functions: dict[str, Any]) -> CellFunctions:

@@ -43,6 +43,9 @@ QUICKLY = """#if defined(__GNUC__) && !defined(__clang__)
 #endif"""
 """Generated statements, which stand in a row without a loop: more than this gcc takes long over, and gains little."""
 
+SELDOM = ("dynamics", "torque_form", "fixed_distribution")
+"""Generated functions that few calls take: each is compiled by itself when one does."""
+
 IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")
 """Generated functions that are compiled for lanes too."""
 
@@ -115,7 +118,10 @@ def motion_source(manifest: Manifest, generated: str) -> str:
 
 
 def cell_source(manifest: Manifest, generated: str) -> str:
-    """The C text of a cell's library: generated functions, sizes, the whole kernel."""
+    """The C text of a cell's library: generated functions but the seldom ones, sizes, the whole kernel."""
+    head, functions = _functions(generated)
+    seldom = {record.symbol for name, record in manifest.functions.items() if name in SELDOM}
+    often = head + "".join(text for symbol, text in functions.items() if symbol not in seldom)
     components = len(manifest.wrench_components)
     read = manifest.functions["kinematics"].inputs
     sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
@@ -130,11 +136,17 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     in_lanes = {f"MRTS_{name.upper()}": manifest.functions[name].symbol for name in IN_LANES}
     macros |= in_lanes | {f"{name}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()}
     defined = _defined(motion_macros(manifest) | macros)
-    of_lanes = "".join(_one_function(generated, symbol) for symbol in in_lanes.values())
-    of_lanes = f"{one_file('lanes/model_of_lanes.inc')}{of_lanes}"
-    return f"{QUICKLY.format(generated)}\n{defined}{one_text(CELL_FILES)}\n{QUICKLY.format(of_lanes)}\n"
+    of_lanes = one_file("lanes/model_of_lanes.inc") + "".join(functions.get(symbol, "") for symbol in in_lanes.values())
+    return f"{QUICKLY.format(often)}\n{defined}{one_text(CELL_FILES)}\n{QUICKLY.format(of_lanes)}\n"
 
 
-def _one_function(generated: str, symbol: str) -> str:
-    start = generated.find(f"MRTS_MODEL({symbol},")
-    return generated[start : generated.index("\n}\n", start) + 3] if start >= 0 else ""
+def function_source(generated: str, symbol: str) -> str:
+    """The C text of a library of one generated function."""
+    head, functions = _functions(generated)
+    return QUICKLY.format(head + functions.get(symbol, ""))
+
+
+def _functions(generated: str) -> tuple[str, dict[str, str]]:
+    """What stands before generated functions, and each by its symbol."""
+    head, *functions = generated.split("\nMRTS_MODEL(")
+    return head + "\n", {text.split(",", 1)[0]: f"MRTS_MODEL({text}\n" for text in functions}

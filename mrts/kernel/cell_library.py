@@ -2,7 +2,7 @@
 """A cell's generated C and our kernel in one shared library: whole trajectories in one foreign call."""
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.manifest import FunctionRecord, Manifest
 from mrts.kernel.binding import bind, structure
-from mrts.kernel.c_text import CELL_FILES, TRACKING_FILES
+from mrts.kernel.c_text import CELL_FILES, SELDOM, TRACKING_FILES
 from mrts.kernel.foreign_arrays import INFINITY, keep_freed_memory, work_arrays
 from mrts.kernel.programs import Programs, offer_programs
 from mrts.kernel.sample_terms import SampleTerms
@@ -78,6 +78,7 @@ class MotionLibrary:
     Args:
         manifest: Manifest of the cell.
         library: Path of the shared library.
+        seldom: Gives the library of a function that this one lacks, by short name.
 
     Attributes:
         opened: The library.
@@ -92,8 +93,8 @@ class MotionLibrary:
 
     _files = TRACKING_FILES
 
-    def __init__(self, manifest: Manifest, library: Path) -> None:
-        self.opened = bind(ctypes.CDLL(str(library)), self._files)
+    def __init__(self, manifest: Manifest, library: Path, seldom: Callable[[str], ctypes.CDLL] | None = None) -> None:
+        self.opened, self._seldom = bind(ctypes.CDLL(str(library)), self._files), seldom
         self.records = manifest.functions
         self.robots = len(manifest.robots)
         self.joints = sum(len(robot.joints) for robot in manifest.robots)
@@ -117,7 +118,8 @@ class MotionLibrary:
 
     def address(self, function: str) -> ctypes.c_void_p:
         """Of a generated function, by its short name."""
-        return ctypes.cast(getattr(self.opened, self.records[function].symbol), ctypes.c_void_p)
+        held_by = self.opened if self._seldom is None or function not in SELDOM else self._seldom(function)
+        return ctypes.cast(getattr(held_by, self.records[function].symbol), ctypes.c_void_p)
 
 
 class CellLibrary(MotionLibrary):
@@ -126,6 +128,7 @@ class CellLibrary(MotionLibrary):
     Args:
         manifest: Manifest of the cell.
         library: Path of the shared library.
+        seldom: As of `MotionLibrary`.
 
     Attributes:
         programs: The programs that it holds.
@@ -139,9 +142,9 @@ class CellLibrary(MotionLibrary):
 
     _files = CELL_FILES
 
-    def __init__(self, manifest: Manifest, library: Path) -> None:
+    def __init__(self, manifest: Manifest, library: Path, seldom: Callable[[str], ctypes.CDLL] | None = None) -> None:
         keep_freed_memory()
-        super().__init__(manifest, library)
+        super().__init__(manifest, library, seldom)
         self.programs = Programs(self.opened)
         self.unknowns = len(manifest.wrench_components) * (len(manifest.robots) - 1) + 1
         self.wrenches = len(manifest.wrench_components) * len(manifest.robots)

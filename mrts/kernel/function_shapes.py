@@ -2,6 +2,7 @@
 """Whether a cell's compiled functions are those that its manifest describes: C reads and writes where it is told to."""
 
 import ctypes
+from collections.abc import Iterable
 from pathlib import Path
 
 from mrts.base.errors import InputError
@@ -12,11 +13,11 @@ Shapes = list[tuple[int, int]]
 ADVICE = "Make C file and manifest again: `mrts generate`."
 
 
-def check_shapes(where: Path | str, manifest: Manifest, library: ctypes.CDLL) -> None:
-    """Ask the library what every function takes and gives, and compare.
+def check_shapes(where: Path | str, manifest: Manifest) -> None:
+    """Compare what functions take and give with what the kernel takes for granted.
 
     Raises:
-        InputError: If manifest, library and what the kernel takes for granted differ.
+        InputError: If they differ.
     """
     for name, (inputs, outputs) in _kernel_shapes(manifest).items():
         record = manifest.functions.get(name)
@@ -28,13 +29,25 @@ def check_shapes(where: Path | str, manifest: Manifest, library: ctypes.CDLL) ->
                 f"its shapes do not follow from robots, joints and wrench components. {ADVICE}",
                 key=f"functions.{name}",
             )
-    for name, record in manifest.functions.items():
+
+
+def check_signatures(
+    where: Path | str, manifest: Manifest, library: ctypes.CDLL, functions: Iterable[str]
+) -> ctypes.CDLL:
+    """A library, asked what functions take and give.
+
+    Raises:
+        InputError: If the manifest says otherwise.
+    """
+    for name in functions:
+        record = manifest.functions[name]
         try:
             compiled = ctypes.c_char.in_dll(library, f"{record.symbol}_signature")
         except ValueError:
             raise InputError(where, f"the C file holds no such function. {ADVICE}", key=f"functions.{name}") from None
         if ctypes.string_at(ctypes.addressof(compiled)) != record.signature.encode():
             raise InputError(where, f"the compiled function has other shapes. {ADVICE}", key=f"functions.{name}")
+    return library
 
 
 def _kernel_shapes(manifest: Manifest) -> dict[str, tuple[Shapes, Shapes]]:

@@ -93,7 +93,7 @@ def motion_torques(
     if distribute == "reserve":
         whole = motion_rows(rows.cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation)
         return torques_by_blocks(whole, solver, c2, weights, within=lambda problem: reserved(problem, c2, solver))
-    if rows.sparse is None or not _is_for_kernel(rows, solver) or rows.one_unknown:
+    if rows.sparse is None or not _is_for_kernel(rows, solver) or rows.sharing is not None:
         return torques_by_blocks(rows, solver, c2, weights)
     terms, square = rows.terms(float(np.sqrt(c2))), np.full(rows.motion.samples, c2)
     torque, wrench, status = least_torques(rows.cell.library, rows.inputs(None), rows.sparse, terms, square, weights)

@@ -202,7 +202,7 @@ def test_a_cell_with_a_redundant_arm_has_what_tracks_it(short, redundant, tmp_pa
 
 
 @pytest.mark.parametrize("short", ["kinematics", "geometric_stiffness", "geometric_stiffness_rate"])
-def test_shapes_that_the_kernel_takes_for_granted_are_checked(short, planar_cell):
+def test_shapes_that_the_kernel_takes_for_granted_are_checked(short):
     """Those of redundant arms, too: null_space.c reads and writes arrays of these sizes."""
     manifest = generate_cell(ROOT / "mrts" / "data" / "planar_dual_arm" / "cell.yaml").record
     small = {"name": "q", "shape": (1, 1)}
@@ -211,7 +211,7 @@ def test_shapes_that_the_kernel_takes_for_granted_are_checked(short, planar_cell
     )
     altered = manifest.model_copy(update={"functions": manifest.functions | {short: record}})
     with pytest.raises(mrts.InputError, match="do not follow from robots"):
-        check_shapes("manifest.json", altered, planar_cell.library.opened)
+        check_shapes("manifest.json", altered)
 
 
 def test_a_function_that_the_c_file_lacks_is_missed(tmp_path):
