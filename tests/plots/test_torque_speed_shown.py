@@ -17,8 +17,6 @@ from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.trajectory_plots import torque_plots
 from mrts.report.tables import margins_table, motors_table
 from mrts.scaling.limit_use import limit_uses, limited_quantities
-from mrts.viewer.panel import bars_html
-from mrts.viewer.player_state import PlayerState
 
 pytestmark = pytest.mark.quick
 
@@ -93,26 +91,6 @@ def test_the_report_says_which_motors_it_is_for(cell, planar_cell):
     assert ("120 N m at 0 rad/s", "110 N m at 1 rad/s", "10 N m at 6 rad/s") in known["left/shoulder"]
     assert "left/wrist" not in known
     assert not motors_table(planar_cell).rows
-
-
-def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
-    state = PlayerState(cell, lift)
-    state.sample = 30
-    done = state.trajectory
-    bars = state.bars()
-    assert set(bars) == {"torque", "wrench", "velocity", TORQUE_SPEED, "motor speed"}
-    for bar in bars[TORQUE_SPEED]["left"]:
-        j = ["shoulder", "elbow"].index(bar.name)
-        assert bar.value == pytest.approx(done.torque[30, j])
-        assert not bar.over
-    driving = [bar for bar in bars[TORQUE_SPEED]["left"] if bar.value * done.dq[30, int(bar.name == "elbow")] > 0]
-    for bar in driving:
-        assert abs(bar.limit) >= largest(done.dq[30, int(bar.name == "elbow")]) - 1e-9
-    assert driving
-    assert "left/shoulder" in bars_html(TORQUE_SPEED, bars[TORQUE_SPEED])
-    state.choose_speed(state.speeds.upper)  # beyond: some bar is over its limit, and all is still drawn
-    assert not state.admissible
-    assert bars_html(TORQUE_SPEED, state.bars()[TORQUE_SPEED])
 
 
 def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
