@@ -42,7 +42,6 @@ def limits_plot(result: ScalingResult, title: str, without: Sequence[str] = ()) 
 
 
 def _percent_panel(of: LimitShares, result: ScalingResult) -> Panel:
-    """The limit of which most is used first and thick, the others of little use grey."""
     assert result.trajectory is not None  # noqa: S101 (checked by its callers)
     time, percent = result.trajectory.time, 100 * of.share
     steps = of.kind in {"torque rate", "wrench rate", "jerk"}

@@ -250,7 +250,6 @@ def parallel_figure(table: StudyTable) -> dict[str, Any]:
 
 
 def _some(rows: Index) -> Index:
-    """All, or an even choice with the first."""
     if len(rows) <= MOST_LINES:
         return rows
     return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_LINES).round().astype(int)])

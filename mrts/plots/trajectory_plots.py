@@ -143,7 +143,6 @@ def _quantities(result: ScalingResult, name: str, title: str, label: str, drawn:
 
 def _limited(result: ScalingResult, name: str, title: str, label: str, values: Array, names: Sequence[tuple[str, str]],
              limits: Array) -> Plot:  # fmt: skip
-    """Lines, each a name and a unit, with their limits, Shape (2 or 0, N, lines)."""
     done, units = _trajectory(result), dict.fromkeys(unit for _, unit in names)
     lines = []
     for index, (of_line, unit) in enumerate(names):
