@@ -11,7 +11,6 @@ from shown_results import KINDS, renamed, result_of
 import mrts
 from mrts.plots import (
     limits_plot,
-    load_study_plot,
     matplotlib_figure,
     power_plot,
     range_plot,
@@ -155,18 +154,6 @@ def test_the_limit_of_which_most_is_used_is_first_and_thick(result):
     torques = [place for place, name in enumerate(names) if name.kind == "torque"]
     first = next(item for item in limits_plot(result, "").rows[0][0].items if isinstance(item, Line) and item.label)
     np.testing.assert_array_equal(first.y, 100 * shares[:, torques[np.argmax(np.max(shares[:, torques], axis=0))]])
-
-
-@pytest.mark.quick
-def test_what_there_is_not_cannot_be_drawn(planar_cell, lift, result):
-    infeasible = mrts.scale(planar_cell.with_mass(60.0), lift)
-    for draw in (trajectory_plot, power_plot):
-        with pytest.raises(ValueError, match="no trajectory"):
-            draw(infeasible)
-    with pytest.raises(ValueError, match="no trajectory"):
-        limits_plot(infeasible, "")
-    with pytest.raises(ValueError, match="no study of loads"):
-        load_study_plot(result)
 
 
 def test_the_ranking_has_bars_and_marks_infeasible_and_unlimited_configurations(planar_cell, lift):
