@@ -9,6 +9,7 @@ import pytest
 import yaml
 from casadi_cells import casadi_cell
 from conftest import DATA
+from layouts import shipped
 from same_cells import same_cell
 from shown_results import result_of, still_motion, with_changes
 
@@ -104,10 +105,7 @@ def test_the_functions_come_from_the_cell_that_is_given(planar_cell, lift, tmp_p
 
 def test_another_cell_is_refused(lifted, dual_ur5, planar_cell, tmp_path):
     mrts.save_result(lifted, tmp_path / "result.npz")
-    description = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in description["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-        robot["torque"] = [1, 1, 1]  # limits do not enter the functions
+    description = shipped("planar_dual_arm", torque=[1, 1, 1])  # limits do not enter the functions
     (tmp_path / "weak.yaml").write_text(yaml.safe_dump(description))
     whole = mrts.load_result(tmp_path / "result.npz", cell=mrts.load_cell(tmp_path / "weak.yaml"))
     np.testing.assert_array_equal(whole.cell.robots[0].torque_upper, planar_cell.robots[0].torque_upper)
