@@ -10,9 +10,6 @@ import numpy as np
 
 Precision = Literal["double", "float"]
 
-WIDTH: dict[Precision, int] = {"double": 8, "float": 4}
-"""Bytes of a real."""
-
 UNLIMITED: dict[Precision, str] = {"double": "1e300", "float": "1e30f"}
 """What stands for infinity: `MRTS_INFINITY` of the kernel."""
 

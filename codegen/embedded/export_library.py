@@ -7,9 +7,9 @@ from pathlib import Path
 from posixpath import dirname, join, normpath
 
 import casadi as ca
-from mrts_codegen.embedded.c_literals import WIDTH, Precision
+from mrts_codegen.embedded.c_literals import UNLIMITED, Precision
 from mrts_codegen.embedded.export_name import check_library_name
-from mrts_codegen.embedded.words import cell_words, memory_words, vector_words
+from mrts_codegen.embedded.words import cell_words, vector_words
 from mrts_codegen.model_c import model_c
 
 from mrts.base.atomic_file import text_writer, write_together
@@ -61,13 +61,13 @@ def export_library(
             raise InputError("--functions", f"there are {', '.join(PARTS)}.", value=part)
     if not parts:
         raise InputError("--functions", f"choose at least one of {', '.join(PARTS)}.")
-    if precision not in WIDTH:
+    if precision not in UNLIMITED:
         raise InputError("--precision", "must be double or float.", value=precision)
     check_library_name(cell.name)
     holds = conditions(limits, precision, parts)
     name = cell.name
     model = {f"{name}_model_{short}": functions[short] for short, wanted in MODEL_FUNCTIONS.items() if holds[wanted]}
-    words = cell_words(cell, limits, precision) | memory_words(cell, limits, precision)
+    words = cell_words(cell, limits, precision)
     words |= vector_words(vectors, path_samples, precision, limits.motors, name.upper())
     words |= {"NOTICE": NOTICE, "MODEL": model_c(model)}
 

@@ -5,11 +5,10 @@ import re
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from mrts_codegen.embedded.c_literals import UNLIMITED, WIDTH, Precision, c_number, c_numbers, c_string
+from mrts_codegen.embedded.c_literals import UNLIMITED, Precision, c_number, c_numbers, c_string
 
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors, EmbeddedVector
-from mrts.base.manifest import LOAD_ENTRIES
 from mrts.base.torque_weights import weights_by_limits
 from mrts.cell.record import CellRecord
 
@@ -65,33 +64,6 @@ def _motor_words(motors: EmbeddedMotors, precision: Precision) -> dict[str, str]
         "VISCOUS": c_numbers(motors.viscous, precision),
         "SLOPE": c_numbers(motors.slope, precision),
         "REST": c_number(motors.rest, precision),
-    }
-
-
-def memory_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
-    """Bytes of the structures and tables, as the header lays them out."""
-    size, robots, width = len(cell.wrench_components), len(cell.robots), WIDTH[precision]
-    joints = sum(len(robot.joints) for robot in cell.robots)
-    rows, velocities = len(limits.lower), len(limits.velocity)
-    k = size * (robots - 1) + 1
-    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 3 * k + 3 * k * k + 7 * k
-    reals += 0 if limits.base is None else (k + 1) * size * robots
-    integers = 2 * k + 2 * rows + 6 * k
-    settings = len(LOAD_ENTRIES) + 2 * rows + velocities + joints
-    if limits.motors is not None:
-        settings += 3 * joints + 3 + len(limits.motors.line_rows)
-        reals += 3 * joints + 4 * rows + (rows + 1) * (k + 1) + 2 * (rows + k + 2) + (k + 1) * (k + 5) + 1
-        integers += 3 * (k + 1) + rows + 7 + 6 * k
-    texts = (*limits.texts, *limits.velocity_texts)
-    entries = int(np.count_nonzero(limits.matrix))
-    tables = width * (len(LOAD_ENTRIES) * len(_loads(cell)[0]) + settings + entries)
-    tables += 4 * (2 * rows + 1 + entries) + sum(len(text.encode()) + 9 for text in texts)
-    tables += 0 if limits.base is None else width * limits.base.size + 4 * len(limits.axes)
-    return {
-        "WORKSPACE": str(width * (reals + -(-4 * integers // width))),
-        "SETTINGS": str(width * settings),
-        "TABLES": str(tables),
-        "STACK": str(width * 60 * joints),
     }
 
 
