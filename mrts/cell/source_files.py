@@ -114,7 +114,7 @@ def urdf_with_mistakes(path: Path, args: Mapping[str, str]) -> UrdfReading:
 
 def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
     """A cell with its URDFs (None if something is wrong), and all that is wrong."""
-    from mrts_codegen.cell_reading import read_cell  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_model import read_cell  # noqa: PLC0415 (build time, on demand)
 
     model, mistakes = read_cell(path)
     return model, mistakes
