@@ -277,7 +277,9 @@ class Draw:
 
     def _mistake(self) -> None:
         """What people get wrong: a rule of a file that is broken, or a unit, a sign, an order."""
-        broken = list(MISTAKES.values()) + [lambda cell, motion, one=one: one(cell, motion, 1) for one in HINTS]
+        broken = list(MISTAKES.values()) + [
+            lambda cell, motion, one=one: one(cell, motion, 1) for _, one in HINTS.values()
+        ]
         carried = self.cell["object"]
         carried["inertia"] = (carried["mass"] * np.array([0.02, 0.03, 0.04])).tolist()
         broken[self.rng.integers(len(broken))](self.cell, self.motion)

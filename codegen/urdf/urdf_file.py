@@ -35,6 +35,12 @@ INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 def parse_urdf(path: Path, content: bytes) -> Urdf:
     """Parse a URDF."""
+    links, joints = parse_parts(path, content)
+    return Urdf(_root_of_tree(path, links, joints), links, {joint.child: joint for joint in joints})
+
+
+def parse_parts(path: Path, content: bytes) -> tuple[dict[str, Link], list[UrdfJoint]]:
+    """Links and joints of a URDF, which need not make a tree."""
     return _parsed(path, text_of(path, "URDF", content))
 
 
@@ -45,7 +51,7 @@ def mesh_names(path: Path, content: bytes) -> list[str]:
 
 
 @lru_cache(maxsize=FILES_KEPT)
-def _parsed(path: Path, text: str) -> Urdf:
+def _parsed(path: Path, text: str) -> tuple[dict[str, Link], list[UrdfJoint]]:
     root = _parse(path, text)
     if root.tag != "robot":
         raise InputError(path, "is not a URDF: its root element must be <robot>.", value=root.tag)
@@ -60,7 +66,7 @@ def _parsed(path: Path, text: str) -> Urdf:
         with mistakes.noted():
             joints.append(_joint(path, joint))
     mistakes.raise_noted()
-    return Urdf(_root_of_tree(path, links, joints), links, {joint.child: joint for joint in joints})
+    return links, joints
 
 
 def _root_of_tree(path: Path, links: dict[str, Link], joints: list[UrdfJoint]) -> str:

@@ -10,20 +10,22 @@ from mrts_codegen.urdf.robot_model import build_robot_model
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.formats.urdf import NO_LIMIT, Urdf
+from mrts.base.formats.urdf import NO_LIMIT, Link, Urdf, UrdfJoint
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.motors.joint_motors import JointMotors
 from mrts.cell.robot import Robot
 
 
-def urdf_mistakes(path: Path, urdf: Urdf) -> tuple[tuple[InputError, ...], tuple[Remark, ...]]:
-    """What breaks a rule in the joints and the masses of a URDF, on any chain or none, and what is let pass."""
+def urdf_mistakes(
+    path: Path, links: dict[str, Link], joints: list[UrdfJoint]
+) -> tuple[tuple[InputError, ...], tuple[Remark, ...]]:
+    """What breaks a rule in the masses and the joints of a URDF, on any chain or none, and what is let pass."""
     mistakes, remarks = Mistakes(), list[Remark]()
-    for link in urdf.links.values():
+    for link in links.values():
         with mistakes.noted():
             link_inertia(path, link, remarks)
-    for joint in urdf.joints.values():
+    for joint in joints:
         with mistakes.noted():
             if joint.moves:
                 joint.check(path)

@@ -72,21 +72,28 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     return found
 
 
-def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> tuple[Path, Urdf]:
-    """Path of a URDF, and what is in it.
+def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> UrdfReading:
+    """A URDF with all that is wrong with it.
 
-    Args:
-        where: What names it, for messages.
-        folder: That it is relative to, absolute.
-        urdf: As in a cell file.
-        args: Of a xacro, by name.
+    Raises:
+        InputError: If it names a package that is nowhere.
     """
-    from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_file import mesh_names, parse_parts, parse_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_survey import urdf_mistakes  # noqa: PLC0415
     from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
     reference = FileReference(urdf, args, key="")
     path = reference.path(where, folder)
-    return path, parse_urdf(path, reference.content(where, folder))
+    try:
+        content = reference.content(where, folder)
+        mistakes, remarks = urdf_mistakes(path, *parse_parts(path, content))
+    except InputError as error:
+        return UrdfReading(path, None, error.each())
+    meshes = tuple(mesh_names(path, content))
+    try:
+        return UrdfReading(path, parse_urdf(path, content), mistakes, remarks, meshes)
+    except InputError as error:
+        return UrdfReading(path, None, (*error.each(), *mistakes), remarks, meshes)
 
 
 def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:
@@ -95,21 +102,6 @@ def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) ->
 
     robot, com = arm_chain(path, urdf, base_link, tip_link)
     return robot, com
-
-
-def urdf_with_mistakes(path: Path, args: Mapping[str, str]) -> UrdfReading:
-    """A URDF with all that is wrong with it."""
-    from mrts_codegen.urdf.urdf_file import mesh_names, parse_urdf  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.urdf.urdf_survey import urdf_mistakes  # noqa: PLC0415
-    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
-
-    try:
-        content = FileReference(str(path), args, key="").content(path, Path.cwd())
-        urdf = parse_urdf(path, content)
-    except InputError as error:
-        return UrdfReading(path, None, error.each())
-    mistakes, remarks = urdf_mistakes(path, urdf)
-    return UrdfReading(path, urdf, mistakes, remarks, tuple(mesh_names(path, content)))
 
 
 def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:

@@ -144,7 +144,7 @@ def _name(given: str | None, folder: Path) -> str:
 
 
 def _tell_arms(request: "Request") -> None:
-    from mrts.cell.remarks import joint_assumptions, joint_sources
+    from mrts.cell.remarks import joint_assumptions
     from mrts.diagnosis.cell_check import joint_table
 
     chains: dict[int, ArmRequest] = {}
@@ -155,10 +155,9 @@ def _tell_arms(request: "Request") -> None:
         proposed = f" (proposed: {each.why})" if each.why else ""
         names = " and ".join(other.arm.robot.name for other in request.arms if other.arm.robot.source is chain.source)
         say(f"{names}: {each.urdf}, {chain.source.base_link} to {chain.source.tip_link}{proposed}", "strong")
-        joints = joint_sources([each.arm.robot])
-        for line in joint_table(joints):
+        for line in joint_table([chain]):
             say(line)
-        for remark in joint_assumptions(joints):
+        for remark in joint_assumptions([chain]):
             say(f"  {remark.text}", "note")
     say("")
 

@@ -21,8 +21,7 @@ examples:
 
 @options.command(EXAMPLES)
 @argument("study", type=Named(), metavar="STUDY",
-          help="study file; 'vary' names numbers of base, grasp or posture, each from and to, 'sample: sobol' and a "
-          "'count'")  # fmt: skip
+          help="study file with 'sample: sobol'; 'vary' gives numbers of base, grasp, posture from and to")  # fmt: skip
 @option("-o", "--output", type=Written(), required=True, metavar="FILE",
         help="the cell file of the best layout; Ctrl-C writes the best so far")  # fmt: skip
 @option("--starts", type=int, metavar="N", help="from how many layouts to search for the nearest best one (default: 3)")
@@ -44,4 +43,6 @@ def run(study: Path, output: Path, **given: Any) -> int:
         warn(f"no layout can be played: {output} not written")
     else:
         outputs.write(output, found.write)
+    if found.stopped:
+        warn(f"{found.stopped} ended the search: a longer one may find a better layout")
     return outputs.answer(found.lines(), INFEASIBLE if found.after is None else FEASIBLE)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """`mrts sweep`."""
 
-from collections import Counter
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,7 +18,7 @@ from mrts.console.terminal import say, warn
 if TYPE_CHECKING:
     from mrts.studies.study import Study
     from mrts.studies.study_folder import StudyFolder
-    from mrts.sweeps.sweep_progress import SweepProgress, Tally
+    from mrts.sweeps.sweep_progress import SweepProgress
 
 EXAMPLES = """\
 examples:
@@ -63,10 +62,10 @@ def run(
         return _estimated(asked, workers)
     if output is None:
         raise InputError("output", "is missing: name a folder for the table, or ask for --dry-run.")
-    folder, tally = _solved(asked, output, workers, scheduler)
+    folder, found = _solved(asked, output, workers, scheduler)
     outputs = Outputs()
-    lines = _answer(asked, tally)
-    admitted = tally.statuses["feasible"] + tally.statuses["unbounded"]
+    lines = _answer(asked, found)
+    admitted = found.statuses["feasible"] + found.statuses["unbounded"]
     if top and admitted:
         from mrts.sweeps.best_variants import best_lines, write_best
 
@@ -91,7 +90,9 @@ def _estimated(study: "Study", workers: int | None) -> int:
     return FEASIBLE
 
 
-def _solved(study: "Study", output: Path, workers: int | None, scheduler: str | None) -> "tuple[StudyFolder, Tally]":
+def _solved(
+    study: "Study", output: Path, workers: int | None, scheduler: str | None
+) -> "tuple[StudyFolder, SweepProgress]":
     """The folder of a study, complete; where the work is interrupted, how to go on is said."""
     from mrts.program.held_interrupt import held_interrupt
     from mrts.studies.study_folder import read_study_folder
@@ -111,8 +112,7 @@ def _solved(study: "Study", output: Path, workers: int | None, scheduler: str | 
         raise
 
 
-def _answer(study: "Study", tally: "Tally") -> list[str]:
-    counts = ", ".join(f"{count} {status}" for status, count in Counter(tally.statuses).most_common())
-    found = tally.progress()
+def _answer(study: "Study", found: "SweepProgress") -> list[str]:
+    counts = ", ".join(f"{count} {status}" for status, count in found.statuses.most_common())
     best = [] if found.best is None else [f"best: variant {found.best_variant}, {found.best:.4g} s"]
     return [f"{study.path.name}: {study.variants} variants: {counts}", *best]

@@ -12,7 +12,7 @@ from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
 from mrts.studies.parameters import Parameter
 from mrts.studies.study import Study
-from mrts.studies.variant_numbers import POSES, base_numbers, target_entries
+from mrts.studies.variant_numbers import POSES, Entry, base_numbers, target_entries, variant_numbers
 
 PARTS = (*POSES, "posture")
 """Arrays of `mrts.studies.variant_numbers` that are a layout."""
@@ -56,19 +56,25 @@ class LayoutNumbers:
         Raises:
             InputError: If it varies what is no layout, or not between two values.
         """
-        numbers = base_numbers(study, cell)
-        arrays = [numbers[name][0] for name in PARTS]
-        starts = dict(zip(PARTS, np.cumsum([0, *(array.size for array in arrays)]).tolist(), strict=False))
-        given = np.concatenate([array.ravel() for array in arrays])
-        offset, slope = given.copy(), np.zeros((len(given), len(study.parameters)))
+        base = base_numbers(study, cell)
+        entries: list[Entry] = []
         for column, parameter in enumerate(study.parameters):
             for target in parameter.targets:
                 places = target_entries(target, column, study, cell)
-                if not places or places[0].name not in starts:
+                if not places or places[0].name not in PARTS:
                     raise InputError(study.path, NOT_A_LAYOUT, key=f"vary: {target.path}")
-                (entry,) = places
-                row = starts[entry.name] + int(np.ravel_multi_index(entry.index, numbers[entry.name].shape[1:]))
-                offset[row], slope[row, column] = entry.offset, entry.factor
+                entries += places
+
+        def rows(points: Array) -> Array:
+            """The arrays of `PARTS` one after the other, Shape (V, 12 n + m)."""
+            numbers = variant_numbers(base, entries, points)
+            parts = [np.repeat(of, len(points) // len(of), axis=0) for of in (numbers[name] for name in PARTS)]
+            return np.concatenate([part.reshape(len(points), -1) for part in parts], axis=1)
+
+        P = len(study.parameters)
+        offset = rows(np.zeros((1, P)))[0]
+        slope = (rows(np.eye(P)) - offset).T
+        given = np.concatenate([base[name].ravel() for name in PARTS])
         lower, upper = np.array([_bounds(study, parameter) for parameter in study.parameters]).T
         return cls(parameters=study.parameters, lower=lower, upper=upper, given=given, offset=offset, slope=slope)
 

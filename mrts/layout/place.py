@@ -4,14 +4,10 @@
 What a program promises counts only as far as the cell then does it.
 """
 
-import signal
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -28,6 +24,7 @@ from mrts.layout.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.program.held_interrupt import held_interrupt
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.studies.distributions import Distribution
@@ -110,10 +107,11 @@ def place(
         raise InputError(study.path, rule, key="load", value="possible")
     until = None if seconds is None else monotonic() + seconds
     search = LayoutSearch(study, tolerance)
-    with _stop_request() as asked:
-        search.over = lambda: bool(asked) or (until is not None and monotonic() >= until)
+    with held_interrupt() as pressed:
+        search.over = lambda: bool(pressed) or (until is not None and monotonic() >= until)
         counts = search.run(starts, looked_at, progress)
-        stopped = "Ctrl-C" if asked else "the time limit" if search.over() else ""
+        stopped = "Ctrl-C" if pressed else "the time limit" if search.over() else ""
+        pressed.clear()
     progress(looked_at + starts, looked_at + starts)
     after = search.best_played()
     return Placement(
@@ -152,7 +150,7 @@ class LayoutSearch:
         self.found: list[PlayedLayout] = []
         self.failures: list[str] = []
         nearest, is_layout = self.numbers.nearest_given()
-        self.given = self._scaled(study.cell, nearest if is_layout else None)
+        self.given = self._scaled(study.cell, nearest, None)
         if self.given is not None and is_layout:
             self.found.append(self.given)
 
@@ -193,7 +191,7 @@ class LayoutSearch:
         return self._scaled(keys, values, postures)
 
     def _scaled(
-        self, keys: dict[str, Any], values: Array | None, postures: dict[str, list[float]] | None = None
+        self, keys: dict[str, Any], values: Array, postures: dict[str, list[float]] | None
     ) -> PlayedLayout | None:
         asked = self.study.question
         try:
@@ -215,7 +213,6 @@ class LayoutSearch:
         for _ in range(MAX_ROUNDS):
             if self.over() or not np.isfinite(best.c2):
                 return
-            assert best.values is not None  # noqa: S101 (a layout of the study)
             answer = solve_layout(self.functions, self.numbers, best.values, best.result, samples, stop=self.over)
             reached = self._reached(best, answer)
             if reached is None:
@@ -254,7 +251,6 @@ class LayoutSearch:
         """The same with every number that gains nothing where the cell file has it."""
         values, _ = self.numbers.nearest_given()
         for place, value in enumerate(values):
-            assert best.values is not None  # noqa: S101 (a layout of the study)
             moved = np.where(np.arange(len(values)) == place, value, best.values)
             if moved[place] != best.values[place]:
                 tried = self.tried(moved, best.postures)
@@ -297,29 +293,3 @@ def _object_motion(study: Study) -> ObjectMotion:
         return study.table
     rule = "a table of joint motion fixes where the arms stand; give the object's motion."
     raise InputError(study.path, rule, key="motion")
-
-
-@contextmanager
-def _stop_request() -> Iterator[list[int]]:
-    """Note the first interrupt instead of raising it; the next does what it did before.
-
-    Yields:
-        The number of the signal, once it has arrived; empty before. Signals arrive in the main thread only.
-    """
-    asked: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield asked
-        return
-    before = signal.getsignal(signal.SIGINT)
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        if not asked:
-            asked.append(number)
-        elif callable(before):
-            before(number, frame)
-
-    signal.signal(signal.SIGINT, interrupt)
-    try:
-        yield asked
-    finally:
-        signal.signal(signal.SIGINT, before)

@@ -38,7 +38,7 @@ class PlayedLayout:
 
     Attributes:
         keys: Keys and values of its cell file.
-        values: Of the numbers of the study, Shape (P,); None of the layout of the cell file, where no values give that.
+        values: Of the numbers of the study, Shape (P,): those of the cell file, where no values give that, the nearest.
         slope: ∂ ln c²⁺/∂values, Shape (P,), where a search ended there; else None.
         result: What `mrts.scale` finds, between the samples too.
         fastest: Duration at a speed that varies [s]; None if nothing limits it, or no timing was found.
@@ -46,7 +46,7 @@ class PlayedLayout:
     """
 
     keys: dict[str, Any]
-    values: Array | None
+    values: Array
     slope: Array | None
     result: ScalingResult
     fastest: float | None
@@ -168,7 +168,7 @@ class Placement:
 
     def _bounds(self) -> Iterator[str]:
         after, numbers = self.after, self.numbers
-        if after is None or after.values is None or after.slope is None:
+        if after is None or after.slope is None:
             return
         for index, parameter in enumerate(numbers.parameters):
             low, high, value = numbers.lower[index], numbers.upper[index], after.values[index]

@@ -104,6 +104,16 @@ class ActiveRow:
     side: Side
     limit: float
 
+    @property
+    def arrow(self) -> str:
+        """What a side is shown as; nothing of speeds, which are limited alike in both directions."""
+        return "" if not self.name.robot or self.name.kind in SPEEDS else " ↑" if self.side == "upper" else " ↓"
+
+    @property
+    def label(self) -> str:
+        """A few letters: `left/elbow ↑`, `left/elbow velocity`, `left/pad slips`."""
+        return self.name.failure or self.name.short + self.arrow
+
     def __str__(self) -> str:
         if self.name == STANDSTILL or self.name.kind == "speed":
             return str(self.name)

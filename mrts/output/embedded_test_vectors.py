@@ -6,6 +6,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedVector
 from mrts.base.errors import InputError, MotionError
+from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.motion.motion_file import MotionDescription, sample_motion
@@ -81,20 +82,15 @@ def _vector(
 
 def own_motion(cell: Cell) -> CoordinatedMotion:
     """A short lift against gravity from where the first robot's posture puts the object."""
-    q = cell.posture
-    poses = cell.functions("kinematics", 1, {"q": q})
-    first = cell.robots[0]
-    rotation = poses["rotation"][0, :, :3] @ first.T_object_tip.R.T
-    start = poses["position"][0].reshape(3, -1)[:, 0] - rotation @ first.T_object_tip.p
+    poses, first = cell.functions("kinematics", 1, {"q": cell.posture}), cell.robots[0]
+    T_world_tip = RigidTransform(poses["rotation"][0, :, :3], poses["position"][0].reshape(3, -1)[:, 0])
+    T_world_object = T_world_tip @ first.T_object_tip.inverse()
+    rpy = rpy_from_rotation(T_world_object.R)
     size = float(np.linalg.norm(cell.gravity))
     up = -cell.gravity / size if size > 0 else np.array([0.0, 1.0, 0.0])
-    pitch = -np.arcsin(np.clip(rotation[2, 0], -1, 1))
-    roll, yaw = np.arctan2(rotation[2, 1], rotation[2, 2]), np.arctan2(rotation[1, 0], rotation[0, 0])
-    rpy = [float(roll), float(pitch), float(yaw)]
     for lift in LIFTS:
-        ends = {
-            name: {"xyz": place.tolist(), "rpy": rpy} for name, place in (("start", start), ("end", start + lift * up))
-        }
+        places = {"start": T_world_object.p, "end": T_world_object.p + lift * up}
+        ends = {name: {"xyz": place.tolist(), "rpy": rpy} for name, place in places.items()}
         description = {"duration": 0.5, "samples": SAMPLES, "profile": "quintic", **ends}
         try:
             return follow_object(cell, sample_motion(MotionDescription.model_validate(description)))

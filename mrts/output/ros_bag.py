@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
@@ -12,11 +13,13 @@ from mrts.base.atomic_file import make_folder_atomically
 from mrts.base.errors import InputError
 from mrts.cell.robot import Robot
 from mrts.motion.ros_messages import NANOSECONDS, message_types
-from mrts.output.trajectory_table import PlayedRows, played_rows, trajectory_to_write
+from mrts.output.trajectory_table import played_rows, trajectory_to_write
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:
     from rosbags.rosbag2 import Writer
+
+Stamps = NDArray[np.int64]
 
 BAG_VERSION: Literal[9] = 9
 """Of rosbag2's metadata: what ROS 2 Iron and later write; Humble reads the MCAP file itself."""
@@ -39,27 +42,26 @@ def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
     if folder.exists():
         raise InputError(folder, "exists already: a bag is written into a new folder. Remove it, or name another.")
     rows = played_rows(done)
-    stamps = np.rint(rows.time * NANOSECONDS).astype(np.int64)
+    stamps = np.rint(rows["t"] * NANOSECONDS).astype(np.int64)
     if not np.all(np.diff(stamps) > 0):
         raise InputError(folder, "samples lie less than a nanosecond apart at this speed, which ROS cannot tell apart.")
     make_folder_atomically(folder, lambda bag: _write(result, rows, stamps, bag))
 
 
-def _write(result: ScalingResult, rows: PlayedRows, stamps: np.typing.NDArray[np.int64], bag: Path) -> None:
+def _write(result: ScalingResult, rows: dict[str, Array], stamps: Stamps, bag: Path) -> None:
     from rosbags.rosbag2 import StoragePlugin, Writer  # noqa: PLC0415 (an extra, needed when a bag is)
 
     with Writer(bag, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
         for robot in result.cell.robots:
             part = result.cell.joint_slices[robot.name]
-            motion = (rows.q[:, part], rows.dq[:, part], rows.ddq[:, part], rows.torque[:, part])
-            _add(writer, f"/{robot.name}/joint_trajectory", [(0, _trajectory(robot, stamps, *motion))])
-            _add(writer, f"/{robot.name}/joint_states", _joint_states(robot, stamps, *motion[:2], motion[3]))
-            if rows.friction is not None:
-                unsaid = np.zeros((len(stamps), 0))
-                alone = _joint_states(robot, stamps, unsaid, unsaid, rows.friction[:, part])
-                _add(writer, f"/{robot.name}/joint_friction", alone)
+            own = {name: values[:, part] for name, values in rows.items() if name not in {"t", "F"}}
+            _add(writer, f"/{robot.name}/joint_trajectory", [(0, _trajectory(robot, stamps, own))])
+            states = _joint_states(robot, stamps, own["tau"], own["q"], own["dq"])
+            _add(writer, f"/{robot.name}/joint_states", states)
+            if "tau_friction" in own:
+                _add(writer, f"/{robot.name}/joint_friction", _joint_states(robot, stamps, own["tau_friction"]))
             six = np.zeros((len(stamps), 6))
-            six[:, result.cell.wrench_rows] = rows.wrench[:, result.cell.wrench_slices[robot.name]]
+            six[:, result.cell.wrench_rows] = rows["F"][:, result.cell.wrench_slices[robot.name]]
             wrenches = [(int(stamp), _wrench(robot, int(stamp), six[k])) for k, stamp in enumerate(stamps)]
             _add(writer, f"/{robot.name}/contact_wrench", wrenches)
 
@@ -75,49 +77,36 @@ def _message(kind: str, **fields: Any) -> Any:
     return message_types().types[kind](**fields)
 
 
+def _time(kind: str, stamp: int) -> Any:
+    return _message(f"builtin_interfaces/msg/{kind}", sec=stamp // NANOSECONDS, nanosec=stamp % NANOSECONDS)
+
+
 def _header(stamp: int, frame: str) -> Any:
-    time = _message("builtin_interfaces/msg/Time", sec=stamp // NANOSECONDS, nanosec=stamp % NANOSECONDS)
-    return _message("std_msgs/msg/Header", stamp=time, frame_id=frame)
+    return _message("std_msgs/msg/Header", stamp=_time("Time", stamp), frame_id=frame)
 
 
-def _trajectory(
-    robot: Robot, stamps: np.typing.NDArray[np.int64], q: Array, dq: Array, ddq: Array, torque: Array
-) -> Any:
+def _trajectory(robot: Robot, stamps: Stamps, rows: dict[str, Array]) -> Any:
     points = [
         _message(
             "trajectory_msgs/msg/JointTrajectoryPoint",
-            positions=q[k],
-            velocities=dq[k],
-            accelerations=ddq[k],
-            effort=torque[k],
-            time_from_start=_message(
-                "builtin_interfaces/msg/Duration",
-                sec=int(stamp) // NANOSECONDS,
-                nanosec=int(stamp) % NANOSECONDS,
-            ),
+            positions=rows["q"][k],
+            velocities=rows["dq"][k],
+            accelerations=rows["ddq"][k],
+            effort=rows["tau"][k],
+            time_from_start=_time("Duration", stamp),
         )
-        for k, stamp in enumerate(stamps)
+        for k, stamp in enumerate(stamps.tolist())
     ]
-    return _message(
-        "trajectory_msgs/msg/JointTrajectory", header=_header(0, ""), joint_names=list(robot.joints), points=points
-    )
+    kind, names = "trajectory_msgs/msg/JointTrajectory", list(robot.joints)
+    return _message(kind, header=_header(0, ""), joint_names=names, points=points)
 
 
-def _joint_states(
-    robot: Robot, stamps: np.typing.NDArray[np.int64], q: Array, dq: Array, torque: Array
-) -> list[tuple[int, Any]]:
+def _joint_states(robot: Robot, stamps: Stamps, effort: Array, *motion: Array) -> list[tuple[int, Any]]:
+    """Messages with efforts, and positions and velocities where they are given."""
+    q, dq = motion or [np.zeros((len(stamps), 0))] * 2
+    names, kind = list(robot.joints), "sensor_msgs/msg/JointState"
     return [
-        (
-            stamp,
-            _message(
-                "sensor_msgs/msg/JointState",
-                header=_header(stamp, ""),
-                name=list(robot.joints),
-                position=q[k],
-                velocity=dq[k],
-                effort=torque[k],
-            ),
-        )
+        (stamp, _message(kind, header=_header(stamp, ""), name=names, position=q[k], velocity=dq[k], effort=effort[k]))
         for k, stamp in enumerate(stamps.tolist())
     ]
 

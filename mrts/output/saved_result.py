@@ -33,7 +33,7 @@ from mrts.timing.result import RetimingResult
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 8
+VERSION = 9
 """Of arrays and description together; any change of what results hold raises it, unless it is one of the manifest."""
 
 DESCRIPTION_BYTES = 5_000_000
@@ -131,14 +131,13 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
         vars(found)["warnings"] = (*told, *remarks.values())
         return found
 
-    with open_arrays(path, "saved result", "`mrts scale CELL MOTION --save FILE.npz` writes one.") as archive:
-        if "description" not in archive.names:
-            raise InputError(path, "is no saved result of mrts: it holds no array 'description'.")
-        most = max(DESCRIPTION_BYTES, DESCRIPTION_RATIO * archive.size)
-        description = archive.read("description", most)
-        said = _checked_description(path, description.tobytes())
-        arrays = {name: archive.read(name) for name in archive.names if name not in {"description", "seal"}}
-        if not np.array_equal(archive.read("seal"), seal(arrays | {"description": description})):
+    advice = "`mrts scale CELL MOTION --save FILE.npz` writes one."
+    with open_arrays(path, "saved result", advice) as (arrays, size):
+        text, found_seal = arrays["description"].tobytes(), arrays.pop("seal", np.zeros(0))
+        if len(text) > max(DESCRIPTION_BYTES, DESCRIPTION_RATIO * size):
+            raise InputError(path, f"describes a result in {len(text)} bytes: more than a file of its size.")
+        said = _checked_description(path, text)
+        if not np.array_equal(found_seal, seal(arrays)):
             raise InputError(path, "was edited or damaged after it was saved. Save the result again.", key="seal")
         own = {Cell: read_cell, ScalingResult: read_scaling}
         reader = TreeReader(arrays, own, {"WhatIf": WhatIf})

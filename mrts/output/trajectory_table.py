@@ -3,7 +3,6 @@
 
 import csv
 import io
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,59 +16,28 @@ from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 
-@dataclass(frozen=True)
-class PlayedRows:
-    """What a controller plays, R rows: the samples, with a row at rest before and after where it would push else.
+def played_rows(done: ScaledTrajectory) -> dict[str, Array]:
+    """What a controller plays: the samples, with a row at rest before and after where it would push else.
 
-    Attributes:
-        time: From 0, Shape (R,) [s].
-        q: Joint positions, Shape (R, m) [rad or m].
-        dq: Joint velocities, Shape (R, m).
-        ddq: Joint accelerations, Shape (R, m).
-        torque: What the motors give, Shape (R, m) [N m or N].
-        friction: The part of it that overcomes friction, none at rest; None where no motor has friction.
-        wrench: Shape (R, n w) [N, N m].
+    Returns:
+        R rows each: "t" from 0 [s]; "q", "dq", "ddq" and "tau" of all joints, where there is friction "tau_friction",
+        the part of the torque that overcomes it, none at rest; "F" of all wrenches.
     """
-
-    time: Array
-    q: Array
-    dq: Array
-    ddq: Array
-    torque: Array
-    friction: Array | None
-    wrench: Array
-
-
-def played_rows(done: ScaledTrajectory) -> PlayedRows:
-    """The rows of a table or a bag."""
-    samples = PlayedRows(
-        time=done.time,
-        q=done.q,
-        dq=done.dq,
-        ddq=done.ddq,
-        torque=done.torque,
-        friction=done.friction if done.has_friction else None,
-        wrench=done.wrench,
-    )
+    rows = {"t": done.time, "q": done.q, "dq": done.dq, "ddq": done.ddq, "tau": done.torque}
+    rows |= {"tau_friction": done.friction} if done.has_friction else {}
+    rows["F"] = done.wrench
     held = done.holding
     if held is None or not any(held.ends):
-        return samples
+        return rows
     before, after = (slice(int(end)) for end in held.ends)
-    step, none = holding_step(done.time), np.zeros((1, done.q.shape[1]))
-
-    def framed(start: Array, rows: Array, end: Array) -> Array:
-        return np.concatenate([start[before], rows, end[after]])
-
-    shifted = done.time + step * held.ends[0]
-    return PlayedRows(
-        time=framed(np.zeros(1), shifted, shifted[-1:] + step),
-        q=framed(done.q[:1], done.q, done.q[-1:]),
-        dq=framed(none, done.dq, none),
-        ddq=framed(none, done.ddq, none),
-        torque=framed(held.torque[:1], done.torque, held.torque[1:]),
-        friction=None if samples.friction is None else framed(none, samples.friction, none),
-        wrench=framed(held.wrench[:1], done.wrench, held.wrench[1:]),
-    )
+    rows["t"] = done.time + (step := holding_step(done.time)) * held.ends[0]
+    ends = {name: (np.zeros_like(values[:1]), np.zeros_like(values[:1])) for name, values in rows.items()}
+    ends["t"] = np.zeros(1), rows["t"][-1:] + step
+    ends |= {"q": (done.q[:1], done.q[-1:]), "tau": (held.torque[:1], held.torque[1:])}
+    ends["F"] = held.wrench[:1], held.wrench[1:]
+    return {
+        name: np.concatenate([ends[name][0][before], values, ends[name][1][after]]) for name, values in rows.items()
+    }
 
 
 def trajectory_to_write(result: ScalingResult) -> ScaledTrajectory:
@@ -89,14 +57,12 @@ def trajectory_columns(result: ScalingResult) -> dict[str, Array]:
         InputError: If there is none.
     """
     rows = played_rows(trajectory_to_write(result))
-    joints = result.cell.joint_names
     wrenches = [f"{robot.name}/{part}" for robot in result.cell.robots for part in result.cell.wrench_components]
-    of_joints = {"q": rows.q, "dq": rows.dq, "ddq": rows.ddq, "tau": rows.torque}
-    of_joints |= {} if rows.friction is None else {"tau_friction": rows.friction}
-    head = ["t", *(f"{kind}.{joint}" for kind in of_joints for joint in joints)]
-    head += [f"F.{wrench}" for wrench in wrenches]
-    table = np.column_stack([rows.time, *of_joints.values(), rows.wrench])
-    return dict(zip(head, table.T, strict=True))
+    columns = {"t": rows.pop("t")}
+    for kind, values in rows.items():
+        names = wrenches if kind == "F" else result.cell.joint_names
+        columns |= {f"{kind}.{name}": column for name, column in zip(names, values.T, strict=True)}
+    return columns
 
 
 def trajectory_csv(result: ScalingResult) -> str:

@@ -14,12 +14,12 @@ from mrts.base.lazy_names import lazy_names
 if TYPE_CHECKING:
     from mrts.plots.card import answer_card as answer_card
     from mrts.plots.configuration_plot import ranking_plot as ranking_plot
-    from mrts.plots.figure_files import matplotlib_figure as matplotlib_figure
     from mrts.plots.figure_files import write_motor_plots as write_motor_plots
-    from mrts.plots.figure_files import write_plot as write_plot
     from mrts.plots.figure_files import write_result_plots as write_result_plots
     from mrts.plots.figure_files import write_study_plots as write_study_plots
     from mrts.plots.limit_plots import limits_plot as limits_plot
+    from mrts.plots.matplotlib_drawer import matplotlib_figure as matplotlib_figure
+    from mrts.plots.matplotlib_drawer import write_plot as write_plot
     from mrts.plots.motor_plots import motor_plot as motor_plot
     from mrts.plots.phase_plane import phase_plane_plot as phase_plane_plot
     from mrts.plots.range_plots import load_plot as load_plot
@@ -38,8 +38,9 @@ __all__, __getattr__, __dir__ = lazy_names(
     {
         "card": "answer_card",
         "configuration_plot": "ranking_plot",
-        "figure_files": "matplotlib_figure write_motor_plots write_plot write_result_plots write_study_plots",
+        "figure_files": "write_motor_plots write_result_plots write_study_plots",
         "limit_plots": "limits_plot",
+        "matplotlib_drawer": "matplotlib_figure write_plot",
         "motor_plots": "motor_plot",
         "phase_plane": "phase_plane_plot",
         "range_plots": "load_plot load_study_plot range_plot",

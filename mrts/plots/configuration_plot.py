@@ -33,7 +33,7 @@ def ranking_plot(study: ConfigurationStudy, title: str) -> Plot:
         items.append(Bars(place=rows[finite], start=start, end=c2[finite], color=color, written=written))
     if np.any(free := c2 == np.inf):
         end = np.full(np.count_nonzero(free), 1.1 * longest)
-        items.append(Bars(place=rows[free], start=0 * end, end=end, color=color, hatched=True))
+        items.append(Bars(place=rows[free], start=0 * end, end=end, color="#fff", hatch="///"))
     if np.any(none := c2 == -np.inf):
         items.append(Points(x=0 * rows[none], y=rows[none], symbol="cross", color=CONFLICT))
     names = [", ".join(f"{branch.robot} {branch.number}" for branch in found.branches) for found in shown]

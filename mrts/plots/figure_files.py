@@ -3,9 +3,9 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from mrts.base.argument_types import as_path, check_type
+from mrts.base.atomic_file import write_together
 from mrts.base.errors import InputError
 from mrts.base.formats.figure_formats import FIGURE_FORMATS
 from mrts.identification.identified_motors import MotorIdentification
@@ -20,9 +20,6 @@ from mrts.plots.study_table import StudyTable, read_study_table
 from mrts.plots.trajectory_plots import power_plot, trajectory_plot
 from mrts.scaling.result import ScalingResult
 from mrts.timing.result import RetimingResult
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def result_plots(result: ScalingResult | RetimingResult) -> list[Plot]:
@@ -55,8 +52,7 @@ def write_result_plots(result: ScalingResult | RetimingResult, folder: Path | st
         InputError: If there is no such format, or a file cannot be written.
     """
     check_type("result", result, ScalingResult, RetimingResult)
-    folder, form = as_path("folder", folder), checked_form(form)
-    _write(result_plots(result), folder, form)
+    _write(result_plots(result), as_path("folder", folder), form)
 
 
 def write_study_plots(study: StudyTable | Path | str, to: Path | str, form: str = "png") -> None:
@@ -71,7 +67,6 @@ def write_study_plots(study: StudyTable | Path | str, to: Path | str, form: str 
         InputError: If there is no study, none of its variants is solved, there is no such format, or a file
             cannot be written.
     """
-    form = checked_form(form)
     table = study if isinstance(study, StudyTable) else read_study_table(as_path("study", study))
     _write([durations_plot(table), *([study_map_plot(table)] if table.knobs else [])], as_path("to", to), form)
 
@@ -87,42 +82,13 @@ def write_motor_plots(found: MotorIdentification, folder: Path | str, form: str 
     Raises:
         InputError: If there is no such format, or a file cannot be written.
     """
-    form = checked_form(form)
     _write([motor_plot(arm) for arm in found.arms], as_path("folder", folder), form)
 
 
-def write_plot(plot: Plot, path: Path | str) -> None:
-    """Write a plot, whole or not at all; the file name's ending chooses the format.
-
-    Raises:
-        InputError: If it cannot be written, or there is no such format.
-    """
-    from mrts.plots.matplotlib_drawer import write_figure  # noqa: PLC0415 (the extra 'plot')
-
-    check_type("plot", plot, Plot)
-    write_figure(plot, as_path("path", path))
-
-
-def matplotlib_figure(plot: Plot) -> "Figure":
-    """The plot as a figure of matplotlib, to be changed before it is written or shown."""
-    from mrts.plots import matplotlib_drawer  # noqa: PLC0415 (the extra 'plot')
-
-    return matplotlib_drawer.matplotlib_figure(plot)
-
-
-def checked_form(form: str) -> str:
-    """A format of figures.
-
-    Raises:
-        InputError: If there is no such format.
-    """
+def _write(plots: Iterable[Plot], folder: Path, form: str) -> None:
     check_type("form", form, str)
     if form not in FIGURE_FORMATS:
         raise InputError("form", f"figures are written as one of {', '.join(FIGURE_FORMATS)}.", value=form)
-    return form
+    from mrts.plots.matplotlib_drawer import figure_writer  # noqa: PLC0415 (the extra 'plot')
 
-
-def _write(plots: Iterable[Plot], folder: Path, form: str) -> None:
-    from mrts.plots.matplotlib_drawer import write_figures  # noqa: PLC0415 (the extra 'plot')
-
-    write_figures({folder / f"{plot.name.replace('-', '_')}.{form}": plot for plot in plots})
+    write_together({folder / f"{plot.name.replace('-', '_')}.{form}": figure_writer(plot) for plot in plots})

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Names as labels of a picture, printable and short enough to stand beside a plot; a range in a few words."""
 
-import re
 from collections.abc import Sequence
 
 from mrts.base.printable import cut, printable
-from mrts.limits.rows import FAILURES, SPEEDS, STANDSTILL, ActiveRow, RowName
+from mrts.limits.rows import STANDSTILL, ActiveRow, RowName
 from mrts.scaling.range import RangeEnd, ScalingRange
 
 MOST_NAMES = 3
@@ -19,8 +18,6 @@ LANE_LETTERS = 32
 
 MOST_LETTERS = 128
 """Of names that are alike where they are shorter."""
-
-CONTACT_ROW = re.compile(rf"(.+) ({'|'.join(FAILURES)}) \S+")
 
 
 def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
@@ -41,24 +38,6 @@ def shortened_apart(names: Sequence[str], longest: int = LANE_LETTERS) -> list[s
     return shortened_apart(names, 2 * longest)
 
 
-def limit_label(name: str, side: str) -> str:
-    """A limit in a few letters: `left/elbow ↑` at its upper side, ↓ at its lower one, `left/pad slips`.
-
-    Args:
-        name: Of its row, as `RowName.short`.
-        side: "upper" or "lower"; a speed is limited alike in both directions and needs no arrow.
-    """
-    if found := CONTACT_ROW.fullmatch(name):
-        return f"{found[1]} {FAILURES[found[2]]}"
-    return name if name.endswith(tuple(SPEEDS)) else f"{name} {'↑' if side == 'upper' else '↓'}"
-
-
-def row_label(row: ActiveRow) -> str:
-    """A row in a few letters."""
-    name = row.name
-    return str(name) if name == STANDSTILL or not name.robot else limit_label(name.short, row.side)
-
-
 def short_name(name: RowName) -> str:
     """What a row limits, whichever side: `left/elbow torque`, `left/pad slips`."""
     return name.failure or str(name)
@@ -69,14 +48,18 @@ def row_text(row: ActiveRow) -> str:
     name = row.name
     if name == STANDSTILL or name.kind == "speed" or name.failure:
         return str(row)
-    return f"{limit_label(str(name), row.side)}, {row.limit:.4g} {name.unit}".rstrip()
+    return f"{name}{row.arrow}, {row.limit:.4g} {name.unit}".rstrip()
 
 
 def row_labels(rows: Sequence[ActiveRow], most: int = MOST_NAMES) -> str:
     """The first rows in a few letters, and how many more there are."""
-    labels = list(dict.fromkeys(map(row_label, rows)))
-    more = f" and {len(labels) - most} more" if len(labels) > most else ""
-    return ", ".join(labels[:most]) + more
+    return first_names(list(dict.fromkeys(row.label for row in rows)), most)
+
+
+def first_names(names: Sequence[str], most: int = MOST_NAMES) -> str:
+    """The first names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 def range_text(found: ScalingRange) -> str:

@@ -10,7 +10,7 @@ from mrts.base.arrays import Array
 from mrts.plots.colours import COLOURS
 from mrts.plots.labels import short_name
 from mrts.plots.limit_shares import AT_LIMIT, LimitingRows, LimitShares, all_shares, shares_by_kind
-from mrts.plots.plot import Axis, Cells, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel
+from mrts.plots.plot import Axis, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel
 from mrts.scaling.result import ScalingResult
 
 NAMED = 5
@@ -85,9 +85,9 @@ def limit_map(result: ScalingResult, limiting: LimitingRows) -> Plot:
     at_limit = shares >= 1 - AT_LIMIT
     codes = np.where(at_limit, np.where(limiting.forced, 1.0, 0.0), -1.0)
     grid: dict[str, Any] = {"x": edges, "y": np.arange(len(shown) + 1, dtype=np.float64) - 0.5}
-    reached = Cells(
+    reached = HeatMap(
         **grid,
-        code=largest(codes)[1].astype(int),
+        z=largest(codes)[1],
         names=("at the limit through the distribution", "at the limit where the speed is set"),
         colors=(COLOURS[4], COLOURS[1]),
     )

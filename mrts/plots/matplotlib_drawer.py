@@ -2,7 +2,6 @@
 """Draws plots as figures of matplotlib, and writes them."""
 
 import textwrap
-from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -15,11 +14,12 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
-from mrts.base.atomic_file import Write, write_atomically, write_together
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.atomic_file import Write, write_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.plots.labels import LONGEST_LABEL, shortened
-from mrts.plots.plot import Axis, Band, Bars, Cells, HeatMap, Item, Line, Panel, Plot, Points, Rule, Spans
+from mrts.plots.plot import Axis, Band, Bars, HeatMap, Item, Line, Panel, Plot, Points, Rule
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""
@@ -49,12 +49,14 @@ NAME_LETTERS = 72
 LEGEND_DROP, SHARED_DROP = 34.0, 8.0
 """From the axes down to a legend below tick and axis labels, and without these [pt]."""
 
+HATCH_COLOR = "#8a8a8a"
+
 CONTOURS = 4
 """Of one value each; a map with fewer cells along an axis has none."""
 
 
 def matplotlib_figure(plot: Plot) -> Figure:
-    """The plot as a figure of matplotlib."""
+    """The plot as a figure of matplotlib, to be changed before it is written or shown."""
     columns = max(map(len, plot.rows))
     legends = [max(_legend_lines(panel, columns) for panel in row) for row in plot.rows]
     alone = len(plot.rows) == 1 and columns <= 2  # noqa: PLR2004 (side by side)
@@ -88,21 +90,17 @@ def png(plot: Plot) -> bytes:
     return drawn.getvalue()
 
 
-def write_figure(plot: Plot, path: Path) -> None:
+def write_plot(plot: Plot, path: Path | str) -> None:
     """Write a plot, whole or not at all; the file name's ending chooses the format.
 
     Raises:
         InputError: If it cannot be written, or there is no such format.
     """
-    formats = Figure().canvas.get_supported_filetypes()
+    check_type("plot", plot, Plot)
+    path, formats = as_path("path", path), Figure().canvas.get_supported_filetypes()
     if path.suffix[1:].lower() not in formats:
         raise InputError(path, f"the ending chooses a figure's format; there are {', '.join(sorted(formats))}.")
     write_atomically(path, figure_writer(plot))
-
-
-def write_figures(plots: Mapping[Path, Plot]) -> None:
-    """Write plots into files, all or none."""
-    write_together({path: figure_writer(plot) for path, plot in plots.items()})
 
 
 def figure_writer(plot: Plot) -> Write:
@@ -135,12 +133,9 @@ def _label(name: str, longest: int = LONGEST_LABEL) -> str:
 
 def _legend_names(panel: Panel) -> list[str]:
     names: list[str] = []
-    for item in panel.named:
-        if isinstance(item, Cells):
-            names += [item.names[code] for code in np.unique(item.code[item.code >= 0]).tolist()]
-        else:
-            names.append(str(getattr(item, "label", "")))
-    return names + (["goes on above"] if panel.cuts() is not None else [])
+    for item in panel.items:
+        names += [item.names[code] for code in item.found] if isinstance(item, HeatMap) else [item.label]
+    return list(filter(None, names)) + (["goes on above"] if panel.cuts() is not None else [])
 
 
 def _legend_columns(panel: Panel, columns: int) -> int:
@@ -166,7 +161,7 @@ def _draw(axes: Axes, panel: Panel, columns: int, *, labelled: bool, headed: boo
     longest = LONGEST_LABEL if columns == 1 else NARROW_LABEL
     axes.set_xlabel(_label(panel.x.label, longest) if labelled else "")
     axes.set_ylabel(_label(panel.y.label, longest))
-    if not any(isinstance(item, HeatMap | Cells) for item in panel.items):
+    if not any(isinstance(item, HeatMap) for item in panel.items):
         axes.grid(visible=True, alpha=0.3, axis="x" if panel.y.names else "both")
     axes.set_axisbelow(True)
     handles, labels = axes.get_legend_handles_labels()
@@ -225,20 +220,15 @@ def _add(axes: Axes, item: Item) -> None:
         axes.fill_between(
             item.x, item.lower, item.upper, color=color, alpha=item.opacity, linewidth=0, label=label or "_"
         )
-    elif isinstance(item, Spans):
-        for number, (start, end) in enumerate(item.ends):
-            hatched: dict[str, Any] = {"hatch": item.hatch, "edgecolor": "#8a8a8a"} if item.hatch else {}
-            label = "_" if number else _label(item.label)
-            axes.axvspan(start, end, facecolor=item.color, linewidth=0, label=label, **hatched)
     elif isinstance(item, Rule):
         draw = axes.axvline if item.upright else axes.axhline
         draw(item.at, color=item.color, linestyle=DASHES[item.dash], linewidth=1, label=_label(item.label) or "_")
     elif isinstance(item, Bars):
         _add_bars(axes, item)
-    elif isinstance(item, HeatMap):
-        _add_heat_map(axes, item)
+    elif item.names:
+        _add_named_cells(axes, item)
     else:
-        _add_cells(axes, item)
+        _add_heat_map(axes, item)
 
 
 def _add_line(axes: Axes, line: Line) -> None:
@@ -285,8 +275,8 @@ def _add_points(axes: Axes, points: Points) -> None:
 
 def _add_bars(axes: Axes, bars: Bars) -> None:
     look: dict[str, Any] = {"color": bars.color, "label": _label(bars.label) or "_"}
-    if bars.hatched:
-        look |= {"color": "white", "edgecolor": bars.color, "hatch": "///"}
+    if bars.hatch:
+        look |= {"edgecolor": HATCH_COLOR, "hatch": bars.hatch, "linewidth": 0}
     if bars.upright:
         axes.bar(bars.place, bars.end - bars.start, bars.thickness, bars.start, **look)
     else:
@@ -311,14 +301,12 @@ def _add_heat_map(axes: Axes, heat: HeatMap) -> None:
         axes.clabel(lines, fmt=f"%.3g {heat.unit}", fontsize="x-small")
 
 
-def _add_cells(axes: Axes, cells: Cells) -> None:
-    """Nothing is drawn, or named, where there are none."""
-    hatches = cells.hatches or [""] * len(cells.names)
-    for code, (name, color, hatch) in enumerate(zip(cells.names, cells.colors, hatches, strict=True)):
-        row, column = np.nonzero(cells.code == code)
-        if len(row):
-            left, right, low, high = cells.x[column], cells.x[column + 1], cells.y[row], cells.y[row + 1]
-            corners = np.stack([left, low, right, low, right, high, left, high], axis=1).reshape(-1, 4, 2)
-            look: dict[str, Any] = {"facecolor": color, "linewidth": 0}
-            look |= {"hatch": hatch, "edgecolor": "#8a8a8a"} if hatch else {"edgecolor": color, "linewidth": 0.2}
-            axes.add_collection(PolyCollection(list(corners), label=_label(name), **look))
+def _add_named_cells(axes: Axes, cells: HeatMap) -> None:
+    for code in cells.found:
+        row, column = np.nonzero(cells.z == code)
+        left, right, low, high = cells.x[column], cells.x[column + 1], cells.y[row], cells.y[row + 1]
+        corners = np.stack([left, low, right, low, right, high, left, high], axis=1).reshape(-1, 4, 2)
+        color, hatch = cells.colors[code], cells.hatches[code] if cells.hatches else ""
+        look: dict[str, Any] = {"facecolor": color, "edgecolor": color, "linewidth": 0.2}
+        look |= {"edgecolor": HATCH_COLOR, "hatch": hatch, "linewidth": 0} if hatch else {}
+        axes.add_collection(PolyCollection(list(corners), label=_label(cells.names[code]), **look))

@@ -75,16 +75,6 @@ class Band:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Spans:
-    """Parts of the x axis from `ends` to `ends`, filled from the bottom to the top, hatched as matplotlib has it."""
-
-    ends: Sequence[tuple[float, float]]
-    label: str
-    color: str
-    hatch: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
 class Rule:
     """A straight line across the panel: upright at an x, or level at a y."""
 
@@ -99,8 +89,8 @@ class Rule:
 class Bars:
     """Bars along an axis of names (level), or upright ones on the x axis.
 
-    `place` is the row of each level bar, its middle, or the x of an upright one. Hatched bars are outlines. What is
-    `written` stands at the end of each.
+    `place` is the row of each level bar, its middle, or the x of an upright one; `hatch` is as matplotlib has it. What
+    is `written` stands at the end of each.
     """
 
     place: Array
@@ -110,7 +100,7 @@ class Bars:
     label: str = ""
     color: str = COLOURS[0]
     upright: bool = False
-    hatched: bool = False
+    hatch: str = ""
     texts: Sequence[str] = ()
     written: Sequence[str] = ()
 
@@ -120,38 +110,30 @@ class HeatMap:
     """Cells whose colours are values, NaN where one is empty, Shape (rows, columns); edges `x` and `y` have one more.
 
     `low` and `high` have the first and the last colour, which values beyond have too. Contours are lines of one value,
-    where there is room. `texts` are told in place of a value and its unit.
+    where there is room. `texts` are told in place of a value and its unit. With `names` a value is the number of a
+    name, which has a colour and, if there are any, a hatch of its own; the legend has those that some cell has.
     """
 
     x: Array
     y: Array
-    z: Array
+    z: Array | NDArray[np.int_]
     colors: Sequence[str]
-    low: float
-    high: float
-    title: str
+    low: float = 0.0
+    high: float = 1.0
+    title: str = ""
     unit: str = ""
     texts: Sequence[Sequence[str]] = ()
     contours: bool = False
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Cells:
-    """Cells whose colours are names: `code` is the number of the name, -1 where a cell is empty; edges as of `HeatMap`.
-
-    Names, colours and hatches (as matplotlib has them) are one each; the legend has those names that some cell has.
-    """
-
-    x: Array
-    y: Array
-    code: NDArray[np.int_]
-    names: Sequence[str]
-    colors: Sequence[str]
+    names: Sequence[str] = ()
     hatches: Sequence[str] = ()
-    texts: Sequence[Sequence[str]] = ()
+
+    @property
+    def found(self) -> list[int]:
+        """Numbers of the names that some cell has."""
+        return [code for code in range(len(self.names)) if np.any(self.z == code)]
 
 
-Item = Line | Points | Band | Spans | Rule | Bars | HeatMap | Cells
+Item = Line | Points | Band | Rule | Bars | HeatMap
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,12 +163,6 @@ class Panel:
     items: Sequence[Item]
     title: str = ""
     note: str = ""
-
-    @property
-    def named(self) -> list[Item]:
-        """Items with an entry in the legend."""
-        others = [item for item in self.items if not isinstance(item, HeatMap)]
-        return [item for item in others if isinstance(item, Cells) or item.label]
 
     def cuts(self) -> Points | None:
         """Where curves go on above what is shown; None where none does."""

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Draws plots as plotly reads them: traces and a layout, for pages and notebooks. It needs no plotly itself."""
 
-from collections.abc import Sequence
 from html import escape
 from typing import Any
 
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.printable import printable
 from mrts.plots.labels import shortened, shortened_apart
-from mrts.plots.plot import Axis, Band, Bars, Cells, HeatMap, Item, Line, Panel, Plot, Points, Rule, Spans
+from mrts.plots.plot import Axis, Band, Bars, HeatMap, Item, Line, Panel, Plot, Points, Rule
 
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
 """A second difference between lines, for print without colour."""
@@ -38,10 +37,8 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
     """Traces ("data"), "layout", which holds its height, and "clock" of a plot whose panels stand below each other."""
     panels = [panel for row in plot.rows for panel in row]
     heights = [_height(panel) for panel in panels]
-    closest = any(
-        isinstance(item, Bars | HeatMap | Cells) and not panel.y.names for panel in panels for item in panel.items
-    )
-    closest = closest or not any(isinstance(item, Line) for item in panels[0].items)
+    maps = any(isinstance(item, HeatMap) and not panel.y.names for panel in panels for item in panel.items)
+    closest = maps or not any(isinstance(item, Line) for item in panels[0].items)
     shape: dict[str, Any] = {
         "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#1b1b1b"},
         "margin": {"l": 64, "r": 12, "t": 12, "b": 48},
@@ -67,11 +64,6 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
         drawn = [trace for item in [*panel.items, *filter(None, [panel.cuts()])] for trace in _traces(item, panel)]
         traces += [trace | {"yaxis": f"y{last}"} for trace in drawn]
         shape["shapes"] += [_shape(item, last) for item in panel.items if isinstance(item, Rule)]
-        for item in panel.items:
-            if isinstance(item, Spans):
-                area = {"type": "rect", "yref": f"y{last} domain", "y0": 0, "y1": 1, "layer": "below"}
-                area |= {"fillcolor": item.color, "line": {"width": 0}}
-                shape["shapes"] += [area | {"x0": start, "x1": end} for start, end in item.ends]
         if panel.note:
             word = {"x": 0.5, "xref": "paper", "y": 0.5, "yref": f"y{last} domain", "showarrow": False}
             shape["annotations"].append(word | {"text": plot_text(panel.note), "bgcolor": "#ffffffc0"})
@@ -131,7 +123,7 @@ def _shape(rule: Rule, last: str) -> dict[str, Any]:
     return look | {"y0": rule.at, "y1": rule.at, "yref": f"y{last}", "xref": "x domain", "x0": 0, "x1": 1}
 
 
-def _traces(item: Item, panel: Panel) -> list[dict[str, Any]]:  # noqa: PLR0911 (one a kind of item)
+def _traces(item: Item, panel: Panel) -> list[dict[str, Any]]:
     if isinstance(item, Line):
         return _line(item, panel)
     if isinstance(item, Points):
@@ -141,11 +133,9 @@ def _traces(item: Item, panel: Panel) -> list[dict[str, Any]]:  # noqa: PLR0911 
     if isinstance(item, Bars):
         return [_bars(item)]
     if isinstance(item, HeatMap):
-        return [_heat_map(item)]
-    if isinstance(item, Cells):
-        return _cells(item)
-    key = "line" if isinstance(item, Rule) else "square"
-    return [_key(item.label, item.color, key)] if item.label else []
+        return _heat_map(item)
+    key = {"x": [None], "y": [None], "mode": "lines", "line": {"color": item.color}}
+    return [key | _named(item.label)] if item.label else []
 
 
 def _named(label: str) -> dict[str, Any]:
@@ -235,35 +225,25 @@ def _bars(bars: Bars) -> dict[str, Any]:
     return own | _named(bars.label) | (hover if bars.texts else {"hoverinfo": "skip"})
 
 
-def _heat_map(heat: HeatMap) -> dict[str, Any]:
-    scale = [
-        [place, color] for place, color in zip(np.linspace(0, 1, len(heat.colors)).tolist(), heat.colors, strict=True)
+def _heat_map(heat: HeatMap) -> list[dict[str, Any]]:
+    own: dict[str, Any] = {"type": "heatmap", "x": numbers(heat.x), "y": numbers(heat.y), "hoverongaps": False}
+    own["hovertemplate"] = (
+        "%{text}<extra></extra>" if heat.texts else f"%{{z:.3g}} {heat.unit}<br>%{{x:.4g}}<extra></extra>"
+    )
+    if heat.texts:
+        own["text"] = [[plot_text(text).replace("\n", "<br>") for text in row] for row in heat.texts]
+    if not heat.names:
+        scale = list(zip(np.linspace(0, 1, len(heat.colors)).tolist(), heat.colors, strict=True))
+        bar = {"title": {"text": plot_text(heat.title), "side": "right"}, "thickness": 14}
+        ends = {"zmin": heat.low, "zmax": heat.high, "colorscale": scale, "colorbar": bar}
+        return [own | ends | {"z": numbers(np.asarray(heat.z, dtype=np.float64))}]
+    count = len(heat.names)
+    steps = [[end / count, color] for code, color in enumerate(heat.colors) for end in (code, code + 1)]
+    ends = {"zmin": -0.5, "zmax": count - 0.5, "colorscale": steps, "showscale": False}
+    marker = {"symbol": "square", "size": 12, "line": {"width": 1, "color": "#666"}}
+    keys = [
+        {"x": [None], "y": [None], "mode": "markers", "marker": marker | {"color": heat.colors[code]}}
+        | _named(heat.names[code])
+        for code in heat.found
     ]
-    bar = {"title": {"text": plot_text(heat.title), "side": "right"}, "thickness": 14}
-    ends = {"zmin": heat.low, "zmax": heat.high, "colorscale": scale, "colorbar": bar}
-    return _grid(heat.x, heat.y, heat.z, heat.texts, heat.unit) | ends
-
-
-def _cells(cells: Cells) -> list[dict[str, Any]]:
-    count = len(cells.names)
-    steps = [[end / count, color] for code, color in enumerate(cells.colors) for end in (code, code + 1)]
-    codes = np.where(cells.code < 0, np.nan, cells.code)
-    look: dict[str, Any] = {"zmin": -0.5, "zmax": count - 0.5, "colorscale": steps, "showscale": False}
-    found = np.unique(cells.code[cells.code >= 0]).tolist()
-    keys = [_key(cells.names[code], cells.colors[code], "square") for code in found]
-    return [_grid(cells.x, cells.y, codes, cells.texts, "") | look, *keys]
-
-
-def _grid(x: Array, y: Array, z: Array, texts: Sequence[Sequence[str]], unit: str) -> dict[str, Any]:
-    own: dict[str, Any] = {"type": "heatmap", "x": numbers(x), "y": numbers(y), "z": numbers(z), "hoverongaps": False}
-    if not texts:
-        return own | {"hovertemplate": f"%{{z:.3g}} {unit}<br>%{{x:.4g}}<extra></extra>"}
-    lines = [[plot_text(text).replace("\n", "<br>") for text in row] for row in texts]
-    return own | {"text": lines, "hovertemplate": "%{text}<extra></extra>"}
-
-
-def _key(name: str, color: str, symbol: str) -> dict[str, Any]:
-    if symbol == "line":
-        return {"x": [None], "y": [None], "mode": "lines", "line": {"color": color}} | _named(name)
-    marker = {"symbol": symbol, "size": 12, "color": color, "line": {"width": 1, "color": "#666"}}
-    return {"x": [None], "y": [None], "mode": "markers", "marker": marker} | _named(name)
+    return [own | ends | {"z": numbers(np.where(heat.z < 0, np.nan, heat.z))}, *keys]

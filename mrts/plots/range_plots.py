@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.plots.colours import ADMISSIBLE, COLOURS, CONFLICT, END_COLOURS
-from mrts.plots.labels import range_facts, range_text, row_label
-from mrts.plots.plot import MARGIN, Axis, Band, Bars, Item, Line, Panel, Plot, Points, Rule, Spans, look, one_panel
+from mrts.plots.labels import range_facts, range_text
+from mrts.plots.plot import MARGIN, Axis, Band, Bars, Item, Line, Panel, Plot, Points, Rule, look, one_panel
 from mrts.program.range_status import RangeStatus
 from mrts.scaling.loads import LoadStudy
 from mrts.scaling.range import ScalingRange
@@ -70,7 +70,7 @@ def _range_panel(found: ScalingRange) -> Panel:
     items: list[Item] = []
     infeasible = np.array([status is RangeStatus.INFEASIBLE for status in samples.status])
     if without := spans(samples.time, infeasible):
-        items.append(Spans(ends=without, label="no c² at all", color="#ddd", hatch="///"))
+        items.append(upright_areas(without, (low, high), "no c² at all", "#ddd", "///"))
     if found.status.admits_motion and found.lower and found.upper:
         ends = (np.full(2, end) for end in (found.lower.c2, min(found.upper.c2, 2 * high)))
         items.append(Band(x=samples.time[[0, -1]], lower=next(ends), upper=next(ends), color=ADMISSIBLE, opacity=0.15,
@@ -80,7 +80,7 @@ def _range_panel(found: ScalingRange) -> Panel:
         ("lower", "c²⁻(t)", samples.lower),
     )
     for side, label, values in sides:
-        texts = ["\n".join(map(row_label, found.binding(sample, side))) for sample in range(len(values))]
+        texts = ["\n".join(row.label for row in found.binding(sample, side)) for sample in range(len(values))]
         dash = int(side == "lower")
         items.append(Line(x=samples.time, y=values, label=label, color=END_COLOURS[side], dash=dash, texts=texts))
     for name, side, end in (("c²⁻", "lower", found.lower), ("c²⁺", "upper", found.upper)):
@@ -154,9 +154,9 @@ def _rows(found: ScalingRange, side: Side) -> tuple[list[tuple[ActiveRow, ...]],
 
 
 def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequence[ActiveRow]) -> list[Lane]:
-    labels = [{row_label(row) for row in of_sample} for of_sample in rows]
+    labels = [{row.label for row in of_sample} for of_sample in rows]
     counts = Counter(sorted(label for of_sample in labels for label in of_sample))
-    setting = [label for label in dict.fromkeys(map(row_label, first)) if label in counts]
+    setting = [label for label in dict.fromkeys(row.label for row in first) if label in counts]
     order = setting + [label for label, _ in counts.most_common() if label not in setting]
     groups = {label: {label} for label in order}
     if len(order) > MOST_LANES:
@@ -183,6 +183,16 @@ def neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, floa
     """Ends of neighbouring cells as one."""
     steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))
     return [(float(edges[start]), float(edges[end])) for start, end in steps.reshape(-1, 2)]
+
+
+def upright_areas(
+    spans: Sequence[tuple[float, float]], ends: tuple[float, float], label: str, color: str, hatch: str = ""
+) -> Bars:
+    """Parts of the x axis, filled from the lower to the upper one of the ends of the y axis."""
+    start, end = np.array(spans, dtype=np.float64).T
+    low, high = (np.full(len(spans), value) for value in ends)
+    return Bars(place=(start + end) / 2, start=low, end=high, thickness=end - start, label=label, color=color,
+                hatch=hatch, upright=True)  # fmt: skip
 
 
 def load_plot(results: Mapping[str, ScalingResult]) -> Plot:

@@ -3,13 +3,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.plots.colours import COLOURS
-from mrts.plots.study_table import Index, StudyTable
+from mrts.plots.study_table import OUTCOMES, Index, StudyTable
+from mrts.studies.variant_rows import LIMIT_SEPARATOR
 
 LIMIT_COLOURS = (*COLOURS[:6], "#999999")
 """Of the limits that bind on a map; rarer ones share the last."""
@@ -41,61 +43,23 @@ OUTERMOST = 0.02
 """Share of a number's range, at either end, in which a value counts as at the end."""
 
 
-@dataclass(frozen=True)
-class Cells:
-    """The cells of one axis.
-
-    Attributes:
-        knob: Index of the number.
-        edges: Where they begin and end, Shape (cells + 1,).
-        exact: Whether each holds one value.
-        cell: In which cell each variant is, Shape (V,).
-    """
-
-    knob: int
-    edges: Array
-    exact: bool
-    cell: Index
-
-    @property
-    def count(self) -> int:
-        """How many there are."""
-        return len(self.edges) - 1
-
-    @property
-    def middles(self) -> Array:
-        """Shape (cells,)."""
-        return np.asarray((self.edges[1:] + self.edges[:-1]) / 2)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StudyMap:
     """The best variant of every cell over one or two numbers.
 
     Attributes:
-        axes: Of the first number, then of the second where there are two.
+        knobs: Indices of the numbers.
+        edges: Where their cells begin and end, Shape (cells + 1,) each.
+        exact: Whether every cell holds one value of each number.
         best: Row of the best variant in each cell, -1 where none has a duration; Shape (cells of the last, …, first).
-        outcome: What became of most variants of a cell without a best, as a code; -1 where there is one, or no variant.
-        others: How many other numbers were varied: the best of a cell is that over them.
+        outcome: What became of most variants of a cell without a best, as of `StudyTable.outcome`; -1 elsewhere.
     """
 
-    axes: tuple[Cells, ...]
+    knobs: list[int]
+    edges: list[Array]
+    exact: bool
     best: Index
     outcome: Index
-    others: int
-
-    def of_best(self, column: Array) -> Array:
-        """A column's value of the best in each cell, NaN where there is none; Shape of `best`.
-
-        Args:
-            column: Shape (V,).
-        """
-        return np.where(self.best >= 0, column[self.best], np.nan)
-
-    @property
-    def exact(self) -> bool:
-        """Whether every cell holds one value of each number."""
-        return all(cells.exact for cells in self.axes)
 
 
 def study_map(table: StudyTable, over: Sequence[str] = ()) -> StudyMap:
@@ -112,21 +76,21 @@ def study_map(table: StudyTable, over: Sequence[str] = ()) -> StudyMap:
     different = [np.unique(table.values[:, knob]) for knob in knobs]
     counts = [len(values) for values in different]
     whole = max(counts) <= MOST_VALUES and np.prod(counts) <= MOST_EMPTY * table.variants
-    most = int(np.clip((table.variants / VARIANTS_A_CELL) ** (1 / len(knobs)), 2, MOST_CELLS))
-    axes = tuple(
-        _cells(table.values[:, knob], knob, values, MOST_VALUES if whole else most)
-        for knob, values in zip(knobs, different, strict=True)
-    )
-    shape = tuple(cells.count for cells in reversed(axes))
-    place = np.ravel_multi_index([cells.cell for cells in reversed(axes)], shape)
+    most = MOST_VALUES if whole else int(np.clip((table.variants / VARIANTS_A_CELL) ** (1 / len(knobs)), 2, MOST_CELLS))
+    edges = [_edges(values, most) for values in different]
+    shape = [len(of_axis) - 1 for of_axis in reversed(edges)]
+    cells = [
+        np.searchsorted(of_axis[1:-1], table.values[:, knob], "right")
+        for knob, of_axis in zip(knobs, edges, strict=True)
+    ]
+    place = np.ravel_multi_index(cells[::-1], shape)
     best = np.full(np.prod(shape), -1)
     best[place[table.ranked[::-1]]] = table.ranked[::-1]  # the last one written stays: the best
-    without = np.flatnonzero(~np.isin(np.arange(table.variants), table.ranked))
-    kinds = len(table.outcome.names)
-    became = np.bincount(place[without] * kinds + table.outcome.codes[without], minlength=kinds * len(best))
-    became = became.reshape(-1, kinds)
-    outcome = np.where((best < 0) & (np.sum(became, axis=1) > 0), np.argmax(became, axis=1), -1)
-    return StudyMap(axes, best.reshape(shape), outcome.reshape(shape), len(table.knobs) - len(knobs))
+    without = np.setdiff1d(np.arange(table.variants), table.ranked)
+    became = np.zeros((len(best), len(OUTCOMES)), dtype=int)
+    np.add.at(became, (place[without], table.outcome[without]), 1)
+    outcome = np.where((best < 0) & np.any(became, axis=1), np.argmax(became, axis=1), -1)
+    return StudyMap(knobs, edges, max(counts) <= most, best.reshape(shape), outcome.reshape(shape))
 
 
 def _knobs(table: StudyTable, over: Sequence[str]) -> list[int]:
@@ -138,28 +102,33 @@ def _knobs(table: StudyTable, over: Sequence[str]) -> list[int]:
     return [paths.index(path) for path in over]
 
 
-def _cells(column: Array, knob: int, values: Array, most: int) -> Cells:
-    """A cell for each of the different values, or cells of one width."""
-    exact = len(values) <= most
+def _edges(values: Array, most: int) -> Array:
+    """Of a cell for each of the different values, or of cells of one width."""
+    if len(values) > most:
+        return np.linspace(values[0], values[-1], most + 1)
     if len(values) == 1:
-        half = abs(values[0]) / 2 or 0.5
-        edges = np.array([values[0] - half, values[0] + half])
-    elif exact:
-        middles = (values[1:] + values[:-1]) / 2
-        edges = np.concatenate([[2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]])
-    else:
-        edges = np.linspace(values[0], values[-1], most + 1)
-    return Cells(knob, edges, exact, np.asarray(np.searchsorted(edges[1:-1], column, "right")))
+        return values + np.array([-0.5, 0.5]) * (abs(values[0]) or 1.0)
+    middles = (values[1:] + values[:-1]) / 2
+    return np.concatenate([[2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]])
 
 
-@dataclass(frozen=True)
-class Weight:
-    """How much one number of a study matters.
+def best_values(drawn: StudyMap, column: Array) -> Array:
+    """A column's value of the best in each cell, NaN where there is none; Shape of the map.
+
+    Args:
+        drawn: The map.
+        column: Shape (V,).
+    """
+    return np.where(drawn.best >= 0, column[drawn.best], np.nan)
+
+
+class Weight(NamedTuple):
+    """How much one number of a study explains by itself, each 0 to 1.
 
     Attributes:
         knob: Index of the number.
-        duration: Share of the spread of the durations that it explains by itself, 0 to 1.
-        playable: Likewise, of whether a variant may be played at all.
+        duration: Share of the spread of the durations.
+        playable: Share of the spread of whether a variant may be played at all.
     """
 
     knob: int
@@ -246,13 +215,14 @@ def spreads_widely(table: StudyTable) -> bool:
 
 def map_remark(table: StudyTable, drawn: StudyMap) -> str:
     """What a cell of the map stands for; nothing where each is one variant."""
-    if drawn.exact and not drawn.others:
+    others = len(table.knobs) - len(drawn.knobs)
+    if drawn.exact and not others:
         return ""
-    shape = " × ".join(str(cells.count) for cells in drawn.axes)
+    shape = " × ".join(map(str, reversed(drawn.best.shape)))
     text = f"each of {shape} cells shows the best of its variants"
-    if drawn.others:
-        most = " and ".join(table.knobs[cells.knob].path for cells in drawn.axes)
-        text += f", over {drawn.others} other number{'s' * (drawn.others > 1)}; {most} matter most"
+    if others:
+        most = " and ".join(table.knobs[knob].path for knob in drawn.knobs)
+        text += f", over {others} other number{'s' * (others > 1)}; {most} matter most"
     return text
 
 
@@ -263,15 +233,12 @@ def map_binding(table: StudyTable, drawn: StudyMap) -> tuple[list[str], Index]:
         Names, the most frequent first, at most as many as there are colours: the last may stand for several; and the
         number of each cell's, -1 where there is none, Shape of the map.
     """
-    firsts = [name.split(", ")[0] for name in table.limit.names]
-    first = {name: code for code, name in enumerate(dict.fromkeys(firsts))}
-    of_variant = np.array([*(first[name] for name in firsts), -1])[table.limit.codes]
-    limits = np.where(drawn.best >= 0, of_variant[drawn.best], -1)
-    found, count = np.unique(limits[limits >= 0], return_counts=True)
-    order = found[np.argsort(-count, kind="stable")]
-    names, most = [list(first)[code] for code in order], len(LIMIT_COLOURS)
-    if len(order) > most:
-        names = [*names[: most - 1], f"{len(order) - most + 1} other limits"]
-    place = np.full(len(first) + 1, -1)
-    place[order] = np.minimum(np.arange(len(order)), most - 1)
-    return names, place[limits]
+    has, most = drawn.best >= 0, len(LIMIT_COLOURS)
+    limits = table.rows["upper_limit"].iloc[drawn.best[has]].astype(object).str.split(LIMIT_SEPARATOR).str[0]
+    names = list(limits.value_counts().index)
+    place = {name: min(code, most - 1) for code, name in enumerate(names)}
+    codes = np.full(drawn.best.shape, -1)
+    codes[has] = [place.get(name, -1) for name in limits]
+    if len(names) > most:
+        names = [*names[: most - 1], f"{len(names) - most + 1} other limits"]
+    return names, codes

@@ -8,13 +8,14 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.plots.colours import COLOURS
-from mrts.plots.labels import shortened
-from mrts.plots.plot import Axis, Bars, Cells, HeatMap, Item, Line, Panel, Plot, Points, Rule, Spans
+from mrts.plots.labels import first_names, shortened
+from mrts.plots.plot import MARGIN, Axis, Bars, HeatMap, Item, Line, Panel, Plot, Points, Rule
 from mrts.plots.plotly_drawer import numbers, plot_text
-from mrts.plots.range_plots import neighbours
+from mrts.plots.range_plots import neighbours, upright_areas
 from mrts.plots.study_map import (
     LIMIT_COLOURS,
     StudyMap,
+    best_values,
     duration_ends,
     map_binding,
     map_remark,
@@ -27,7 +28,6 @@ from mrts.plots.study_words import (
     SHARES,
     best_part,
     best_text,
-    limits_text,
     managed,
     managed_texts,
     outcome_text,
@@ -88,8 +88,8 @@ def study_map_plot(table: StudyTable, over: Sequence[str] = ()) -> Plot:
     """
     drawn = study_map(table, over)
     title = _title(table, map_remark(table, drawn))
-    panels = [_line_panel(table, drawn)] if len(drawn.axes) == 1 else _map_panels(table, drawn)
-    return Plot(name="map" if len(drawn.axes) > 1 else "line", title=title, rows=[panels])
+    panels = [_line_panel(table, drawn)] if len(drawn.knobs) == 1 else _map_panels(table, drawn)
+    return Plot(name="map" if len(drawn.knobs) > 1 else "line", title=title, rows=[panels])
 
 
 def _title(table: StudyTable, *remarks: str) -> str:
@@ -97,77 +97,72 @@ def _title(table: StudyTable, *remarks: str) -> str:
 
 
 def _map_panels(table: StudyTable, drawn: StudyMap) -> list[Panel]:
-    texts = _texts(table, drawn)
-    over_x, over_y = drawn.axes
-    grid: dict[str, Any] = {"x": over_x.edges, "y": over_y.edges, "texts": texts}
+    grid: dict[str, Any] = {"x": drawn.edges[0], "y": drawn.edges[1], "texts": _texts(table, drawn)}
     limits, binding = map_binding(table, drawn)
-    names = table.outcome.names
-    colors, hatches = zip(*(WITHOUT.get(name, ("#fff", "")) for name in names), strict=True)
-    without = Cells(**grid, code=drawn.outcome, names=names, colors=colors, hatches=hatches)
+    colors, hatches = zip(*(WITHOUT.get(name, ("#fff", "")) for name in OUTCOMES), strict=True)
+    without = HeatMap(**grid, z=drawn.outcome, names=list(OUTCOMES), colors=colors, hatches=hatches)
     duration: list[Item] = []
     if len(table.ranked):
         low, high = duration_ends(table)
-        duration = [HeatMap(**grid, z=drawn.of_best(table.duration), colors=FASTER, low=low, high=high, unit="s",
+        duration = [HeatMap(**grid, z=best_values(drawn, table.duration), colors=FASTER, low=low, high=high, unit="s",
                             title="shortest duration [s]", contours=drawn.exact)]  # fmt: skip
-    limit = Cells(**grid, code=binding, names=limits, colors=LIMIT_COLOURS[: len(limits)])
-    x, y = (
-        Axis(label=table.knobs[cells.knob].title, ends=(float(cells.edges[0]), float(cells.edges[-1])))
-        for cells in drawn.axes
-    )
-    best = _best(table, *(table.values[:, cells.knob] for cells in drawn.axes))
+    limit: list[Item] = [HeatMap(**grid, z=binding, names=limits, colors=LIMIT_COLOURS)] if limits else []
+    x, y = (_knob_axis(table, drawn, place) for place in (0, 1))
+    best = _best(table, *(table.values[:, knob] for knob in drawn.knobs))
     return [
         Panel(title="Shortest duration", x=x, y=y, items=[*duration, without, *best]),
-        Panel(title="What limits it", x=x, y=y, items=[*([limit] if limits else []), without, *best]),
+        Panel(title="What limits it", x=x, y=y, items=[*limit, without, *best]),
     ]
 
 
+def _knob_axis(table: StudyTable, drawn: StudyMap, place: int) -> Axis:
+    edges = drawn.edges[place]
+    return Axis(label=table.knobs[drawn.knobs[place]].title, ends=(float(edges[0]), float(edges[-1])))
+
+
 def _best(table: StudyTable, x: Array, y: Array) -> list[Item]:
-    if not len(table.ranked):
-        return []
     row = table.ranked[:1]
-    return [Points(x=x[row], y=y[row], symbol="star", color="#fff", label="the best")]
+    return [Points(x=x[row], y=y[row], symbol="star", color="#fff", label="the best")] if len(row) else []
 
 
 def _texts(table: StudyTable, drawn: StudyMap) -> list[list[str]]:
     texts = np.full(drawn.best.shape, "", dtype=object)
-    for place, best in np.ndenumerate(drawn.best):
-        row = int(best)
+    for place, row in np.ndenumerate(drawn.best):
         if row >= 0:
-            said = [variant_text(table, row)]
-            said += [f"limited by {limits_text(table, row)}"] if table.limits(row) else []
-            for number in (cells.knob for cells in drawn.axes):
-                knob = table.knobs[number]
-                said.append(f"{knob.path} = {table.values[row, number]:.4g} {knob.unit}".rstrip())
+            limits = table.limits(int(row))
+            said = [variant_text(table, int(row)), *([f"limited by {first_names(limits)}"] if limits else [])]
+            said += [
+                f"{table.knobs[knob].path} = {table.values[row, knob]:.4g} {table.knobs[knob].unit}".rstrip()
+                for knob in drawn.knobs
+            ]
             texts[place] = "\n".join(shortened(each, CELL_LETTERS) for each in said)
         elif drawn.outcome[place] >= 0:
-            name = table.outcome.names[drawn.outcome[place]]
-            texts[place] = f"{name}: {OUTCOMES[name]}"
+            texts[place] = ": ".join(list(OUTCOMES.items())[drawn.outcome[place]])
     return list(texts.tolist())
 
 
 def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
-    (cells,) = drawn.axes
-    durations, (limits, binding) = drawn.of_best(table.duration), map_binding(table, drawn)
+    (edges,), durations = drawn.edges, best_values(drawn, table.duration)
+    limits, binding = map_binding(table, drawn)
     fills = [
         (binding == code, name, _pale(color), "")
         for code, (name, color) in enumerate(zip(limits, LIMIT_COLOURS, strict=False))
     ]
-    fills += [
-        (drawn.outcome == code, name, *WITHOUT[name])
-        for code, name in enumerate(table.outcome.names)
-        if name in WITHOUT
-    ]
+    fills += [(drawn.outcome == code, name, *WITHOUT[name]) for code, name in enumerate(OUTCOMES) if name in WITHOUT]
+    log = bool(len(table.ranked)) and spreads_widely(table)
+    low, high = (np.nanmin(durations), np.nanmax(durations)) if len(table.ranked) else (0.0, 1.0)
+    margin = MARGIN * ((high - low) or high)
+    ends = (low / (1 + MARGIN), high * (1 + MARGIN)) if log else (low - margin, high + margin)
     items: list[Item] = [
-        Spans(ends=neighbours(cells.edges, where), label=name, color=color, hatch=hatch)
+        upright_areas(neighbours(edges, where), ends, name, color, hatch)
         for where, name, color, hatch in fills
         if np.any(where)
     ]
-    items.append(Line(x=cells.middles, y=durations, label="shortest duration", unit="s", color="#1b1b1b"))
-    if np.any(np.isfinite(durations)):
-        items += _best(table, table.values[:, cells.knob], table.duration)
-    log = bool(len(table.ranked)) and spreads_widely(table)
-    x = Axis(label=table.knobs[cells.knob].title, ends=(float(cells.edges[0]), float(cells.edges[-1])))
-    return Panel(title="Shortest duration and what limits it", x=x, y=Axis(label="duration [s]", log=log), items=items)
+    middles = (edges[1:] + edges[:-1]) / 2
+    items.append(Line(x=middles, y=durations, label="shortest duration", unit="s", color="#1b1b1b"))
+    items += _best(table, table.values[:, drawn.knobs[0]], table.duration)
+    y = Axis(label="duration [s]", log=log, ends=ends)
+    return Panel(title="Shortest duration and what limits it", x=_knob_axis(table, drawn, 0), y=y, items=items)
 
 
 def _pale(color: str) -> str:

@@ -4,7 +4,7 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.plots.labels import MOST_NAMES
+from mrts.plots.labels import first_names
 from mrts.plots.study_map import Weight, ends_reached, weights
 from mrts.plots.study_table import Index, StudyTable
 
@@ -26,8 +26,8 @@ def outcome_text(table: StudyTable) -> str:
     count, playable = table.variants, int(np.sum(table.admitted))
     of_all = "" if table.variants == table.planned else f" solved so far, of {table.planned}"
     text = f"{playable} of {count} variants{of_all} may be played ({percent(playable, count)})"
-    others = [(table.outcome.names[code], number) for code, number in table.outcome.counts(~table.admitted)]
-    return f"{text}; {', '.join(f'{number} {name}' for name, number in others)}" if others else text
+    others = ", ".join(f"{number} {name}" for name, number in table.outcome_counts(~table.admitted))
+    return f"{text}; {others}" if others else text
 
 
 def best_text(table: StudyTable) -> str:
@@ -36,20 +36,13 @@ def best_text(table: StudyTable) -> str:
         return "no variant has a shortest duration"
     row = int(table.ranked[0])
     text = f"the best is {variant_text(table, row)}"
-    return f"{text}, limited by {limits_text(table, row)}" if table.limits(row) else text
+    return f"{text}, limited by {first_names(limits)}" if (limits := table.limits(row)) else text
 
 
 def variant_text(table: StudyTable, row: int) -> str:
     """Number, duration and c²⁺ of a variant; a speed that varies may be possible where no constant c² is."""
-    text = f"variant {table.variant[row]}: {table.duration[row]:.4g} s"
+    text = f"variant {table.rows['variant'].iloc[row]}: {table.duration[row]:.4g} s"
     return f"{text}, c² = {table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else text
-
-
-def limits_text(table: StudyTable, row: int) -> str:
-    """The first limits that bind at c²⁺ of a variant, and how many more do."""
-    limits = table.limits(row)
-    more = f" and {len(limits) - MOST_NAMES} more" if len(limits) > MOST_NAMES else ""
-    return ", ".join(limits[:MOST_NAMES]) + more
 
 
 def managed(table: StudyTable, share: int) -> float | None:
@@ -97,8 +90,8 @@ def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]
             for number, value in enumerate(table.values[row].tolist())
         ]
         c2 = f"{table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else ""
-        limits = limits_text(table, row)
-        rows.append([str(table.variant[row]), f"{table.duration[row]:.4g}", c2, *values, limits])
+        number = str(table.rows["variant"].iloc[row])
+        rows.append([number, f"{table.duration[row]:.4g}", c2, *values, first_names(table.limits(row))])
     return head, rows
 
 

@@ -8,19 +8,22 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def held_interrupt() -> Iterator[None]:
+def held_interrupt() -> Iterator[list[int]]:
     """Let an interrupt take effect when the block ends: inside IPOPT, CasADi takes it for a failed evaluation.
 
+    Yields:
+        The interrupts so far, in the main thread, where signals arrive; a block that obeys them clears it.
+
     Raises:
-        KeyboardInterrupt: At the end, if Ctrl-C was pressed inside.
+        KeyboardInterrupt: At the end, if some are left.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield  # signals arrive in the main thread only
-        return
     pressed: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield pressed
+        return
     before = signal.signal(signal.SIGINT, lambda number, _frame: pressed.append(number))
     try:
-        yield
+        yield pressed
     finally:
         signal.signal(signal.SIGINT, before)
     if pressed:

@@ -93,9 +93,8 @@ def _limits_table(found: StudyTable) -> Table:
 
 
 def _outcomes_table(found: StudyTable) -> Table:
-    counts = found.outcome.counts(np.ones(found.variants, dtype=bool))
-    named = [(found.outcome.names[code], count) for code, count in counts]
-    rows = [(name, OUTCOMES[name], str(count), study_words.percent(count, found.variants)) for name, count in named]
+    counts = found.outcome_counts(np.ones(found.variants, dtype=bool))
+    rows = [(name, OUTCOMES[name], str(count), study_words.percent(count, found.variants)) for name, count in counts]
     return Table(("outcome", "what it means", "variants", "share"), rows)
 
 

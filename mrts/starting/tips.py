@@ -67,12 +67,7 @@ def moved_by(tree: Urdf, link: str) -> list[UrdfJoint]:
 
 
 def first_link(tree: Urdf, tips: Sequence[str]) -> str:
-    """Where the chains of the arms of one machine begin: past what they share, and past what no chain may hold.
-
-    Args:
-        tree: The URDF.
-        tips: Its arms; the whole chain belongs to a single one.
-    """
+    """Where the chains of the arms of one machine begin: past what they share, and past what no chain may hold."""
     first = tree.root
     chains = [tree.joints_to(tip) for tip in tips]
     for joint in chains[0]:
@@ -102,17 +97,11 @@ def hands(tree: Urdf) -> list[Hand]:
 
 
 def possible_tips(tree: Urdf, found: Sequence[Hand]) -> list[str]:
-    """Links to choose a tip from: the hands that a URDF seems to have, or else all that enough joints move.
-
-    Args:
-        tree: The URDF.
-        found: From `hands`.
-    """
+    """Links to choose a tip from: the hands that a URDF seems to have, or else all that enough joints move."""
     return [hand.link for hand in found] or [link for link in tree.links if len(moved_by(tree, link)) >= FEWEST_JOINTS]
 
 
 def _ends(tree: Urdf) -> list[Hand]:
-    """Where names say nothing: the last link that all ends of a limb share."""
     above = {joint.parent for joint in tree.joints.values()}
     ends = [link for link in _candidates(tree) if link not in above]
     if not ends:  # a URDF whose only end has the name of a finger

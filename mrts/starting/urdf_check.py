@@ -7,8 +7,8 @@ from pathlib import Path
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.remark import Remark
-from mrts.cell.remarks import first_few, joint_assumptions, joint_sources, missing_masses, urdf_remarks
-from mrts.cell.source_files import UrdfReading, arm_of_urdf, urdf_with_mistakes
+from mrts.cell.remarks import first_few, joint_assumptions, missing_masses, urdf_remarks
+from mrts.cell.source_files import UrdfReading, arm_of_urdf, read_urdf
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.scene.arm_meshes import mesh_file
 from mrts.starting.arm import Arm, plane_of
@@ -20,14 +20,14 @@ def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
     """Check one URDF: its XML, joints and masses, the chains to its hands, and whether its meshes are there."""
     if args and not is_xacro(path):
         raise InputError("--xacro-arg", f"{path.name} is no xacro, whose name ends in .xacro.")
-    read, mistakes = urdf_with_mistakes(path, args), Mistakes()
+    read, mistakes = read_urdf(path, Path(), str(path), args), Mistakes()
     for mistake in read.mistakes:
         mistakes.add(mistake)
     arms = _arms(read, mistakes)
-    joints = joint_sources(arm.robot for arm in arms)
+    robots = tuple(arm.robot for arm in arms)
     remarks = [hint for arm in arms for hint in _hints(arm, path)]
-    remarks += [*read.remarks, *missing_masses(joints), *joint_assumptions(joints), *_missing_meshes(read)]
-    return CellCheck(cell=path, mistakes=tuple(mistakes.found), joints=joints, remarks=tuple(remarks))
+    remarks += [*read.remarks, *missing_masses(robots), *joint_assumptions(robots), *_missing_meshes(read)]
+    return CellCheck(cell=path, mistakes=tuple(mistakes.found), robots=robots, remarks=tuple(remarks))
 
 
 def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
@@ -56,7 +56,6 @@ def _hints(arm: Arm, path: Path) -> Iterator[Remark]:
 
 
 def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:
-    """Meshes that are not there: nothing is computed from them."""
     gone, why = [], ""
     for name in read.meshes:
         try:

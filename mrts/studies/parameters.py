@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Finite, Positive
+from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.cell.cell import Cell
@@ -28,9 +28,11 @@ from mrts.cell.number_paths import (
 from mrts.studies.distributions import Distribution
 from mrts.studies.sampling import MAX_STEPS, SampleName
 
-RESERVED_NAMES = (
-    "variant", "status", "reason", "c2_lower", "c2_upper", "lower_limit", "upper_limit", "duration", "energy",
-)  # fmt: skip
+ANSWERS = dict.fromkeys(("status", "reason", "lower_limit", "upper_limit"), "string")
+ANSWERS |= dict.fromkeys(("c2_lower", "c2_upper", "lower_time", "upper_time", "duration"), "float64")
+"""Columns of every study behind the number of a variant and what varies, and their types."""
+
+RESERVED_NAMES = ("variant", *ANSWERS, "energy")
 """Columns of a study's table beside those of its parameters."""
 
 MOVES = ("sets", "shifts", "scales")
@@ -38,8 +40,15 @@ MOVES = ("sets", "shifts", "scales")
 
 FORMS = "a list such as [1, 2, 3], a range such as {from: 1, to: 3, steps: 5}, or {normal: {mean: 2, std: 0.1}}"
 
-SHAPES = ("normal", "lognormal", "uniform", "triangular")
-"""Of distributions, each a key of its own."""
+SHAPES = {
+    "normal": ("mean", "std"),
+    "lognormal": ("median", "log_std"),
+    "uniform": ("from", "to"),
+    "triangular": ("from", "peak", "to"),
+}
+"""Of distributions, each a key of its own, and what it takes."""
+
+POSITIVE, MAX_LOG_STD = ("std", "median", "log_std"), 10.0
 
 PATHS_SHOWN = 3
 """Of what a parameter moves."""
@@ -98,43 +107,18 @@ def _reversed(low: float, high: float) -> str:
     return "" if low < high else f"'from' must be below 'to'; here are {low:g} and {high:g}"
 
 
-class NormalDescription(Record):
-    """A normal distribution."""
-
-    mean: Finite
-    std: Positive
-
-
-class LognormalDescription(Record):
-    """A distribution of which the logarithm is normal, with the standard deviation `log_std`."""
-
-    median: Positive
-    log_std: Annotated[float, Rule(gt=0, le=10, allow_inf_nan=False)]
-
-
-class UniformDescription(Record):
-    """Every value from one to another, one as likely as another."""
-
-    from_: Finite
-    to: Finite
-
-    def problem(self) -> str:
-        """The rule that its ends break with each other; empty if none."""
-        return _reversed(self.from_, self.to)
-
-
-class TriangularDescription(Record):
-    """A distribution that rises to its likeliest value and falls from there."""
-
-    from_: Finite
-    peak: Finite
-    to: Finite
-
-    def problem(self) -> str:
-        """The rule that its numbers break with each other; empty if none."""
-        if not self.from_ <= self.peak <= self.to:
-            return f"'peak', {self.peak:g}, must lie between 'from' and 'to'"
-        return _reversed(self.from_, self.to)
+def _shape_problem(kind: str, given: dict[str, float]) -> str:
+    """The rule that a distribution breaks; empty if none."""
+    names = SHAPES[kind]
+    if given.keys() != set(names):
+        return f"{kind} takes {', '.join(names)}; here are {', '.join(given) or 'none of them'}"
+    if wrong := [name for name in POSITIVE if given.get(name, 1.0) <= 0]:
+        return f"{kind}.{wrong[0]} must be > 0; here is {given[wrong[0]]:g}"
+    if given.get("log_std", 0.0) > MAX_LOG_STD:
+        return f"{kind}.log_std must be <= {MAX_LOG_STD:g}; here is {given['log_std']:g}"
+    if "peak" in given and not given["from"] <= given["peak"] <= given["to"]:
+        return f"'peak', {given['peak']:g}, must lie between 'from' and 'to'"
+    return _reversed(given["from"], given["to"]) if "from" in given else ""
 
 
 class AffineDescription(Record):
@@ -164,10 +148,10 @@ class ParameterDescription(Record):
     to: Finite | None = None
     steps: Annotated[int, Rule(ge=2, le=MAX_STEPS)] | None = None
     values: Annotated[list[Finite], Rule(min_length=1)] | None = None
-    normal: NormalDescription | None = None
-    lognormal: LognormalDescription | None = None
-    uniform: UniformDescription | None = None
-    triangular: TriangularDescription | None = None
+    normal: dict[str, Finite] | None = None
+    lognormal: dict[str, Finite] | None = None
+    uniform: dict[str, Finite] | None = None
+    triangular: dict[str, Finite] | None = None
     sets: Paths | Factors | None = None
     shifts: Paths | Factors | None = None
     scales: Paths | None = None
@@ -181,6 +165,8 @@ class ParameterDescription(Record):
             return f"one way to vary it belongs here: {FORMS}; here are {', '.join(forms) or 'none of them'}"
         if self.from_ is not None and self.to is not None:
             return _reversed(self.from_, self.to)
+        if forms[0] in SHAPES:
+            return _shape_problem(forms[0], getattr(self, forms[0]))
         if forms == ["a range"]:
             return f"a range needs 'from' and 'to'; here is {ends[0] if ends else 'steps alone'}"
         repeated = [value for value, count in Counter(self.values or []).items() if count > 1]
@@ -199,15 +185,14 @@ class ParameterDescription(Record):
             return Distribution("values", tuple(self.values))
         if self.steps is not None:
             return Distribution("steps", tuple(np.linspace(self.from_ or 0, self.to or 0, self.steps).tolist()))
-        shapes = {name: getattr(self, name) for name in SHAPES if getattr(self, name) is not None}
-        kind, shape = next(iter(shapes.items()), ("uniform", None))
-        numbers = (self.from_ or 0.0, self.to or 0.0) if shape is None else tuple(dict(shape).values())
+        kind = next((name for name in SHAPES if getattr(self, name) is not None), "uniform")
+        shape = getattr(self, kind) or {"from": self.from_ or 0.0, "to": self.to or 0.0}
         if sample == "grid":
             rule = "a grid needs to know in how many steps, such as steps: 5"
             if kind != "uniform":
                 rule = f"a {kind} distribution has no steps to make a grid of"
             raise InputError("", f"{rule}. Take sample: sobol or lhs with a count.")
-        return Distribution(kind, numbers)
+        return Distribution(kind, tuple(shape[name] for name in SHAPES[kind]))
 
 
 def read_parameters(

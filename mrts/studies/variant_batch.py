@@ -13,7 +13,7 @@ from mrts.base.errors import MrtsError
 from mrts.base.rigid_transform import rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
-from mrts.following.variant_tracking import TrackedVariants, track_variants
+from mrts.following.tracking import TrackedVariants, track_variants
 from mrts.kernel.cell_library import SparseLimits
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
@@ -35,8 +35,11 @@ from mrts.studies.variant_numbers import (
     LIMITS,
     PATH_ENDS,
     Entry,
-    VariantNumbers,
     base_numbers,
+    doubtful,
+    geometries,
+    load_vectors,
+    variant_numbers,
     varied_entries,
 )
 from mrts.studies.variant_rows import UNREACHABLE, Columns, Row, columns_of, ends_row, solved_row
@@ -122,8 +125,8 @@ class VariantBatch:
             base=None if turned is None else turned.base,
             axes=(0, 1, 2) if turned is None else turned.axes,
         )
-        varied = {entry.name for entry in entries}
-        each = len(motion.time) * (3 * m + (0 if varied.isdisjoint(PATH_ENDS) else 25)) * 8
+        self._varied = {entry.name for entry in entries}
+        each = len(motion.time) * (3 * m + (0 if self._varied.isdisjoint(PATH_ENDS) else 25)) * 8
         self.block = max(1, BLOCK_BYTES // each)
 
     def solve(self, points: Array, first: int) -> Columns:
@@ -137,30 +140,33 @@ class VariantBatch:
         for start in range(0, len(points), self.block):
             part = points[start : start + self.block]
             with np.errstate(all="ignore"):  # of numbers that break a rule, which are left to `solved_row`
-                settled = self._rows(*self._answers(VariantNumbers(self._base, self._entries, part)))
+                settled = self._rows(*self._answers(variant_numbers(self._base, self._entries, part), len(part)))
             rows += [
                 solved_row(self._study, point) if row is None else row for point, row in zip(part, settled, strict=True)
             ]
         return columns_of(self._study, points, first, rows)
 
-    def _answers(self, numbers: VariantNumbers) -> tuple[dict[str, Array], TrackedVariants, NDArray[np.void]]:
+    def _answers(
+        self, numbers: Mapping[str, Array], count: int
+    ) -> tuple[dict[str, Array], TrackedVariants, NDArray[np.void]]:
         """What the native calls take, by name, with V or 1 first, and what they give."""
-        refused = numbers.doubtful()
-        geometry, path = numbers.geometry(self._cell), self._path(numbers, refused)
+        refused = np.broadcast_to(doubtful(numbers, self._varied), (count,)).copy()
+        geometry, path = geometries(numbers, self._varied, self._cell), self._path(numbers, refused)
         if self._cell.plane is not None:
             refused |= leaves_plane(self._cell, path["twist"])
         tracked = track_variants(self._cell, path, geometry, numbers["posture"], refused)
-        given = {**path, "geometry": geometry, "load": numbers.loads(), **self._limits(numbers)}
-        found = variant_ranges(self._cell.library, tracked.joints, self._sparse, SampleTerms(), given)
+        joints = tracked.q, tracked.dq, tracked.ddq
+        given = {**path, "geometry": geometry, "load": load_vectors(numbers), **self._limits(numbers)}
+        found = variant_ranges(self._cell.library, joints, ~tracked.followed, self._sparse, SampleTerms(), given)
         return given, tracked, found
 
-    def _path(self, numbers: VariantNumbers, refused: NDArray[np.bool_]) -> dict[str, Array]:
+    def _path(self, numbers: Mapping[str, Array], refused: NDArray[np.bool_]) -> dict[str, Array]:
         """The motion of the object, as `mrts.kernel.tracking.PATH` with V or 1 first; refused ones last a second."""
-        if not numbers.any_of(PATH_ENDS):
+        if self._varied.isdisjoint(PATH_ENDS):
             return {name: getattr(self._motion, name)[None] for name in PATH}
         u = np.linspace(0.0, 1.0, len(self._motion.time))
         start, end, turned, turning, duration = (
-            np.broadcast_to(numbers[name], (numbers.count, *numbers[name].shape[1:]))
+            np.broadcast_to(numbers[name], (len(refused), *numbers[name].shape[1:]))
             for name in ("start_xyz", "end_xyz", "start_rpy", "end_rpy", "duration")
         )
         duration = np.where(refused, 1.0, duration)
@@ -169,11 +175,12 @@ class VariantBatch:
         rates = geodesic_rates(positions, rotations, duration, profile(u))
         return dict(zip(PATH, (duration[:, None] * u, *rates), strict=True))
 
-    def _limits(self, numbers: VariantNumbers) -> dict[str, Array]:
+    def _limits(self, numbers: Mapping[str, Array]) -> dict[str, Array]:
         """The sides "lower" and "upper", "velocity" and "values" of V variants, as `variant_ranges` takes them."""
         sides = {"lower": self.rows.lower[None], "upper": self.rows.upper[None]}
-        if numbers.any_of(LIMITS):
-            sides = {side: np.repeat(limits, numbers.count, axis=0) for side, limits in sides.items()}
+        if not self._varied.isdisjoint(LIMITS):
+            count = max(len(numbers[name]) for name in LIMITS)
+            sides = {side: np.repeat(limits, count, axis=0) for side, limits in sides.items()}
             for kind, (rows, places) in self._places.items():
                 for side, limits in sides.items():
                     limits[:, rows] = numbers[f"{kind}_{side}"][:, places]
@@ -198,7 +205,7 @@ class VariantBatch:
             failure, status = tracked.failure(variant), int(record["status"])
             if failure is not None:
                 yield {"status": UNREACHABLE, "reason": failure.message}
-            elif tracked.joints.outcome[variant, 0]["code"] == REFUSED or status not in {INFEASIBLE, OPTIMAL}:
+            elif tracked.outcome[variant, 0]["code"] == REFUSED or status not in {INFEASIBLE, OPTIMAL}:
                 yield None
             else:
                 time, *sides = (given[name][variant % len(given[name])] for name in ("time", "lower", "upper"))
@@ -220,12 +227,12 @@ class VariantBatch:
         self, given: Mapping[str, Array], tracked: TrackedVariants, found: NDArray[np.void]
     ) -> dict[int, list[ActiveRow]]:
         """The velocities that bound c² the most, by variant, where one does."""
-        capped = np.flatnonzero(tracked.joints.followed & (found["status"] == OPTIMAL) & (found["capped"] != 0))
+        capped = np.flatnonzero(tracked.followed & (found["status"] == OPTIMAL) & (found["capped"] != 0))
         sample = found["sample"][capped, 1]
         twist, limit = (np.broadcast_to(each, (len(found), *each.shape[1:])) for each in
                         (given["twist"], given["velocity"]))  # fmt: skip
         of_object = np.linalg.norm(twist[capped, sample].reshape(-1, 2, 3), axis=2)
-        speed = np.concatenate([np.abs(tracked.joints.dq[capped, sample]), of_object], axis=1)
+        speed = np.concatenate([np.abs(tracked.dq[capped, sample]), of_object], axis=1)
         rows: dict[int, list[ActiveRow]] = {}
         for place, row in np.argwhere(binds((speed / limit[capped]) ** 2)).tolist():
             variant = int(capped[place])

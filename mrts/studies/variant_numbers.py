@@ -51,14 +51,14 @@ ARRAYS |= {("motion", *name.split("_")): name for name in PATH_ENDS[:4]}
 
 @dataclass(frozen=True)
 class Entry:
-    """A place in an array that a parameter sets.
+    """A place in an array that a parameter sets to offset + factor × its value.
 
     Attributes:
         column: Of the parameter.
         name: Of the array.
         index: In it, after V.
-        factor: What a unit of the parameter adds.
-        offset: What stands there at zero.
+        factor: Of the parameter's value.
+        offset: Added to it.
     """
 
     column: int
@@ -140,77 +140,64 @@ def _triples(poses: Sequence[Mapping[str, Any]], part: str) -> Array:
     return np.array([pose.get(part) or [0.0, 0.0, 0.0] for pose in poses], dtype=np.float64)
 
 
-class VariantNumbers:
+def variant_numbers(base: Mapping[str, Array], entries: Sequence[Entry], points: Array) -> dict[str, Array]:
     """The arrays of V variants by name, each with V first, or 1 where all share one.
 
     Args:
         base: As from `base_numbers`.
         entries: What is varied of them.
         points: Values of the parameters, Shape (V, P).
-
-    Attributes:
-        count: V.
-        varied: Names of the arrays that differ.
     """
+    varied = {entry.name for entry in entries}
+    numbers = {name: np.repeat(of, len(points), axis=0) if name in varied else of for name, of in base.items()}
+    for entry in entries:
+        place: tuple[slice | int, ...] = (slice(None), *entry.index)
+        numbers[entry.name][place] = entry.offset + entry.factor * points[:, entry.column]
+    return numbers
 
-    def __init__(self, base: Mapping[str, Array], entries: Sequence[Entry], points: Array) -> None:
-        self.count, self.varied = len(points), frozenset(entry.name for entry in entries)
-        self._arrays = dict(base)
-        for name in self.varied:
-            self._arrays[name] = np.repeat(base[name], self.count, axis=0)
-        for entry in entries:
-            number = entry.offset + entry.factor * points[:, entry.column]
-            of_all: tuple[slice | int, ...] = (slice(None), *entry.index)
-            self._arrays[entry.name][of_all] = number
 
-    def __getitem__(self, name: str) -> Array:
-        return self._arrays[name]
+def geometries(numbers: Mapping[str, Array], varied: set[str], cell: Cell) -> Array:
+    """`Cell.geometry` of variants, Shape (V, 3 + 24 n + h), or (1, …) where all share one."""
+    if not (geometric := varied & {"gravity", *POSES}):
+        return cell.geometry[None]
+    V, n = max(len(numbers[name]) for name in geometric), len(cell.robots)
+    whole = np.repeat(cell.geometry[None], V, axis=0)
+    whole[:, :GRAVITY_SIZE] = numbers["gravity"]
+    arms = whole[:, GRAVITY_SIZE : GRAVITY_SIZE + ROBOT_SIZE * n].reshape(V, n, 2, ROBOT_SIZE // 2)
+    for place, frame in enumerate(("base", "grasp")):
+        rotation = rotations_from_rpy(numbers[f"{frame}_rpy"])
+        arms[:, :, place, :9] = rotation.reshape(*rotation.shape[:2], 9)
+        arms[:, :, place, 9:] = numbers[f"{frame}_xyz"]
+    whole[:, GRAVITY_SIZE : GRAVITY_SIZE + ROBOT_SIZE * n] = arms.reshape(V, -1)
+    return whole
 
-    def any_of(self, names: Sequence[str]) -> bool:
-        """Whether one of these arrays differs between variants."""
-        return not self.varied.isdisjoint(names)
 
-    def geometry(self, cell: Cell) -> Array:
-        """As `Cell.geometry`, Shape (V, 3 + 24 n + h)."""
-        if not self.any_of(("gravity", *POSES)):
-            return cell.geometry[None]
-        V, robots = self.count, len(cell.robots)
-        whole = np.repeat(cell.geometry[None], V, axis=0)
-        whole[:, :GRAVITY_SIZE] = self["gravity"]
-        arms = whole[:, GRAVITY_SIZE : GRAVITY_SIZE + ROBOT_SIZE * robots].reshape(V, robots, 2, ROBOT_SIZE // 2)
-        for place, frame in enumerate(("base", "grasp")):
-            rotation, position = rotations_from_rpy(self[f"{frame}_rpy"]), self[f"{frame}_xyz"]
-            arms[:, :, place, :9] = rotation.reshape(*rotation.shape[:2], 9)
-            arms[:, :, place, 9:] = position
-        whole[:, GRAVITY_SIZE : GRAVITY_SIZE + ROBOT_SIZE * robots] = arms.reshape(V, -1)
-        return whole
+def load_vectors(numbers: Mapping[str, Array]) -> Array:
+    """Load vectors (`mrts.base.manifest.LOAD_ENTRIES`) of variants, Shape (V, 10)."""
+    inertia = numbers["inertia"]
+    moments = [inertia[:, row, column] for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    return np.stack(np.broadcast_arrays(numbers["mass"], *[np.zeros(1)] * 3, *moments), axis=1)
 
-    def loads(self) -> Array:
-        """Load vectors (`mrts.base.manifest.LOAD_ENTRIES`), Shape (V, 10)."""
-        mass, inertia = self["mass"], self["inertia"]
-        places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-        moments = [inertia[:, row, column] for row, column in places]
-        return np.stack(np.broadcast_arrays(mass, *[np.zeros(1)] * 3, *moments), axis=1)
 
-    def doubtful(self) -> NDArray[np.bool_]:
-        """Variants that a rule of the cell file or the motion file may refuse, Shape (V,)."""
-        return np.broadcast_to(self._breaks_a_rule(), (self.count,)).copy()
+def doubtful(numbers: Mapping[str, Array], varied: set[str]) -> NDArray[np.bool_]:
+    """Which variants a rule of the cell file or the motion file may refuse, Shape (V,) or (1,).
 
-    def _breaks_a_rule(self) -> NDArray[np.bool_]:
-        doubt = np.zeros(1, dtype=bool)
-        for name in self.varied:
-            values = self[name].reshape(len(self[name]), -1)
-            largest = LARGEST_ANGLE if name.endswith(("rpy", "posture")) else LARGEST
-            bounded = values[:, np.isfinite(values[0])] if name in {*LIMITS, "object_velocity"} else values
-            doubt = doubt | ~np.all(np.abs(bounded) <= largest, axis=1)
-        for name in {"mass", "duration", "object_velocity"} & self.varied:
-            doubt = doubt | ~np.all(self[name].reshape(self.count, -1) >= SMALLEST, axis=1)
-        if self.any_of(LIMITS):
-            low, high = self["torque_lower"], self["torque_upper"]
-            doubt = doubt | ~np.all(low < high, axis=1) | ~np.all(self["wrench_lower"] <= self["wrench_upper"], axis=1)
-        if "inertia" in self.varied:
-            doubt = doubt | ~_of_a_body(self["inertia"])
-        return doubt
+    Args:
+        numbers: As from `variant_numbers`.
+        varied: Names of those that differ.
+    """
+    doubt = np.zeros(1, dtype=bool)
+    for name in varied:
+        values = numbers[name].reshape(len(numbers[name]), -1)
+        largest = LARGEST_ANGLE if name.endswith(("rpy", "posture")) else LARGEST
+        bounded = values[:, np.isfinite(values[0])] if name in {*LIMITS, "object_velocity"} else values
+        doubt = doubt | ~np.all(np.abs(bounded) <= largest, axis=1)
+        if name in {"mass", "duration", "object_velocity"}:
+            doubt = doubt | ~np.all(values >= SMALLEST, axis=1)
+    if not varied.isdisjoint(LIMITS):
+        torque_lower, torque_upper, wrench_lower, wrench_upper = (numbers[name] for name in LIMITS)
+        doubt = doubt | ~np.all(torque_lower < torque_upper, axis=1) | ~np.all(wrench_lower <= wrench_upper, axis=1)
+    return doubt | ~_of_a_body(numbers["inertia"]) if "inertia" in varied else doubt
 
 
 def _of_a_body(inertia: Array) -> NDArray[np.bool_]:

@@ -20,6 +20,7 @@ from mrts.scaling.options import Options
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import SelectionError, admissible_range, scale
+from mrts.studies.parameters import ANSWERS
 from mrts.studies.study import Study
 from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retime import retime
@@ -27,9 +28,8 @@ from mrts.timing.retime import retime
 UNREACHABLE, INVALID, FAILED = "unreachable", "invalid", "failed"
 """Statuses of a variant beside those of a range: the arms cannot follow, its numbers break a rule, a solver stopped."""
 
-ANSWERS = {"status": "string", "reason": "string", "c2_lower": "float64", "c2_upper": "float64"}
-ANSWERS |= {"lower_limit": "string", "upper_limit": "string", "duration": "float64"}
-"""Columns of every study behind the number of a variant and what varies, and their types."""
+LIMIT_SEPARATOR = ", "
+"""Between the limits that bind together."""
 
 Row = dict[str, Any]
 Columns = dict[str, Any]
@@ -92,19 +92,18 @@ def ends_row(lower: RangeEnd, upper: RangeEnd, given_duration: float) -> Row:
         upper: c²⁺.
         given_duration: Of the motion as it is given [s].
     """
-
-    def limit(end: RangeEnd) -> str:
-        """Such as "right/elbow torque (upper, 80 N m) at t = 0.31 s"."""
-        of_load = "" if end.load is None else f" with {end.load}"
-        return f"{', '.join(map(str, end.rows))} at t = {end.time:.4g} s{of_load}"
-
     row: Row = {"c2_lower": lower.c2}
     if lower.c2 > 0 and lower.time is not None:
-        row["lower_limit"] = limit(lower)
+        row |= {"lower_limit": _labels(lower), "lower_time": lower.time}
     if upper.time is not None:
-        row |= {"c2_upper": upper.c2, "upper_limit": limit(upper)}
+        row |= {"c2_upper": upper.c2, "upper_limit": _labels(upper), "upper_time": upper.time}
         row["duration"] = given_duration / math.sqrt(upper.c2) if upper.c2 > 0 else None
     return row
+
+
+def _labels(end: RangeEnd) -> str:
+    """What binds, such as "left/elbow ↑, right/fx ↓"."""
+    return LIMIT_SEPARATOR.join(dict.fromkeys(row.label for row in end.rows))
 
 
 def solved_row(study: Study, point: Array) -> Row:

@@ -77,6 +77,7 @@ def best_lines(best: list[BestVariant], folder: Path) -> Iterator[str]:
     for rank, each in enumerate(best, start=1):
         c2, duration = (each.row.get(name) for name in ("c2_upper", "duration"))
         texts = "-" if duration is None else f"{duration:#.4g} s", "-" if c2 is None else f"{c2:#.4g}"
-        limit = each.row.get("upper_limit") or each.row.get("reason")
+        limit, time = (each.row.get(name) for name in ("upper_limit", "upper_time"))
+        limit = each.row.get("reason") if limit is None else f"{limit} at t = {time:.4g} s"
         yield f"{rank:>4}  {each.variant:>8}  {texts[0]:>10}  {texts[1]:>9}  {limit}"
         yield f"{'':6}{each.file.relative_to(folder)}: {', '.join(each.numbers)}"

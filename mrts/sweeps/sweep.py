@@ -18,7 +18,7 @@ from mrts.studies.study_file import read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder, require_pyarrow
 from mrts.sweeps.best_variants import write_best
 from mrts.sweeps.chunks import Chunk, solved_chunks
-from mrts.sweeps.sweep_progress import TALLIED, SweepProgress, Tally
+from mrts.sweeps.sweep_progress import TALLIED, SweepProgress
 from mrts.sweeps.worker_pools import check_workers
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def solve_study(
     workers: int | None = None,
     scheduler: str | None = None,
     progress: Callable[[SweepProgress], None] = lambda _progress: None,
-) -> tuple[StudyFolder, Tally]:
+) -> tuple[StudyFolder, SweepProgress]:
     """Solve what a folder does not hold yet of a study; the arguments are those of `sweep`.
 
     Returns:
@@ -100,21 +100,21 @@ def solve_study(
     check_workers(workers, scheduler)
     check_callable("progress", progress)
     with opened_study_folder(path, study, lambda: chunk_size(study)) as folder:
-        tally = Tally(folder.variants)
+        so_far = SweepProgress(folder.variants)
         for batch in folder.dataset().to_batches(columns=[*TALLIED]):
-            tally.add(batch)
+            so_far = so_far.after(batch)
         solved = folder.parts()
         missing = [Chunk(number, *folder.bounds(number)) for number in range(folder.chunks) if number not in solved]
-        tally.begin()
-        progress(tally.progress())
+        so_far = so_far.begin()
+        progress(so_far)
         if missing:
             with closing(solved_chunks(study, missing, workers, scheduler)) as coming:
                 for chunk, pieces in coming:
                     rows = folder.rows(pieces)
                     folder.write(chunk.number, rows)
-                    tally.add(rows)
-                    progress(tally.progress())
-        return folder, tally
+                    so_far = so_far.after(rows)
+                    progress(so_far)
+        return folder, so_far
 
 
 def chunk_size(study: Study) -> int:

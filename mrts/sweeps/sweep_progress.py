@@ -3,15 +3,15 @@
 
 import time
 from collections import Counter
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 
 from mrts.studies.dry_run import time_text
 
 TALLIED = ("variant", "status", "duration")
-"""Columns that a tally reads."""
+"""Columns that are counted."""
 
 
 @dataclass(frozen=True)
@@ -20,17 +20,24 @@ class SweepProgress:
 
     Attributes:
         variants: Of the study.
-        done: How many of them are solved, by earlier runs as well.
-        rate: Of this run, in variants a second; 0 while it has solved none.
+        statuses: How many that are solved have each status, by earlier runs as well.
         best: The shortest duration so far [s]; None while no variant is feasible.
-        best_variant: Which one has it.
+        best_variant: Which one has it; of equals, that with the lower number.
+        rate: Of this run, in variants a second; 0 while it has solved none.
+        begun: When this run began, by `time.monotonic` [s], and how many were solved before it.
     """
 
     variants: int
-    done: int
-    rate: float
-    best: float | None
-    best_variant: int | None
+    statuses: Counter[str] = field(default_factory=Counter)
+    best: float | None = None
+    best_variant: int | None = None
+    rate: float = 0.0
+    begun: tuple[float, int] | None = None
+
+    @property
+    def done(self) -> int:
+        """How many are solved, by earlier runs as well."""
+        return self.statuses.total()
 
     @property
     def remaining(self) -> float | None:
@@ -43,36 +50,20 @@ class SweepProgress:
         best = "" if self.best is None else f"best {self.best:.4g} s"
         return "; ".join(part for part in (rate, best) if part)
 
-
-class Tally:
-    """Counts rows as they come.
-
-    Args:
-        variants: Of the study.
-    """
-
-    def __init__(self, variants: int) -> None:
-        self.statuses: Counter[str] = Counter()
-        self._variants = variants
-        self._before, self._begun = 0, time.monotonic()
-        self._best: tuple[float, int] | None = None
-
-    def add(self, rows: Any) -> None:
-        """Count rows that are solved."""
-        self.statuses.update(rows["status"].to_pylist())
+    def after(self, rows: Any) -> Self:
+        """The progress after more rows with the columns `TALLIED`; those before `begin` are of earlier runs."""
+        found = replace(self, statuses=self.statuses + Counter(rows["status"].to_pylist()))
         durations = np.asarray(rows["duration"], dtype=np.float64)
         if np.isfinite(durations).any():
             row = int(np.nanargmin(durations))
-            found = float(durations[row]), int(rows["variant"][row].as_py())
-            self._best = found if self._best is None else min(self._best, found)
+            best = float(durations[row]), int(rows["variant"][row].as_py())
+            if self.best is None or best < (self.best, self.best_variant):
+                found = replace(found, best=best[0], best_variant=best[1])
+        if found.begun is None:
+            return found
+        taken = time.monotonic() - found.begun[0]
+        return replace(found, rate=(found.done - found.begun[1]) / taken if taken else 0.0)
 
-    def begin(self) -> None:
+    def begin(self) -> Self:
         """From here on rows count for the rate."""
-        self._before, self._begun = self.statuses.total(), time.monotonic()
-
-    def progress(self) -> SweepProgress:
-        """How far it is."""
-        done = self.statuses.total()
-        taken = time.monotonic() - self._begun
-        rate = (done - self._before) / taken if taken else 0.0
-        return SweepProgress(self._variants, done, rate, *(self._best or (None, None)))
+        return replace(self, begun=(time.monotonic(), self.done))

@@ -27,100 +27,50 @@ def written(folder, cell, motion):
     return paths
 
 
-def _scaled(values, factor):
-    return [value * factor for value in values]
+def _scale(block, key, factor):
+    block[key] = [value * factor for value in block[key]]
 
 
-def base_in_mm(cell, _motion, arm):
-    cell["robots"][arm]["base"]["xyz"] = _scaled(cell["robots"][arm]["base"]["xyz"], 1000)
-
-
-def grasp_in_mm(cell, _motion, arm):
-    cell["robots"][arm]["grasp"]["xyz"] = _scaled(cell["robots"][arm]["grasp"]["xyz"], 1000)
-
-
-def motion_in_mm(_cell, motion, _arm):
-    for key in ("start", "end"):
-        motion[key]["xyz"] = _scaled(motion[key]["xyz"], 1000)
-
-
-def posture_in_degrees(cell, _motion, arm):
-    cell["robots"][arm]["posture"] = np.degrees(cell["robots"][arm]["posture"]).tolist()
-
-
-def grasp_in_degrees(cell, _motion, arm):
-    cell["robots"][arm]["grasp"]["rpy"] = np.degrees(cell["robots"][arm]["grasp"]["rpy"]).tolist()
-
-
-def motion_in_degrees(_cell, motion, _arm):
-    motion["end"]["rpy"] = np.degrees(motion["end"]["rpy"]).tolist()
-
-
-def gravity_upward(cell, _motion, _arm):
-    cell["gravity"] = [0, 0, 9.81]
-
-
-def gravity_in_mm(cell, _motion, _arm):
-    cell["gravity"] = [0, 0, -9810]
-
-
-def torques_in_nmm(cell, _motion, arm):
-    cell["robots"][arm]["torque"] = [150e3, 150e3, 150e3, 28e3, 28e3, 28e3]
-
-
-def mass_in_grams(cell, _motion, _arm):
-    cell["object"]["mass"] = 8000.0
-
-
-def inertia_in_kg_mm2(cell, _motion, _arm):
-    cell["object"]["inertia"] = _scaled(cell["object"]["inertia"], 1e6)
-
-
-def bases_swapped(cell, _motion, _arm):
+def _swap(cell, key):
     left, right = cell["robots"]
-    left["base"], right["base"] = right["base"], left["base"]
+    left[key], right[key] = right[key], left[key]
 
 
-def grasps_swapped(cell, _motion, _arm):
-    left, right = cell["robots"]
-    left["grasp"], right["grasp"] = right["grasp"], left["grasp"]
-
-
-def other_side(cell, _motion, arm):
+def _other_side(cell, arm):
     cell["robots"][arm]["grasp"]["rpy"][1] *= -1
-    sign = (-1) ** arm
-    cell["robots"][arm]["base"]["xyz"][0] = -0.95 * sign
+    cell["robots"][arm]["base"]["xyz"][0] = -0.95 * (-1) ** arm
 
 
-def quaternion_in_the_other_order(cell, _motion, _arm):
-    """Half a turn about z with the real part last, read as half a turn about y: the arm hangs upside down."""
-    cell["robots"][1]["base"] = {"xyz": [0.97, 0, 0], "quaternion_wxyz": [0.0, 0.0, 1.0, 0.0]}
-
+DEGREES = 180 / np.pi
 
 HINTS = {
-    base_in_mm: "base-millimetres",
-    grasp_in_mm: "grasp-millimetres",
-    motion_in_mm: "motion-millimetres",
-    posture_in_degrees: "posture-degrees",
-    grasp_in_degrees: "rpy-degrees",
-    motion_in_degrees: "rpy-degrees",
-    gravity_upward: "gravity-upward",
-    gravity_in_mm: "gravity-millimetres",
-    torques_in_nmm: "torque-millimetres",
-    mass_in_grams: "mass-grams",
-    inertia_in_kg_mm2: "inertia-unit",
-    bases_swapped: "swapped-bases",
-    grasps_swapped: "swapped-grasps",
-    other_side: "other-side",
-    quaternion_in_the_other_order: "quaternion-order",
-}
-"""The hint that each mistake must lead to."""
+    "base in mm": ("base-millimetres", lambda cell, _, arm: _scale(cell["robots"][arm]["base"], "xyz", 1000)),
+    "grasp in mm": ("grasp-millimetres", lambda cell, _, arm: _scale(cell["robots"][arm]["grasp"], "xyz", 1000)),
+    "motion in mm": ("motion-millimetres", lambda _cell, motion, _: [_scale(motion[key], "xyz", 1000)
+                                                                     for key in ("start", "end")]),
+    "posture in degrees": ("posture-degrees", lambda cell, _, arm: _scale(cell["robots"][arm], "posture", DEGREES)),
+    "grasp in degrees": ("rpy-degrees", lambda cell, _, arm: _scale(cell["robots"][arm]["grasp"], "rpy", DEGREES)),
+    "motion in degrees": ("rpy-degrees", lambda _cell, motion, _: _scale(motion["end"], "rpy", DEGREES)),
+    "gravity upward": ("gravity-upward", lambda cell, *_: cell.update(gravity=[0, 0, 9.81])),
+    "gravity in mm": ("gravity-millimetres", lambda cell, *_: cell.update(gravity=[0, 0, -9810])),
+    "torques in N mm": ("torque-millimetres", lambda cell, _, arm: cell["robots"][arm].update(
+        torque=[150e3, 150e3, 150e3, 28e3, 28e3, 28e3])),
+    "mass in grams": ("mass-grams", lambda cell, *_: cell["object"].update(mass=8000.0)),
+    "inertia in kg mm²": ("inertia-unit", lambda cell, *_: _scale(cell["object"], "inertia", 1e6)),
+    "bases swapped": ("swapped-bases", lambda cell, *_: _swap(cell, "base")),
+    "grasps swapped": ("swapped-grasps", lambda cell, *_: _swap(cell, "grasp")),
+    "other side": ("other-side", lambda cell, _, arm: _other_side(cell, arm)),
+    # half a turn about z with the real part last, read as half a turn about y: the arm hangs upside down
+    "quaternion in the other order": ("quaternion-order", lambda cell, *_: cell["robots"][1].update(
+        base={"xyz": [0.97, 0, 0], "quaternion_wxyz": [0.0, 0.0, 1.0, 0.0]})),
+}  # fmt: skip
+"""The hint that each mistake must lead to, and the mistake."""
 
 
-def damaged(damage, arm=0):
-    """Cell and motion with a mistake at an arm."""
+def damaged(name, arm=0):
+    """Cell and motion with one of the mistakes of `HINTS` at an arm."""
     cell, motion = deepcopy(sound())
-    damage(cell, motion, arm)
+    HINTS[name][1](cell, motion, arm)
     return cell, motion
 
 

@@ -68,7 +68,6 @@ def there_and_back(turn, samples=101, wait=0):
 
 
 UPHILL = 36 / 11  # m/s²; against it the two arms and the object need 36 of 40 N
-SLOWING = 1.0  # m/s², from 1.5 to 0.5 m/s
 VISCOUS = 6.0  # N s/m of each arm
 
 
@@ -78,30 +77,3 @@ def uphill_gantries(folder, viscous=VISCOUS, **motors):
     columns = {"viscous": np.array([viscous, 0, 0])} | motors
     robots = (replace(robot, motors=replace(robot.motors, **columns)) for robot in cell.robots)
     return replace(cell, robots=tuple(robots))
-
-
-def slowing_down(samples=41):
-    """A motion along x that loses speed all the way: at 1.5 m/s friction needs 18 c N, inertia gives 11 c² N."""
-    time = np.linspace(0, 1, samples)
-    zero, one = np.zeros((samples, 1)), np.ones((samples, 1))
-    x, v = (1.5 * time - SLOWING * time**2 / 2)[:, None], (1.5 - SLOWING * time)[:, None]
-    rotation = np.broadcast_to(np.eye(3), (samples, 3, 3)).copy()
-    return mrts.ObjectMotion(
-        time,
-        np.hstack([x, zero, zero]),
-        rotation,
-        np.hstack([v, *[zero] * 5]),
-        np.hstack([-SLOWING * one, *[zero] * 5]),
-    )
-
-
-def intervals_uphill():
-    """c² of the two intervals that the motion admits: friction forbids between, one end from the first sample each.
-
-    36 - 11 c² + 2 · 6 v c <= 40 at the fastest v = 1.5, and >= -40 at the slowest v = 0.5.
-    """
-    b, least, most = 2 * VISCOUS * 1.5, 4.0, 76.0
-    middle, root = b, np.sqrt(b * b - 4 * 11 * least)
-    slow = 2 * VISCOUS * 0.5
-    top = (slow + np.sqrt(slow**2 + 4 * 11 * most)) / 22
-    return [(0.0, ((middle - root) / 22) ** 2), (((middle + root) / 22) ** 2, top**2)]

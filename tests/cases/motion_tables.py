@@ -45,10 +45,13 @@ def object_columns(motion, *, rates):
     return {"t": motion.time} | dict(zip(names, np.concatenate(values, axis=1).T, strict=True))
 
 
+def table_text(columns, form=".12g"):
+    rows = zip(*columns.values(), strict=True)
+    return "\n".join([",".join(columns), *(",".join(format(value, form) for value in row) for row in rows)]) + "\n"
+
+
 def write_table(path, columns, form=".12g"):
-    rows = np.column_stack(list(columns.values()))
-    lines = [",".join(columns), *(",".join(format(value, form) for value in row) for row in rows)]
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text(table_text(columns, form))
     return path
 
 
@@ -81,21 +84,12 @@ def scaled(columns, prefix, factor):
 
 
 def object_table(motion, *, rates):
-    quaternion = Rotation.from_matrix(motion.rotation).as_quat()
-    columns = [motion.time[:, None] + 3.0, motion.position, quaternion]  # a table may start at any time
-    names = ["t", "px", "py", "pz", "qx", "qy", "qz", "qw"]
-    if rates:
-        columns += [motion.twist, motion.acceleration]
-        names += ["vx", "vy", "vz", "wx", "wy", "wz", "ax", "ay", "az", "alphax", "alphay", "alphaz"]
-    rows = np.concatenate(columns, axis=1)
-    return ",".join(names) + "\n" + "\n".join(",".join(f"{value:.12g}" for value in row) for row in rows) + "\n"
+    columns = object_columns(motion, rates=rates)
+    return table_text(columns | {"t": columns["t"] + 3.0})  # a table may start at any time
 
 
 def joint_table(cell, followed, parts=("q", "dq", "ddq")):
-    names = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
-    header = ["t", *(f"{part}.{name}" for part in parts for name in names)]
-    rows = np.concatenate([followed.object.time[:, None], *(getattr(followed, part) for part in parts)], axis=1)
-    return ",".join(header) + "\n" + "\n".join(",".join(f"{value:.12g}" for value in row) for row in rows) + "\n"
+    return table_text(columns_of(cell, followed, parts))
 
 
 def write_motion(folder, **keys):

@@ -27,7 +27,9 @@ def begun(dual_ur5, tmp_path_factory):
 def test_what_it_tells_is_enough_to_go_on(begun):
     folder, done = begun
     assert "left and right: ../my arm.urdf, base_link to tool0 (proposed: named as a hand or tool)" in done.stdout
-    assert re.search(r"shoulder_pan\s+\[-6\.283, 6\.283\] rad\s+[\d.]+ rad/s\s+\[-\d+, \d+\] N m", done.stdout)
+    assert re.search(
+        r"shoulder_pan\s+revolute\s+\[-\d+, \d+\] N m\s+\[-6\.283, 6\.283\] rad\s+[\d.]+ rad/s", done.stdout
+    )
     assert "you may play it up to" in done.stdout
     assert NO_COLLISIONS in done.stdout
     *_, next_line = done.stdout.splitlines()

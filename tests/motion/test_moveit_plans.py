@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA
-from moveit_bags import display, robot_trajectory, with_moveit, write_plans
+from moveit_bags import MOVEIT, display, robot_trajectory, with_moveit
 from ros_bags import message, trajectory, write_bag
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.typesys import Stores
@@ -46,10 +46,10 @@ def test_a_plan_is_a_motion(dual_ur5, followed, whole, tmp_path):
     """Either kind, either storage, types of another release: the very joints, and those of a gripper passed over."""
     names, rows = whole
     gripped = [*names, "finger"], [[stamp, *(np.append(part, 0.0) for part in parts)] for stamp, *parts in rows]
-    write_plans(tmp_path / "shown", [(TOPIC, display(robot_trajectory(*gripped)))])
-    write_plans(tmp_path / "planned", [("/plan", robot_trajectory(*whole))], StoragePlugin.SQLITE3)
+    write_bag(tmp_path / "shown", [(TOPIC, display(robot_trajectory(*gripped)))], types=MOVEIT)
+    write_bag(tmp_path / "planned", [("/plan", robot_trajectory(*whole))], StoragePlugin.SQLITE3, types=MOVEIT)
     newer = with_moveit(Stores.ROS2_JAZZY)
-    write_plans(tmp_path / "newer", [(TOPIC, display(robot_trajectory(*whole)))], types=newer)
+    write_bag(tmp_path / "newer", [(TOPIC, display(robot_trajectory(*whole)))], types=newer)
     for name in ("shown", "planned", "newer"):
         motion = mrts.load_motion(tmp_path / name)
         table = mrts.scale(dual_ur5, motion, between=None).motion
@@ -61,7 +61,9 @@ def test_which_trajectory_is_named(whole, tmp_path):
     names, rows = whole
     short = names, rows[:40]
     part = [robot_trajectory(*short), robot_trajectory(*whole)]
-    write_plans(tmp_path / "plans", [(TOPIC, display(*part)), (TOPIC, display(robot_trajectory(names, rows[:7])))])
+    write_bag(
+        tmp_path / "plans", [(TOPIC, display(*part)), (TOPIC, display(robot_trajectory(names, rows[:7])))], types=MOVEIT
+    )
     with pytest.raises(mrts.InputError, match=r"3 trajectories.*'joints: plans' and 'trajectory: 0' to 2") as told:
         mrts.load_motion(tmp_path / "plans")
     assert "0: 40 points of 12 joints" in str(told.value)
@@ -81,7 +83,7 @@ def test_which_trajectory_is_named(whole, tmp_path):
 def test_what_a_controller_plays_comes_before_what_a_planner_shows(whole, tmp_path):
     names, rows = whole
     messages = [(TOPIC, display(robot_trajectory(*whole))), ("/both/joint_trajectory", message(names, rows[:30]))]
-    write_plans(tmp_path / "both", messages)
+    write_bag(tmp_path / "both", messages, types=MOVEIT)
     assert len(mrts.load_motion(tmp_path / "both").time) == 30
     assert len(mrts.load_motion(described(tmp_path, joints="both", topic=TOPIC)).time) == len(rows)
     with pytest.raises(mrts.InputError, match=r"topic = '/plan': has no trajectories .* in /both/.*, /display_planned"):
@@ -95,10 +97,10 @@ def test_mistakes_in_plans(whole, tmp_path):
         ("none", display(), "holds 0 trajectories"),
         ("empty", display(robot_trajectory(whole[0], [])), "has 0 points; a motion has at least 2"),
     ):
-        write_plans(tmp_path / name, [(TOPIC, content)])
+        write_bag(tmp_path / name, [(TOPIC, content)], types=MOVEIT)
         with pytest.raises(mrts.InputError, match=rule):
             mrts.load_motion(tmp_path / name)
-    write_plans(tmp_path / "old", [(TOPIC, display(robot_trajectory(*whole)))], StoragePlugin.SQLITE3)
+    write_bag(tmp_path / "old", [(TOPIC, display(robot_trajectory(*whole)))], StoragePlugin.SQLITE3, types=MOVEIT)
     with sqlite3.connect(tmp_path / "old" / "old.db3") as store:
         store.execute("DELETE FROM message_definitions")
     store.close()

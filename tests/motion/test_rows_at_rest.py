@@ -20,43 +20,42 @@ def plan(cell, motion, way):
     return mrts.retime(cell, motion).retimed if way == "optimal" else mrts.scale(cell, motion, sharing=way)
 
 
-@pytest.mark.parametrize("way", ["optimal", None, mrts.LoadSharing()])
+@pytest.mark.parametrize("way", ["optimal", mrts.LoadSharing()])
 @pytest.mark.parametrize("name", ["planar", "spatial"])
 def test_the_first_and_the_last_row_hold_still(name, way, planar_cell, dual_ur5):
     """By the terms at rest, G + JᵀF and Σ B F = Q, within all limits."""
     cell, folder = (planar_cell, "planar_dual_arm") if name == "planar" else (dual_ur5, "dual_ur5")
     result = plan(cell, scaled_path(folder, 0.15, 101, "cubic"), way)
     rows, done = played_rows(result.trajectory), result.trajectory
-    assert len(rows.time) == done.motion.samples + 2
-    assert rows.time[0] == 0
+    assert len(rows["t"]) == done.motion.samples + 2
+    assert rows["t"][0] == 0
     step = min(HOLDING_STEP, np.min(np.diff(done.time)))
-    np.testing.assert_allclose(np.diff(rows.time)[[0, -1]], step, rtol=1e-9)
-    np.testing.assert_allclose(np.diff(rows.time)[1:-1], np.diff(done.time), rtol=1e-9)
+    np.testing.assert_allclose(np.diff(rows["t"])[[0, -1]], step, rtol=1e-9)
+    np.testing.assert_allclose(np.diff(rows["t"])[1:-1], np.diff(done.time), rtol=1e-9)
     assert np.any(np.abs(done.ddq[-1]) > 1)  # what a controller would hold for ever
     terms = cell.functions("terms", done.motion.samples, done.motion.inputs(cell.load))
     limits = limit_rows(cell, done.motion)
     for row in (0, -1):
-        assert not np.any(rows.dq[row])
-        assert not np.any(rows.ddq[row])
-        np.testing.assert_array_equal(rows.q[row], done.q[row])
-        rest = rows.torque[row] - terms["G"][row]
+        assert not np.any(rows["dq"][row])
+        assert not np.any(rows["ddq"][row])
+        np.testing.assert_array_equal(rows["q"][row], done.q[row])
+        rest = rows["tau"][row] - terms["G"][row]
         for robot, joints in cell.joint_slices.items():
-            rest[joints] -= terms["J"][row][:, joints].T @ rows.wrench[row, cell.wrench_slices[robot]]
+            rest[joints] -= terms["J"][row][:, joints].T @ rows["F"][row, cell.wrench_slices[robot]]
         np.testing.assert_allclose(rest, 0, atol=STATICS)
-        np.testing.assert_allclose(terms["B"][row] @ rows.wrench[row], terms["Q"][row], atol=STATICS)
-        value = limits.at(np.array([row])).value(rows.torque[[row]], rows.wrench[[row]], 0.0, 0.0)
+        np.testing.assert_allclose(terms["B"][row] @ rows["F"][row], terms["Q"][row], atol=STATICS)
+        value = limits.at(np.array([row])).value(rows["tau"][[row]], rows["F"][[row]], 0.0, 0.0)
         assert np.max(limits.excess(value)) <= 1e-8
-    np.testing.assert_array_equal(rows.torque[1:-1], done.torque)
+    np.testing.assert_array_equal(rows["tau"][1:-1], done.torque)
 
 
 def test_a_motion_that_ends_without_acceleration_has_its_own_rows(planar_cell):
     done = mrts.scale(planar_cell, scaled_path("planar_dual_arm", 0.3, 101, "quintic")).trajectory
     assert done.holding.ends == (False, False)
-    np.testing.assert_array_equal(played_rows(done).time, done.time)
+    np.testing.assert_array_equal(played_rows(done)["t"], done.time)
 
 
-@pytest.mark.parametrize("samples", [31, 2001])
-@pytest.mark.parametrize("length", [1e-6, 0.3])
+@pytest.mark.parametrize(("length", "samples"), [(1e-6, 301), (0.3, 31)])
 def test_a_fastest_timing_read_again_is_the_fastest(length, samples, planar_cell, tmp_path):
     found = mrts.retime(planar_cell, scaled_path("planar_dual_arm", length, samples, "trapezoid"), between=None)
     mrts.write_trajectory_csv(found.retimed, tmp_path / "plan.csv")
@@ -87,19 +86,6 @@ def test_tables_without_accelerations_leave_them_out_too(kept, profile, planar_c
     again = mrts.scale(planar_cell, mrts.load_motion(table))
     assert again.motion.samples == 101
     assert again.range.upper.c2 == pytest.approx(1, rel=2e-3)
-
-
-@pytest.mark.parametrize("profile", ["sinusoid", "quintic"])
-@pytest.mark.parametrize("samples", [11, 31])
-@pytest.mark.parametrize("name", ["planar", "spatial"])
-def test_a_fastest_timing_is_played_as_it_was_planned(name, samples, profile, planar_cell, dual_ur5, tmp_path):
-    """Near rest the derivatives of the path are continued: those of both arms must carry the same object."""
-    cell, folder = (planar_cell, "planar_dual_arm") if name == "planar" else (dual_ur5, "dual_ur5")
-    found = mrts.retime(cell, scaled_path(folder, 0.1, samples, profile), between=None).retimed
-    mrts.write_trajectory_csv(found, tmp_path / "plan.csv")
-    again = mrts.scale(cell, mrts.load_motion(tmp_path / "plan.csv"), "nominal", between=None)
-    assert again.range.upper.c2 == pytest.approx(found.range.upper.c2, rel=1e-9)
-    np.testing.assert_allclose(again.trajectory.torque, found.trajectory.torque, atol=1e-6)
 
 
 def test_only_rows_at_rest_beside_an_acceleration_are_left_out():
@@ -138,7 +124,7 @@ def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
     assert result.motion.remarks == ()
     carried = mrts.torques_for_load(result, result.cell.load)
     assert carried.warnings == result.warnings
-    np.testing.assert_array_equal(played_rows(result.trajectory).time, result.trajectory.time)
+    np.testing.assert_array_equal(played_rows(result.trajectory)["t"], result.trajectory.time)
 
 
 def test_a_saved_result_keeps_them(planar_cell, lift, tmp_path):

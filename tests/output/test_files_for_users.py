@@ -14,7 +14,7 @@ from mcap_ros2.decoder import DecoderFactory
 import mrts
 from mrts.cli import main
 from mrts.output import TRAJECTORY_FORMATS
-from mrts.output.trajectory_table import played_rows, trajectory_csv
+from mrts.output.trajectory_table import played_rows
 
 pytestmark = pytest.mark.quick
 
@@ -73,7 +73,7 @@ def test_a_planar_wrench_stands_in_its_own_components(planar_cell, lift, tmp_pat
     for _, _, message in messages(tmp_path / "bag" / "bag.mcap", ["/left/contact_wrench"]):
         w = message.wrench
         assert (w.force.z, w.torque.x, w.torque.y) == (0, 0, 0)
-    np.testing.assert_array_equal([w.force.x, w.force.y, w.torque.z], played_rows(result.trajectory).wrench[-1, :3])
+    np.testing.assert_array_equal([w.force.x, w.force.y, w.torque.z], played_rows(result.trajectory)["F"][-1, :3])
 
 
 def test_a_table_gives_every_number_back(result, tmp_path):
@@ -88,19 +88,6 @@ def test_a_table_gives_every_number_back(result, tmp_path):
     assert len(head) == 1 + 4 * 12 + 12
 
 
-def test_what_cannot_be_written_is_refused(result, planar_cell, lift, tmp_path):
-    with pytest.raises(mrts.InputError, match="exists already"):
-        mrts.write_ros_bag(result, tmp_path)
-    (tmp_path / "file").write_text("")
-    with pytest.raises(mrts.InputError, match="cannot be written"):
-        mrts.write_ros_bag(result, tmp_path / "file" / "bag")
-    infeasible = mrts.scale(planar_cell.with_mass(100.0), lift)
-    for write in (trajectory_csv, lambda nothing: mrts.write_ros_bag(nothing, tmp_path / "bag")):
-        with pytest.raises(mrts.InputError, match="none to write"):
-            write(infeasible)
-    assert not (tmp_path / "bag").exists()
-
-
 @pytest.mark.parametrize("name", TRAJECTORY_FORMATS)
 def test_every_format_is_written_whole_or_not_at_all(name, result, planar_cell, lift, tmp_path):
     form = TRAJECTORY_FORMATS[name]
@@ -112,13 +99,6 @@ def test_every_format_is_written_whole_or_not_at_all(name, result, planar_cell, 
     with pytest.raises(mrts.InputError, match="cannot be written"):
         form.write(result, tmp_path / "file" / "below")
     assert {path.name for path in tmp_path.iterdir()} == {"written", "file"}
-
-
-def test_the_command_line_writes_both(tmp_path):
-    files = ["--csv", str(tmp_path / "t.csv"), "--ros-bag", str(tmp_path / "bag")]
-    assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *files]) == 0
-    assert (tmp_path / "t.csv").read_text().startswith("t,q.left/shoulder,")
-    assert (tmp_path / "bag" / "metadata.yaml").exists()
 
 
 def test_a_missing_extra_is_named_before_any_work(tmp_path):

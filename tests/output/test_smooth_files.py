@@ -2,22 +2,16 @@
 
 import csv
 import shutil
-from itertools import pairwise
 
 import numpy as np
 import pytest
 import yaml
 from conftest import DATA
-from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 from shown_results import with_all_rates
 
 import mrts
 from mrts.cli import main
-from mrts.output.summary_lines import retiming_lines
 from mrts.output.trajectory_table import played_rows
-from mrts.plots.card import answer_card
-from mrts.scaling.limit_use import rate_uses
 from mrts.viewer.player_state import PlayerState
 
 LIMITS = {"shoulder": 1100, "elbow": 880, "wrist": 550}
@@ -49,8 +43,8 @@ def smooth(planar_cell, lift):
 def check_rates(result, kept):
     """That differences of neighbouring rows keep what was asked for, by no code of the programs."""
     rows = played_rows(result.trajectory)
-    steps = np.diff(rows.time)[:, None]
-    for values, limits in ((rows.torque, kept.torque), (rows.wrench, kept.wrench)):
+    steps = np.diff(rows["t"])[:, None]
+    for values, limits in ((rows["tau"], kept.torque), (rows["F"], kept.wrench)):
         assert np.max(np.abs(np.diff(values, axis=0)) / steps / limits) <= 1 + ROUNDING
 
 
@@ -86,34 +80,6 @@ def test_a_table_read_back_can_be_played_as_fast_and_no_faster_within_its_rates(
     state.choose_time(half)
     steps = np.diff(state.trajectory.time)
     assert abs(state.time - half) <= np.max(steps) / 2
-
-
-def test_a_bag_has_the_same_rows_at_rising_times(smooth, tmp_path):
-    mrts.write_ros_bag(smooth.retimed, tmp_path / "bag")
-    with (tmp_path / "bag" / "bag.mcap").open("rb") as file:
-        reader = make_reader(file, decoder_factories=[DecoderFactory()])
-        found = [message for *_, message in reader.iter_decoded_messages(topics=["/left/joint_trajectory"])]
-    (trajectory,) = found
-    at = [point.time_from_start.sec * 10**9 + point.time_from_start.nanosec for point in trajectory.points]
-    assert all(later > earlier for earlier, later in pairwise(at))
-    assert at == np.rint(smooth.retimed.trajectory.time * 1e9).tolist()
-    np.testing.assert_array_equal([point.effort for point in trajectory.points], smooth.retimed.torque["left"])
-
-
-def test_a_saved_result_comes_back_with_its_rates(smooth, tmp_path):
-    played = smooth.retimed
-    mrts.save_result(played, tmp_path / "result.npz")
-    again = mrts.load_result(tmp_path / "result.npz", cell=smooth.cell)
-    np.testing.assert_array_equal(again.options.rates.torque, smooth.smooth.rates.torque)
-    np.testing.assert_array_equal(again.options.rates.jerk, smooth.smooth.rates.jerk)
-    np.testing.assert_array_equal(again.trajectory.torque, played.trajectory.torque)
-    assert again.excess == played.excess
-    assert again.json_text() == played.json_text()
-    assert again.sentence() == played.sentence()
-    assert str(smooth.smooth) in again.sentence()  # a local optimum, with its bound
-    assert again.checked() is again
-    residuals = again.residuals()
-    assert max(residuals.limits, residuals.arms, residuals.object) < EXACT
 
 
 def test_torques_for_another_load_keep_the_rates_or_are_refused(planar_cell, lift):
@@ -155,31 +121,3 @@ def test_the_command_line_writes_all_files_with_the_torques_of_one_load(tmp_path
     check_rates(saved, saved.options.rates)
     table = np.genfromtxt(files["csv"], delimiter=",", names=True, deletechars="")
     np.testing.assert_array_equal(table["tau.left/elbow"], saved.torque["left"][:, 1])
-
-
-def test_lines_tell_what_changes_nearest_to_its_limit(smooth):
-    lines = list(retiming_lines(smooth, answer_card(smooth)))
-    for kind in ("torque rate", "wrench rate", "jerk"):
-        use = next(one for one in rate_uses(smooth.retimed) if one.name.kind == kind)
-        (line,) = (line for line in lines if line.startswith(f"{use.name}: "))
-        assert f"{100 * use.share:.3g} % of its limit" in line
-        assert f"of {use.upper:.4g} {use.name.unit}" in line
-
-
-def test_json_has_the_profile_the_rates_and_the_bound(smooth, planar_cell, lift):
-    found = smooth.to_json()
-    assert found["status"] == "locally optimal"
-    assert found["smooth"]["bound"] == mrts.retime(planar_cell, lift).duration
-    assert found["smooth"]["goal"] == {"time": 1.0, "energy": 0.0, "longest": None}
-    assert found["smooth"]["steps"] >= 1
-    assert found["kept_rates"]["torque"] == [1100, 880, 550] * 2
-    assert found["kept_rates"]["wrench"] == [20] * 6
-    assert {one["kind"] for one in found["rates"]} == {"torque rate", "wrench rate", "jerk"}
-    assert max(one["share"] for one in found["rates"]) == pytest.approx(1, abs=1e-4)
-    (piece,) = found["profile"]
-    assert set(piece) == {"r", "s", "speed", "sigma", "sigma_speed", "sigma_rate"}
-    s, sigma, speed = (np.array(piece[name]) for name in ("s", "sigma", "sigma_speed"))
-    assert np.sum(2 * np.diff(sigma) / (speed[1:] + speed[:-1])) == pytest.approx(smooth.duration, rel=1e-12)
-    assert np.all(np.diff(s) > 0)
-    bare = mrts.retime(planar_cell, lift).to_json()
-    assert (bare["smooth"], bare["kept_rates"], bare["rates"]) == (None, None, [])

@@ -5,11 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import DATA
-from shown_results import still_motion
 
 import mrts
-from mrts.limits.rows import STANDSTILL
-from mrts.plots.labels import row_label
 from mrts.plots.plot import value_ends
 from mrts.plots.range_plots import MOST_LANES, binding_lanes, c2_ends, spans
 from mrts.scaling.limit_use import limit_uses
@@ -30,19 +27,14 @@ def spatial(dual_ur5):
 def test_lanes_are_filled_exactly_where_their_rows_bind(spatial):
     samples, lanes = spatial.range.samples, binding_lanes(spatial.range)
     assert len(lanes) == MOST_LANES  # 21 rows bind somewhere: the rest shares the last lane
-    labels = [{row_label(row) for row in spatial.range.binding(k, "upper")} for k in range(len(samples.time))]
+    labels = [{row.label for row in spatial.range.binding(k, "upper")} for k in range(len(samples.time))]
     named = {lane.label for lane in lanes[:-1]}
     for lane in lanes[:-1]:
         assert lane.binds.tolist() == [lane.label in of_sample for of_sample in labels]
     assert lanes[-1].binds.tolist() == [bool(of_sample - named) for of_sample in labels]
     assert lanes[-1].label == f"{len(set.union(*labels) - named)} others"
-
-
-def test_rows_that_set_the_range_come_first(spatial):
-    first = [row_label(row) for row in spatial.range.upper.rows]
-    lanes = binding_lanes(spatial.range)
-    assert [lane.label for lane in lanes[: len(first)]] == first
-    assert [lane.sets for lane in lanes] == [True] * len(first) + [False] * (len(lanes) - len(first))
+    first = [row.label for row in spatial.range.upper.rows]
+    assert [lane.label for lane in lanes if lane.sets] == first == [lane.label for lane in lanes[: len(first)]]
 
 
 def test_conflicts_have_lanes_of_their_own(planar_cell, lift):
@@ -51,25 +43,8 @@ def test_conflicts_have_lanes_of_their_own(planar_cell, lift):
     infeasible = {conflict.sample for conflict in found.samples.conflicts}
     assert set(np.flatnonzero(np.any([lane.binds for lane in lanes], axis=0)).tolist()) == infeasible
     assert {"left/elbow ↑", "right/elbow ↓"} <= {lane.label for lane in lanes}
-
-
-def test_standing_still_alone_takes_no_lane(planar_cell, lift):
+    # c² ≥ 0 alone takes no lane
     assert {lane.kind for lane in binding_lanes(mrts.scale(planar_cell, lift).range)} == {"upper"}
-
-
-def test_nothing_binds_where_nothing_limits_the_speed(spatial, planar_cell, lift):
-    """With velocity limits and without any: at rest there is nothing that they bound."""
-    assert spatial.range.samples.status[0] is mrts.SampleStatus.UNBOUNDED
-    assert spatial.range.samples.binding(0, "upper") == ()
-    still = mrts.scale(planar_cell, still_motion(lift))
-    assert [still.range.samples.binding(sample, "upper") for sample in range(11)] == [()] * 11
-    assert binding_lanes(still.range) == []
-
-
-def test_rows_are_named_in_a_few_letters():
-    assert row_label(mrts.ActiveRow(mrts.RowName("wrench", "left", "fx", "N"), "lower", -2.0)) == "left/fx ↓"
-    assert row_label(mrts.ActiveRow(mrts.RowName("speed", "left", "elbow"), "upper", 1.0)) == "left/elbow speed ↑"
-    assert row_label(mrts.ActiveRow(STANDSTILL, "lower", 0.0)) == "c² ≥ 0"
 
 
 def test_spans_reach_half_way_to_the_neighbours():
@@ -86,29 +61,12 @@ def test_each_side_of_unequal_limits_counts_by_itself(planar_cell, lift):
     unlimited = np.full(3, np.inf)
     one_sided = replace(left, wrench_lower=np.array([-np.inf, -40.0, -np.inf]), wrench_upper=unlimited)
     zero = replace(right, wrench_lower=np.array([-np.inf, 0.0, -np.inf]), wrench_upper=unlimited)
-    changed = replace(result, cell=replace(result.cell, robots=(one_sided, zero)))
+    done = replace(result.trajectory, cell=replace(result.cell, robots=(one_sided, zero)))
+    changed = replace(result, cell=done.cell, trajectory=done)
     uses = {use.name.robot: use for use in limit_uses(changed) if use.name.kind == "wrench"}
     fy = {name: wrench[:, 1] for name, wrench in result.wrench.items()}
     assert uses["left"].share == pytest.approx(max(0, np.max(-fy["left"]) / 40), rel=1e-12)
     assert uses["right"].share == pytest.approx(1 - np.min(fy["right"]) / 40, rel=1e-12)
-
-
-def test_velocities_count_whether_they_are_enforced_or_not(dual_ur5, spatial):
-    """Without enforcement the motion is too fast; with it, the fastest joint is at its limit."""
-    for result in (spatial, mrts.scale(dual_ur5, spatial.motion)):
-        uses = {(use.name.robot, use.name.element): use for use in limit_uses(result) if use.name.kind == "velocity"}
-        share = np.max(np.abs(result.trajectory.dq), axis=0) / np.concatenate(
-            [robot.velocity_limit for robot in dual_ur5.robots]
-        )
-        names = [(robot.name, joint) for robot in dual_ur5.robots for joint in robot.joints]
-        assert [uses[name].share for name in names] == pytest.approx(share.tolist(), rel=1e-12)
-        assert max(use.share for use in uses.values()) == pytest.approx(
-            1 if result.cell.enforces_velocity_limits else 2.335, rel=1e-3
-        )
-
-
-def test_an_infeasible_result_uses_no_limits(planar_cell, lift):
-    assert limit_uses(mrts.scale(planar_cell.with_mass(60.0), lift)) == []
 
 
 def test_accumulated_energy_ends_at_the_energy(spatial):

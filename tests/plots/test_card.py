@@ -5,7 +5,6 @@ import pytest
 from conftest import DATA
 
 import mrts
-from mrts.cli import main
 from mrts.plots.card import MOST_BARS, answer_card
 from mrts.plots.limit_shares import all_shares
 
@@ -47,15 +46,3 @@ def test_what_sets_the_speed_comes_first_and_hands_are_named_by_how_they_fail():
     card = answer_card(found)
     assert {bar.label for bar in card.bars[:3]} == {"left/pad normal force", "left/pad slips", "right/pad slips"}
     assert "limited by left/pad normal force ↑, 120 N and 2 more, at " in card.outcome
-
-
-def test_the_terminal_has_five_bars_and_the_table_on_demand(capsys):
-    files = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
-    assert main(["scale", *files]) == 0
-    short = capsys.readouterr().out
-    assert sum("━" in line for line in short.splitlines()) == MOST_BARS
-    assert "least" not in short
-    assert main(["scale", *files, "-v"]) == 0
-    whole = capsys.readouterr().out
-    assert "━" not in whole
-    assert "least     largest" in whole

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from command_line import mrts_without
 from conftest import DATA
 from legible_figures import boxes_of_texts, check_legible, lines_of
 from shown_results import KINDS, renamed, result_of
@@ -24,9 +23,9 @@ from mrts.plots import (
 from mrts.plots.figure_files import result_plots
 from mrts.plots.labels import LANE_LETTERS
 from mrts.plots.limit_shares import all_shares
-from mrts.plots.plot import Axis, Band, Bars, Line, Panel, Plot, Points, Rule, Spans
+from mrts.plots.plot import Axis, Band, Bars, Line, Panel, Plot, Points, Rule
 from mrts.plots.plotly_drawer import plotly_figure
-from mrts.plots.range_plots import binding_lanes
+from mrts.plots.range_plots import binding_lanes, upright_areas
 
 UR5 = DATA.parent / "dual_ur5"
 
@@ -34,11 +33,6 @@ UR5 = DATA.parent / "dual_ur5"
 @pytest.fixture(scope="module")
 def result(planar_cell, lift):
     return mrts.scale(planar_cell, lift)
-
-
-@pytest.fixture(scope="module")
-def study(dual_ur5):
-    return mrts.rank_configurations(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
 
 
 def of_panel(panel, kind):
@@ -98,7 +92,7 @@ def test_both_drawers_draw_the_numbers_of_a_plot():
         x=x, y=y, label="a $ <b>", unit="N", lower=np.full(3, -5.0), upper=np.array([4.0, 5.0, 6.0]), steps=True
     )
     items = [line, Band(x=x, lower=0 * x, upper=x, label="band"), Rule(at=2.0, label="rule"),
-             Spans(ends=[(0.5, 1.0)], label="span", color="#ddd", hatch="///"),
+             upright_areas([(0.5, 1.0)], (-6.0, 2.0), "span", "#ddd", "///"),
              Points(x=x[:1], y=x[:1], texts=["here"], label="mark")]  # fmt: skip
     bars = Bars(
         place=np.array([0.0, 1.0]), start=np.zeros(2), end=np.array([3.0, -4.0]), texts=["p", "q"], label="bars"
@@ -148,28 +142,8 @@ def test_the_range_is_drawn_with_the_point_that_sets_it(planar_cell, lift, resul
     assert bars.start[elbow] == 0
     assert bars.end[elbow] == pytest.approx(0.144, abs=0.003)
     torn = range_plot(mrts.scale(planar_cell.with_mass(24.0), lift)).rows[0][0]
-    assert "no c² at all" in of_panel(torn, Spans)
+    assert "no c² at all" in of_panel(torn, Bars)
     assert "worst conflict" in of_panel(torn, Rule)
-
-
-def test_what_a_hand_cannot_hold_and_speeds_are_named_as_such():
-    folder = DATA.parent / "squeeze"
-    squeezed = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
-    names = {lane.label for lane in binding_lanes(squeezed.range)}
-    assert {"left/pad slips", "right/pad slips", "left/pad normal force ↑", "right/wrist_2_turn velocity"} <= names
-    assert "friction" not in " ".join(names)
-
-
-def test_a_load_study_shows_its_worst_and_best_load(planar_cell, lift, dual_ur5):
-    uncertain = mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift)
-    panel = load_study_plot(uncertain).rows[0][0]
-    assert "between 2 loads" in of_panel(panel, Band)
-    lines = of_panel(panel, Line)
-    assert {"worst: mass 3 kg (c²⁺ = 1.516)", "best: mass 0.1 kg (c²⁺ = 3.352)"} <= lines.keys()
-    np.testing.assert_array_equal(lines["guaranteed (c²⁺ = 1.516)"].y, uncertain.range.samples.upper)
-    motion = mrts.load_motion(UR5 / "lift_and_turn.yaml")  # where a velocity sets the speed, whatever the load
-    alike = load_study_plot(mrts.scale(dual_ur5.with_variation(mass=(0.9, 1.1)), motion)).rows[0][0]
-    assert list(of_panel(alike, Line)) == ["guaranteed (c²⁺ = 4.215)"]
 
 
 def test_the_limit_of_which_most_is_used_is_first_and_thick(result):
@@ -196,16 +170,12 @@ def test_what_there_is_not_cannot_be_drawn(planar_cell, lift, result):
         load_study_plot(result)
 
 
-def test_the_ranking_has_a_bar_for_each_configuration(study):
-    plot = ranking_plot(study, "dual_ur5")
-    check_legible(matplotlib_figure(plot))
-    panel = plot.rows[0][0]
+def test_the_ranking_has_bars_and_marks_infeasible_and_unlimited_configurations(planar_cell, lift):
+    study = mrts.rank_configurations(planar_cell, lift)
+    panel = ranking_plot(study, "planar").rows[0][0]
     np.testing.assert_allclose(panel.items[0].end, [configuration.c2_upper for configuration in study.ranked])
     first = study.ranked[0].branches
     assert panel.y.names[0] == f"left {first[0].number}, right {first[1].number}"
-
-
-def test_infeasible_and_unlimited_configurations_are_marked(planar_cell, lift):
     infeasible = mrts.rank_configurations(planar_cell.with_mass(24.0), lift)
     plot = ranking_plot(infeasible, "planar")
     check_legible(matplotlib_figure(plot))
@@ -217,7 +187,7 @@ def test_infeasible_and_unlimited_configurations_are_marked(planar_cell, lift):
     description = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": here, "end": here}
     still = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
     (bars,) = ranking_plot(mrts.rank_configurations(planar_cell, still), "still").rows[0][0].items
-    assert bars.hatched
+    assert bars.hatch
 
 
 def test_an_object_out_of_reach_gets_a_figure_that_says_so(dual_ur5):
@@ -226,13 +196,6 @@ def test_an_object_out_of_reach_gets_a_figure_that_says_so(dual_ur5):
     figure = matplotlib_figure(ranking_plot(mrts.rank_configurations(dual_ur5, motion), "dual_ur5"))
     check_legible(figure)
     assert "no configuration reaches" in "".join(text.get_text() for text in boxes_of_texts(figure))
-
-
-def test_the_command_line_draws_the_ranking(tmp_path, capsys):
-    files = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
-    assert main(["configurations", *files, "--plot", str(tmp_path / "out"), "--json", "-"]) == 0
-    assert json.loads(capsys.readouterr().out)["combinations"] == 4
-    assert (tmp_path / "out" / "configurations.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, tmp_path, capsys):
@@ -255,14 +218,6 @@ def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, 
     assert "--plot-format" in capsys.readouterr().err
     assert main(["scale", *files, "--plot-format", "svg"]) == 2
     assert "give --plot DIR too" in capsys.readouterr().err
-
-
-def test_a_missing_matplotlib_is_named_before_any_work(tmp_path):
-    command = ["configurations", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--plot", str(tmp_path / "out")]
-    done = mrts_without("matplotlib", *command)
-    assert done.returncode == 2
-    assert "pip install 'mrts[plot]'" in done.stderr
-    assert done.stdout == ""
 
 
 def test_names_of_rows_are_whole_and_the_figure_as_wide_as_they_want(planar_cell, lift):

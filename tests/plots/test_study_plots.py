@@ -1,17 +1,34 @@
-"""Plots of a study: they hold its numbers, and nothing hides anything."""
+"""Plots and words of a study: they hold its numbers, against scipy, and nothing hides anything."""
 
 import numpy as np
 import pytest
-from found_studies import drawn_study, grid_study, kinds
+from found_studies import ELBOW, FORCE, drawn_study, found_study, grid_study, kinds
 from legible_figures import check_legible
+from scipy.stats import binned_statistic_2d, norm
 
+import mrts
 from mrts.plots import durations_plot, matplotlib_figure, study_map_plot, write_study_plots
-from mrts.plots.plot import Bars, Cells, HeatMap, Line, Points, Spans
-from mrts.plots.study_map import LIMIT_COLOURS, duration_ends, study_map
-from mrts.plots.study_plots import NO_DURATION, parallel_figure
-from mrts.plots.study_words import best_part
+from mrts.plots.plot import Bars, HeatMap, Line, Points
+from mrts.plots.study_map import (
+    LIMIT_COLOURS,
+    MOST_CELLS,
+    OUTERMOST,
+    best_values,
+    duration_ends,
+    ends_reached,
+    map_binding,
+    map_remark,
+    study_map,
+    weights,
+)
+from mrts.plots.study_plots import MOST_LINES, NO_DURATION, parallel_figure
+from mrts.plots.study_table import OUTCOMES
+from mrts.plots.study_words import best_part, best_rows, managed, managed_texts, next_steps, outcome_text, percent
 
 KINDS = kinds()
+
+GROUPED = 0.03
+"""Share by which twenty groups of 40 000 variants may be off what infinitely many would tell."""
 
 
 def only(panel, kind):
@@ -21,40 +38,40 @@ def only(panel, kind):
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_every_kind_of_study_has_legible_figures(name, tmp_path):
+def test_every_kind_of_study_has_legible_figures_and_lines_within_their_axes(name, tmp_path):
     table = KINDS[name]
     write_study_plots(table, tmp_path / "out")
     names = {path.stem for path in (tmp_path / "out").iterdir()}
     assert names == {"durations", "map" if len(table.knobs) > 1 else "line"}
     for plot in (durations_plot(table), study_map_plot(table)):
         check_legible(matplotlib_figure(plot))
+    figure = parallel_figure(table)
+    (trace,) = figure["data"]
+    kinds, *_ = counts = np.bincount(trace["line"]["color"], minlength=3)
+    assert ("an even choice" in figure["remark"]) == (sum(counts) < table.variants)
+    assert kinds == min(MOST_LINES, table.variants - len(table.ranked))
+    for axis in trace["dimensions"]:
+        low, high = axis.get("range", (-np.inf, np.inf))
+        assert low - 1e-5 <= min(axis["values"]) <= max(axis["values"]) <= high + 1e-5
+    assert sum(np.array(trace["dimensions"][-1]["values"]) == NO_DURATION) == kinds
 
 
 def test_the_map_is_the_durations_of_the_best():
     table = grid_study()
-    drawn = study_map(table)
     left, right = study_map_plot(table).rows[0]
-    heat = only(left, HeatMap)
-    np.testing.assert_array_equal(heat.z, drawn.of_best(table.duration))
+    heat, without = (item for item in left.items if isinstance(item, HeatMap))
+    np.testing.assert_array_equal(heat.z, table.duration.reshape(12, 9).T)
     assert heat.low == np.nanmin(table.duration)
-    without = only(left, Cells)
-    counts = {name: np.count_nonzero(without.code == code) for code, name in enumerate(without.names)}
+    counts = {without.names[code]: np.count_nonzero(without.z == code) for code in without.found}
     missing = np.count_nonzero(np.isnan(table.duration)) - 27
-    assert {name: count for name, count in counts.items() if count} == {"unreachable": 27, "infeasible": missing}
+    assert counts == {"unreachable": 27, "infeasible": missing}
     star = only(left, Points)
     assert [star.x[0], star.y[0]] == table.values[table.ranked[0]].tolist()
-    limits, _ = (item for item in right.items if isinstance(item, Cells))
-    assert list(limits.names) == ["left/fx ↓", "right/elbow ↑"]
-    assert np.count_nonzero(limits.code >= 0) == np.count_nonzero(np.isfinite(table.duration))
-    assert len({*limits.colors}) == 2
+    limits, _ = (item for item in right.items if isinstance(item, HeatMap))
+    assert list(limits.names) == [FORCE, ELBOW]
+    assert np.count_nonzero(limits.z >= 0) == np.count_nonzero(np.isfinite(table.duration))
     axes = matplotlib_figure(study_map_plot(table)).axes[0]
     assert any(line.get_paths() for line in axes.collections if "Contour" in type(line).__name__)
-
-
-def test_limits_beyond_the_colours_share_the_last():
-    limits = study_map_plot(KINDS["eleven limits"]).rows[0][1].items[0]
-    assert len(limits.names) == len(LIMIT_COLOURS)
-    assert limits.names[-1] == "5 other limits"
 
 
 def test_the_line_has_what_binds_as_bands():
@@ -62,10 +79,11 @@ def test_the_line_has_what_binds_as_bands():
     panel = study_map_plot(table).rows[0][0]
     order = np.argsort(table.values[:, 0])
     np.testing.assert_allclose(only(panel, Line).y, table.duration[order])
-    (infeasible,) = (item for item in panel.items if isinstance(item, Spans) and item.label == "infeasible")
+    (infeasible,) = (item for item in panel.items if isinstance(item, Bars) and item.label == "infeasible")
     missing = table.values[np.isnan(table.duration), 0]
-    assert infeasible.ends[0][0] <= np.min(missing)
-    assert infeasible.ends[-1][1] >= np.max(missing)
+    half = infeasible.thickness / 2
+    assert infeasible.place[0] - half[0] <= np.min(missing)
+    assert infeasible.place[-1] + half[-1] >= np.max(missing)
 
 
 def test_lines_of_the_best_end_at_their_durations():
@@ -90,3 +108,153 @@ def test_the_histogram_and_the_curve_are_shares_of_all_variants():
     marks = only(above, Points)
     assert (marks.x.tolist(), marks.y.tolist()) == ([half], [50.0])  # 85 % can be played at all
     assert only(above, Line).y[-1] == pytest.approx(100 * len(table.ranked) / table.variants)
+
+
+def test_limits_are_counted_one_by_one():
+    table = found_study(
+        np.zeros((4, 1)), np.array([0.4, 0.3, 0.2, np.nan]), limit=[ELBOW, f"{ELBOW}, c² ≥ 0", FORCE, ELBOW]
+    )
+    assert table.limits(1) == [ELBOW, "c² ≥ 0"]
+    assert table.limits(3) == []
+    assert table.limit_counts(np.ones(4, dtype=bool)) == [(ELBOW, 2), ("c² ≥ 0", 1), (FORCE, 1)]
+
+
+def test_reasons_that_differ_by_numbers_are_one():
+    reasons = [f"left/wrist_{joint} cannot follow at t = {time:.3g} s" for joint in (1, 2) for time in (0.1, 0.2, 3e-7)]
+    table = found_study(np.zeros((7, 1)), np.full(7, np.nan), reason=[*reasons, reasons[0]])
+    assert [(outcome, text[:12], count) for outcome, text, count in table.reasons()] == [
+        ("infeasible", "left/wrist_1", 4), ("infeasible", "left/wrist_2", 3)
+    ]  # fmt: skip
+
+
+def test_the_ranking_is_by_duration_then_number():
+    table = found_study(np.zeros((6, 1)), np.array([0.5, 0.3, np.nan, 0.3, 0.9, 0.4]))
+    assert table.ranked.tolist() == [1, 3, 5, 0, 4]
+    assert table.admitted.tolist() == [True, True, False, True, True, True]
+
+
+@pytest.mark.parametrize("name", ["grid", "unbounded", "all alike"])
+def test_cells_of_a_grid_are_its_variants(name):
+    table = KINDS[name]
+    drawn = study_map(table)
+    assert drawn.exact
+    assert map_remark(table, drawn) == ""
+    own = np.full(drawn.best.shape, -1)
+    for place in np.ndindex(*drawn.best.shape):
+        edges = [of_axis[at : at + 2] for of_axis, at in zip(drawn.edges, reversed(place), strict=True)]
+        inside = [(low < column) & (column < high) for column, (low, high) in zip(table.values.T, edges, strict=True)]
+        (own[place],) = np.flatnonzero(np.all(inside, axis=0))
+    has = np.isfinite(table.duration[own])
+    np.testing.assert_array_equal(drawn.best, np.where(has, own, -1))
+    np.testing.assert_array_equal(drawn.outcome, np.where(has, -1, table.outcome[own]))
+    assert [list(OUTCOMES)[code] for code in table.outcome] == table.rows["status"].tolist()
+
+
+def test_cells_of_drawn_points_show_the_best_of_theirs():
+    table = drawn_study(2000, 3)
+    drawn = study_map(table, ("knob 1", "knob 2"))
+    assert 2 < drawn.best.shape[0] == drawn.best.shape[1] <= MOST_CELLS
+    assert "other number; knob 1 and knob 2" in map_remark(table, drawn)
+    has = np.isfinite(table.duration)
+    points = np.delete(table.values, 0, axis=1)
+    least = binned_statistic_2d(*points[has].T, table.duration[has], "min", drawn.edges).statistic.T
+    np.testing.assert_array_equal(best_values(drawn, table.duration), np.where(np.isnan(least), np.nan, least))
+    count = binned_statistic_2d(*points.T, None, "count", drawn.edges).statistic.T
+    np.testing.assert_array_equal(drawn.outcome >= 0, (count > 0) & (drawn.best < 0))
+    for wrong in (("knob 9",), ("knob 1", "knob 1"), ("knob 0", "knob 1", "knob 2")):
+        with pytest.raises(mrts.InputError, match="one or two of what the study varies: knob 0, knob 1, knob 2"):
+            study_map(table, wrong)
+
+
+def test_limits_beyond_the_colours_share_the_last():
+    table = KINDS["eleven limits"]
+    drawn = study_map(table)
+    names, codes = map_binding(table, drawn)
+    assert len(names) == len(LIMIT_COLOURS)
+    assert names[-1] == "5 other limits"
+    for place, row in np.ndenumerate(drawn.best):
+        if row >= 0:
+            (name,), shown = table.limits(row), names[codes[place]]
+            assert shown == name or (shown == names[-1] and name not in names)
+    assert np.all((codes < 0) == (drawn.best < 0))
+
+
+@pytest.mark.parametrize("share", [0.3, 0.95])
+def test_a_number_explains_what_the_normal_distribution_says(share):
+    """Ranks of a x + b z, all normal: x explains (6/π) arcsin(a²/2), by the arcsine law of two correlated ones."""
+    rng = np.random.default_rng(3)
+    values = rng.normal(size=(40_000, 3))
+    spread = share * values[:, 0] + np.sqrt(1 - share**2) * values[:, 1]
+    found = {weight.knob: weight for weight in weights(found_study(values, norm.cdf(spread) + 1))}
+    for knob, factor in ((0, share), (1, np.sqrt(1 - share**2)), (2, 0.0)):
+        assert found[knob].duration == pytest.approx(6 / np.pi * np.arcsin(factor**2 / 2), abs=GROUPED)
+        assert found[knob].playable == 0
+    duration = np.where(values[:, 2] > 0, np.nan, 1.0)
+    assert weights(found_study(values, duration))[0].playable == pytest.approx(1.0, abs=GROUPED)
+    assert weights(found_study(values, duration))[0].knob == 2
+
+
+def test_a_long_study_is_weighed_by_a_choice_and_shown_by_few_lines_and_cells():
+    x, y = (axis.ravel() for axis in np.meshgrid(np.linspace(0, 1, 500), np.linspace(0, 1, 400)))
+    table = found_study(np.stack([x, y], axis=1), 0.3 + 0.01 * x + y)
+    found = weights(table)
+    assert [weight.knob for weight in found] == [1, 0]
+    assert [weight.duration for weight in found] == pytest.approx([1, 0], abs=GROUPED)
+    drawn = study_map(table)
+    assert drawn.best.size <= MOST_CELLS**2
+    assert table.ranked[0] in drawn.best
+    assert parallel_figure(table)["remark"] == "an even choice of 400 of 200000 variants"
+
+
+@pytest.mark.parametrize("share", [1, 84, 86, 100])
+def test_the_share_that_manages_a_duration_is_a_quantile_of_all(share):
+    table = drawn_study(997, 2)
+    all_of_them = np.where(np.isnan(table.duration), np.inf, table.duration)
+    expected = np.quantile(all_of_them, share / 100, method="inverted_cdf")
+    assert (managed(table, share) or np.inf) == expected
+
+
+def test_words_say_how_many_and_how_fast():
+    table = grid_study(planned=400)
+    text, counts = outcome_text(table), table.rows["status"].value_counts()
+    assert text.startswith(f"{counts['feasible']} of 108 variants solved so far, of 400 may be played")
+    assert f"{counts['unreachable']} unreachable, {counts['infeasible']} infeasible" in text
+    assert managed_texts(table)[-1].startswith("no duration suits")
+    assert managed_texts(KINDS["all alike"])[-1] == "99 % of variants finish within 0.4 s"
+    assert [percent(*pair) for pair in ((0, 5), (1, 10**6), (999_999, 10**6), (5, 5), (1, 3))] == [
+        "0 %", "0.0001 %", "99.9 %", "100 %", "33.3 %"
+    ]  # fmt: skip
+
+
+def test_the_best_table_holds_the_numbers_of_the_best():
+    table = grid_study()
+    head, rows = best_rows(table, 3)
+    by_title = dict(zip(head, zip(*rows, strict=True), strict=True))
+    assert by_title["variant"] == ("from … to", *(str(row) for row in table.ranked[:3]))
+    assert by_title["duration [s]"][1:] == tuple(f"{value:.4g}" for value in np.sort(table.duration)[:3])
+    assert by_title["knob 1 [m]"] == ("2 … 3", "2 (end)", "2 (end)", "2 (end)")
+    assert by_title["limited by"][1] == FORCE
+
+
+def test_the_next_step_is_the_one_that_the_numbers_ask_for():
+    table = grid_study()
+    steps, without = "\n".join(next_steps(table)), np.count_nonzero(np.isnan(table.duration))
+    assert "Of the best, knob 1 is at the lower end of what was tried (2 m): try further" in steps
+    assert "knob 0 is at the" not in steps
+    assert "knob 1 matters most" in steps
+    assert f"27 of the {without} variants that cannot be played are unreachable" in steps
+    assert "left/fx ↓ limits" in steps
+    inside = np.random.default_rng(1).uniform(0, 1, (500, 3))
+    calm = "\n".join(next_steps(found_study(inside, 0.5 + (inside[:, 0] - 0.5) ** 2)))
+    assert "try further" not in calm
+    assert "knob 1, knob 2 by themselves hardly do anything" in calm
+    assert "cannot be played" not in calm
+    hopeless = next_steps(KINDS["nothing can be played"])
+    assert hopeless == ["30 of the 30 variants that cannot be played are infeasible, such as: no way."]
+
+
+def test_an_end_is_one_of_what_was_tried():
+    values = np.linspace(0, 1, 201)[:, None]
+    table = found_study(values, 1 + values[:, 0])
+    ends = [bool(ends_reached(table, row)) for row in range(201)]
+    assert ends == ((values[:, 0] <= OUTERMOST) | (values[:, 0] >= 1 - OUTERMOST)).tolist()

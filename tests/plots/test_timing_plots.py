@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from conftest import DATA
 from legible_figures import check_legible
 from shown_results import with_all_rates
 
@@ -22,12 +21,6 @@ STRAIGHT = 0.01
 @pytest.fixture(scope="module")
 def smooth(planar_cell, lift):
     return mrts.retime(with_all_rates(planar_cell), lift, rates=11.0)
-
-
-@pytest.fixture(scope="module")
-def spatial(dual_ur5):
-    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
-    return mrts.retime(dual_ur5, motion, rates=11.0, between=None)
 
 
 def lines_of(plot, title=""):
@@ -78,10 +71,9 @@ def test_rates_are_those_of_straight_lines_between_nodes_as_shares_of_their_limi
         assert max(np.max(line.y) for line in lines_of(plot, title).values()) <= 100 * (1 + 1e-6)
 
 
-def test_all_figures_of_smooth_timing_are_legible(smooth, spatial):
-    for found in (smooth, spatial):
-        plots = result_plots(found)
-        assert [plot.name for plot in plots] == ["phase-plane", "torques_and_wrenches", "limits", "power_and_energy"]
-        assert f"{found.duration:.4g} s (given" in plots[1].title
-        for plot in plots:
-            check_legible(matplotlib_figure(plot))
+def test_all_figures_of_smooth_timing_are_legible(smooth):
+    found, plots = smooth, result_plots(smooth)
+    assert [plot.name for plot in plots] == ["phase-plane", "torques_and_wrenches", "limits", "power_and_energy"]
+    assert f"{found.duration:.4g} s (given" in plots[1].title
+    for plot in plots:
+        check_legible(matplotlib_figure(plot))

@@ -15,7 +15,7 @@ from mrts.plots.labels import short_name
 from mrts.plots.limit_shares import limiting_rows
 from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.trajectory_plots import torque_plots
-from mrts.report.tables import inputs, margins_table, motors_table
+from mrts.report.tables import margins_table, motors_table
 from mrts.scaling.limit_use import limit_uses, limited_quantities
 from mrts.viewer.panel import bars_html
 from mrts.viewer.player_state import PlayerState
@@ -88,29 +88,11 @@ def test_moving_limits_are_drawn_as_lines_over_time(result):
     assert all(len(trace["x"]) == 2 for trace in others)
 
 
-def test_tables_and_lines_name_the_curve_once(result):
-    named = {row[0][0] for row in margins_table(result, limiting_rows(result, None)).rows}
-    assert {"left/shoulder torque-speed", "left/elbow motor speed"} <= named
-    lines = list(scaling_lines(result, answer_card(result)))
-    said = [line for line in lines if line.startswith("torque-speed curves: at most")]
-    worst = max(use.share for use in limit_uses(result) if use.name.kind == TORQUE_SPEED)
-    assert len(said) == 1
-    assert f"{100 * worst:.3g} % of a line's torque at standstill is used" in said[0]
-    assert not [line for line in lines if "torque-speed " in line and "[" in line]
-
-
 def test_the_report_says_which_motors_it_is_for(cell, planar_cell):
     known = {row[0]: row for row in motors_table(cell).rows}
     assert ("120 N m at 0 rad/s", "110 N m at 1 rad/s", "10 N m at 6 rad/s") in known["left/shoulder"]
     assert "left/wrist" not in known
     assert not motors_table(planar_cell).rows
-
-
-def test_the_report_says_what_is_left_between_the_samples(cell, lift, result):
-    assert "all limits are kept to 0.01 % of them" in str(inputs(result))
-    passing = replace(result, excess=replace(result.excess, share=0.02))
-    assert "limits are overstepped by up to 2 %" in str(inputs(passing))
-    assert "not looked at" in str(inputs(mrts.scale(cell, lift, between=None)))
 
 
 def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
@@ -133,19 +115,6 @@ def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
     assert bars_html(TORQUE_SPEED, state.bars()[TORQUE_SPEED])
 
 
-def test_the_fastest_timing_has_its_pictures_and_numbers_too(cell, lift, tmp_path):
-    left, right = cell.robots
-    motors = replace(left.motors, coulomb=np.array([2.0, 1.0, 0.2]), viscous=np.full(3, 0.5), rated=np.full(3, 20.0))
-    found = mrts.retime(replace(cell, robots=(replace(left, motors=motors), right)), lift)
-    played = found.retimed
-    write_result_plots(found, tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} >= {"phase_plane.png", "torques_and_wrenches.png"}
-    data = found.to_json()
-    assert data["joint_duty"]["left"]["rms_torque"] == played.trajectory.duty["left"].rms_torque.tolist()
-    assert data["torque_friction"]["left"] == played.trajectory.friction[:, :3].tolist()
-    assert any("torque-speed (" in name or "torque (" in name for name, _ in found.limits)
-
-
 def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     """Rows of every kind that a cell file has, in figures, report, table, saved result and words."""
     shipped = DATA.parent / "squeeze"
@@ -164,11 +133,3 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
     named = {row[0][0] for row in margins_table(result, limiting_rows(result, None)).rows}
     assert named == {short_name(use.name) for use in limit_uses(result)}
-
-
-def test_a_limit_of_zero_that_is_met_is_not_shown_with_its_rounding():
-    shipped = DATA.parent / "squeeze"
-    squeezed = mrts.scale(mrts.load_cell(shipped / "cell.yaml"), mrts.load_motion(shipped / "lift_and_turn.yaml"))
-    met = [use for use in limit_uses(squeezed) if use.upper == 0 and use.share > 1 - 1e-6]
-    assert met
-    assert all(use.largest == 0 for use in met)

@@ -13,7 +13,7 @@ import mrts
 from mrts.plots.limit_plots import limit_map
 from mrts.plots.limit_shares import limiting_rows
 from mrts.plots.phase_plane import phase_plane_plot
-from mrts.plots.plot import Cells, Line
+from mrts.plots.plot import HeatMap, Line
 from mrts.report import report_html
 from mrts.scaling.limit_use import limit_uses, used_shares
 
@@ -80,8 +80,8 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
     # another distribution at the same speed keeps off them, so the rows are truly not forced
     freer = mrts.scale(planar_cell, lift, 0.5 * end.c2, distribute="reserve")
     assert max(use.share for use in limit_uses(freer) if use.name in at_limit) < 1 - 1e-3
-    (cells,) = (item for item in limit_map(lifted, found).rows[0][0].items if isinstance(item, Cells))
-    orange = cells.code == cells.names.index("at the limit where the speed is set")
+    (cells,) = (item for item in limit_map(lifted, found).rows[0][0].items if isinstance(item, HeatMap) and item.names)
+    orange = cells.z == cells.names.index("at the limit where the speed is set")
     names, shares = used_shares(lifted.trajectory)
     assert [bool(row.any()) for row in orange] == [True] * len(end.rows) + [False] * (len(names) - len(end.rows))
     assert orange[:, 1:].any() == (np.count_nonzero(found.forced.any(axis=1)) > 2)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mrts
-from mrts.output.limit_table import limit_table
+from mrts.output.summary_lines import limit_table
 
 LONGEST = 2000
 """Characters of any of them; the longest says why a motion is infeasible."""

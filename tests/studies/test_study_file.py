@@ -1,6 +1,5 @@
 """The study file: what it may say, and what is said of a wrong one."""
 
-import pickle
 import shutil
 
 import numpy as np
@@ -27,14 +26,6 @@ def test_a_wrong_study_is_refused_by_file_key_value_and_rule(name, tmp_path):
         planar_study(tmp_path, WRONG[name]["file"])
     assert str(raised.value).startswith(str(tmp_path / "study.yaml"))
     assert WRONG[name]["says"] in str(raised.value)
-
-
-def test_files_that_are_not_there_are_named(tmp_path):
-    for wrong, message in (({"cell": "cel.yaml"}, "cel.yaml: there is no such cell file"),
-                           ({"motion": "lif.yaml"}, "lif.yaml: there is no such motion file"),
-                           ({"cell": tmp_path}, "must be a cell file: a study varies its numbers")):  # fmt: skip
-        with pytest.raises(mrts.InputError, match=message):
-            planar_study(tmp_path, BASE, **wrong)
 
 
 def test_questions_that_do_not_go_together_are_refused(tmp_path):
@@ -92,20 +83,6 @@ vary:
     assert (cell.inertia[1, 1], cell.gravity[1]) == (0.1999, -9)
 
 
-def test_torques_of_the_urdf_are_there_to_be_scaled(tmp_path):
-    """The shipped cell gives no torque limits of its own."""
-    path = tmp_path / "study.yaml"
-    scales = "vary: {strength: {scales: [robots.left.torque, robots.right.torque], values: [1, 0.5]}}"
-    path.write_text(f"cell: {UR5 / 'cell.yaml'}\nmotion: {UR5 / 'lift_and_turn.yaml'}\n{scales}\n", encoding="utf-8")
-    study = mrts.read_study(path)
-    assert study.parameters[0].unit == ""
-    cells = [mrts.load_cell(study.write_variant(index, tmp_path / str(index))[0]) for index in (0, 1)]
-    for whole, half in zip(*(cell.robots for cell in cells), strict=True):
-        assert whole.torque_upper.tolist() == [150, 150, 150, 28, 28, 28]
-        np.testing.assert_array_equal(half.torque_upper, whole.torque_upper / 2)
-        np.testing.assert_array_equal(half.torque_lower, whole.torque_lower / 2)
-
-
 def test_a_parameter_sets_shifts_and_scales(tmp_path):
     study = planar_study(
         tmp_path,
@@ -142,6 +119,7 @@ vary:
   robots.left.torque[0]: [90, 100]
 sample: sobol
 count: 8
+between: off
 """
     assert [each.distribution for each in planar_study(tmp_path, vary).parameters] == [
         Distribution("normal", (0.5, 0.01)), Distribution("lognormal", (0.5, 0.1)),
@@ -165,16 +143,6 @@ def test_the_digest_is_of_all_that_answers_depend_on_and_of_nothing_else(tmp_pat
     urdf.write_text(urdf.read_text(encoding="utf-8") + "\n", encoding="utf-8")
     digests.append(planar_study(tmp_path, BASE, cell=cell).digest)
     assert len({*digests}) == len(digests) - 1
-
-
-def test_a_study_pickles_small_and_equal():
-    study = mrts.read_study(UR5 / "study.yaml")
-    text = pickle.dumps(study)
-    again = pickle.loads(text)  # noqa: S301 (our own)
-    assert again == study
-    assert again.digest == study.digest
-    assert len(text) < 20_000
-    np.testing.assert_array_equal(again.points(5, 9), study.points(5, 9))
 
 
 def test_a_study_goes_where_its_files_are_not(tmp_path, private_cache):
@@ -221,14 +189,6 @@ def test_a_motion_file_that_names_a_table_is_found_from_anywhere(tmp_path, lift)
         planar_study(tmp_path, "vary: {motion.samples: [21, 41]}", motion=motion)
 
 
-def test_a_variant_that_is_not_there_is_not_written(tmp_path):
-    study = planar_study(tmp_path, BASE)
-    with pytest.raises(mrts.InputError, match="must be a variant, from 0 to 1"):
-        study.write_variant(2, tmp_path / "none")
-    assert not (tmp_path / "none").exists()
-    assert study.write_variant(np.int64(1), tmp_path / "one")[0].exists()
-
-
 @pytest.mark.parametrize("folder", ["dual_ur5", "planar_dual_arm", "squeeze"])
 def test_every_number_of_the_files_may_vary_and_at_its_own_value_changes_nothing(folder, tmp_path):
     files = {"cell": DATA.parent / folder / "cell.yaml"}
@@ -248,8 +208,3 @@ def test_every_number_of_the_files_may_vary_and_at_its_own_value_changes_nothing
         knob = {"all": {move: [path for path, (value,) in vary.items() if value != 0], "values": [neutral]}}
         moved = planar_study(tmp_path, yaml.safe_dump({"vary": knob}), cell=files["cell"], motion=files["motion"])
         assert moved.descriptions(moved.points(0, 1)[0]) == (keys["cell"], keys["motion"])
-
-
-@pytest.mark.parametrize("said", ["off", "'off'", "null"])
-def test_the_samples_alone_may_be_asked_for_as_on_the_command_line(said, tmp_path):
-    assert planar_study(tmp_path, f"{BASE}\nbetween: {said}").question.between is None

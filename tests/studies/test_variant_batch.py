@@ -11,7 +11,6 @@ from own_limits import tenth
 from study_files import planar_study
 from wide_studies import wide_study
 
-import mrts
 from mrts.studies.variant_batch import batch_for
 from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
 
@@ -94,16 +93,6 @@ def test_a_variant_has_the_same_bits_whatever_it_is_solved_with(tmp_path):
         assert list(values) == [value for piece in pieces for value in piece[name]], name
 
 
-def test_the_range_is_that_of_another_solver(tmp_path):
-    study = wide_study(tmp_path, *SHIPPED["dual"], spread=0.05, count=6)
-    found = solve_variants(study, 0, 6)
-    for variant in range(6):
-        cell_file, motion_file = study.write_variant(variant, tmp_path / str(variant))
-        asked = mrts.load_cell(cell_file), mrts.load_motion(motion_file)
-        alone = mrts.scale(*asked, solver="scipy:highs", between=None)
-        assert found["c2_upper"][variant] == pytest.approx(alone.range.upper.c2, rel=AGREE)
-
-
 @pytest.mark.parametrize("asked", [
     "profile: optimal",
     "torques: true",
@@ -122,10 +111,6 @@ def test_a_limit_of_ones_own_is_kept(tmp_path):
     assert before["status"] == ["feasible", "feasible"]
     assert after["status"] == ["infeasible", "infeasible"]
     assert study.with_limits(tenth) != study
-
-
-def test_numbers_that_break_a_rule_warn_of_nothing(tmp_path):
-    assert compare(planar_study(tmp_path, "vary: {motion.duration: [0, 0.5]}"), 2) == {"invalid": 1, "feasible": 1}
 
 
 def test_a_share_that_is_kept_free_is(tmp_path):

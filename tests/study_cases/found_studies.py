@@ -5,42 +5,24 @@ import pyarrow as pa
 
 from mrts.plots.study_table import Knob, study_table
 
-ELBOW, FORCE = "right/elbow torque (upper, 80 N m)", "left/fx contact wrench (lower, -60 N)"
+ELBOW, FORCE = "right/elbow ↑", "left/fx ↓"
 
 AWKWARD = "robots.<img src=x onerror=window.broken=1>$x$.of a long, long, long, long name"
 
 
-def arrow_rows(values, duration, *, status=None, limit=ELBOW, reason=None):
-    """Rows of variants; those without a duration are infeasible where no status is given."""
-    count = len(values)
+def found_study(values, duration, *, paths=None, planned=None, status=None, limit=ELBOW, reason="no way"):
+    """A study as pictures take it; variants without a duration are infeasible where no status is given."""
     none = ~np.isfinite(duration)
-    status = np.where(none, "infeasible", "feasible") if status is None else np.asarray(status, dtype=object)
-    limits = np.broadcast_to(np.asarray(limit, dtype=object), count)
-    reasons = np.broadcast_to(np.asarray(reason or "left/elbow and right/fx conflict", dtype=object), count)
-    moments = 0.01 * (np.arange(count) % 50)
-    columns = {"variant": pa.array(np.arange(count))}
-    columns |= {f"knob {number}": pa.array(column) for number, column in enumerate(values.T)}
-    texts = {
-        "status": list(status),
-        "reason": [text if missing else None for text, missing in zip(reasons, none, strict=True)],
-        "upper_limit": [
-            None if missing else f"{text} at t = {moment:.4g} s"
-            for text, moment, missing in zip(limits, moments, none, strict=True)
-        ],
-    }
-    columns |= {name: pa.array(column, pa.string()) for name, column in texts.items()}
-    numbers = {"c2_upper": (0.8 / np.where(none, 1, duration)) ** 2, "duration": np.where(none, 0, duration)}
-    return pa.table(columns | {name: pa.array(column, mask=none) for name, column in numbers.items()})
-
-
-def found_study(values, duration, *, paths=None, planned=None, **texts):
-    """The same as pictures take it."""
-    names = paths or [f"knob {number}" for number in range(values.shape[1])]
-    rows = arrow_rows(values, duration, **texts)
-    renamed = dict(zip([f"knob {number}" for number in range(values.shape[1])], names, strict=True))
-    rows = rows.rename_columns([renamed.get(name, name) for name in rows.column_names])
-    knobs = [Knob(name, "m") for name in names]
-    return study_table(rows, "made_up", knobs, planned or len(values))
+    knobs = [Knob(name, "m") for name in paths or [f"knob {number}" for number in range(values.shape[1])]]
+    columns = {"variant": pa.array(np.arange(len(values)))}
+    columns |= {knob.path: pa.array(column) for knob, column in zip(knobs, values.T, strict=True)}
+    status = np.where(none, "infeasible", "feasible") if status is None else status
+    for name, texts, missing in (("status", status, 0), ("reason", reason, ~none), ("upper_limit", limit, none)):
+        of_all = np.broadcast_to(np.asarray(texts, dtype=object), len(values))
+        columns[name] = pa.array(list(np.where(missing, None, of_all)), pa.string())
+    columns["c2_upper"] = pa.array((0.8 / np.where(none, 1, duration)) ** 2, mask=none)
+    columns["duration"] = pa.array(np.where(none, 0, duration), mask=none)
+    return study_table(pa.table(columns), "made_up", knobs, planned or len(values))
 
 
 def grid_study(across=12, up=9, **texts):

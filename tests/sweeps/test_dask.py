@@ -85,14 +85,6 @@ def test_a_cluster_gives_the_same_bits_though_a_worker_is_killed(cluster, study,
 
 
 @pytest.mark.slow
-def test_a_cluster_goes_on_with_what_processes_of_this_machine_began(cluster, study, alone, tmp_path):
-    mrts.sweep(study, tmp_path / "out", workers=1)
-    for path in sorted((tmp_path / "out").glob("rows/part*"))[::2]:
-        path.unlink()
-    assert_same_table(mrts.sweep(study, tmp_path / "out", scheduler=cluster[0]), alone)
-
-
-@pytest.mark.slow
 def test_a_scheduler_that_goes_away_is_said_and_the_study_gone_on_with(study, alone, tmp_path):
     with started(SCHEDULER) as scheduler:
         address = address_of(scheduler)

@@ -8,19 +8,21 @@ import signal
 import time
 
 import numpy as np
+import pyarrow as pa
 import pytest
 import yaml
 from conftest import DATA
 from faulty_study import faulty
 from own_limits import tenth
 from study_files import planar_study
-from sweep_processes import assert_same_table, driver_command, kill, parts, processes, started, until, workers
+from sweep_processes import assert_same_table, driver_command, parts, processes, started, until, workers
 
 import mrts
 import mrts.sweeps.sweep as engine
 from mrts.studies.study_folder import opened_study_folder
 from mrts.studies.variant_rows import solve_variants
 from mrts.sweeps.best_variants import write_best
+from mrts.sweeps.sweep_progress import SweepProgress
 
 STUDY = """
 vary: {object.mass: {from: 1, to: 30}, "robots.left.base.xyz[0]": {from: -1.5, to: 0.5}}
@@ -82,6 +84,17 @@ def test_two_workers_give_the_table_that_none_gives(solved, alone):
     assert re.fullmatch(r"\S+ a second, 0 s left; best 0\.\d+ s", str(last))
 
 
+def test_the_best_of_equals_has_the_lower_number_in_whatever_order_they_come():
+    durations = (None, 0.5, 0.4, 0.4)
+    rows = pa.table({"variant": range(4), "status": ["unreachable"] + ["feasible"] * 3, "duration": durations})
+    assert SweepProgress(4).after(rows.slice(0, 1)).best is None
+    for order in ((0, 1, 2, 3), (3, 2, 1, 0), (3, 0, 2, 1)):
+        found = SweepProgress(4)
+        for row in order:
+            found = found.after(rows.slice(row, 1))
+        assert (found.done, found.best, found.best_variant) == (4, 0.4, 2)
+
+
 def test_a_chunk_is_a_round_number_of_variants_and_not_more_than_there_are(study, monkeypatch):
     monkeypatch.undo()
     assert engine.chunk_size(study) in {1, 2, 5, 10, 20}
@@ -89,10 +102,6 @@ def test_a_chunk_is_a_round_number_of_variants_and_not_more_than_there_are(study
     assert engine.chunk_size(study) == 20
     monkeypatch.setattr(engine, "CHUNK_TIME", 1e-6)
     assert engine.chunk_size(study) == 1
-
-
-def test_one_worker_without_a_folder_gives_the_same(study, alone):
-    assert_same_table(mrts.sweep(study, workers=1), alone)
 
 
 def test_a_complete_study_is_read_not_solved(out, study, alone):
@@ -138,19 +147,6 @@ def test_ctrl_c_in_a_terminal_reaches_the_driver_alone(study, tmp_path):
     assert driver.returncode == 128 + signal.SIGINT
     assert "Traceback" not in said
     assert "leaked" not in said
-
-
-def test_workers_that_are_killed_now_and_then_lose_nothing(study, alone, tmp_path):
-    out = tmp_path / "out"
-    with started(driver_command(study.path, "-o", out, "--workers", 2)) as driver:
-        for victim in (0, -1):
-            before = len(parts(out)) if out.exists() else 0
-            until(lambda before=before: out.exists() and len(parts(out)) > before)
-            for number in workers(driver.pid)[victim:][:1]:
-                kill(number)
-        assert until(lambda: driver.poll() is not None)
-        assert driver.returncode == 0
-    assert_same_table(mrts.read_study_folder(out).table(), alone)
 
 
 def test_a_variant_that_no_worker_survives_is_a_row_and_costs_no_other(alone, tmp_path):

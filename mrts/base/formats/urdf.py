@@ -83,7 +83,7 @@ class UrdfJoint:
     @property
     def kind(self) -> Literal["revolute", "prismatic"]:
         """Of a joint that moves: whether it turns or slides."""
-        return "prismatic" if self.type == "prismatic" else "revolute"
+        return "revolute" if self.type in {"revolute", "continuous"} else "prismatic"
 
     def check(self, path: Path) -> None:
         """Check what a joint that moves must keep; one that nobody moves may break it."""

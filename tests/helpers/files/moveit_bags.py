@@ -2,7 +2,6 @@
 
 import numpy as np
 from ros_bags import TYPES, message
-from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 ROBOT, DISPLAY = "moveit_msgs/msg/RobotTrajectory", "moveit_msgs/msg/DisplayTrajectory"
@@ -77,15 +76,3 @@ def display(*planned):
     floating = make["sensor_msgs/msg/MultiDOFJointState"](header(), [], [], [], [])
     start = make["moveit_msgs/msg/RobotState"](joints, floating, [], is_diff=False)
     return make[DISPLAY]("cell", list(planned), start)
-
-
-def write_plans(folder, messages, storage=StoragePlugin.MCAP, types=MOVEIT):
-    """A bag of one message a pair of topic and message, of any kinds, with their definitions."""
-    with Writer(folder, version=9, storage_plugin=storage) as writer:
-        topics = {
-            topic: writer.add_connection(topic, content.__msgtype__, typestore=types)
-            for topic, content in dict(messages).items()
-        }
-        for topic, content in messages:
-            writer.write(topics[topic], 1, types.serialize_cdr(content, content.__msgtype__))
-    return folder

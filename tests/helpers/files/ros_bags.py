@@ -54,10 +54,11 @@ def message(names, points):
     return make[KIND](header, names, listed)
 
 
-def write_bag(folder, messages, kind=KIND, storage=StoragePlugin.MCAP):
-    """A bag of one message a pair of topic and message."""
+def write_bag(folder, messages, storage=StoragePlugin.MCAP, types=TYPES):
+    """A bag of one message a pair of topic and message, of any kinds, with their definitions."""
     with Writer(folder, version=9, storage_plugin=storage) as writer:
-        topics = {topic: writer.add_connection(topic, kind, typestore=TYPES) for topic in dict(messages)}
+        kinds = {topic: content.__msgtype__ for topic, content in messages}
+        topics = {topic: writer.add_connection(topic, kind, typestore=types) for topic, kind in kinds.items()}
         for topic, content in messages:
-            writer.write(topics[topic], 1, TYPES.serialize_cdr(content, kind))
+            writer.write(topics[topic], 1, types.serialize_cdr(content, content.__msgtype__))
     return folder
