@@ -259,10 +259,6 @@ class PlayerState:
             return True
         return self._admits(self.trajectory.c2)
 
-    def choose_time(self, time: float) -> None:
-        """Go to the sample nearest to a time at the chosen speed [s]."""
-        self.sample = int(np.argmin(np.abs(self.trajectory.time - time)))
-
     def choose_speed(self, c: float) -> None:
         """Play at another speed, a factor > 0: one within half a step of an end of the range is that end.
 

@@ -66,8 +66,7 @@ def test_a_sample_is_red_exactly_outside_its_own_range(make, arms, tmp_path):
         clear &= np.abs(c2 - samples.lower) > NEAR_END * c2
         np.testing.assert_array_equal((state.excess > 0)[clear], beyond[clear])
         for sample in np.flatnonzero(clear):
-            state.choose_time(float(state.trajectory.time[sample]))
-            assert state.sample == sample
+            state.sample = int(sample)
             assert bool(red_bars(state)) == beyond[sample]
         seen |= set(beyond[clear].tolist())
         # whatever the limits say, the torques carry the object
