@@ -143,15 +143,7 @@ def _check_films(cell: Path, png: Path | None, video: Path | None, of_films: dic
 def _files(
     cell: Path, motion: Path | None, variant: int | None, changing: Iterable[str], needing: Iterable[str]
 ) -> Iterator[tuple[Path, Path | None]]:
-    """The files of cell and motion, as long as they are shown.
-
-    Args:
-        cell: As named on the line.
-        motion: As named on the line.
-        variant: Of the study that `cell` names.
-        changing: Names of the arguments given that change the answer.
-        needing: Names of those that need a motion besides.
-    """
+    """The files of cell and motion, as long as they are shown; `changing` and `needing` are arguments given."""
     if _is_saved(cell):
         if motion is not None:
             raise InputError(cell, "a saved result holds its motion.", key="MOTION")
