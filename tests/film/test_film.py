@@ -187,6 +187,7 @@ def test_titles_are_smaller_rather_than_cut_and_cut_only_at_last(lifted):
         assert not np.any((ink > half - 6) & (ink < half + 6)), title
 
 
+@pytest.mark.quick
 def test_what_cannot_be_a_film_is_told(clips, tmp_path, monkeypatch):
     for name in ("lift.avi", "lift"):
         with pytest.raises(mrts.InputError, match=r"\.gif or \.mp4"):

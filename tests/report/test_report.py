@@ -98,6 +98,9 @@ def test_the_text_says_what_was_given_and_found(planar_cell, lift, lifted):
     assert "these limits conflict" in infeasible
     uncertain = report_html(mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift))
     assert "<td>mass 3 kg</td>" in uncertain
+    here = {"xyz": lift.position[0].tolist()}
+    still = mrts.MotionDescription(start=here, end=here, duration=1.0, profile="quintic", samples=11)
+    assert "<td>nothing limits it</td>" in report_html(mrts.scale(planar_cell, mrts.sample_motion(still)))
     slow = tuple(replace(robot, velocity_limit=np.full(3, 0.1)) for robot in planar_cell.robots)
     too_fast = replace(planar_cell, robots=slow).without_velocity_limits()
     assert "its limit is 0.1 rad/s" in report_html(mrts.scale(too_fast, lift))
