@@ -96,11 +96,7 @@ class Clip:
         return Scene.of(self.trajectory)
 
     def place(self, time: float) -> float:
-        """Where a time is among the samples, between two of them too; before the start and after the end it stands.
-
-        Args:
-            time: At the played speed [s].
-        """
+        """Where a played time [s] is among the samples, or between two; before the start and after the end it stands."""
         done = self.trajectory
         return float(np.interp(time, done.time, np.arange(len(done.time))))
 
@@ -201,11 +197,7 @@ class SceneRenderer:
         self._renderer.close()
 
     def picture(self, time: float) -> Frame:
-        """A picture of a moment.
-
-        Args:
-            time: At the played speed [s].
-        """
+        """A picture of a moment of the played time [s]."""
         place = self._clip.place(time)
         moment = self._clip.scene.moment(place)
         self._move("object", moment.rotation, moment.position)

@@ -28,11 +28,7 @@ def shares_base(cell: Cell, robot: Robot) -> bool:
 
 
 def name_place(cell: Cell, robot: Robot) -> Array:
-    """Where the name of an arm stands in the world: at its base, or at its first joint where another has that too.
-
-    Returns:
-        Shape (3,) [m].
-    """
+    """Where an arm's name stands, Shape (3,) [m]: at its base, or at its first joint where another has that too."""
     base = robot.T_world_base
     return base.p + base.R @ robot.points[0] if shares_base(cell, robot) else base.p
 
@@ -71,23 +67,12 @@ def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
 
 
 def joint_points(robot: Robot, q: Array) -> Array:
-    """The arm as a line in the world: its base, a point on every joint's axis, its tip, Shape (N, n_i + 2, 3) [m].
-
-    Args:
-        robot: The arm.
-        q: Joint positions, Shape (N, n_i) [rad or m].
-    """
+    """The arm at q, Shape (N, n_i), as a line: its base, a point on every joint's axis, its tip, (N, n_i + 2, 3) [m]."""
     return points_on_bodies(robot, *body_poses(robot, q))
 
 
 def points_on_bodies(robot: Robot, R: Array, p: Array) -> Array:
-    """As `joint_points`, of bodies that stand where `body_poses` has them, Shape (…, n_i + 2, 3) [m].
-
-    Args:
-        robot: The arm.
-        R: Shape (…, n_i + 1, 3, 3).
-        p: Shape (…, n_i + 1, 3) [m].
-    """
+    """As `joint_points`, of bodies at R, Shape (…, n_i + 1, 3, 3), and p, Shape (…, n_i + 1, 3) [m]."""
     # a joint's point moves with the body that it carries
     points = p + np.einsum("...bij,bj->...bi", R, np.concatenate([np.zeros((1, 3)), robot.points]))
     tip = p[..., -1:, :] + np.einsum("...bij,j->...bi", R[..., -1:, :, :], robot.T_base_tip.p)

@@ -61,11 +61,7 @@ def round_down(value: float) -> float:
 
 
 def suited_pace(duration: float) -> float:
-    """The fastest of `PACES` at which a motion plays for `SHORTEST_PLAY`.
-
-    Args:
-        duration: Of the motion [s].
-    """
+    """The fastest of `PACES` at which a motion of some duration [s] plays for `SHORTEST_PLAY`."""
     return next((pace for pace in PACES if duration >= SHORTEST_PLAY * pace), min(PACES))
 
 
@@ -180,12 +176,7 @@ def wxyz(R: Array) -> Array:
 
 
 def blended(values: Array, place: float) -> Array:
-    """Values at a sample, or linear between two.
-
-    Args:
-        values: Of every sample, Shape (k, …).
-        place: Index of a sample, or between two.
-    """
+    """Values of all samples, Shape (k, …), at one of them, or linear between two."""
     first = min(int(place), len(values) - 1)
     share = place - first
     here: Array = values[first]

@@ -47,13 +47,9 @@ STYLE = f"<style>{(files('mrts') / 'viewer' / 'viewer.css').read_text(encoding='
 
 
 def verdict_html(outcome: str, error: str, *, computing: bool, outdated: bool) -> str:
-    """What stands above all controls, in a place of its own.
+    """What stands above all controls: the last outcome, why there is no newer one, and whether one is on its way.
 
-    Args:
-        outcome: The last one, as HTML.
-        error: Why there is no newer one, likewise; empty if there is, or may be soon.
-        computing: Whether a newer one is on its way.
-        outdated: Whether controls have other values than the outcome and all that is shown of it, which fade.
+    All that is shown fades while it is outdated: while controls have other values.
     """
     below = '<b data-text="computing">Computing …</b>' if computing else ""
     below += "<style>:root { --mrts-answer: 0.4; }</style>" if outdated else ""
