@@ -96,7 +96,7 @@ class Clip:
         return Scene.of(self.trajectory)
 
     def place(self, time: float) -> float:
-        """Where a played time [s] is among the samples, or between two; before the start and after the end it stands."""
+        """Where a played time [s] is among the samples, or between two; before the start and after the end at it."""
         done = self.trajectory
         return float(np.interp(time, done.time, np.arange(len(done.time))))
 

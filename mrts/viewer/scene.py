@@ -285,7 +285,7 @@ class ViewerScene:
         self._fitted = {client_id: fitted for client_id, fitted in self._fitted.items() if client_id in clients}
 
     def look_beside(self, offset: Array) -> None:
-        """Have in view what stands beside the cell too, at an offset, Shape (3,) [m], unless somebody moved the view."""
+        """Have in view what stands beside it too, at an offset, Shape (3,) [m], unless somebody moved the view."""
         alone = self._alone
         self._view = replace(alone, points=np.concatenate([alone.points, alone.points + offset]))
         self._look()
