@@ -67,7 +67,7 @@ def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
 
 
 def joint_points(robot: Robot, q: Array) -> Array:
-    """The arm at q, Shape (N, n_i), as a line: its base, a point on each joint axis, its tip, Shape (N, n_i + 2, 3) [m]."""
+    """The arm at q, Shape (N, n_i): its base, a point on each joint axis, its tip, Shape (N, n_i + 2, 3) [m]."""
     return points_on_bodies(robot, *body_poses(robot, q))
 
 

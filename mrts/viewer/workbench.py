@@ -15,6 +15,7 @@ from time import perf_counter
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
+from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
 from mrts.scene.scene import Scene
@@ -76,6 +77,7 @@ def find_answer(given: Given, choices: Choices, progress: Progress, *, coarse: b
 
     A coarse answer has few samples and keeps limits at these alone.
     """
+    motion: ObjectMotion | JointTable | None = None
     try:
         cell, motion = choices.cell(given), choices.motion(given, COARSE_SAMPLES if coarse else None)
         if given.stands and isinstance(motion, ObjectMotion):
