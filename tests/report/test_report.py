@@ -24,8 +24,10 @@ from mrts.plots.plotly_drawer import MOST_SAMPLES, plotly_figure
 from mrts.plots.trajectory_plots import torque_plots
 from mrts.plots.what_if_plot import MOST_BARS, what_if_plot
 from mrts.report import report_html
+from mrts.report.player import player
 from mrts.report.tables import changes_in_words, changes_left_out, duty_table, rates_table
 from mrts.scaling.limit_use import limit_uses, used_shares
+from mrts.scene.cell_shapes import contact_forces
 
 FILES = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
 UR5 = DATA.parent / "dual_ur5"
@@ -79,6 +81,24 @@ def test_plots_hold_the_numbers_of_the_result(dual_ur5, spatial):
     upper = np.array([np.inf if value is None else value for value in curves["c²⁺(t)"]["y"]])
     np.testing.assert_allclose(upper, found.range.samples.upper, rtol=1e-5)
     assert plots["plot-energy"]["data"][-1]["y"][-1] == pytest.approx(found.trajectory.energy, rel=1e-5)
+
+
+def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, spatial):
+    shown, carried = player(spatial), spatial.motion.object
+    ((_, coordinates),) = [
+        pair for pair in zip(shown["data"], shown["frames"], strict=False) if pair[0]["name"] == "force on the object"
+    ]
+    line = np.stack([np.array(coordinates[axis], dtype=float) for axis in "xyz"], axis=-1)
+    arrows = line.reshape(spatial.motion.samples, 2, 10, 3)
+    found = contact_forces(dual_ur5, carried.position, carried.rotation, spatial.trajectory.wrench)
+    shaft = arrows[:, :, 1] - arrows[:, :, 0]
+    scale = np.max(np.linalg.norm(shaft, axis=-1)) / shown["largest_force"]
+    np.testing.assert_allclose(arrows[:, :, 0], found.point, atol=2 * DRAWN)
+    np.testing.assert_allclose(shaft, scale * found.force, atol=4 * DRAWN)
+    barbs = arrows[:, :, [2, 4, 6, 8]] - arrows[:, :, [1]]
+    np.testing.assert_allclose(np.mean(barbs, axis=2), -0.25 * shaft, atol=4 * DRAWN)  # about the shaft
+    sizes = np.linalg.norm(barbs, axis=-1) / np.linalg.norm(shaft, axis=-1, keepdims=True)
+    np.testing.assert_allclose(sizes, np.hypot(0.25, 0.125), rtol=1e-3)
 
 
 @pytest.mark.quick
