@@ -47,8 +47,8 @@ sys.exit(main(sys.argv[1:]))
 """`mrts` on a machine without the libraries that draw."""
 
 
-def clip_of(title, result, urdfs=None):
-    return Clip(title, result.trajectory, result.range, urdfs or {})
+def clip_of(title, result):
+    return Clip(title, result.trajectory, result.range)
 
 
 @pytest.fixture(scope="module")
@@ -74,11 +74,11 @@ def seen(camera, points):
     return np.array(SIZE) / 2 + focal * along[:, :2] / along[:, 2:] * [1, -1]
 
 
-def rendered(clip, time, warn=renderer.silent):
+def rendered(clip, time):
     """A small picture of a moment, its camera, and the metres of arrow for a newton."""
     view = look_at_cell(clip.scene.cell, clip.scene.q, clip.scene.position)
     camera, scale = view.camera(SIZE[0] / SIZE[1]), 0.3 * view.size / clip.strongest
-    drawn = SceneRenderer(clip, view, camera, SIZE, scale, warn)
+    drawn = SceneRenderer(clip, view, camera, SIZE, scale, pytest.fail)
     try:
         return drawn.picture(time).astype(float), camera, scale
     finally:
@@ -153,14 +153,6 @@ def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
     assert amount(picture, OBJECT) > 0.03
     joint = seen(camera, moment.lines[1][5:6])[0].astype(int)
     assert where(picture, OVER_LIMIT)[joint[1] - 3 : joint[1] + 4, joint[0] - 3 : joint[0] + 4].any()
-
-
-def test_an_arm_whose_meshes_lack_is_drawn_and_told(lifted, tmp_path):
-    said = []
-    picture, _, _ = rendered(clip_of("", lifted, {"left": (tmp_path / "none.urdf", None)}), 0.1, said.append)
-    assert len(said) == 1
-    assert "robot 'left' is drawn with simple shapes" in said[0]
-    assert amount(picture, arm_colour(0)) > 0.001
 
 
 def test_meshes_without_a_surface_are_left_out(lifted, monkeypatch):
