@@ -11,7 +11,7 @@ from loaded_library import PLACES, LoadedLibrary, reals, structure
 from scipy.optimize import linprog
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.cli import main
 from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms

@@ -9,8 +9,7 @@ from conftest import DATA
 from contact_forces import least_pressing
 
 import mrts
-from mrts.cell.hands.contact import Contact, tip_components
-from mrts.cell.hands.kinds import box_contact, gripper_contact, pad_contact, suction_contact
+from mrts.cell.hands import Contact, box_contact, gripper_contact, pad_contact, suction_contact, tip_components
 from mrts.limits import limit_rows
 from mrts.limits.object_axes import object_axes
 

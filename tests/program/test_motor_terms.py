@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms, travel_directions
 from mrts.program.sample_problem import build_sample_problem

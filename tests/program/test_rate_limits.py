@@ -10,7 +10,7 @@ import yaml
 from conftest import DATA
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.cli import main
 from mrts.plots.limit_shares import limiting_rows
 from mrts.program.rate_limits import given_rate_limits, rate_limits

@@ -12,7 +12,7 @@ from reference import ReferenceCell
 from speed_scan import Motors, SpeedScan
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.program.infeasibility import closest_speed
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem

@@ -10,7 +10,7 @@ from gantries import along_x, gantries
 from rated_factor import RatedFactor
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.program.rate_limits import rate_limits
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.constant_rates import RatedFactors
