@@ -11,7 +11,7 @@ from contact_forces import least_pressing
 import mrts
 from mrts.cell.hands import Contact, box_contact, gripper_contact, pad_contact, suction_contact, tip_components
 from mrts.limits import limit_rows
-from mrts.limits.object_axes import object_axes
+from mrts.limits.rows import object_axes
 
 SAME = 1e-8
 """Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""
