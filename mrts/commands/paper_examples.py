@@ -12,8 +12,8 @@ from mrts.base.formats.record import Record
 from mrts.base.input_file import read_data
 from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
+from mrts.limits.rows import row_labels
 from mrts.motion.motion_file import load_motion
-from mrts.plots.labels import row_labels
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.result import ScalingResult
@@ -70,11 +70,7 @@ class DemoRow:
 
 
 def run_demo(solver: str = DEFAULT_SOLVER, progress: Progress = lambda _done, _total: None) -> list[DemoRow]:
-    """Scale every example of section VI.
-
-    Raises:
-        MrtsError: If the compiler or a solver fails.
-    """
+    """Scale every example of section VI."""
     with as_file(files("mrts") / "data") as data:
         given = read_data(data / "paper_section_6.yaml", "case file")
         cells = [load_cell(data / given[name]) for name in ("cell", "identified_cell")]

@@ -14,8 +14,8 @@ from mrts.following.coordinated_motion import carried_by_first
 from mrts.motion.velocity_profile import PROFILES
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.trajectory_programs import motion_ranges
 from mrts.timing.fastest_profile import SpeedProfile, fastest_profile, rising_profile, segment_times
 from mrts.timing.path_pieces import by_turns, path_pieces
 from mrts.timing.retimed_motion import at_segment_ends

@@ -17,7 +17,7 @@ import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.sample_ranges import motion_ranges
 from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
 from mrts.timing.path_pieces import path_pieces
 from mrts.timing.speed_regions import speed_regions
