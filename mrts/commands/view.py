@@ -95,10 +95,11 @@ def run(
     _check_films(cell, png, video, of_films)
     needing = [name for name, value in (("png", png), ("video", video), ("others", others)) if value]
     with _files(cell, motion, variant, given, needing) as (cell_file, motion_file):
+        if png is None and video is None:
+            require("mrts view", "view", "viser")
         saved = _played(cell) if _is_saved(cell) else None
         urdfs = {} if saved else _urdfs(cell_file)
         if png is None and video is None:
-            require("mrts view", "view", "viser")
             beside = [(path.stem, _played(path)) for path in others]
             cell_path = cell_file if variant is None and urdfs else None
             source = _start(cell_file, motion_file, cell_path, given) if saved is None else saved

@@ -112,11 +112,7 @@ class Composition:
             renderer.close()
 
     def frame(self, time: float) -> Frame:
-        """The clips at a time of their own motion.
-
-        Args:
-            time: Since the start; a clip that has ended stands at its end [s].
-        """
+        """The clips at a time since the start [s]; one that has ended stands at its end."""
         canvas = self._canvas
         canvas.restore_region(self._still)
         for clip, (axes, cursor, dots, largest) in zip(self._clips, self._plots, strict=True):

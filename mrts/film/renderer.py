@@ -16,7 +16,7 @@ from mrts.base.errors import InputError
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
-from mrts.scene.cell_shapes import ContactForces
+from mrts.scene.cell_shapes import ContactForces, contact_forces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
 from mrts.scene.held_body import held_body, object_edges
 from mrts.scene.scene import (
@@ -96,11 +96,7 @@ class Clip:
         return Scene.of(self.trajectory)
 
     def place(self, time: float) -> float:
-        """Where a time is among the samples, between two of them too; before the start and after the end it stands.
-
-        Args:
-            time: At the played speed [s].
-        """
+        """Where a played time [s] is among the samples, or between two; before the start and after the end at it."""
         done = self.trajectory
         return float(np.interp(time, done.time, np.arange(len(done.time))))
 
@@ -201,11 +197,7 @@ class SceneRenderer:
         self._renderer.close()
 
     def picture(self, time: float) -> Frame:
-        """A picture of a moment.
-
-        Args:
-            time: At the played speed [s].
-        """
+        """A picture of a moment of the played time [s]."""
         place = self._clip.place(time)
         moment = self._clip.scene.moment(place)
         self._move("object", moment.rotation, moment.position)
@@ -216,7 +208,8 @@ class SceneRenderer:
         self._mujoco.mj_camlight(self._model, self._data)
         self._renderer.update_scene(self._data, camera="camera")
         self._add_path()
-        self._add_forces(moment.contacts(blended(self._clip.trajectory.wrench, place)))
+        wrench = blended(self._clip.trajectory.wrench, place)
+        self._add_forces(contact_forces(moment.cell, moment.position, moment.rotation, wrench))
         drawn: Frame = self._renderer.render()
         return drawn
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The page of a result."""
 
-from dataclasses import asdict
 from pathlib import Path
 
 from mrts.base.argument_types import as_path, check_type
@@ -54,7 +53,7 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
     return document(
         "result.html",
         f"{shown.cell.name}: {result.status.value}",
-        {"player": asdict(scene)},
+        {"player": scene},
         result=shown,
         timing=timing,
         done=shown.trajectory,

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The motion in three dimensions, frame by frame: arms, object and contact forces."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -43,36 +42,17 @@ MARGIN = 0.08
 """Around everything that moves, as a share of the scene."""
 
 
-@dataclass(frozen=True)
-class Player:
-    """What the page needs to play the motion.
-
-    Attributes:
-        data: Traces; those that move come first.
-        layout: The scene.
-        frames: Coordinates of the moving traces, by trace, axis and frame.
-        time: Of the frames [s].
-        speed: At which to begin.
-        largest_force: The force that the longest arrow stands for [N]; 0 where there are none.
-        clocks: What the clocks of plots show at the frames: "given" and "played" time [s], and "way" along the path
-            where that is known.
-    """
-
-    data: list[dict[str, Any]]
-    layout: dict[str, Any]
-    frames: list[dict[str, Any]]
-    time: list[float]
-    speed: float
-    largest_force: float
-    clocks: dict[str, list[float]]
-
-
-def player(result: ScalingResult, way: Array | None = None) -> Player:
-    """The trajectory with its forces; where there is none, the given motion.
+def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
+    """What the page needs to play the trajectory with its forces; where there is none, the given motion.
 
     Args:
         result: Any result.
         way: Along the path at its samples, if known, Shape (N,).
+
+    Returns:
+        Traces ("data"), those that move first, the scene ("layout"), coordinates of the moving traces ("frames"), by
+        trace, axis and frame, and their "time" [s]; the "speed" at which to begin, the "largest_force", which the
+        longest arrow stands for [N], and "clocks" of plots at the frames: "given" and "played" [s], "way" if known.
     """
     cell, given, done = result.cell, result.motion.object, result.trajectory
     time = given.time if done is None else done.time
@@ -99,16 +79,17 @@ def player(result: ScalingResult, way: Array | None = None) -> Player:
         moving.append((arrows, _line_trace("force on the object", f"rgb{FORCE}", 5)))
     path = _line_trace("path of the object", "#888", 2) | _coordinates(given.position[frames])
     still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
-    return Player(
-        [*still, path],
-        _layout(cell, np.concatenate([solid, arrows.reshape(-1, 3)]), _camera(cell, q, given.position[frames])),
-        [_coordinates(points) for points, _ in moving],
-        numbers(time[frames]),
-        suited_pace(float(time[-1])),
-        largest if largest > NO_FORCE else 0.0,
-        clocks={"given": numbers(given.time[frames]), "played": numbers(time[frames])}
-        | ({} if way is None else {"way": numbers(way[frames])}),
-    )
+    camera = _camera(cell, q, given.position[frames])
+    clocks = {"given": given.time, "played": time} | ({} if way is None else {"way": way})
+    return {
+        "data": [*still, path],
+        "layout": _layout(cell, np.concatenate([solid, arrows.reshape(-1, 3)]), camera),
+        "frames": [_coordinates(points) for points, _ in moving],
+        "time": numbers(time[frames]),
+        "speed": suited_pace(float(time[-1])),
+        "largest_force": largest if largest > NO_FORCE else 0.0,
+        "clocks": {name: numbers(clock[frames]) for name, clock in clocks.items()},
+    }
 
 
 def _coordinates(points: Array) -> dict[str, Any]:
@@ -121,31 +102,27 @@ def _force_arrows(result: ScalingResult, frames: Array, longest: float) -> tuple
     if result.trajectory is None:
         return np.empty((len(frames), 0, 3)), 0.0
     cell, given = result.cell, result.motion.object
-    forces = [
-        contact_forces(cell, robot, given.position[frames], given.rotation[frames], result.wrench[robot.name][frames])
-        for robot in cell.robots
-    ]
-    largest = max(float(np.max(np.linalg.norm(part.force, axis=1))) for part in forces)
+    found = contact_forces(cell, given.position[frames], given.rotation[frames], result.trajectory.wrench[frames])
+    largest = float(np.max(np.linalg.norm(found.force, axis=-1)))
     scale = longest / largest if largest > NO_FORCE else 0.0
     sideways = np.eye(3)[{"xy": 2, "xz": 1, "yz": 0}.get(cell.plane or "", 2)]
-    arrows = [_arrow(part.point, scale * part.force, sideways) for part in forces]
-    return np.concatenate(arrows, axis=1), largest
+    return _arrows(found.point, scale * found.force, sideways).reshape(len(frames), -1, 3), largest
 
 
-def _arrow(start: Array, along: Array, sideways: Array) -> Array:
-    """Arrows as lines: shaft, two barbs at right angles to `sideways` and two along it, a gap, Shape (N, 9, 3)."""
+def _arrows(start: Array, along: Array, sideways: Array) -> Array:
+    """Arrows as lines: shaft, two barbs at right angles to `sideways` and two along it, a gap, Shape (…, 10, 3)."""
     tip = start + along
     across = np.cross(along, sideways)
-    length = np.linalg.norm(along, axis=1, keepdims=True)
-    width = np.linalg.norm(across, axis=1, keepdims=True)
+    length = np.linalg.norm(along, axis=-1, keepdims=True)
+    width = np.linalg.norm(across, axis=-1, keepdims=True)
     steep = width < ALONG * np.maximum(length, NO_LENGTH)
     across = np.where(steep, np.cross(along, sideways[[1, 2, 0]]), across)
-    across *= length / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), NO_LENGTH)
+    across *= length / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), NO_LENGTH)
     other = np.cross(along, across) / np.maximum(length, NO_LENGTH)
     back, half = tip - HEAD * along, HEAD / 2
     barbs = [back + half * across, back - half * across, back + half * other, back - half * other]
     line = [start, tip, barbs[0], tip, barbs[1], tip, barbs[2], tip, barbs[3], np.full_like(tip, np.nan)]
-    return np.stack(line, axis=1)
+    return np.stack(line, axis=-2)
 
 
 def _arm_trace(name: str, index: int, points: int) -> dict[str, Any]:

@@ -28,11 +28,7 @@ def shares_base(cell: Cell, robot: Robot) -> bool:
 
 
 def name_place(cell: Cell, robot: Robot) -> Array:
-    """Where the name of an arm stands in the world: at its base, or at its first joint where another has that too.
-
-    Returns:
-        Shape (3,) [m].
-    """
+    """Where an arm's name stands, Shape (3,) [m]: at its base, or at its first joint where another has that too."""
     base = robot.T_world_base
     return base.p + base.R @ robot.points[0] if shares_base(cell, robot) else base.p
 
@@ -71,28 +67,16 @@ def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
 
 
 def joint_points(robot: Robot, q: Array) -> Array:
-    """The arm as a line in the world: its base, a point on every joint's axis, its tip, Shape (N, n_i + 2, 3) [m].
-
-    Args:
-        robot: The arm.
-        q: Joint positions, Shape (N, n_i) [rad or m].
-    """
+    """The arm at q, Shape (N, n_i): its base, a point on each joint axis, its tip, Shape (N, n_i + 2, 3) [m]."""
     return points_on_bodies(robot, *body_poses(robot, q))
 
 
 def points_on_bodies(robot: Robot, R: Array, p: Array) -> Array:
-    """As `joint_points`, of bodies that stand where `body_poses` has them, Shape (N, n_i + 2, 3) [m].
-
-    Args:
-        robot: The arm.
-        R: Shape (N, n_i + 1, 3, 3).
-        p: Shape (N, n_i + 1, 3) [m].
-    """
+    """As `joint_points`, of bodies at R, Shape (…, n_i + 1, 3, 3), and p, Shape (…, n_i + 1, 3) [m]."""
     # a joint's point moves with the body that it carries
-    own = np.concatenate([np.zeros((1, 3)), robot.points])
-    points = p + np.einsum("nbij,bj->nbi", R, own)
-    tip = p[:, -1] + R[:, -1] @ robot.T_base_tip.p
-    return np.concatenate([points, tip[:, None]], axis=1)
+    points = p + np.einsum("...bij,bj->...bi", R, np.concatenate([np.zeros((1, 3)), robot.points]))
+    tip = p[..., -1:, :] + np.einsum("...bij,j->...bi", R[..., -1:, :, :], robot.T_base_tip.p)
+    return np.concatenate([points, tip], axis=-2)
 
 
 def object_box(cell: Cell) -> Array:
@@ -105,12 +89,12 @@ def object_box(cell: Cell) -> Array:
 
 @dataclass(frozen=True)
 class ContactForces:
-    """Forces of one robot on the object, in the world.
+    """Forces of the robots on the object, in the world.
 
     Attributes:
-        point: Where it acts, Shape (N, 3) [m].
-        force: Shape (N, 3) [N].
-        moment: Shape (N, 3) [N m].
+        point: Where each acts, Shape (…, n, 3) [m].
+        force: Shape (…, n, 3) [N].
+        moment: Shape (…, n, 3) [N m].
     """
 
     point: Array
@@ -118,17 +102,21 @@ class ContactForces:
     moment: Array
 
 
-def contact_forces(cell: Cell, robot: Robot, position: Array, rotation: Array, wrench: Array) -> ContactForces:
-    """A robot's contact wrench along a motion, in the world.
+def contact_forces(cell: Cell, position: Array, rotation: Array, wrench: Array) -> ContactForces:
+    """The contact wrenches of a cell at a moment, or along a motion, in the world.
 
     Args:
         cell: The cell.
-        robot: One of its arms.
-        position: Of the object, Shape (N, 3) [m].
-        rotation: Of the object in the world, Shape (N, 3, 3).
-        wrench: In the robot's base axes and the cell's components, Shape (N, w) [N, N m].
+        position: Of the object, Shape (…, 3) [m].
+        rotation: Of the object in the world, Shape (…, 3, 3).
+        wrench: Of all robots, each in its base axes and the cell's components, Shape (…, n w) [N, N m].
     """
-    six = np.zeros((len(wrench), 6))
-    six[:, cell.wrench_rows] = wrench
-    R = robot.T_world_base.R
-    return ContactForces(position + rotation @ robot.T_object_tip.p, six[:, :3] @ R.T, six[:, 3:] @ R.T)
+    robots = cell.robots
+    six = np.zeros((*wrench.shape[:-1], len(robots), 6))
+    six[..., cell.wrench_rows] = wrench.reshape(*six.shape[:-1], -1)
+    bases, tips = (
+        np.array([robot.T_world_base.R for robot in robots]),
+        np.array([robot.T_object_tip.p for robot in robots]),
+    )
+    force, moment = (np.einsum("rij,...rj->...ri", bases, part) for part in (six[..., :3], six[..., 3:]))
+    return ContactForces(position[..., None, :] + np.einsum("...ij,rj->...ri", rotation, tips), force, moment)

@@ -16,7 +16,7 @@ from mrts.plots.colours import COLOURS
 from mrts.scaling.limit_use import used_shares
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scene.cell_shapes import ContactForces, body_poses, contact_forces, points_on_bodies
+from mrts.scene.cell_shapes import body_poses, points_on_bodies
 
 Rgb = tuple[int, int, int]
 """0 to 255."""
@@ -61,11 +61,7 @@ def round_down(value: float) -> float:
 
 
 def suited_pace(duration: float) -> float:
-    """The fastest of `PACES` at which a motion plays for `SHORTEST_PLAY`.
-
-    Args:
-        duration: Of the motion [s].
-    """
+    """The fastest of `PACES` at which a motion of some duration [s] plays for `SHORTEST_PLAY`."""
     return next((pace for pace in PACES if duration >= SHORTEST_PLAY * pace), min(PACES))
 
 
@@ -171,24 +167,7 @@ class Moment:
     @cached_property
     def lines(self) -> list[Array]:
         """Each arm as a line through its base, its joints and its tip, Shape (n_i + 2, 3) [m]."""
-        return [
-            points_on_bodies(robot, R[None], p[None])[0]
-            for robot, (R, p) in zip(self.cell.robots, self.bodies, strict=True)
-        ]
-
-    def contacts(self, wrench: Array) -> ContactForces:
-        """Forces and moments on the object, an arm each.
-
-        Args:
-            wrench: Of all arms, in their base axes, Shape (n w,) [N, N m].
-        """
-        each = [
-            contact_forces(self.cell, robot, self.position[None], self.rotation[None], wrench[None, part])
-            for robot, part in zip(self.cell.robots, self.cell.wrench_slices.values(), strict=True)
-        ]
-        return ContactForces(
-            *(np.concatenate([getattr(one, name) for one in each]) for name in ("point", "force", "moment"))
-        )
+        return [points_on_bodies(robot, *body) for robot, body in zip(self.cell.robots, self.bodies, strict=True)]
 
 
 def wxyz(R: Array) -> Array:
@@ -197,12 +176,7 @@ def wxyz(R: Array) -> Array:
 
 
 def blended(values: Array, place: float) -> Array:
-    """Values at a sample, or linear between two.
-
-    Args:
-        values: Of every sample, Shape (k, …).
-        place: Index of a sample, or between two.
-    """
+    """Values of all samples, Shape (k, …), at one of them, or linear between two."""
     first = min(int(place), len(values) - 1)
     share = place - first
     here: Array = values[first]

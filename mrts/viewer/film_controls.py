@@ -3,7 +3,7 @@
 
 import re
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from importlib.util import find_spec
 from pathlib import Path
@@ -47,7 +47,8 @@ class FilmControls:
     """
 
     def __init__(self, server: viser.ViserServer, urdfs: Urdfs, others: Others, later: Later) -> None:
-        gui, self._clients, self._urdfs, self._others = server.gui, server.get_clients, urdfs, others
+        gui, self._urdfs, self._others = server.gui, urdfs, others
+        self._clients: Callable[[], dict[int, viser.ClientHandle]] = server.get_clients
         self.job: Future[None] | None = None
         self._worker = ThreadPoolExecutor(1, "mrts film")
         self._asked: tuple[viser.ClientHandle, str] | None = None
@@ -81,6 +82,11 @@ class FilmControls:
                 self.job = self._worker.submit(self._make, client, kind, clips, state.time, backward)
         if self._said != self._text.content:
             self._text.content = self._said
+
+    def close(self) -> None:
+        """Send nothing more; what is being drawn ends with its frame."""
+        self._clients = dict
+        self._worker.shutdown(wait=False, cancel_futures=True)
 
     def _make(self, client: viser.ClientHandle, kind: str, clips: "list[Clip]", at: float, backward: Array) -> None:
         from mrts.film.film import picture_bytes, write_film  # noqa: PLC0415 (likewise)

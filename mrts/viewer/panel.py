@@ -47,13 +47,9 @@ STYLE = f"<style>{(files('mrts') / 'viewer' / 'viewer.css').read_text(encoding='
 
 
 def verdict_html(outcome: str, error: str, *, computing: bool, outdated: bool) -> str:
-    """What stands above all controls, in a place of its own.
+    """What stands above all controls: the last outcome, why there is no newer one, and whether one is on its way.
 
-    Args:
-        outcome: The last one, as HTML.
-        error: Why there is no newer one, likewise; empty if there is, or may be soon.
-        computing: Whether a newer one is on its way.
-        outdated: Whether controls have other values than the outcome and all that is shown of it, which fade.
+    All that is shown fades while it is outdated: while controls have other values.
     """
     below = '<b data-text="computing">Computing …</b>' if computing else ""
     below += "<style>:root { --mrts-answer: 0.4; }</style>" if outdated else ""
@@ -102,12 +98,12 @@ def limits_html(cell: Cell, colours: Mapping[str, Rgb]) -> str:
     for robot in cell.robots:
         rows.append(_robot_row(robot.name, colours, "torque", "velocity"))
         for joint, _, torque, _, velocity in robot.joint_rows():
-            rows.append(_limit_row(robot.name, joint, torque, velocity))
+            rows.append(_limit_row(joint, torque, velocity))
         bounds = zip(cell.wrench_components, cell.wrench_units, robot.wrench_lower, robot.wrench_upper, strict=True)
         for name, unit, lower, upper in bounds:
             if np.isfinite(lower) or np.isfinite(upper):
-                rows.append(_limit_row(robot.name, f"wrench {name}", interval_text(lower, upper, unit), ""))
-        rows += [_limit_row(robot.name, f"contact {contact.name}", "by its rows", "") for contact in robot.contacts]
+                rows.append(_limit_row(f"wrench {name}", interval_text(lower, upper, unit), ""))
+        rows += [_limit_row(f"contact {contact.name}", "by its rows", "") for contact in robot.contacts]
     return _table(rows, LIMIT_COLUMNS)
 
 
@@ -187,9 +183,8 @@ def _robot_row(robot: str, colours: Mapping[str, Rgb], *columns: str) -> str:
     return f'<tr class="robot"><td colspan="{3 - len(columns)}">{mark}<b>{html_text(robot)}</b></td>{cells}</tr>'
 
 
-def _limit_row(robot: str, name: str, *values: str) -> str:
-    cells = "".join(f"<td>{html_text(value)}</td>" for value in values)
-    return f'<tr data-limit="{html_text(f"{robot}/{name}")}"><td>{html_text(name)}</td>{cells}</tr>'
+def _limit_row(*cells: str) -> str:
+    return f"<tr>{''.join(f'<td>{html_text(cell)}</td>' for cell in cells)}</tr>"
 
 
 def _rows(rows: Sequence[ActiveRow], loads: Sequence[LoadPoint] | None, sample: int) -> str:

@@ -43,7 +43,7 @@ def save_choices(
 
     Args:
         given: What was given.
-        choices: The choices.
+        choices: What was changed since.
         cell_name: Of the cell file, without a folder.
         motion_name: Of the motion file; empty leaves it out.
         overwrite: Whether files that exist may be replaced.
@@ -135,10 +135,6 @@ def _numbers(cell: Cell) -> Array:
 
 def motion_text(given: Given, choices: Choices) -> tuple[str, str]:
     """The original text with the edited ends; where that does not read back to the motion, a text written anew.
-
-    Args:
-        given: With a motion that is described by poses, and its file.
-        choices: The choices.
 
     Returns:
         The text, and a remark, empty where there is none.

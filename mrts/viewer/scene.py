@@ -15,7 +15,7 @@ from mrts.cell.cell import Cell
 from mrts.plots.labels import shortened
 from mrts.scaling.result import ScalingResult
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
-from mrts.scene.cell_shapes import name_place
+from mrts.scene.cell_shapes import contact_forces, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
 from mrts.scene.held_body import HeldBody, held_body, object_edges
 from mrts.scene.scene import (
@@ -217,7 +217,8 @@ class ViewerScene:
         """Draw a state at one of its samples, or between two while it plays."""
         moment = self._course.moment(place)
         self._drawn.move(moment)
-        contacts = moment.contacts(blended(state.trajectory.wrench, place))
+        wrench = blended(state.trajectory.wrench, place)
+        contacts = contact_forces(moment.cell, moment.position, moment.rotation, wrench)
         points = (contacts.point - moment.position) @ moment.rotation
         forces, moments = contacts.force @ moment.rotation, contacts.moment @ moment.rotation
         self._forces.points = self._arrows(points, forces * self.metres_per_newton)
@@ -284,11 +285,7 @@ class ViewerScene:
         self._fitted = {client_id: fitted for client_id, fitted in self._fitted.items() if client_id in clients}
 
     def look_beside(self, offset: Array) -> None:
-        """Have in view what stands beside the cell too, unless somebody moved the view.
-
-        Args:
-            offset: From the cell to it, level in the picture, Shape (3,) [m]; zero looks at the cell alone.
-        """
+        """Have in view what stands beside it too, at an offset, Shape (3,) [m], unless somebody moved the view."""
         alone = self._alone
         self._view = replace(alone, points=np.concatenate([alone.points, alone.points + offset]))
         self._look()

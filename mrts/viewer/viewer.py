@@ -260,9 +260,11 @@ class Viewer:
         return self.bench is not None and (self.bench.waits or (self._changes is not None and self._changes.unsettled))
 
     def close(self) -> None:
-        """Let the workbench answer nothing more; the server stays."""
+        """Let the workbench answer nothing more, and end a film; the server stays."""
         if self.bench is not None:
             self.bench.close()
+        if self.films is not None:
+            self.films.close()
 
     def _follow_choices(self, elapsed: float) -> None:
         if (bench := self.bench) is None:

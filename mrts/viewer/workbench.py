@@ -5,7 +5,7 @@ One thread finds them, one at a time. An answer that takes long comes twice, coa
 ends work on the whole one, and is answered between two configurations that are being ranked.
 """
 
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -15,6 +15,7 @@ from time import perf_counter
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
+from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
 from mrts.scene.scene import Scene
@@ -76,6 +77,7 @@ def find_answer(given: Given, choices: Choices, progress: Progress, *, coarse: b
 
     A coarse answer has few samples and keeps limits at these alone.
     """
+    motion: ObjectMotion | JointTable | None = None
     try:
         cell, motion = choices.cell(given), choices.motion(given, COARSE_SAMPLES if coarse else None)
         if given.stands and isinstance(motion, ObjectMotion):
@@ -97,14 +99,8 @@ def find_answer(given: Given, choices: Choices, progress: Progress, *, coarse: b
     return Answer(choices, state, coarse=coarse)
 
 
-@dataclass(frozen=True, eq=False)
-class _Request:
-    choices: Choices
-    speed: float | None
-
-
-class _Superseded(Exception):  # noqa: N818 (no error: nobody waits for it any more)
-    """Work that something newer ends."""
+_Request = tuple[Choices, float | None]
+"""Choices, and the speed that they are to be played at; each by its identity."""
 
 
 class Workbench:
@@ -211,7 +207,7 @@ class Workbench:
         Args:
             speed: To play at, the nearest on offer; None is the first choice.
         """
-        self._request = _Request(self.choices, speed)
+        self._request = (self.choices, speed)
         self._jobs.append(self._worker.submit(self._answer, self._request))
 
     def rank(self) -> None:
@@ -276,21 +272,21 @@ class Workbench:
         """Find the answer to a request that is the newest, and not answered yet."""
         if request is not self._request or request is self._answered:
             return
-        coarse = self._whole_took.get(request.choices.profile, QUICK) >= QUICK
+        coarse = self._whole_took.get(request[0].profile, QUICK) >= QUICK
         found = self._found(request, lambda _done, _total: None, coarse=coarse)
         self._ready.put((request, found))
         if found.coarse and request is self._request:
 
             def progress(_done: int, _total: int) -> None:
                 if request is not self._request:
-                    raise _Superseded
+                    raise CancelledError
 
-            with suppress(_Superseded):
+            with suppress(CancelledError):
                 self._ready.put((request, self._found(request, progress, coarse=False)))
         self._answered = request
 
     def _found(self, request: _Request, progress: Progress, *, coarse: bool) -> Answer:
-        known, choices = self._known, request.choices
+        known, (choices, speed) = self._known, request
         if known.state is None or known.choices is not choices or (known.coarse and not coarse):
             begin = perf_counter()
             known = self._known = find_answer(self.given, choices, progress, coarse=coarse)
@@ -299,7 +295,7 @@ class Workbench:
             if not coarse:
                 self._whole_took[choices.profile] = perf_counter() - begin
         speeds = known.state.speeds
-        c = speeds.start if request.speed is None else min(max(request.speed, speeds.lower), speeds.upper)
+        c = speeds.start if speed is None else min(max(speed, speeds.lower), speeds.upper)
         if speeds.c2(c) == known.state.trajectory.c2:
             return known
         try:
@@ -312,7 +308,7 @@ class Workbench:
             while (request := self._request) is not None and request is not self._answered:
                 self._answer(request)
             if self._ranking is not choices:
-                raise _Superseded
+                raise CancelledError
             self._ranked = done, total
 
         try:
@@ -323,7 +319,7 @@ class Workbench:
             self._ready.put((None, study))
         except MrtsError as error:
             self._ready.put((None, error))
-        except _Superseded:
+        except CancelledError:
             pass
         finally:
             if self._ranking is choices:

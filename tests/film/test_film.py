@@ -20,6 +20,7 @@ from mrts.film.frames import KIND_COLOURS, Composition
 from mrts.film.renderer import Clip, SceneRenderer
 from mrts.plots.limit_shares import limit_shares
 from mrts.scene.arm_meshes import ArmMesh
+from mrts.scene.cell_shapes import contact_forces
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.scene.scene import FORCE, OBJECT, OVER_LIMIT, PACES, arm_colour, suited_pace
 
@@ -129,16 +130,9 @@ def test_a_picture_has_arms_object_forces_and_lines_of_each_limit(clips, tmp_pat
     plots = picture[-150:]
     for place, _ in enumerate(limit_shares(clips[1].trajectory)):
         colour = tuple(int(KIND_COLOURS[place][at : at + 2], 16) for at in (1, 3, 5))
-        assert np.mean(np.all(np.abs(plots - colour) < ALIKE, axis=2)) > 0.0005
+        for part in (plots[:-30], plots[-30:]):  # its line, and its name
+            assert np.mean(np.all(np.abs(part - colour) < ALIKE, axis=2)) > 0.0005
     assert {path.name for path in tmp_path.iterdir()} == {"moment.png"}
-
-
-@pytest.mark.quick
-def test_clips_stand_before_their_start_and_after_their_end(clips):
-    clip = clips[1]
-    last = len(clip.trajectory.time) - 1
-    assert [clip.place(time) for time in (-1.0, 0.0, 1e3)] == [0.0, 0.0, last]
-    assert clip.place(float(clip.trajectory.time[40])) == pytest.approx(40)
 
 
 def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
@@ -150,7 +144,8 @@ def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
     for number, line in enumerate(moment.lines):
         elbow = seen(camera, (line[2:3] + line[3:4]) / 2)[0].astype(int)
         assert where(picture, arm_colour(number))[elbow[1] - 2 : elbow[1] + 3, elbow[0] - 2 : elbow[0] + 3].any()
-    contacts = moment.contacts(clip.trajectory.wrench[round(clip.place(time))])
+    wrench = clip.trajectory.wrench[round(clip.place(time))]
+    contacts = contact_forces(dual_ur5, moment.position, moment.rotation, wrench)
     force = where(picture, FORCE)
     for share, is_seen in ((0.9, True), (1.2, False)):
         for right, down in seen(camera, contacts.point + share * scale * contacts.force).astype(int):
@@ -192,6 +187,7 @@ def test_titles_are_smaller_rather_than_cut_and_cut_only_at_last(lifted):
         assert not np.any((ink > half - 6) & (ink < half + 6)), title
 
 
+@pytest.mark.quick
 def test_what_cannot_be_a_film_is_told(clips, tmp_path, monkeypatch):
     for name in ("lift.avi", "lift"):
         with pytest.raises(mrts.InputError, match=r"\.gif or \.mp4"):

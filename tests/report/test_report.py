@@ -24,8 +24,10 @@ from mrts.plots.plotly_drawer import MOST_SAMPLES, plotly_figure
 from mrts.plots.trajectory_plots import torque_plots
 from mrts.plots.what_if_plot import MOST_BARS, what_if_plot
 from mrts.report import report_html
+from mrts.report.player import player
 from mrts.report.tables import changes_in_words, changes_left_out, duty_table, rates_table
 from mrts.scaling.limit_use import limit_uses, used_shares
+from mrts.scene.cell_shapes import contact_forces
 
 FILES = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
 UR5 = DATA.parent / "dual_ur5"
@@ -81,6 +83,24 @@ def test_plots_hold_the_numbers_of_the_result(dual_ur5, spatial):
     assert plots["plot-energy"]["data"][-1]["y"][-1] == pytest.approx(found.trajectory.energy, rel=1e-5)
 
 
+def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, spatial):
+    shown, carried = player(spatial), spatial.motion.object
+    ((_, coordinates),) = [
+        pair for pair in zip(shown["data"], shown["frames"], strict=False) if pair[0]["name"] == "force on the object"
+    ]
+    line = np.stack([np.array(coordinates[axis], dtype=float) for axis in "xyz"], axis=-1)
+    arrows = line.reshape(spatial.motion.samples, 2, 10, 3)
+    found = contact_forces(dual_ur5, carried.position, carried.rotation, spatial.trajectory.wrench)
+    shaft = arrows[:, :, 1] - arrows[:, :, 0]
+    scale = np.max(np.linalg.norm(shaft, axis=-1)) / shown["largest_force"]
+    np.testing.assert_allclose(arrows[:, :, 0], found.point, atol=2 * DRAWN)
+    np.testing.assert_allclose(shaft, scale * found.force, atol=4 * DRAWN)
+    barbs = arrows[:, :, [2, 4, 6, 8]] - arrows[:, :, [1]]
+    np.testing.assert_allclose(np.mean(barbs, axis=2), -0.25 * shaft, atol=4 * DRAWN)  # about the shaft
+    sizes = np.linalg.norm(barbs, axis=-1) / np.linalg.norm(shaft, axis=-1, keepdims=True)
+    np.testing.assert_allclose(sizes, np.hypot(0.25, 0.125), rtol=1e-3)
+
+
 @pytest.mark.quick
 def test_the_text_says_what_was_given_and_found(planar_cell, lift, lifted):
     text = report_html(lifted)
@@ -98,6 +118,9 @@ def test_the_text_says_what_was_given_and_found(planar_cell, lift, lifted):
     assert "these limits conflict" in infeasible
     uncertain = report_html(mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift))
     assert "<td>mass 3 kg</td>" in uncertain
+    here = {"xyz": lift.position[0].tolist()}
+    still = mrts.MotionDescription(start=here, end=here, duration=1.0, profile="quintic", samples=11)
+    assert "<td>nothing limits it</td>" in report_html(mrts.scale(planar_cell, mrts.sample_motion(still)))
     slow = tuple(replace(robot, velocity_limit=np.full(3, 0.1)) for robot in planar_cell.robots)
     too_fast = replace(planar_cell, robots=slow).without_velocity_limits()
     assert "its limit is 0.1 rad/s" in report_html(mrts.scale(too_fast, lift))
@@ -130,13 +153,6 @@ def test_the_same_result_gives_the_same_bytes(lifted, tmp_path):
     command = [sys.executable, "-m", "mrts", "scale", *FILES, "--report", str(target)]
     subprocess.run(command, check=True, env=os.environ | {"PYTHONHASHSEED": "1"}, capture_output=True)
     assert target.read_text(encoding="utf-8") == report_html(lifted)
-
-
-def test_a_result_without_a_trajectory_is_reported_when_the_speed_is_refused(tmp_path, capsys):
-    target = tmp_path / "report.html"
-    assert main(["scale", *FILES, "--c2", "100", "--report", str(target)]) == 2
-    assert "outside the admissible range" in capsys.readouterr().err
-    assert set(data_of(target.read_text(encoding="utf-8"))["plots"]) == {"plot-c2-range"}
 
 
 @pytest.mark.quick
@@ -220,17 +236,6 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
     orange = cells.z == cells.names.index("at the limit where the speed is set")
     names, _ = used_shares(lifted.trajectory)
     assert [bool(row.any()) for row in orange] == [True] * len(end.rows) + [False] * (len(names) - len(end.rows))
-
-
-def test_where_a_velocity_sets_the_speed_torques_and_wrenches_are_at_their_limits_through_the_distribution(spatial):
-    found = spatial
-    (fastest,) = {row.name for row in found.range.upper.rows}
-    assert fastest.kind == "velocity"
-    told = limiting_rows(found, None)
-    assert set(told.setting) == {fastest}
-    names, _ = used_shares(found.trajectory)
-    assert {names[place] for place in np.flatnonzero(told.forced.any(axis=0))} == {fastest}
-    assert set(told.reached.values()) <= {"reached through the distribution"}
 
 
 def test_positions_and_velocities_have_their_limits_and_percentages(planar_cell, lift):

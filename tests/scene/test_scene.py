@@ -134,7 +134,6 @@ def test_the_joint_that_decides_stands_out(dual_ur5, turned):
 @pytest.mark.quick
 def test_a_drawn_arm_ends_at_its_grasp_and_forces_carry_the_object(dual_ur5, turned):
     cell, motion, given = dual_ur5, turned.motion, turned.motion.object
-    total = 0
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         line = joint_points(robot, motion.q[:, joints])
         assert line.shape == (motion.samples, len(robot.joints) + 2, 3)
@@ -143,7 +142,7 @@ def test_a_drawn_arm_ends_at_its_grasp_and_forces_carry_the_object(dual_ur5, tur
         np.testing.assert_allclose(line[:, -1], grasp, atol=1e-8)
         lengths = np.linalg.norm(np.diff(line, axis=1), axis=2)
         np.testing.assert_allclose(lengths, np.tile(lengths[0], (motion.samples, 1)), atol=1e-12)
-        total += contact_forces(cell, robot, given.position, given.rotation, turned.wrench[robot.name]).force
+    total = np.sum(contact_forces(cell, given.position, given.rotation, turned.trajectory.wrench).force, axis=1)
     acceleration = turned.trajectory.c2 * given.acceleration[:, :3]
     np.testing.assert_allclose(total, cell.mass * (acceleration - cell.gravity), atol=1e-8)
 

@@ -199,6 +199,7 @@ def test_it_opens_at_the_moment_that_decides(spatial):
 def test_a_cell_alone_has_nothing_to_play_and_shows_gaps(planar_cell, monkeypatch, capsys):
     with shown_viewer(Given(planar_cell, still_motion(planar_cell), stands=True)) as viewer:
         assert not any(viewer.controls[name].visible for name in ("speed c", "time [s]", "Play"))
+        assert "<td>elbow</td><td>[-80, 80] N m</td>" in viewer.shown._limits.content  # noqa: SLF001 (what the page shows)
         base = planar_cell.robots[0].T_world_base
         far = RigidTransform(base.R, base.p - np.array([0.0, 3.0, 0.0]))
         viewer.bench.edit(viewer.bench.choices.with_pose(Place("base", "left"), far))
@@ -274,10 +275,11 @@ def assert_links_join(viewer, robot, line):
     seen = 0
     for number, part in enumerate(bars(robot, (1, 2, 3))):
         slides = (*robot.joint_types, "tip")[part.body] == "prismatic"
-        if part.marks or slides:
-            continue
         frame = drawn(viewer, f"/arms/{robot.name}/body{part.body}")
         mesh = drawn(viewer, f"/arms/{robot.name}/body{part.body}/mesh{number}")
+        assert np.isfinite(mesh.vertices).all()
+        if part.marks or slides:
+            continue
         middle = turned(frame) @ np.mean(mesh.vertices, axis=0) + frame.position
         between = line[part.body : part.body + 2]
         is_ball = number == 0

@@ -6,11 +6,8 @@ import subprocess
 import sys
 from contextlib import contextmanager
 
-import numpy as np
 import pytest
 from headless_browser import running_chromium
-
-from mrts.scene.cell_view import FIELD_OF_VIEW
 
 SECONDS = 60
 SIZE = {"width": 1200, "height": 700}
@@ -64,12 +61,3 @@ def open_page(browser, url):
         yield page
     finally:
         page.close()
-
-
-def in_picture(view, points, aspect):
-    """Where points are on the picture, from -1 to 1 to either side."""
-    camera = view.camera(aspect)
-    away = (points - camera.position) @ camera.axes.T
-    assert np.min(away[:, 2]) > 0
-    edge = np.tan(FIELD_OF_VIEW / 2) * away[:, 2]
-    return away[:, 0] / edge / aspect, away[:, 1] / edge
