@@ -22,12 +22,12 @@ from mrts_codegen.object_shape import build_shape
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
-from mrts_codegen.urdf.shared_joints import check_machines, root_in_base
-from mrts_codegen.urdf.urdf_file import Urdf, parse_urdf
-from mrts_codegen.urdf.urdf_joint import NO_LIMIT
+from mrts_codegen.urdf.shared_joints import check_machines
+from mrts_codegen.urdf.urdf_file import parse_urdf
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
+from mrts.base.formats.urdf import NO_LIMIT, Urdf
 from mrts.base.load_box import LoadBox, load_vector
 from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, WRENCH_UNITS, ChainsRecord
 from mrts.base.remark import Remark
@@ -35,7 +35,7 @@ from mrts.base.version import __version__
 from mrts.cell.hands.kinds import wrench_bounds
 from mrts.cell.motors.joint_motors import given_torque_limits
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
-from mrts.cell.robot import Robot, RobotSource
+from mrts.cell.robot import Robot
 
 logger = logging.getLogger("mrts")
 
@@ -172,7 +172,7 @@ def build_robot(
             rule = f"must have {len(joints)} values, one for each of {', '.join(joints)}."
             raise InputError(path, rule, key=f"{key}.posture", value=robot.posture)
     with mistakes.noted():
-        torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model)
+        torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model.joints)
         motors, of_motors = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     with mistakes.noted():
         wrench_lower, wrench_upper = wrench_bounds(path, f"{key}.wrench", bounds.lower, bounds.upper, components)
@@ -193,16 +193,11 @@ def build_robot(
         torque_upper=torque_upper,
         wrench_lower=wrench_lower,
         wrench_upper=wrench_upper,
-        source=RobotSource(
+        source=model.source(
             urdf=robot.urdf,
             xacro_args=dict(reference.xacro_args),
             sha256=hashlib.sha256(content).hexdigest(),
-            base_link=model.base_link,
-            tip_link=model.tip_link,
             fixed=dict(robot.fixed),
-            T_base_root=root_in_base(urdf_path, urdf, model.base_link, held),
-            carried_mass=tuple(joint.body.mass for joint in model.joints),
-            point_links=tuple(joint.point_links for joint in model.joints),
             effort=(*torque_upper.tolist(),) if robot.torque is None else None,
             friction=None if given_friction else ((*motors.coulomb.tolist(),), (*motors.viscous.tolist(),)),
         ),
@@ -216,29 +211,21 @@ def build_robot(
 
 
 def _torque_limits(
-    path: Path, urdf_path: Path, key: str, robot: RobotDescription, model: RobotModel
+    path: Path, urdf_path: Path, key: str, robot: RobotDescription, joints: tuple[Joint, ...]
 ) -> tuple[Array, Array]:
-    joints = [joint.name for joint in model.joints]
-    if robot.torque is None:
-        mistakes = Mistakes()
-        for joint in model.joints:
-            with mistakes.noted():
-                _check_effort(path, urdf_path, robot, joint, joints)
-        mistakes.raise_noted()
-        upper = np.array([joint.effort for joint in model.joints], dtype=float)
-        return -upper, upper
-    return given_torque_limits(path, f"{key}.torque", robot.torque, joints)
-
-
-def _check_effort(path: Path, urdf_path: Path, robot: RobotDescription, joint: Joint, joints: list[str]) -> None:
-    if joint.effort is None or not 0 < joint.effort < NO_LIMIT:
-        raise InputError(
-            urdf_path,
-            f"its effort limit is {'missing or 0' if joint.effort is None else joint.effort}, which says "
-            f"nothing about the motor. Give 'torque: [{', '.join(joints)}]' in N m for robot "
-            f"'{robot.name}' in {path.name}.",
-            key=f"joint '{joint.name}'",
-        )
+    names, mistakes = [joint.name for joint in joints], Mistakes()
+    if robot.torque is not None:
+        return given_torque_limits(path, f"{key}.torque", robot.torque, names)
+    for joint in joints:
+        if not 0 < joint.effort < NO_LIMIT:
+            rule = (
+                f"its effort limit is {joint.effort or 'missing or 0'}, which says nothing about the motor. Give "
+                f"'torque: [{', '.join(names)}]' in N m for robot '{robot.name}' in {path.name}."
+            )
+            mistakes.add(InputError(urdf_path, rule, key=f"joint '{joint.name}'"))
+    mistakes.raise_noted()
+    upper = np.array([joint.effort for joint in joints])
+    return -upper, upper
 
 
 def _contact_rate(given: list[float | None] | None, components: tuple[str, ...]) -> Array:

@@ -33,7 +33,8 @@ class FileReference:
         """Where the file is."""
         if is_uri(self.text):
             return file_of_uri(cell_path, self.text, folder / cell_path.name, key=self.key)
-        return folder / self.text
+        given = folder / self.text
+        return given.parent.resolve() / given.name if ".." in given.parts and "\0" not in self.text else given
 
     def content(self, cell_path: Path, folder: Path) -> bytes:
         """The file's bytes; of a xacro, the URDF that it becomes with all that it includes."""

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 from mrts_codegen.cell_file import INERTIA_TOLERANCE, inertia_problem, triangle_excess
-from mrts_codegen.urdf.urdf_file import Link
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.formats.urdf import Link
 from mrts.base.remark import NEAREST_INERTIA, Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
 
@@ -59,8 +59,7 @@ class Inertia:
 
 def is_point(link: Link) -> bool:
     """Whether a link of a URDF has a mass but no extent: no moment of inertia of its own."""
-    body = link.inertial
-    return body is not None and body.mass > 0 and bool(np.max(np.abs(body.inertia)) <= body.mass * POINT_RADIUS**2)
+    return link.mass > 0 and bool(np.max(np.abs(link.inertia)) <= link.mass * POINT_RADIUS**2)
 
 
 def nearest_inertia(inertia: Array) -> Array:
@@ -81,42 +80,41 @@ def link_inertia(path: Path, link: Link, remarks: list[Remark], *, lenient: bool
 
     What is let pass is added to `remarks`; `lenient` moves an inertia that no body has to the nearest that one has.
     """
-    inertial = link.inertial
-    if inertial is None:
-        return Inertia.zero()
-    if inertial.mass < 0:
-        raise InputError(path, "must be >= 0 kg.", key=f"link '{link.name}' mass", value=inertial.mass)
-    if inertial.mass == 0:
-        if np.any(inertial.inertia):
+    if link.mass < 0:
+        raise InputError(path, "must be >= 0 kg.", key=f"link '{link.name}' mass", value=link.mass)
+    if link.mass == 0:
+        if np.any(link.inertia):
             text = f"{path.name}: link '{link.name}' has an inertia but no mass; it counts as a frame without a body."
             remarks.append(Remark("massless-inertia", text))
         return Inertia.zero()
-    T_link_com = inertial.origin
-    if is_point(link):
-        return Inertia(inertial.mass, np.zeros(3), np.zeros((3, 3))).seen_from(T_link_com)
-    if lenient and inertia_problem(inertial.inertia, rods=True):
-        nearest = nearest_inertia(inertial.inertia)
+    inertia = np.zeros((3, 3)) if is_point(link) else link.inertia
+    if lenient and inertia_problem(inertia, rods=True) and np.any(inertia):
+        inertia = nearest_inertia(inertia)
         given, taken = (
-            ", ".join(f"{moment:.6g}" for moment in np.linalg.eigvalsh(of)) for of in (inertial.inertia, nearest)
+            ", ".join(f"{moment:.6g}" for moment in np.linalg.eigvalsh(of)) for of in (link.inertia, inertia)
         )
         text = (
             f"{path.name}: no body has the principal moments of link '{link.name}', {given} kg m²; the nearest "
             f"that one has are taken, {taken} kg m²."
         )
         remarks.append(Remark(NEAREST_INERTIA, text))
-        return Inertia(inertial.mass, np.zeros(3), nearest).seen_from(T_link_com)
-    problem = inertia_problem(inertial.inertia, triangle=TRIANGLE_MARGIN, rods=True)
+    elif np.any(inertia):
+        _check_inertia(path, link, remarks)
+    return Inertia(link.mass, np.zeros(3), inertia).seen_from(link.origin)
+
+
+def _check_inertia(path: Path, link: Link, remarks: list[Remark]) -> None:
+    problem = inertia_problem(link.inertia, triangle=TRIANGLE_MARGIN, rods=True)
     if problem:
         advice = (
             f"Correct it in the URDF; a moment {100 * TRIANGLE_MARGIN:g} % beyond the sum of the others passes. Or "
             "give 'inertia: lenient' in the cell file: then it is moved to the nearest that a body has."
         )
         raise InputError(path, f"{problem} {advice}", key=f"link '{link.name}' inertia")
-    excess = triangle_excess(inertial.inertia)
+    excess = triangle_excess(link.inertia)
     if excess > INERTIA_TOLERANCE:
         text = (
             f"{path.name}: the largest principal moment of link '{link.name}' exceeds the sum of the others by "
             f"{100 * excess:.2g} %, which no body's does; it is taken as it is."
         )
         remarks.append(Remark("inertia-triangle", text))
-    return Inertia(inertial.mass, np.zeros(3), inertial.inertia).seen_from(T_link_com)

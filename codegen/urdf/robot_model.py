@@ -1,61 +1,36 @@
 # SPDX-License-Identifier: MIT
 """One arm as a chain of moving bodies, taken from a URDF."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from mrts_codegen.urdf.link_inertia import Inertia, is_point, link_inertia
-from mrts_codegen.urdf.urdf_file import Urdf, UrdfJoint
-from mrts_codegen.urdf.urdf_joint import (
-    MOVING_TYPES,
-    friction,
-    joint_pose,
-    position_limits,
-    unit_axis,
-    velocity_limit,
-)
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
+from mrts.base.formats.urdf import Urdf, UrdfJoint
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
+from mrts.cell.robot import RobotSource
 
 
-@dataclass(frozen=True, kw_only=True)
-class Joint:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Joint(UrdfJoint):
     """A moving joint and the body behind it.
 
     Attributes:
-        name: Name in the URDF.
-        kind: Turns or slides.
-        axis: Unit vector in the joint's own frame, Shape (3,).
         placement: Joint frame at position 0 in the frame of the joint before (the base for the first).
         body: All links that this joint carries up to the next chain joint, joint frame.
-        lower: Position limit, minus infinity if none [rad or m].
-        upper: Position limit, infinity if none [rad or m].
-        effort: Largest torque or force as the URDF gives it, None if it says nothing or 0 [N m or N].
-        velocity: Largest velocity from the URDF, None if it says nothing [rad/s or m/s].
-        coulomb: Dry friction from the URDF, 0 if it says nothing [N m or N].
-        viscous: Likewise what grows with the velocity [N m s/rad or N s/m].
         placed_by_held: Whether the placement depends on where held joints stand.
         laden_by_held: Whether the body does.
         point_links: Of the body's links those that have a mass but no extent.
     """
 
-    name: str
-    kind: Literal["revolute", "prismatic"]
-    axis: Array
     placement: RigidTransform
     body: Inertia
-    lower: float
-    upper: float
-    effort: float | None
-    velocity: float | None
-    coulomb: float
-    viscous: float
     placed_by_held: bool
     laden_by_held: bool
     point_links: tuple[str, ...]
@@ -71,6 +46,7 @@ class RobotModel:
         joints: Moving joints from base to tip.
         tip: Tip frame in the last joint's frame (the base frame if nothing moves).
         tip_by_held: Whether it depends on where held joints stand.
+        T_base_root: Root of the URDF in the base link, joints in between held or at zero.
         remarks: What to know of the links that it carries.
     """
 
@@ -79,6 +55,7 @@ class RobotModel:
     joints: tuple[Joint, ...]
     tip: RigidTransform
     tip_by_held: bool
+    T_base_root: RigidTransform
     remarks: tuple[Remark, ...] = ()
 
     def held_numbers(self) -> Array:
@@ -108,9 +85,20 @@ class RobotModel:
             "T_base_tip": tip,
             "position_lower": np.array([joint.lower for joint in self.joints]),
             "position_upper": np.array([joint.upper for joint in self.joints]),
-            "velocity_limit": np.array([np.inf if joint.velocity is None else joint.velocity for joint in self.joints]),
+            "velocity_limit": np.array([joint.velocity for joint in self.joints]),
             "held_numbers": self.held_numbers(),
         }
+
+    def source(self, **of_file: Any) -> RobotSource:
+        """Where the chain is from, with what the cell file says of it."""
+        return RobotSource(
+            base_link=self.base_link,
+            tip_link=self.tip_link,
+            T_base_root=self.T_base_root,
+            carried_mass=tuple(joint.body.mass for joint in self.joints),
+            point_links=tuple(joint.point_links for joint in self.joints),
+            **of_file,
+        )
 
     def zero_frames(self) -> list[RigidTransform]:
         """Joint frames, then the tip, in the base frame with every joint at zero."""
@@ -131,14 +119,11 @@ def build_robot_model(
 ) -> RobotModel:
     """The chain from a base link (None: the root) to a tip link; joints off it that are not held stay at zero."""
     held = held or {}
-    links = {link.name: link for link in urdf.links}
-    check_tree(path, links, urdf.joints)
-    base_link = base_link or next(name for name in links if all(joint.child != name for joint in urdf.joints))
+    base_link = base_link or urdf.root
     chain = _chain(path, urdf, base_link, tip_link)
-    moving = [joint for joint in chain if joint.type in MOVING_TYPES and joint.name not in held]
-    stops = {joint.child for joint in moving}
+    stops = {joint.child for joint in chain if joint.moves and joint.name not in held}
     hanging: dict[str, list[UrdfJoint]] = {}
-    for joint in urdf.joints:
+    for joint in urdf.joints.values():
         hanging.setdefault(joint.parent, []).append(joint)
     mistakes, remarks = Mistakes(), list[Remark]()
 
@@ -147,43 +132,32 @@ def build_robot_model(
         total, by_held, points = Inertia.zero(), False, list[str]()
         pending = [(first, RigidTransform.identity())]
         while pending:
-            link, T_body_link = pending.pop()
+            name, T_body_link = pending.pop()
+            link = urdf.links[name]
             with mistakes.noted():
-                total = total + link_inertia(path, links[link], remarks, lenient=lenient).seen_from(T_body_link)
-                points += [link] if is_point(links[link]) else []
-            below = [joint for joint in hanging.get(link, []) if joint.child not in stops]
+                total = total + link_inertia(path, link, remarks, lenient=lenient).seen_from(T_body_link)
+                points += [name] if is_point(link) else []
+            below = [joint for joint in hanging.get(name, []) if joint.child not in stops]
             by_held |= any(joint.name in held for joint in below)
-            pending += [
-                (joint.child, T_body_link @ joint_pose(path, joint, held.get(joint.name, 0.0))) for joint in below
-            ]
+            pending += [(joint.child, T_body_link @ joint.pose(held.get(joint.name, 0.0))) for joint in below]
         return total, by_held, tuple(points)
 
     joints = []
     placement, placed_by_held = RigidTransform.identity(), False
     for joint in chain:
         with mistakes.noted():
-            moves = joint.child in stops
-            _check_kind(path, joint, moves=moves)
-            placement = placement @ joint_pose(path, joint, held.get(joint.name, 0.0))
+            _check_kind(path, joint, moves=joint.child in stops)
+            placement = placement @ joint.pose(held.get(joint.name, 0.0))
             placed_by_held |= joint.name in held
-            if not moves:
+            if joint.child not in stops:
                 continue
             body, laden_by_held, point_links = carried(joint.child)
-            lower, upper = position_limits(path, joint)
-            coulomb, viscous = friction(path, joint)
+            joint.check(path)
             joints.append(
                 Joint(
-                    name=joint.name,
-                    kind="prismatic" if joint.type == "prismatic" else "revolute",
-                    axis=unit_axis(path, joint),
+                    **vars(joint),
                     placement=placement,
                     body=body,
-                    lower=lower,
-                    upper=upper,
-                    effort=joint.effort or None,
-                    velocity=velocity_limit(path, joint),
-                    coulomb=coulomb,
-                    viscous=viscous,
                     placed_by_held=placed_by_held,
                     laden_by_held=laden_by_held,
                     point_links=point_links,
@@ -199,30 +173,36 @@ def build_robot_model(
         joints=tuple(joints),
         tip=placement,
         tip_by_held=placed_by_held,
-        remarks=(*remarks, *_follower_remarks(path, urdf.joints, moving)),
+        T_base_root=root_in_base(urdf, base_link, held),
+        remarks=(*remarks, *_follower_remarks(path, urdf, joints)),
     )
 
 
-def _follower_remarks(path: Path, joints: Sequence[UrdfJoint], moving: list[UrdfJoint]) -> Iterator[Remark]:
+def root_in_base(urdf: Urdf, base_link: str, held: Mapping[str, float]) -> RigidTransform:
+    """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero."""
+    T = RigidTransform.identity()
+    for joint in urdf.joints_to(base_link):
+        T = T @ joint.pose(held.get(joint.name, 0.0))
+    return T.inverse()
+
+
+def _follower_remarks(path: Path, urdf: Urdf, moving: list[Joint]) -> Iterator[Remark]:
     """Joints off the chain that follow one of it: the model leaves them at zero."""
+    followers = [joint for joint in urdf.joints.values() if joint.mimic]
     for leader in moving:
-        followers = [f"'{joint.name}'" for joint in joints if joint.mimic and joint.mimic.joint == leader.name]
-        if followers:
+        names = [f"'{joint.name}'" for joint in followers if joint.mimic and joint.mimic.joint == leader.name]
+        if names:
             yield Remark(
                 "follower-at-zero",
-                f"{path.name}: {', '.join(followers)} would move with joint '{leader.name}' of the chain, but what is "
+                f"{path.name}: {', '.join(names)} would move with joint '{leader.name}' of the chain, but what is "
                 "off the chain is taken to stay at zero.",
             )
 
 
 def _check_kind(path: Path, joint: UrdfJoint, *, moves: bool) -> None:
-    if joint.type not in {*MOVING_TYPES, "fixed"}:
-        raise InputError(
-            path,
-            f"a joint on the chain must be one of {', '.join(MOVING_TYPES)}, fixed.",
-            key=f"joint '{joint.name}' type",
-            value=joint.type,
-        )
+    if not joint.moves and joint.type != "fixed":
+        rule = "a joint on the chain must be one of revolute, continuous, prismatic, fixed."
+        raise InputError(path, rule, key=f"joint '{joint.name}' type", value=joint.type)
     if moves and joint.mimic is not None:
         raise InputError(
             path,
@@ -233,34 +213,12 @@ def _check_kind(path: Path, joint: UrdfJoint, *, moves: bool) -> None:
 
 
 def _chain(path: Path, urdf: Urdf, base_link: str, tip_link: str) -> list[UrdfJoint]:
-    links = [link.name for link in urdf.links]
     for key, name in (("base_link", base_link), ("tip_link", tip_link)):
-        if name not in links:
-            raise InputError(path, f"there is no such link. Its links are: {', '.join(links)}.", key=key, value=name)
+        if name not in urdf.links:
+            rule = f"there is no such link. Its links are: {', '.join(urdf.links)}."
+            raise InputError(path, rule, key=key, value=name)
     joints = urdf.joints_to(tip_link)
     place = [tip_link, *(joint.parent for joint in reversed(joints))]
     if base_link not in place:
         raise InputError(path, f"is not below base_link '{base_link}'.", key="tip_link", value=tip_link)
     return joints[len(joints) - place.index(base_link) :]
-
-
-def check_tree(path: Path, links: Mapping[str, Any], joints: Sequence[UrdfJoint]) -> None:
-    """Check that joints make a tree of links."""
-    parents: dict[str, str] = {}
-    for joint in joints:
-        for end in (joint.parent, joint.child):
-            if end not in links:
-                raise InputError(path, f"names a link '{end}' that is not there.", key=f"joint '{joint.name}'")
-        if joint.child in parents:
-            raise InputError(path, "hangs from two joints; a URDF must be a tree.", key=f"link '{joint.child}'")
-        parents[joint.child] = joint.parent
-    first_walk: dict[str, str] = {}  # through each link, by the link where it began
-    for start in links:
-        link = start
-        while link not in first_walk:
-            first_walk[link] = start
-            link = parents.get(link, link)
-        if first_walk[link] == start and link in parents:
-            raise InputError(path, "the joints form a loop; a URDF must be a tree.", key=f"link '{link}'")
-    if not links:
-        raise InputError(path, "has no <link>.")

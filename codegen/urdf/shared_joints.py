@@ -6,8 +6,7 @@ from itertools import combinations, permutations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrts_codegen.urdf.urdf_file import Urdf
-from mrts_codegen.urdf.urdf_joint import MOVING_TYPES, joint_pose
+from mrts_codegen.urdf.robot_model import root_in_base
 
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import SAME_PLACE, RigidTransform, in_one_place
@@ -33,14 +32,6 @@ def check_machines(path: Path, arms: Sequence["BuiltRobot"]) -> tuple[tuple[str,
     return tuple(machines)
 
 
-def root_in_base(path: Path, urdf: Urdf, base_link: str, held: Mapping[str, float]) -> RigidTransform:
-    """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero."""
-    T = RigidTransform.identity()
-    for joint in urdf.joints_to(base_link):
-        T = T @ joint_pose(path, joint, held.get(joint.name, 0.0))
-    return T.inverse()
-
-
 def _moving(arm: "BuiltRobot") -> dict[str, float]:
     return dict(zip(arm.robot.joints, arm.robot.posture.tolist(), strict=True))
 
@@ -48,14 +39,13 @@ def _moving(arm: "BuiltRobot") -> dict[str, float]:
 def _still(arm: "BuiltRobot") -> set[str]:
     """Joints that could move, but are taken to stand still by an arm."""
     below = arm.urdf.joints_to(arm.model.tip_link)
-    names = {joint.name for joint in below if joint.type in MOVING_TYPES}
+    names = {joint.name for joint in below if joint.moves}
     return names.union(arm.robot.held).difference(arm.robot.joints)
 
 
 def _root(arm: "BuiltRobot", positions: Mapping[str, float]) -> RigidTransform:
     """Root of the URDF in the world, where the joints up to the base link stand at given positions."""
-    robot = arm.robot
-    return robot.T_world_base @ root_in_base(Path(robot.source.urdf), arm.urdf, arm.model.base_link, positions)
+    return arm.robot.T_world_base @ root_in_base(arm.urdf, arm.model.base_link, positions)
 
 
 def _of_one_machine(first: "BuiltRobot", second: "BuiltRobot") -> bool:
@@ -73,7 +63,7 @@ def _check_pair(path: Path, first: "BuiltRobot", second: "BuiltRobot") -> None:
         same = f"robots {names} are one and the same arm: one URDF, one place, the same joints."
         raise InputError(path, f"{same} Give each its own 'base'.", key="robots")
     if shared:
-        last = next(joint.child for joint in first.urdf.joints if joint.name == shared[-1])
+        last = next(joint.child for joint in first.urdf.joints.values() if joint.name == shared[-1])
         held = ", ".join(f"{name}: POSITION" for name in shared)
         raise InputError(
             path,

@@ -5,17 +5,17 @@ Document types are refused (entity bombs), and a missing mass or a missing entry
 default. Libraries that read URDFs import all that draws them first: 1 s of each first use of a cell.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, nan
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from lxml import etree
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
+from mrts.base.formats.urdf import NO_LIMIT, Link, Mimic, Urdf, UrdfJoint
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER, text_of
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy, snap_rotation
 
@@ -33,83 +33,14 @@ INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 """Attributes of <inertia>."""
 
 
-@dataclass(frozen=True)
-class Inertial:
-    """Mass [kg], inertia about the com in the axes of the origin, Shape (3, 3) [kg m²], and its place in the link."""
-
-    mass: float
-    inertia: Array
-    origin: RigidTransform
-
-
-class Link(NamedTuple):
-    """A link; inertial is None where it says nothing of mass."""
-
-    name: str
-    inertial: Inertial | None
-
-
-class Mimic(NamedTuple):
-    """That a joint stands at multiplier times the position of another, plus offset."""
-
-    joint: str
-    multiplier: float
-    offset: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class UrdfJoint:
-    """A joint; a limit is None where the URDF says nothing, friction and damping are then 0.
-
-    Attributes:
-        name: Its own.
-        type: Of `JOINT_TYPES`.
-        parent: Link that it hangs from.
-        child: Link that hangs from it.
-        origin: Frame of the child in the parent, at position zero.
-        axis: As given, of any length, Shape (3,).
-        lower: [rad or m].
-        upper: [rad or m].
-        velocity: [rad/s or m/s].
-        effort: [N m or N].
-        friction: [N m or N].
-        damping: [N m s/rad or N s/m].
-        mimic: What it follows.
-    """
-
-    name: str
-    type: str
-    parent: str
-    child: str
-    origin: RigidTransform
-    axis: Array
-    lower: float | None
-    upper: float | None
-    velocity: float | None
-    effort: float | None
-    friction: float
-    damping: float
-    mimic: Mimic | None
-
-
-class Urdf(NamedTuple):
-    """All links and joints, in the order of the file."""
-
-    links: tuple[Link, ...]
-    joints: tuple[UrdfJoint, ...]
-
-    def joints_to(self, link: str) -> list[UrdfJoint]:
-        """Joints from the root to a link."""
-        above = {joint.child: joint for joint in self.joints}
-        joints: list[UrdfJoint] = []
-        while link in above:
-            joints.insert(0, above[link])
-            link = joints[0].parent
-        return joints
-
-
 def parse_urdf(path: Path, content: bytes) -> Urdf:
     """Parse a URDF."""
+    links, joints = parse_parts(path, content)
+    return Urdf(_root_of_tree(path, links, joints), links, {joint.child: joint for joint in joints})
+
+
+def parse_parts(path: Path, content: bytes) -> tuple[dict[str, Link], list[UrdfJoint]]:
+    """Links and joints of a URDF, which need not make a tree."""
     return _parsed(path, text_of(path, "URDF", content))
 
 
@@ -120,21 +51,45 @@ def mesh_names(path: Path, content: bytes) -> list[str]:
 
 
 @lru_cache(maxsize=FILES_KEPT)
-def _parsed(path: Path, text: str) -> Urdf:
+def _parsed(path: Path, text: str) -> tuple[dict[str, Link], list[UrdfJoint]]:
     root = _parse(path, text)
     if root.tag != "robot":
         raise InputError(path, "is not a URDF: its root element must be <robot>.", value=root.tag)
     _check_names_differ(path, root)
     mistakes = Mistakes()
-    links, joints = [], []
+    links, joints = {}, []
     for link in root.findall("link"):
         with mistakes.noted():
-            links.append(_link(path, link))
+            read = _link(path, link)
+            links[read.name] = read
     for joint in root.findall("joint"):
         with mistakes.noted():
             joints.append(_joint(path, joint))
     mistakes.raise_noted()
-    return Urdf(tuple(links), tuple(joints))
+    return links, joints
+
+
+def _root_of_tree(path: Path, links: dict[str, Link], joints: list[UrdfJoint]) -> str:
+    """The link that hangs from no joint; an error unless joints make a tree of links."""
+    parents: dict[str, str] = {}
+    for joint in joints:
+        for end in (joint.parent, joint.child):
+            if end not in links:
+                raise InputError(path, f"names a link '{end}' that is not there.", key=f"joint '{joint.name}'")
+        if joint.child in parents:
+            raise InputError(path, "hangs from two joints; a URDF must be a tree.", key=f"link '{joint.child}'")
+        parents[joint.child] = joint.parent
+    first_walk: dict[str, str] = {}  # through each link, by the link where it began
+    for start in links:
+        link = start
+        while link not in first_walk:
+            first_walk[link] = start
+            link = parents.get(link, link)
+        if first_walk[link] == start and link in parents:
+            raise InputError(path, "the joints form a loop; a URDF must be a tree.", key=f"link '{link}'")
+    if not links:
+        raise InputError(path, "has no <link>.")
+    return next(link for link in links if link not in parents)
 
 
 def _parse(path: Path, text: str) -> Any:
@@ -163,7 +118,7 @@ def _link(path: Path, link: Any) -> Link:
     where = f"link '{name}'"
     inertial = _only(path, where, link, "inertial")
     if inertial is None:
-        return Link(name, None)
+        return Link(name, 0.0, np.zeros((3, 3)), RigidTransform.identity())
     mass, inertia = (_only(path, where, inertial, tag) for tag in ("mass", "inertia"))
     if mass is None or mass.get("value") is None:
         raise InputError(path, "its <inertial> needs <mass value=…> in kg.", key=where)
@@ -173,7 +128,7 @@ def _link(path: Path, link: Any) -> Link:
         _check_numbers(path, where, child)
     xx, xy, xz, yy, yz, zz = (float(inertia.get(key)) for key in INERTIA_KEYS)
     matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return Link(name, Inertial(float(mass.get("value")), matrix, _origin(inertial)))
+    return Link(name, float(mass.get("value")), matrix, _origin(inertial))
 
 
 def _joint(path: Path, joint: Any) -> UrdfJoint:
@@ -189,28 +144,36 @@ def _joint(path: Path, joint: Any) -> UrdfJoint:
             _check_numbers(path, where, child)
         elif tag in {"parent", "child"}:
             raise InputError(path, f"a <{tag} link=…> element is needed.", key=where)
-    axis, limit, mimic, dynamics = (parts[tag] for tag in ("axis", "limit", "mimic", "dynamics"))
     parent, below = (_attribute(path, parts[tag], "link", where) for tag in ("parent", "child"))
-    followed = None
-    if mimic is not None:
-        leader = _attribute(path, mimic, "joint", f"{where}, <mimic>")
-        followed = Mimic(leader, float(mimic.get("multiplier", 1)), float(mimic.get("offset", 0)))
-    limits = {} if limit is None else dict(limit.attrib)
-    damped = {} if dynamics is None else dict(dynamics.attrib)
+
+    def number(tag: str, key: str, default: float = 0.0) -> float:
+        return default if parts[tag] is None else float(parts[tag].get(key, default))
+
+    def limit(key: str, none: float) -> float:
+        given = number("limit", key, none)
+        return none if abs(given) >= NO_LIMIT else given
+
+    mimic = None
+    if parts["mimic"] is not None:
+        leader = _attribute(path, parts["mimic"], "joint", f"{where}, <mimic>")
+        mimic = Mimic(leader, number("mimic", "multiplier", 1.0), number("mimic", "offset"))
+    axis = _vector(None if parts["axis"] is None else parts["axis"].get("xyz"), (1.0, 0.0, 0.0))
+    length = float(np.sqrt(sum(axis * axis)))
+    endless = kind == "continuous"
     return UrdfJoint(
         name=name,
         type=kind,
         parent=parent,
         child=below,
         origin=_origin(joint),
-        axis=_vector(None if axis is None else axis.get("xyz"), (1.0, 0.0, 0.0)),
-        lower=float(limits["lower"]) if "lower" in limits else None,
-        upper=float(limits["upper"]) if "upper" in limits else None,
-        velocity=float(limits["velocity"]) if "velocity" in limits else None,
-        effort=float(limits["effort"]) if "effort" in limits else None,
-        friction=float(damped.get("friction", 0)),
-        damping=float(damped.get("damping", 0)),
-        mimic=followed,
+        axis=axis / length if 0 < length < inf else np.zeros(3),
+        lower=-inf if endless else limit("lower", -inf),
+        upper=inf if endless else limit("upper", inf),
+        velocity=limit("velocity", inf) or inf,
+        effort=number("limit", "effort"),
+        coulomb=number("dynamics", "friction"),
+        viscous=number("dynamics", "damping"),
+        mimic=mimic,
     )
 
 

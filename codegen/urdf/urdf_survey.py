@@ -6,51 +6,30 @@ from pathlib import Path
 
 import numpy as np
 from mrts_codegen.urdf.link_inertia import link_inertia
-from mrts_codegen.urdf.robot_model import build_robot_model, check_tree
-from mrts_codegen.urdf.shared_joints import root_in_base
-from mrts_codegen.urdf.urdf_file import Urdf
-from mrts_codegen.urdf.urdf_joint import (
-    MOVING_TYPES,
-    NO_LIMIT,
-    friction,
-    position_limits,
-    unit_axis,
-    velocity_limit,
-)
+from mrts_codegen.urdf.robot_model import build_robot_model
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.formats.urdf_tree import JointEnds, UrdfTree
+from mrts.base.formats.urdf import NO_LIMIT, Link, Urdf, UrdfJoint
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.motors.joint_motors import JointMotors
-from mrts.cell.robot import Robot, RobotSource
+from mrts.cell.robot import Robot
 
 
-def urdf_mistakes(path: Path, urdf: Urdf) -> tuple[tuple[InputError, ...], tuple[Remark, ...]]:
-    """What breaks a rule in the joints and the masses of a URDF, on any chain or none, and what is let pass."""
+def urdf_mistakes(
+    path: Path, links: dict[str, Link], joints: list[UrdfJoint]
+) -> tuple[tuple[InputError, ...], tuple[Remark, ...]]:
+    """What breaks a rule in the masses and the joints of a URDF, on any chain or none, and what is let pass."""
     mistakes, remarks = Mistakes(), list[Remark]()
-    with mistakes.noted():
-        check_tree(path, {link.name: link for link in urdf.links}, urdf.joints)
-    for link in urdf.links:
+    for link in links.values():
         with mistakes.noted():
             link_inertia(path, link, remarks)
-    for joint in urdf.joints:
-        for rule in (unit_axis, position_limits, velocity_limit, friction) if joint.type in MOVING_TYPES else ():
-            with mistakes.noted():
-                rule(path, joint)
+    for joint in joints:
+        with mistakes.noted():
+            if joint.moves:
+                joint.check(path)
     return tuple(mistakes.found), tuple(remarks)
-
-
-def urdf_tree(path: Path, urdf: Urdf) -> UrdfTree:
-    """Links and joints of a URDF."""
-    links = tuple(link.name for link in urdf.links)
-    check_tree(path, dict.fromkeys(links), urdf.joints)
-    joints = {
-        joint.child: JointEnds(joint.name, joint.type, joint.parent, joint.child, joint.mimic is not None)
-        for joint in urdf.joints
-    }
-    return UrdfTree(next(link for link in links if link not in joints), links, joints)
 
 
 def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:
@@ -61,9 +40,8 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> t
         base frame with every joint at zero, Shape (n, 3) [m].
     """
     model = build_robot_model(path, urdf, base_link, tip_link)
-    efforts = [joint.effort or np.inf for joint in model.joints]
-    effort = np.array([value if 0 < value < NO_LIMIT else np.inf for value in efforts])
-    friction = {name: tuple(getattr(joint, name) for joint in model.joints) for name in ("coulomb", "viscous")}
+    effort = np.array([joint.effort if 0 < joint.effort < NO_LIMIT else np.inf for joint in model.joints])
+    coulomb, viscous = (tuple(getattr(joint, name) for joint in model.joints) for name in ("coulomb", "viscous"))
     robot = Robot(
         name=tip_link,
         **model.of_robot(),
@@ -74,25 +52,16 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> t
         torque_upper=effort,
         wrench_lower=np.full(6, -np.inf),
         wrench_upper=np.full(6, np.inf),
-        source=RobotSource(
+        source=model.source(
             urdf=str(path),
             xacro_args={},
             sha256="",
-            base_link=model.base_link,
-            tip_link=model.tip_link,
             fixed={},
-            T_base_root=root_in_base(path, urdf, model.base_link, {}),
-            carried_mass=tuple(joint.body.mass for joint in model.joints),
-            point_links=tuple(joint.point_links for joint in model.joints),
             effort=(*effort.tolist(),),
-            friction=(friction["coulomb"], friction["viscous"]),
+            friction=(coulomb, viscous),
         ),
         held={},
-        motors=replace(
-            JointMotors.unknown(len(effort)),
-            coulomb=np.array(friction["coulomb"]),
-            viscous=np.array(friction["viscous"]),
-        ),
+        motors=replace(JointMotors.unknown(len(effort)), coulomb=np.array(coulomb), viscous=np.array(viscous)),
         contacts=(),
         contact_rate=np.full(6, np.inf),
     )

@@ -14,51 +14,30 @@ Progress = Callable[[int, int], None]
 """Told how many of how many pieces of work are done."""
 
 WORDS = {
-    "Cell": "a cell, as from mrts.load_cell",
-    "ClosureBound": "a ClosureBound, such as mrts.ClosureBound(2e-3, 5e-3)",
-    "CellFunctions": "the functions of a cell from mrts.load_cell",
-    "Contact": "a contact, as from mrts.pad_contact",
-    "CoordinatedMotion": "motion of the whole cell, as from mrts.follow_object",
-    "JointTable": "a table of joint motion, as from mrts.load_motion",
-    "LoadBox": "a mrts.LoadBox",
-    "LoadSharing": "a LoadSharing (LoadSharing() is the equal one)",
     "Mapping": "a dictionary",
-    "MotionDescription": "a mrts.MotionDescription",
     "NoneType": "None",
-    "ObjectMotion": "motion of the object, as from mrts.load_motion",
     "PathLike": "a Path",
-    "Remark": "a remark, as of a cell",
-    "RetimingResult": "one of mrts.retime",
-    "Robot": "a robot, as from mrts.load_cell",
-    "RobotSource": "that of a robot from mrts.load_cell",
-    "ScalingResult": "a result of mrts.scale",
-    "Study": "a study, as from mrts.read_study",
     "bool": "True or False",
     "float": "a number",
     "int": "a whole number",
-    "integer": "one of numpy",
     "str": "text",
 }
-"""What a type is called in a message."""
+"""What types that are not ours are called in a message."""
 
 
 def check_type(name: str, value: object, *kinds: type) -> None:
-    """Check what an argument is.
-
-    Args:
-        name: Of the argument.
-        value: What was given.
-        *kinds: Types that it may have; a truth value counts as no number.
-
-    Raises:
-        InputError: If it is something else.
-    """
+    """Check what an argument is."""
     if isinstance(value, kinds) and (bool in kinds or not isinstance(value, bool)):
         return
-    *others, last = (WORDS.get(kind.__name__, kind.__name__) for kind in kinds)
+    *others, last = map(_type_name, kinds)
     allowed = f"{', '.join(others)} or {last}" if others else last
     given = "None" if value is None else f"of type {type(value).__name__}"
-    raise InputError(name, f"must be {allowed}; it is {given}.", value=value)
+    inside = " Give its `retimed`." if isinstance(getattr(value, "retimed", None), kinds) else ""
+    raise InputError(name, f"must be {allowed}; it is {given}.{inside}", value=value)
+
+
+def _type_name(kind: type) -> str:
+    return WORDS.get(kind.__name__, f"of type {kind.__name__}")
 
 
 def is_number(value: object, low: float = -inf, high: float = inf) -> bool:
@@ -75,7 +54,7 @@ def is_number(value: object, low: float = -inf, high: float = inf) -> bool:
 def check_list(name: str, value: object, kind: type) -> None:
     """Check that an argument is a list or tuple of values of one type."""
     if not isinstance(value, list | tuple) or not all(isinstance(each, kind) for each in value):
-        raise InputError(name, f"must be a tuple, each of it {WORDS[kind.__name__]}.", value=value)
+        raise InputError(name, f"must be a tuple, each of it {_type_name(kind)}.", value=value)
 
 
 def check_callable(name: str, value: object) -> None:

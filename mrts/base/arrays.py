@@ -59,12 +59,10 @@ def cross(first: Array, second: Array) -> Array:
 
 
 def median(values: Array) -> float:
-    """The median of numbers, Shape (N,), N at least 1: the same as numpy's, without its handling of axes."""
+    """The median of numbers, Shape (N,), N at least 1; numpy's imports numpy.ma, a tenth of a start."""
     middle = len(values) // 2
-    if len(values) % 2:
-        return float(np.partition(values, middle)[middle])
     ordered = np.partition(values, (middle - 1, middle))
-    return float((ordered[middle - 1] + ordered[middle]) / 2)
+    return float(ordered[middle] if len(values) % 2 else (ordered[middle - 1] + ordered[middle]) / 2)
 
 
 def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *, finite: bool) -> None:

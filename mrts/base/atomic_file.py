@@ -99,7 +99,6 @@ def check_writable(path: Path) -> None:
 
 
 def _resolved(path: Path) -> Path:
-    """The path without links."""
     try:
         return path.resolve()
     except (OSError, RuntimeError, ValueError) as error:
@@ -112,7 +111,6 @@ def _is_special(path: Path) -> bool:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Say of which output the system complains."""
     try:
         yield
     except MrtsError:
@@ -146,7 +144,6 @@ def _made(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def _temporary_file(path: Path) -> Iterator[Path]:
-    """An empty file beside `path`, gone at the end unless it was renamed."""
     if path.is_dir():
         raise InputError(path, "cannot be written: it is a folder; name a file.")
     with _made(path.parent):
@@ -159,7 +156,6 @@ def _temporary_file(path: Path) -> Iterator[Path]:
 
 
 def _fill(temporary: Path, write: Write, *, private: bool) -> None:
-    """Fill a temporary file, with the rights that a new file gets."""
     write(temporary)
     umask = os.umask(0)
     os.umask(umask)

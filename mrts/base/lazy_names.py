@@ -9,12 +9,7 @@ from typing import Any
 def lazy_names(
     package: str, names: Mapping[str, str]
 ) -> tuple[list[str], Callable[[str], Any], Callable[[], list[str]]]:
-    """`__all__`, `__getattr__` and `__dir__` of a package.
-
-    Args:
-        package: Its name.
-        names: Those that each of its modules defines, with spaces between them.
-    """
+    """`__all__`, `__getattr__` and `__dir__` of a package."""
     homes = {name: f"{package}.{module}" for module, defined in names.items() for name in defined.split()}
 
     def attribute(name: str) -> Any:

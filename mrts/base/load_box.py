@@ -56,14 +56,8 @@ class LoadPoint:
     load: Array
 
     def __str__(self) -> str:
-        words = []
-        for name, value in self.parameters.items():
-            if name == "mass":
-                words.append(f"mass {self.load[0]:.4g} kg")
-            elif name in FACTORS:
-                words.append(f"{name} × {value:.4g}")
-            else:
-                words.append(f"{name} {value:.4g} {UNITS[name]}")
+        mass = float(self.load[0])
+        words = [_in_words(name, mass if name == "mass" else value) for name, value in self.parameters.items()]
         return ", ".join(words) or "the nominal load"
 
     def to_json(self) -> dict[str, Any]:
@@ -138,7 +132,8 @@ class LoadBox:
                 raise InputError("load", f"is not a parameter of this box; those are {known}.", key=name, value=value)
             low, high = self.ranges[name]
             if not is_number(value, low, high):
-                rule = f"must be a number in [{low:g}, {high:g}]{_meaning(name, self.mass, low, high)}."
+                what = " of the nominal value" if name in FACTORS else f" {UNITS[name]}"
+                rule = f"must be a number in [{low:g}, {high:g}]{what}: {self.description()}."
                 raise InputError("load", rule, key=name, value=value)
         values = self._inside() | dict(parameters)
         return self._load(values, values)
@@ -167,16 +162,11 @@ class LoadBox:
             if name not in self.ranges:
                 known = ", ".join(self.ranges)
                 raise InputError("varying", f"is not a parameter of this box; those are {known}.", value=name)
-        choices: list[list[tuple[float, float]]] = []
-        for name in names:
-            low, high = self.ranges[name]
-            pairs = [(low, low), (low, high), (high, high)] if name in OFFSETS else [(low, low), (high, high)]
-            choices.append(pairs)
         corners = []
-        for corner in product(*choices):
-            first = self._inside() | {name: pair[0] for name, pair in zip(names, corner, strict=True)}
-            second = self._inside() | {name: pair[1] for name, pair in zip(names, corner, strict=True)}
-            means = {name: (first[name] + second[name]) / 2 for name in names}
+        for ends in product(*([(0, 0), (0, 1), (1, 1)] if name in OFFSETS else [(0, 0), (1, 1)] for name in names)):
+            pairs = {name: [self.ranges[name][end] for end in pair] for name, pair in zip(names, ends, strict=True)}
+            first, second = (self._inside() | {name: pair[k] for name, pair in pairs.items()} for k in (0, 1))
+            means = {name: (low + high) / 2 for name, (low, high) in pairs.items()}
             corners.append(LoadPoint(means, self._load(first, second)))
         return tuple(corners)
 
@@ -203,14 +193,11 @@ class LoadBox:
 
     def description(self) -> str:
         """The ranges in words, such as `mass 0.1 … 3 kg, izz × 0.5 … 2`."""
-        words = []
-        for name, (low, high) in self.ranges.items():
-            if name == "mass":
-                words.append(f"mass {low * self.mass:.4g} … {high * self.mass:.4g} kg")
-            else:
-                sign, unit = ("× ", "") if name in FACTORS else ("", f" {UNITS[name]}")
-                words.append(f"{name} {sign}{low:.4g} … {high:.4g}{unit}")
-        return ", ".join(words)
+        scale = {"mass": self.mass}
+        ends = {
+            name: (low * scale.get(name, 1), high * scale.get(name, 1)) for name, (low, high) in self.ranges.items()
+        }
+        return ", ".join(_in_words(name, *pair) for name, pair in ends.items())
 
     def _inside(self) -> dict[str, float]:
         limits = {name: self.ranges.get(name, (value, value)) for name, value in NOMINAL.items()}
@@ -229,25 +216,22 @@ class LoadBox:
         return load_vector(mass, mass * mean + [first[name] for name in FIRST_MOMENTS], inertia)
 
 
-def load_vector(mass: float, first_moment: Array, inertia: Array) -> Array:
-    """The load in the layout `LOAD_ENTRIES`, Shape (10,).
+def _in_words(name: str, *values: float) -> str:
+    """A parameter at a value, or from one to another; a mass in kg."""
+    shown = " … ".join(f"{value:.4g}" for value in values)
+    if name in FACTORS and name != "mass":
+        return f"{name} × {shown}"
+    return f"{name} {shown} {UNITS[name] or 'kg'}"
 
-    Args:
-        mass: [kg].
-        first_moment: mass × com, object axes, Shape (3,) [kg m].
-        inertia: About the object frame's origin, object axes, Shape (3, 3) [kg m²].
-    """
+
+def load_vector(mass: float, first_moment: Array, inertia: Array) -> Array:
+    """The load in the layout `LOAD_ENTRIES`, Shape (10,)."""
     off_diagonal = [inertia[0, 1], inertia[0, 2], inertia[1, 2]]
     return np.array([mass, *first_moment, *np.diag(inertia), *off_diagonal], dtype=np.float64)
 
 
 def range_problem(ranges: Mapping[str, tuple[float, float]], *, outer_hull: bool) -> str:
-    """The rule that some ranges break, in a sentence; empty if they break none.
-
-    Args:
-        ranges: Least and largest value by parameter.
-        outer_hull: Whether ranges of the com's offset are admitted.
-    """
+    """The rule that some ranges break, in a sentence; empty if they break none."""
     if not ranges:
         return f"needs at least one range, of {', '.join(PARAMETERS)}."
     for name, pair in ranges.items():
@@ -283,19 +267,8 @@ def _one_range_problem(name: str, pair: Any) -> str:
     return f"{name} = [{low:g}, {high:g}]: {broken}." if broken else ""
 
 
-def _meaning(name: str, mass: float, low: float, high: float) -> str:
-    """What the number of a parameter is, behind its range."""
-    if name == "mass":
-        return f": it is a factor of the nominal mass, {mass:g} kg, so {low * mass:g} to {high * mass:g} kg"
-    return ": it is a factor of the nominal principal moment" if name in FACTORS else f" {UNITS[name]}"
-
-
 def principal_axes(inertia: Array) -> Array:
-    """The principal axes nearest to the object's axes, columns of a rotation, Shape (3, 3).
-
-    Args:
-        inertia: Symmetric, Shape (3, 3) [kg m²].
-    """
+    """The principal axes nearest to the object's axes, columns of a rotation, Shape (3, 3)."""
     moments, vectors = np.linalg.eigh(inertia)
     best = -np.inf
     axes = vectors

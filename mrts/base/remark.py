@@ -38,6 +38,11 @@ class Remark:
         """A likely mistake."""
         return Remark(code, text, severity="hint")
 
+    @staticmethod
+    def assumed(code: str, text: str) -> "Remark":
+        """What is taken for granted."""
+        return Remark(code, text, severity="assumption")
+
     def __str__(self) -> str:
         return f"warning: {printable(self.text)}"
 

@@ -96,7 +96,6 @@ def rotations_from_rpy(rpy: Array) -> Array:
 
 
 def _turned(cr: Any, sr: Any, cp: Any, sp: Any, cy: Any, sy: Any) -> Array:
-    """From cosines and sines of roll, pitch and yaw, numbers or arrays; rows and columns are the first two axes."""
     R = np.array(
         [
             [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -209,26 +208,14 @@ def tilt(R: Array, plane: str) -> float:
 
 
 def base_leaves(plane: str, R_world_base: Array) -> str:
-    """The rule that a base of a planar cell breaks; empty if it stays in the plane.
-
-    Args:
-        plane: Of the cell.
-        R_world_base: Rotation of the base in the world, Shape (3, 3).
-    """
+    """The rule that a base of a planar cell breaks; empty if it stays in the plane."""
     if tilt(R_world_base, plane) <= PLANE_TOLERANCE:
         return ""
     return f"in a cell with plane {plane} a base may turn about the plane's normal only."
 
 
 def grasp_leaves(plane: str, R_object_tip: Array, R_base_tip: Array, tip: str) -> str:
-    """The rule that a grasp of a planar cell breaks; empty if it stays in the plane.
-
-    Args:
-        plane: Of the cell.
-        R_object_tip: Rotation of the tip in the object, Shape (3, 3).
-        R_base_tip: Rotation of the tip in the base with every joint at zero, Shape (3, 3).
-        tip: Name of the tip link.
-    """
+    """The rule that a grasp of a planar cell breaks, every joint at zero; empty if it stays in the plane."""
     R_base_object = multiply(R_base_tip, R_object_tip.T)
     if tilt(R_base_object, plane) <= PLANE_TOLERANCE:
         return ""

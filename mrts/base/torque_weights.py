@@ -14,10 +14,6 @@ def weights_by_limits(lower: Array, upper: Array) -> Array:
 
     Within `WEIGHT_SPREAD` about the middle limit: neither a placeholder nor a joint that may do nothing makes all
     others weigh alike.
-
-    Args:
-        lower: Of torques, Shape (m,) [N m or N]; infinite sides are no limit.
-        upper: Likewise.
     """
     limit = np.maximum(np.abs(lower), np.abs(upper))
     known = np.sort(limit[np.isfinite(limit) & (limit > 0)])

@@ -99,9 +99,6 @@ def yaml_text(value: Any) -> str:
 def parse_yaml(text: str) -> Any:
     """Value of a YAML text.
 
-    Args:
-        text: From a file of at most `MAX_YAML_BYTES`.
-
     Raises:
         ValueError: If it is not YAML, or too much of it; the message ends the sentence "this file …".
     """

@@ -177,7 +177,6 @@ class CellChange:
         return np.array([self.step if name == self.element else 0.0 for name in names])
 
     def _moved(self, pose: RigidTransform) -> RigidTransform:
-        """A pose shifted along, or turned about its origin around an axis of the frame that it is in."""
         step = np.array([self.step if self.element[-1] == axis else 0.0 for axis in AXES])
         if self.unit == "m":
             return RigidTransform(pose.R, pose.p + step)
@@ -235,7 +234,6 @@ _OF_OBJECT = ("linear", "angular")
 
 
 def _axes(cell: Cell) -> tuple[list[str], list[str]]:
-    """Axes along and around which a pose of this cell moves: in a plane two and one."""
     forces, moments = ([name[1] for name in cell.wrench_components if name[0] == first] for first in "fn")
     return forces, moments
 

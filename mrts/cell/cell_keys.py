@@ -17,7 +17,6 @@ from mrts.base.formats.package_uri import is_uri
 from mrts.base.formats.pose import Angle, Pose, Positive, Vector3
 from mrts.base.formats.record import checked, dumped
 from mrts.base.input_file import plain
-from mrts.base.load_box import load_vector
 from mrts.base.remark import NEAREST_INERTIA
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
@@ -153,7 +152,6 @@ def _places(cell: Cell, keys: dict[str, Any], paths: Iterable[str]) -> dict[str,
 
 
 def _of_robot(cell: Cell, robot: Robot, key: str, value: Any) -> dict[str, Any]:
-    """Attributes of a robot that a key of the cell file gives."""
     where = f"robot '{robot.name}'"
     if key in POSES:
         return {POSES[key]: value if isinstance(value, RigidTransform) else _given(where, key, value, Pose).transform}
@@ -178,19 +176,37 @@ def cell_text(cell: Cell, path: Path | str | None) -> str:
     """See `mrts.Cell.to_yaml`."""
     target = None if path is None else as_path("path", path)
     where = Path(f"cell '{cell.name}'")
-    _refuse_what_no_file_holds(where, cell)
-    assert cell.folder is not None  # noqa: S101 (refused above)
+    for key, rule in _NOT_IN_FILES.items():
+        if getattr(cell, key) != getattr(Cell, key):
+            raise InputError(where, rule, key=key)
+    if cell.folder is None:
+        rule = (
+            "it is not known where its URDFs are, because it was read from generated files or a saved result. Read its "
+            "cell file: mrts.load_cell(path)."
+        )
+        raise InputError(where, rule, key="folder")
     try:
         beside = None if target is None else target.resolve().parent
     except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL
         raise InputError("path", "is no path of a file.", value=str(path)) from None
     text = yaml_text(_written(cell, cell.folder, beside))
-    read = described_model(parse_yaml(text), beside or cell.folder, str(where)).record
+    model = described_model(parse_yaml(text), beside or cell.folder, str(where))
     robots = tuple(replace(robot, source=_source_now(robot)) for robot in cell.robots)
-    _check_same(where, replace(cell, robots=robots), read)
+    _check_same(where, replace(cell, robots=robots), model.record)
     if target is not None:
+        files = (reference.path(where, target.resolve().parent) for reference in model.description.references)
+        if any(file.resolve() == target.resolve() for file in files):
+            raise InputError(target, "is a file that the cell names, its URDF or mesh. Choose another name.")
         write_text_atomically(target, text)
     return text
+
+
+_NOT_IN_FILES = {
+    "reserve": "a cell file holds no reserve: write cell.with_reserve(0), and give the reserve to what is asked of it.",
+    "limits": "a cell file holds no functions: write cell.with_limits(), and give them to the cell that is read.",
+    "enforces_velocity_limits": "a cell file cannot leave velocity limits out: write the cell before "
+    "without_velocity_limits().",
+}
 
 
 def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
@@ -235,40 +251,6 @@ def _known(value: Any) -> Any:
     return {key: each for key, each in said.items() if each is not None} or None
 
 
-def _refuse_what_no_file_holds(where: Path, cell: Cell) -> None:
-    moments = cell.load[1:4]
-    if cell.reserve:
-        rule = "a cell file holds no reserve: write cell.with_reserve(0), and give the reserve to what is asked of it."
-        raise InputError(where, rule, key="reserve", value=cell.reserve)
-    if cell.limits:
-        rule = "a cell file holds no functions: write cell.with_limits(), and give them to the cell that is read."
-        raise InputError(where, rule, key="limits")
-    if not cell.enforces_velocity_limits:
-        rule = "a cell file cannot leave velocity limits out: write the cell before without_velocity_limits()."
-        raise InputError(where, rule, key="enforces_velocity_limits", value=False)
-    if np.any(moments):
-        rule = "a cell file's object has its centre of mass at the origin of its frame, so it holds no first moments."
-        raise InputError(where, rule, key="load", value=moments.tolist())
-    box = cell.load_box
-    if box is not None and not np.array_equal(load_vector(box.mass, moments, box.inertia), cell.load):
-        rule = "its ranges are about another load than the cell carries. Give them anew: cell.with_variation(…)."
-        raise InputError(where, rule, key="load_box", value=box.mass)
-    if cell.folder is None:
-        rule = (
-            "it is not known where its URDFs are, because it was read from generated files or a saved result. Read its "
-            "cell file: mrts.load_cell(path)."
-        )
-        raise InputError(where, rule, key="folder")
-    for robot in cell.robots:
-        for contact in robot.contacts:
-            if contact.given is None:
-                rule = (
-                    "a cell file cannot hold a contact that was made row by row. Make it with mrts.pad_contact, "
-                    "rows_contact or their neighbours."
-                )
-                raise InputError(where, rule, key=f"robot '{robot.name}': contact '{contact.name}'")
-
-
 def manifest_of(cell: Cell) -> CellManifest:
     """The manifest of a cell as it is now."""
     manifest = cell.functions.manifest.model_copy(update={"cell": CellRecord(**cell.record())})
@@ -294,16 +276,12 @@ def _check_same(where: Path, ours: CellRecord, read: CellRecord) -> None:
         return
     key, value, found = different
     if key.endswith("sha256"):
-        what = "mesh" if key.startswith("object_shape.") else "URDF"
-        file = key.removesuffix(".sha256") if what == "mesh" else key.removesuffix("source.sha256") + "urdf"
-        raise InputError(where, f"the {what} is another one than the cell was made from.", key=file)
-    raise InputError(
-        where,
+        raise InputError(where, "this file is another one than the cell was made from.", key=key)
+    rule = (
         f"a cell file cannot hold this value, it would be read as {json.dumps(found)}: it is another one's to say (the "
-        "URDF's), or one value for several.",
-        key=key,
-        value=value,
+        "URDF's), or one value for several."
     )
+    raise InputError(where, rule, key=key, value=value)
 
 
 def _difference(ours: Any, theirs: Any, key: str = "") -> tuple[str, Any, Any] | None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
+from mrts.base.formats.record import read_json
 from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, ChainsRecord, check_source
 from mrts.cell.record import CellManifest, read_generated, verified_manifest
 from mrts.kernel.c_text import one_file
@@ -53,25 +54,14 @@ def _manifest_as_made(path: Path, described: Path) -> CellManifest | None:
     return manifest if _is_source(_source_in_cache(manifest), manifest) else None
 
 
-def described_in_cache(description: object, folder: Path) -> tuple[CellManifest, Path]:
-    """Manifest of a cell that a dictionary describes, and its C file; chains are cached.
-
-    Args:
-        description: Keys of a cell file.
-        folder: That URDFs are relative to, absolute.
-    """
-    manifest = _manifest(described_model(description, folder))
+def described_in_cache(model: Any) -> tuple[CellManifest, Path]:
+    """Manifest and C file of a cell from `described_model`; chains are cached."""
+    manifest = _manifest(model)
     return manifest, _source_in_cache(manifest)
 
 
 def described_model(description: object, folder: Path, where: str = "cell description") -> Any:
-    """A cell that a dictionary describes, with its URDFs; as in `described_in_cache`.
-
-    Args:
-        description: Keys of a cell file.
-        folder: That URDFs are relative to, absolute.
-        where: What messages call the dictionary.
-    """
+    """A cell that a dictionary describes, with its URDFs."""
     from mrts_codegen.cell_file import cell_description  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415
 
@@ -96,7 +86,7 @@ def _chains_in_cache(cell: Any) -> tuple[Path, ChainsRecord | None]:
     from mrts_codegen.content_key import chains_key  # noqa: PLC0415 (build time, on demand)
 
     folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
-    chains = _if_sound(folder / CHAINS_NAME, ChainsRecord.model_validate_json)
+    chains = _if_sound(folder / CHAINS_NAME, lambda text: ChainsRecord.model_validate(read_json(text)))
     return folder, chains if chains is not None and _is_source(folder / chains.source, chains) else None
 
 
@@ -105,7 +95,6 @@ def _source_in_cache(manifest: CellManifest) -> Path:
 
 
 def _chains_folder(key: str) -> Path:
-    """What was generated for chains, by this version of the emitter."""
     from mrts_codegen.content_key import emitter_key  # noqa: PLC0415 (build time, on demand)
 
     return cache_folder("chains", key, emitter_key())
@@ -113,11 +102,6 @@ def _chains_folder(key: str) -> Path:
 
 def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple[CellManifest, Path]:
     """Generate a cell and keep it.
-
-    Args:
-        path: The cell file.
-        folder: Where to write the C file and manifest.json; None is the cache.
-        bake: Whether gravity, bases, grasps and held joints are folded into the C; needs a folder.
 
     Returns:
         The manifest and the path of the C file.
@@ -186,7 +170,7 @@ def comes_with_tests(parts: tuple[str, ...]) -> bool:
 
 
 def symbolic_functions(description: object, folder: Path) -> dict[str, Any]:
-    """CasADi's functions of a cell by short name, to build programs of; as in `described_in_cache`."""
+    """CasADi's functions of a cell by short name, to build programs of."""
     from mrts_codegen.function_registry import build_functions  # noqa: PLC0415 (build time, on demand)
 
     functions: dict[str, Any] = build_functions(described_model(description, folder), CACHED_STEM, bake=False)

@@ -10,7 +10,13 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.regular_file import is_folder
 from mrts.cell.cell import Cell
 from mrts.cell.functions import CellFunctions, compiled_functions, uncompiled_functions
-from mrts.cell.generation import described_in_cache, generated_in_cache, motion_functions_of, read_to_generate
+from mrts.cell.generation import (
+    described_in_cache,
+    described_model,
+    generated_in_cache,
+    motion_functions_of,
+    read_to_generate,
+)
 from mrts.cell.record import read_generated
 from mrts.cell.source_files import is_generated
 
@@ -35,35 +41,21 @@ def described_cell(description: object, folder: Path | str | None) -> Cell:
     """A cell from a dictionary; see `mrts.Cell.from_description`."""
     check_type("folder", folder, str, PathLike, NoneType)
     here = (Path() if folder is None else as_path("folder", folder)).absolute()
-    return cell_of(compiled_functions(*described_in_cache(description, here)), here)
+    return cell_of(compiled_functions(*described_in_cache(described_model(description, here))), here)
 
 
 def cell_of(functions: CellFunctions, folder: Path | None = None) -> Cell:
-    """The cell that the manifest of functions describes.
-
-    Args:
-        functions: The generated functions.
-        folder: That its URDFs are relative to; None where that is not known.
-    """
+    """The cell that the manifest of functions describes."""
     return Cell(**functions.manifest.cell.record(), functions=functions, folder=folder)
 
 
 def uncompiled_cell(model: Any, folder: Path) -> Cell:
-    """A cell that can follow motions, and nothing else.
-
-    Args:
-        model: The cell with its URDFs, as from `mrts.cell.generation`.
-        folder: That its URDFs are relative to, absolute.
-    """
+    """A cell that can follow motions, and nothing else."""
     return cell_of(uncompiled_functions(*motion_functions_of(model)), folder)
 
 
 def cell_to_compile(path: Path | str) -> Cell | None:
-    """The cell of a file that would have to be generated and compiled first, as `uncompiled_cell`; None of any other.
-
-    Args:
-        path: A cell file, or a folder that `mrts generate` wrote.
-    """
+    """The cell of a file that is yet to be generated and compiled, as `uncompiled_cell`; None of any other."""
     path = as_path("path", path)
     if is_generated(path):
         return None

@@ -3,10 +3,11 @@
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
+from mrts.base.argument_types import is_number
 from mrts.cell.robot import Robot
 
 Keys = tuple[str | int, ...]
@@ -88,7 +89,7 @@ def find_keys(files: Mapping[str, Any], joints: list[int], path: str) -> Keys:
         raise PathError("the motion is a table, of which no number varies. Give it by poses to vary it.")
     here = value_at(files, keys)
     while rest:
-        if rest.startswith("[") and _is_number(here) and keys[-1] in ONE_FOR_ALL:
+        if rest.startswith("[") and is_number(here) and keys[-1] in ONE_FOR_ALL:
             robot = keys[2]
             here = [here] * joints[robot if isinstance(robot, int) else 0]
             value_at(files, keys[:-1])[keys[-1]] = here
@@ -122,7 +123,7 @@ def value_at(files: Mapping[str, Any], keys: Keys) -> Any:
 def numbers_below(files: Mapping[str, Any], keys: Keys) -> Iterator[Keys]:
     """The places of all numbers at a place and inside of it."""
     here = value_at(files, keys)
-    if _is_number(here):
+    if is_number(here):
         yield keys
     elif isinstance(here, dict):
         for key in here:
@@ -146,7 +147,6 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
 
 
 def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Sequence[str]) -> str | None:
-    """Unit of a number of a robot; None where the key alone says it."""
     index = keys[-1] if isinstance(keys[-1], int) else 0
     if inside[0] == "fixed":
         return ""
@@ -179,55 +179,28 @@ def set_value(file: dict[str, Any], keys: Keys, value: Any) -> None:
 
 
 def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[str | int, str]:
-    """The next key or index of a path, and what is left of the path after it."""
     where = path_text(files, keys) or "the cell file"
-    if isinstance(here, list):
-        return _step_into_list(here, where, rest)
     if here is None:
         raise PathError(NOTHING_THERE.format(where))
-    if not isinstance(here, dict):
-        shown = "a number" if _is_number(here) else f"'{here}'"
-        raise PathError(f"{where} is {shown}; nothing stands inside of it.")
-    if not rest.startswith("."):
-        raise PathError(f"{where} has keys, not places: {', '.join(map(str, here))}.")
-    inside = rest[1:]
-    if key := _leading_name(here, inside):
-        return key, inside[len(key) :]
-    wrong = inside.split(".")[0].split("[")[0]
-    if not here:
-        raise PathError(f"there is no '{wrong}' in {where}, which is empty: it must stand in the file first.")
-    raise PathError(f"there is no '{wrong}' in {where}{_others(wrong, here)}")
-
-
-def _step_into_list(here: list[Any], where: str, rest: str) -> tuple[int, str]:
-    named = {each["name"]: index for index, each in enumerate(here) if isinstance(each, dict) and "name" in each}
-    index = re.match(r"\[(\d{1,9})\]", rest)
-    if index:
-        place = int(index.group(1))
-        if place >= len(here):
-            most = f"{where}[0] to {where}[{len(here) - 1}]" if here else "it is empty"
-            raise PathError(f"{where} has {len(here)} values: {most}.")
-        return place, rest[index.end() :]
-    if named and rest.startswith("."):
-        inside = rest[1:]
-        if name := _leading_name(named, inside):
-            return named[name], inside[len(name) :]
-        wrong = inside.split(".", maxsplit=1)[0].split("[", maxsplit=1)[0]
-        raise PathError(f"there is no robot '{wrong}'{_others(wrong, named)}")
-    raise PathError(f"{where} is a list of {len(here)} values: name one of them, such as {where}[0].")
-
-
-def _leading_name(names: Iterable[str], path: str) -> str:
-    """The longest name that a path begins with, which may hold dots of its own; empty if it begins with none."""
+    if not isinstance(here, dict | list):
+        raise PathError(f"{where} is {here!r}; nothing stands inside of it.")
+    if isinstance(here, dict):
+        names: dict[str, str | int] = {key: key for key in here}
+        inside = "; ".join(here)
+    else:
+        names = {each["name"]: at for at, each in enumerate(here) if isinstance(each, dict) and "name" in each}
+        inside = f"{where}[0] to {where}[{len(here) - 1}]"
+        index = re.match(r"\[(\d{1,9})\]", rest)
+        if index and int(index.group(1)) < len(here):
+            return int(index.group(1)), rest[index.end() :]
+    path = rest.removeprefix(".")
+    if not here or not names or path == rest:
+        raise PathError(f"{where} has {len(here)} values: {inside}." if here else f"{where} is empty.")
     fitting = [name for name in names if path == name or path.startswith((f"{name}.", f"{name}["))]
-    return max(fitting, key=len, default="")
-
-
-def _others(wrong: str, known: Mapping[str, Any]) -> str:
-    close = difflib.get_close_matches(wrong, known, n=1)
+    if fitting:
+        name = max(fitting, key=len)  # names may hold dots
+        return names[name], path[len(name) :]
+    wrong = re.split(r"[.\[]", path)[0]
+    close = difflib.get_close_matches(wrong, names, n=1)
     hint = f"; did you mean '{close[0]}'?" if close else "."
-    return f"{hint} There are {', '.join(map(str, known))}."
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    raise PathError(f"there is no '{wrong}' in {where}{hint} There are {', '.join(names)}.")

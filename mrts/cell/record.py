@@ -175,7 +175,8 @@ class CellManifest(Manifest):
 
     def content_hash(self) -> str:
         """Hash of everything in the manifest but the hash itself."""
-        content = self.model_dump(exclude={"content_sha256"})
+        content = self.model_dump()
+        del content["content_sha256"]
         return hashlib.sha256(json.dumps(content, allow_nan=False).encode()).hexdigest()
 
     def sealed(self) -> Self:

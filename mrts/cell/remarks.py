@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a user should know of a cell: likely mistakes, numbers that look like placeholders, and what is assumed."""
 
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Iterator, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -93,54 +92,27 @@ NO_COLLISIONS = "collisions are not looked at: not of arms and hands with each o
 """Said wherever somebody could think they were: of cells that are begun, checked, or laid out."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class JointSource:
-    """One joint of a cell.
-
-    Attributes:
-        robot: Name of its arm.
-        joint: Its own.
-        unit: "rad" or "m".
-        position: Lower and upper limit, infinite where there is none [rad or m].
-        velocity: Limit of the URDF, None where there is none [rad/s or m/s].
-        torque: Lower and upper limit [N m or N].
-        torque_from: "cell file" or "URDF".
-        friction_from: "cell file", "URDF", or "none given", which counts as 0.
-        armature: Rotor inertia on the joint side [kg m² or kg], None where none is given, which counts as 0.
-        carried_mass: Of the links that it carries up to the next joint, 0 where the URDF gives none [kg].
-        point_links: Those of these links that have a mass but no inertia in the URDF.
-    """
-
-    robot: str
-    joint: str
-    unit: str
-    position: tuple[float, float]
-    velocity: float | None
-    torque: tuple[float, float]
-    torque_from: str
-    friction_from: str
-    armature: float | None
-    carried_mass: float
-    point_links: tuple[str, ...]
-
-
-JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[[JointSource], bool]], ...] = (
+JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[["Robot"], NDArray[np.bool_]]], ...] = (
     (
         "no-effort-limit",
         "no effort limit, so a cell gives 'torque'; mrts new assumes one",
-        lambda joint: joint.torque[1] == np.inf,
+        lambda robot: robot.torque_upper == np.inf,
     ),
-    ("no-velocity-limit", "no velocity limit, so none is kept", lambda joint: joint.velocity is None),
-    ("no-position-limit", "no position limit, so none is kept", lambda joint: joint.position == (-np.inf, np.inf)),
+    ("no-velocity-limit", "no velocity limit, so none is kept", lambda robot: robot.velocity_limit == np.inf),
+    (
+        "no-position-limit",
+        "no position limit, so none is kept",
+        lambda robot: (robot.position_lower == -np.inf) & (robot.position_upper == np.inf),
+    ),
     (
         "no-friction",
         "no friction given, so none counts: 'motors: {friction: …}'",
-        lambda joint: joint.friction_from == "none given",
+        lambda robot: np.array([source == "none given" for source in friction_sources(robot)]),
     ),
     (
         "no-armature",
         "no rotor inertia given, so none counts: 'motors: {armature: …}'",
-        lambda joint: joint.armature is None,
+        lambda robot: robot.motors.armature == 0,
     ),
 )
 """Code, text, and of which joints it is assumed."""
@@ -151,7 +123,6 @@ NAMES_SHOWN = 12
 
 def cell_remarks(cell: "Cell") -> Iterator[Remark]:
     """All that is to know of a cell: what its files and its numbers as they are now lead to."""
-    joints = joint_sources(cell.robots)
     placeholders = _placeholder_efforts(cell)
     units = [*_unit_remarks(cell, placeholders)]
     codes = {remark.code for remark in units}
@@ -168,36 +139,25 @@ def cell_remarks(cell: "Cell") -> Iterator[Remark]:
         )
     if TORQUE_UNIT not in codes:
         yield from _unlike_limits(cell)
-    yield from missing_masses(joints)
-    of_urdf = {joint.robot: None for joint in joints if joint.torque_from == "URDF"}
+    yield from missing_masses(cell.robots)
+    of_urdf = [robot.name for robot in cell.robots if robot.has_urdf_torque]
     if of_urdf:
         text = f"torque limits: the effort limits of the URDF ({', '.join(of_urdf)}); 'torque' gives others"
-        yield _assumed("torque-of-urdf", text)
-    yield from joint_assumptions(joints)
+        yield Remark.assumed("torque-of-urdf", text)
+    yield from joint_assumptions(cell.robots)
     yield from _assumptions(cell)
 
 
-def joint_sources(robots: "Iterable[Robot]") -> tuple[JointSource, ...]:
-    """What is known of the joints of all arms in order."""
-    return tuple(_joint_source(robot, j) for robot in robots for j in range(len(robot.joints)))
+def torque_source(robot: "Robot") -> str:
+    """Where its torque limits are from: "URDF" or "cell file"."""
+    return "URDF" if robot.has_urdf_torque else "cell file"
 
 
-def _joint_source(robot: "Robot", j: int) -> JointSource:
-    velocity, motors = float(robot.velocity_limit[j]), robot.motors
-    some = "URDF" if motors.coulomb[j] or motors.viscous[j] else "none given"
-    return JointSource(
-        robot=robot.name,
-        joint=robot.joints[j],
-        unit=robot.position_units[j],
-        position=(float(robot.position_lower[j]), float(robot.position_upper[j])),
-        velocity=velocity if np.isfinite(velocity) else None,
-        torque=(float(robot.torque_lower[j]), float(robot.torque_upper[j])),
-        torque_from=_torque_source(robot),
-        friction_from=some if robot.has_urdf_friction else "cell file",
-        armature=float(motors.armature[j]) or None,
-        carried_mass=robot.source.carried_mass[j],
-        point_links=robot.source.point_links[j],
-    )
+def friction_sources(robot: "Robot") -> list[str]:
+    """Where the friction of each joint is from: "cell file", "URDF", or "none given", which counts as 0."""
+    if not robot.has_urdf_friction:
+        return ["cell file"] * len(robot.joints)
+    return ["URDF" if some else "none given" for some in robot.motors.coulomb + robot.motors.viscous]
 
 
 def _unit_remarks(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
@@ -250,10 +210,6 @@ def arm_length(robot: "Robot") -> float:
 
 def _turning(robot: "Robot") -> NDArray[np.bool_]:
     return np.array([kind == "revolute" for kind in robot.joint_types])
-
-
-def _torque_source(robot: "Robot") -> str:
-    return "URDF" if robot.has_urdf_torque else "cell file"
 
 
 def link_lengths(robot: "Robot") -> Array:
@@ -314,14 +270,7 @@ def _lengths(cell: "Cell") -> Iterator[Remark]:
 
 
 def base_remarks(robot: "Robot", middle: Array, meant: Array, longest: float) -> Iterator[Remark]:
-    """That the base of an arm is a thousand times too far from where the arms work.
-
-    Args:
-        robot: The arm.
-        middle: Where that is, Shape (3,) [m].
-        meant: Where it would be, were the base in metres, Shape (3,) [m].
-        longest: Length of the longest arm [m].
-    """
+    """That the base of an arm is a thousand times too far from where the arms work."""
     away = float(np.linalg.norm(robot.T_world_base.p - middle))
     thousandth = float(np.linalg.norm(robot.T_world_base.p / 1000 - meant))
     if away > FAR * longest + np.linalg.norm(robot.T_object_tip.p) and thousandth < NEAR * longest:
@@ -339,7 +288,7 @@ def _torques(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
         weight = STANDARD_GRAVITY * sum(robot.source.carried_mass) * arm_length(robot)
         turning = robot.torque_upper[_turning(robot)]
         if len(turning) and weight > 0 and median(turning) > STRONG * weight:
-            source = _torque_source(robot)
+            source = torque_source(robot)
             yield Remark.hint(
                 TORQUE_UNIT,
                 f"the torque limits of robot '{robot.name}' ({source}) are around {median(turning):.4g} N m, "
@@ -390,7 +339,6 @@ def _inertia_remarks(cell: "Cell") -> Iterator[Remark]:
 
 
 def _moments(cell: "Cell", inertia: Array) -> Array:
-    """Principal moments; in a planar cell that about the normal alone, which is all that counts there."""
     if cell.plane is None:
         return np.asarray(np.linalg.eigvalsh(inertia))
     normal = {"yz": 0, "xz": 1, "xy": 2}[cell.plane]
@@ -427,7 +375,6 @@ def _half_sides(shape: "ShapeRecord") -> Array:
 
 
 def _placeholder_efforts(cell: "Cell") -> dict[str, float]:
-    """Names of the arms whose efforts look like placeholders, and the effort [N m]."""
     found = {}
     for robot in cell.robots:
         efforts = robot.torque_upper[_turning(robot)].tolist()
@@ -448,31 +395,27 @@ def _share_of_load(robot: "Robot") -> float:
 
 def _unlike_limits(cell: "Cell") -> Iterator[Remark]:
     """The torque or velocity limits that differ most between arms that are alike, if they differ tenfold."""
-    found: list[tuple[float, str]] = []
+    worst, said = TENFOLD, ""
     for pair in combinations(cell.robots, 2):
         if not _alike(*pair):
             continue
-        sources = [_torque_source(robot) for robot in pair]
-        for j, units in enumerate(zip(pair[0].torque_units, pair[0].position_units, strict=True)):
-            for kind, limits, named, unit in (
-                (
-                    "torque",
-                    [max(abs(robot.torque_lower[j]), abs(robot.torque_upper[j])) for robot in pair],
-                    sources,
-                    units[0],
-                ),
-                ("velocity", [robot.velocity_limit[j] for robot in pair], ["URDF", "URDF"], f"{units[1]}/s"),
-            ):
-                if not (min(limits) > 0 and max(limits) < np.inf and max(limits) / min(limits) > TENFOLD):
-                    continue
+        torques = [np.maximum(abs(robot.torque_lower), abs(robot.torque_upper)) for robot in pair]
+        speeds, sources = [robot.velocity_limit for robot in pair], [torque_source(robot) for robot in pair]
+        speed_units = [f"{unit}/s" for unit in pair[0].position_units]
+        for kind, limits, units, given in (
+            ("torque", torques, pair[0].torque_units, sources),
+            ("velocity", speeds, speed_units, ["URDF", "URDF"]),
+        ):
+            known = (np.minimum(*limits) > 0) & (np.maximum(*limits) < np.inf)
+            ratios = np.divide(np.maximum(*limits), np.minimum(*limits), out=np.ones(len(known)), where=known)
+            j = int(np.argmax(ratios))
+            if ratios[j] > worst:
                 one, other = (
-                    f"{robot.joints[j]} of robot '{robot.name}', {limit:.4g} {unit} ({source}),"
-                    for robot, limit, source in zip(pair, limits, named, strict=True)
+                    f"{robot.joints[j]} of robot '{robot.name}', {limit[j]:.4g} {units[j]} ({source}),"
+                    for robot, limit, source in zip(pair, limits, given, strict=True)
                 )
-                ratio = max(limits) / min(limits)
-                found.append((ratio, f"the {kind} limits of {one} and of {other} differ {ratio:.3g}-fold"))
-    if found:
-        said = max(found, key=lambda one: one[0])[1]
+                worst, said = ratios[j], f"the {kind} limits of {one} and of {other} differ {ratios[j]:.3g}-fold"
+    if said:
         yield Remark.hint("limits-unlike", f"{said}, and the two arms are alike: one of them seems to be mistyped.")
 
 
@@ -485,47 +428,37 @@ def _alike(one: "Robot", other: "Robot") -> bool:
     return all(np.isclose(size, same, rtol=ALIKE, atol=ALIKE) for size, same in zip(*sizes, strict=True))
 
 
-def missing_masses(joints: Sequence[JointSource]) -> Iterator[Remark]:
+def missing_masses(robots: Sequence["Robot"]) -> Iterator[Remark]:
     """Warnings on links without a mass or an inertia."""
-    weightless = [joint for joint in joints if joint.carried_mass == 0]
-    if weightless:
-        yield Remark("links-without-mass", f"{WEIGHTLESS} ({_named(weightless, joints)})")
-    points: dict[str, list[str]] = {}
-    for joint in joints:
-        points.setdefault(joint.robot, []).extend(joint.point_links)
+    if weightless := _named(robots, lambda robot: np.array(robot.source.carried_mass) == 0):
+        yield Remark("links-without-mass", f"{WEIGHTLESS} ({weightless})")
+    points = {robot.name: [link for links in robot.source.point_links for link in links] for robot in robots}
     if any(points.values()):
         named = (f"{robot}: {first_few(links)}" for robot, links in points.items() if links)
         yield Remark("links-without-inertia", f"{POINT_MASSES} ({'; '.join(named)})")
 
 
-def joint_assumptions(joints: Sequence[JointSource]) -> Iterator[Remark]:
+def joint_assumptions(robots: Sequence["Robot"]) -> Iterator[Remark]:
     """What is taken for granted of joints of which neither URDF nor cell file says it."""
     for code, text, applies in JOINT_ASSUMPTIONS:
-        concerned = [joint for joint in joints if applies(joint)]
-        if concerned:
-            yield _assumed(code, f"{text} ({_named(concerned, joints)})")
+        if named := _named(robots, applies):
+            yield Remark.assumed(code, f"{text} ({named})")
 
 
 def _assumptions(cell: "Cell") -> Iterator[Remark]:
-    yield _assumed(
-        "com-at-origin", "the object's centre of mass is the origin of its frame, and its inertia is about that"
-    )
+    text = "the object's centre of mass is the origin of its frame, and its inertia is about that"
+    yield Remark.assumed("com-at-origin", text)
     if not np.any(np.isfinite(cell.object_velocity_limit)):
-        yield _assumed("no-object-velocity", "the object may move at any speed: no 'object: {velocity: …}'")
+        yield Remark.assumed("no-object-velocity", "the object may move at any speed: no 'object: {velocity: …}'")
+    yield Remark.assumed("no-collisions", NO_COLLISIONS)
     free = [
         robot.name
         for robot in cell.robots
         if not robot.contacts and not np.any(np.isfinite([robot.wrench_lower, robot.wrench_upper]))
     ]
-    yield _assumed("no-collisions", NO_COLLISIONS)
     if free:
-        yield _assumed(
-            "no-wrench-limit", f"hands hold whatever comes: no 'wrench' and no 'contact' ({', '.join(free)})"
-        )
-
-
-def _assumed(code: str, text: str) -> Remark:
-    return Remark(code, text, severity="assumption")
+        text = f"hands hold whatever comes: no 'wrench' and no 'contact' ({', '.join(free)})"
+        yield Remark.assumed("no-wrench-limit", text)
 
 
 def first_few(names: Sequence[str]) -> str:
@@ -534,12 +467,13 @@ def first_few(names: Sequence[str]) -> str:
     return shown if len(names) <= NAMES_SHOWN else f"{shown} and {len(names) - NAMES_SHOWN} more"
 
 
-def _named(concerned: Sequence[JointSource], joints: Sequence[JointSource]) -> str:
-    if len(concerned) == len(joints):
+def _named(robots: Sequence["Robot"], applies: Callable[["Robot"], NDArray[np.bool_]]) -> str:
+    """The joints to which something applies, in words; empty if to none."""
+    chosen = [applies(robot) for robot in robots]
+    if robots and all(map(np.all, chosen)):
         return "all joints"
-    parts = []
-    for robot in dict.fromkeys(joint.robot for joint in concerned):
-        own = [joint.joint for joint in concerned if joint.robot == robot]
-        whole = len(own) == sum(joint.robot == robot for joint in joints)
-        parts.append(f"all of {robot}" if whole else f"{robot}: {', '.join(own)}")
-    return "; ".join(parts)
+    return "; ".join(
+        f"all of {robot.name}" if np.all(of) else f"{robot.name}: {', '.join(np.array(robot.joints)[of])}"
+        for robot, of in zip(robots, chosen, strict=True)
+        if np.any(of)
+    )

@@ -146,26 +146,19 @@ class Robot(InNotebooks):
             if np.any(lower > upper) or np.any(lower == np.inf) or np.any(upper == -np.inf):
                 rule = f"must be at most {kind}_upper, and leave something between the two."
                 raise InputError(where, rule, key=f"{kind}_lower", value=lower.tolist())
-        self._check_positive(where)
-        self._check_motors(where)
-        self._check_contacts(where)
+        self._check_parts(where, n)
 
-    def _check_positive(self, where: str) -> None:
+    def _check_parts(self, where: str, n: int) -> None:
         for key in ("velocity_limit", "contact_rate"):
             if np.any(getattr(self, key) <= 0):
                 rule = "must be > 0; infinity where there is none."
                 raise InputError(where, rule, key=key, value=getattr(self, key).tolist())
-
-    def _check_motors(self, where: str) -> None:
-        n = len(self.joints)
         check_type(f"{where}: motors", self.motors, JointMotors)
         if len(self.motors.torque_speed) != n:
             raise InputError(where, f"must be those of its {n} joints.", key="motors")
         contradiction = self.motors.problem_with(self.torque_lower, self.torque_upper, self.joints)
         if contradiction is not None:
             raise InputError(where, contradiction[1], key=f"motors.{contradiction[0]}")
-
-    def _check_contacts(self, where: str) -> None:
         check_list(f"{where}: contacts", self.contacts, Contact)
         object.__setattr__(self, "contacts", tuple(self.contacts))
         names = [contact.name for contact in self.contacts]
@@ -221,7 +214,6 @@ class Robot(InNotebooks):
 
 
 def _checked_pose(where: str, key: str, given: object) -> RigidTransform:
-    """A pose that nobody can write to."""
     if not isinstance(given, RigidTransform):
         raise InputError(where, "must be an mrts RigidTransform.", key=key, value=given)
     R, p = as_array(f"{where}: {key}.R", given.R), as_array(f"{where}: {key}.p", given.p)

@@ -2,26 +2,20 @@
 """What cell files and their URDFs say, as the build time reads them; nothing is generated."""
 
 import hashlib
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_xacro
+from mrts.base.formats.urdf import Urdf
 from mrts.base.manifest import MANIFEST_NAME
 from mrts.base.regular_file import is_folder
 from mrts.base.remark import Remark
 from mrts.cell.robot import Robot
 from mrts.kernel.cache_folder import cache_folder
-
-if TYPE_CHECKING:
-    from mrts.base.formats.urdf_tree import UrdfTree
-
-Survey = Callable[[str | None, str], tuple[Robot, Array]]
-"""The arm of a URDF from a base link, None for its root, to a tip link, and centres of mass of its joints' bodies."""
 
 CELL_FILE = "cell.yaml"
 """What `mrts new` and `mrts demo` call a cell file."""
@@ -43,16 +37,14 @@ class UrdfReading(NamedTuple):
 
     Attributes:
         path: Of the file.
-        tree: Its links and joints; None if they are none.
-        survey: What gives its chain from a base link to a tip link; None likewise.
+        urdf: Its links and joints; None if they are none.
         mistakes: All that breaks a rule.
         remarks: What is let pass.
         meshes: Files of meshes that it names.
     """
 
     path: Path
-    tree: "UrdfTree | None"
-    survey: Survey | None
+    urdf: Urdf | None
     mistakes: tuple[InputError, ...]
     remarks: tuple[Remark, ...] = ()
     meshes: tuple[str, ...] = ()
@@ -80,43 +72,36 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     return found
 
 
-def surveyed_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> "tuple[Path, UrdfTree, Survey]":
-    """Path of a URDF, what is in it, and what gives its chain from a base link (None is its root) to a tip link.
+def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> UrdfReading:
+    """A URDF with all that is wrong with it.
 
-    Args:
-        where: What names it, for messages.
-        folder: That it is relative to, absolute.
-        urdf: As in a cell file.
-        args: Of a xacro, by name.
+    Raises:
+        InputError: If it names a package that is nowhere.
     """
-    from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_tree  # noqa: PLC0415
+    from mrts_codegen.urdf.urdf_file import mesh_names, parse_parts, parse_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_survey import urdf_mistakes  # noqa: PLC0415
     from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
     reference = FileReference(urdf, args, key="")
     path = reference.path(where, folder)
-    read = parse_urdf(path, reference.content(where, folder))
-    return path, urdf_tree(path, read), partial(arm_chain, path, read)
-
-
-def urdf_with_mistakes(path: Path, args: Mapping[str, str]) -> UrdfReading:
-    """A URDF with all that is wrong with it."""
-    from mrts_codegen.urdf.urdf_file import mesh_names, parse_urdf  # noqa: PLC0415 (build time, on demand)
-    from mrts_codegen.urdf.urdf_survey import arm_chain, urdf_mistakes, urdf_tree  # noqa: PLC0415
-    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
-
     try:
-        content = FileReference(str(path), args, key="").content(path, Path.cwd())
-        read = parse_urdf(path, content)
+        content = reference.content(where, folder)
+        mistakes, remarks = urdf_mistakes(path, *parse_parts(path, content))
     except InputError as error:
-        return UrdfReading(path, None, None, error.each())
-    mistakes, remarks = urdf_mistakes(path, read)
+        return UrdfReading(path, None, error.each())
     meshes = tuple(mesh_names(path, content))
     try:
-        tree = urdf_tree(path, read)
-    except InputError:
-        return UrdfReading(path, None, None, mistakes, remarks, meshes)
-    return UrdfReading(path, tree, partial(arm_chain, path, read), mistakes, remarks, meshes)
+        return UrdfReading(path, parse_urdf(path, content), mistakes, remarks, meshes)
+    except InputError as error:
+        return UrdfReading(path, None, (*error.each(), *mistakes), remarks, meshes)
+
+
+def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:
+    """The arm from a base link, None for the root, to a tip link, and centres of mass of its joints' bodies."""
+    from mrts_codegen.urdf.urdf_survey import arm_chain  # noqa: PLC0415 (build time, on demand)
+
+    robot, com = arm_chain(path, urdf, base_link, tip_link)
+    return robot, com
 
 
 def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:

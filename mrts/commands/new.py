@@ -33,17 +33,8 @@ examples:
 
 
 def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
-    """What reads numbers with commas between them, Shape (n,)."""
-
-    def read(text: str) -> "Array":
-        import numpy as np
-
-        found = options.numbers(where, text, "must be numbers with commas between them, such as 0.5,0,-1.")
-        if counts and len(found) not in counts:
-            raise InputError(where, f"must be {' or '.join(map(str, counts))} numbers.", value=text)
-        return np.array(found)
-
-    return read
+    rule = f"must be {' or '.join(map(str, counts)) or 'some'} numbers with commas between them, such as 0.5,0,-1."
+    return options.listed(where, rule, options.array, counts=counts or range(1, 1 << 30))
 
 
 @options.command(EXAMPLES)
@@ -61,7 +52,12 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
         help="where the arm holds the object, once for each arm; rad, m (default: searched)")  # fmt: skip
 @option("--degrees", is_flag=True, help="angles of --base and --posture are degrees")
 @option("--mass", type=float, metavar="KG", help="of the object (default: what the arms hold easily)")
-@option("--gravity", type=_vector("gravity", 3), metavar="X,Y,Z", help="in the world (default: 0,0,-9.81)")
+@option(
+    "--gravity",
+    type=_vector("gravity", 3),
+    metavar="X,Y,Z",
+    help="in the world (default: 0,0,-9.81)",
+)
 @option("--name", help="of the cell (default: that of the folder)")
 @option("--copy", is_flag=True, help="copy the URDFs into the folder (not their meshes)")
 @option("--force", is_flag=True, help="overwrite files; with --hold, write the grasps into CELL")
@@ -148,7 +144,7 @@ def _name(given: str | None, folder: Path) -> str:
 
 
 def _tell_arms(request: "Request") -> None:
-    from mrts.cell.remarks import joint_assumptions, joint_sources
+    from mrts.cell.remarks import joint_assumptions
     from mrts.diagnosis.cell_check import joint_table
 
     chains: dict[int, ArmRequest] = {}
@@ -159,10 +155,9 @@ def _tell_arms(request: "Request") -> None:
         proposed = f" (proposed: {each.why})" if each.why else ""
         names = " and ".join(other.arm.robot.name for other in request.arms if other.arm.robot.source is chain.source)
         say(f"{names}: {each.urdf}, {chain.source.base_link} to {chain.source.tip_link}{proposed}", "strong")
-        joints = joint_sources([each.arm.robot])
-        for line in joint_table(joints):
+        for line in joint_table([chain]):
             say(line)
-        for remark in joint_assumptions(joints):
+        for remark in joint_assumptions([chain]):
             say(f"  {remark.text}", "note")
     say("")
 

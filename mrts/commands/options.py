@@ -8,10 +8,13 @@ told of the option. Options that are not given are left to the defaults of the A
 import importlib.util
 import os
 import shlex
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import reduce
 from math import isfinite, nan
+from operator import itemgetter
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -207,19 +210,34 @@ def take(given: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:
     return {name: given.pop(name) for name in names if name in given}
 
 
-def numbers(where: str, text: str, rule: str) -> list[float]:
+def numbers(where: str, text: str, rule: str, counts: Container[int] = range(1, 1 << 30)) -> list[float]:
     """Finite numbers with commas between them.
 
     Raises:
-        InputError: If it is something else.
+        InputError: If it is something else, or there are not so many.
     """
     try:
         found = [float(word) for word in text.split(",")]
     except ValueError:
         found = [nan]
-    if not all(map(isfinite, found)):
+    if not all(map(isfinite, found)) or len(found) not in counts:
         raise InputError(where, rule, value=text)
     return found
+
+
+def listed(
+    where: str, rule: str, make: Callable[[Any], Any], words: Mapping[str, Any] = MappingProxyType({}),
+    counts: Container[int] = range(1, 1 << 30),
+) -> Callable[[str], Any]:  # fmt: skip
+    """What reads an option of which a value is made: numbers, or what a word stands for."""
+    return lambda text: make(words[text] if text in words else numbers(where, text, rule, counts))
+
+
+def array(values: list[float]) -> "Array":
+    """The numbers, Shape (n,)."""
+    import numpy as np
+
+    return np.array(values)
 
 
 def named_numbers(
@@ -246,53 +264,31 @@ def named_numbers(
     return found
 
 
-def _sharing(text: str) -> "LoadSharing":
-    import numpy as np
-
+def _sharing(shares: list[float] | None) -> "LoadSharing":
     from mrts.program.load_sharing import LoadSharing
 
-    if text == "equal":
-        return LoadSharing()
-    return LoadSharing(np.array(numbers("sharing", text, "must be 'equal' or numbers such as 0.6,0.4.")))
+    return LoadSharing() if shares is None else LoadSharing(array(shares))
 
 
-def _between(text: str) -> float | None:
-    from mrts.program.excess import checked_tolerance
-
-    if text == "off":
-        return None
-    share, *more = numbers("between", text, "must be a number such as 1e-4, or off.")
-    try:
-        return checked_tolerance(nan if more else share)
-    except InputError as error:
-        raise InputError("between", error.rule.replace("None", "off"), value=text) from None
-
-
-def _closure(text: str) -> "ClosureBound":
+def _closure(bounds: list[float]) -> "ClosureBound":
     from mrts.following.grasp_closure import ClosureBound
 
-    position, *rotation = numbers("closure", text, "must be a number in m, or m and rad, such as 0.002,0.005.")
-    if len(rotation) > 1:
-        raise InputError("closure", "takes at most two numbers, m and rad.", value=text)
-    return ClosureBound(position, *rotation)
+    return ClosureBound(*bounds)
 
 
-def _weights(text: str) -> "float | Array":
-    import numpy as np
+def _rate(given: list[float]) -> bool | float:
+    if given[0] <= 0:
+        raise InputError("rates", RATES, value=given[0])
+    return given[0]
 
-    given = numbers("weights", text, "must be a number, or numbers such as 1,1,4.")
-    return given[0] if len(given) == 1 else np.array(given)
+
+def together(*decorators: Decorator) -> Decorator:
+    """Some options as one decorator, in the order of the help."""
+    return lambda function: reduce(lambda of, decorator: decorator(of), reversed(decorators), function)
 
 
-def _rates(text: str) -> bool | float:
-    rule = "must be 'cell', or a number > 0, a multiple of torque limits per second."
-    if text == "cell":
-        return True
-    share, *more = numbers("rates", text, rule)
-    if more or share <= 0:
-        raise InputError("rates", rule, value=text)
-    return share
-
+RATES = "must be 'cell', or a number > 0, a multiple of torque limits per second."
+"""Rule of `--rates`."""
 
 HTML = Written(".html", ".htm", needs=("jinja2", "plotly"), extra="report")
 
@@ -301,26 +297,32 @@ motion = argument(
     "motion", type=Named(), metavar="MOTION", help="motion file, CSV table, or ROS 2 bag with joint trajectories"
 )
 share = option(
-    "--share", "sharing", type=_sharing, metavar="equal|A,B,…",
+    "--share", "sharing", metavar="equal|A,B,…",
+    type=listed("sharing", "must be 'equal' or numbers such as 0.6,0.4.", _sharing, {"equal": None}),
     help="fixed distribution of the load: equal, or one share an arm",
 )  # fmt: skip
 closure = option(
-    "--closure", type=_closure, metavar="M[,RAD]",
+    "--closure", metavar="M[,RAD]",
+    type=listed("closure", "must be a number in m, or m and rad, such as 0.002,0.005.", _closure, counts=(1, 2)),
     help="of joint motion: how far hands may be off their grasps, onto which they are then moved; 2.5 rad per m where "
     "only m is given (default: 0.002,0.005)",
 )  # fmt: skip
 between = option(
-    "--between", type=_between, metavar="SHARE|off",
+    "--between", metavar="SHARE|off",
+    type=listed("between", "must be a number such as 1e-4, or off.", itemgetter(0), {"off": [None]}, counts=(1,)),
     help="share of a limit by which it may be overstepped between the samples; samples are added where it takes them "
     "(default: 1e-4; off looks at the given samples alone)",
 )  # fmt: skip
 weights = option(
-    "--weights", type=_weights, metavar="W|A,B,…",
+    "--weights", metavar="W|A,B,…",
+    type=listed("weights", "must be a number, or numbers such as 1,1,4.",
+                lambda given: given[0] if len(given) == 1 else array(given)),
     help="what the squares of torques weigh: 1 for all alike (as in the paper), or one a joint (default: 1 / limit² of "
     "each)",
 )  # fmt: skip
 rates = option(
-    "--rates", type=_rates, metavar="cell|SHARE",
+    "--rates", metavar="cell|SHARE",
+    type=listed("rates", RATES, _rate, {"cell": [True]}, counts=(1,)),
     help="keep limits of rates: those of the cell file (torque_rate, contact_rate and jerk); with a number, such as "
     "11.5, joints without a torque_rate get that multiple of their torque limit per second",
 )  # fmt: skip
@@ -333,32 +335,23 @@ LIMITS = ("reserve", "no_wrench_limits", "no_velocity_limits")
 """Arguments of `limited_cell` that `limits` gives."""
 
 
-def limits(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that change limits of the cell, as `limited_cell` takes them."""
-    for decorator in (
-        option("--no-velocity-limits", is_flag=True, help="report velocity limits, but let them bound nothing"),
-        option("--no-wrench-limits", is_flag=True, help="ignore the limits on the contact wrenches"),
-        option("--reserve", type=float, metavar="SHARE",
-               help="share of every limit that is kept free, such as 0.1 (default: 0)"),
-    ):  # fmt: skip
-        function = decorator(function)
-    return function
+limits = together(
+    option("--reserve", type=float, metavar="SHARE",
+           help="share of every limit that is kept free, such as 0.1 (default: 0)"),
+    option("--no-wrench-limits", is_flag=True, help="ignore the limits on the contact wrenches"),
+    option("--no-velocity-limits", is_flag=True, help="report velocity limits, but let them bound nothing"),
+)  # fmt: skip
+"""The options that change limits of the cell, as `limited_cell` takes them."""
 
 
 def plot(what: str) -> Decorator:
     """The options of a command that plots."""
-
-    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        folder, form = Written(folder=True, needs=("matplotlib",), extra="plot"), click.Choice(FIGURE_FORMATS)
-        for decorator in (
-            option("--plot-format", type=form, default=FIGURE_FORMATS[0], show_default=True, callback=_of_plot,
-                   help="of --plot"),
-            option("--plot", type=folder, is_eager=True, metavar="DIR", help=f"write {what} (needs the extra 'plot')"),
-        ):  # fmt: skip
-            function = decorator(function)
-        return function
-
-    return decorate
+    folder, form = Written(folder=True, needs=("matplotlib",), extra="plot"), click.Choice(FIGURE_FORMATS)
+    return together(
+        option("--plot", type=folder, is_eager=True, metavar="DIR", help=f"write {what} (needs the extra 'plot')"),
+        option("--plot-format", type=form, default=FIGURE_FORMATS[0], show_default=True, callback=_of_plot,
+               help="of --plot"),
+    )  # fmt: skip
 
 
 def _of_plot(ctx: click.Context, _param: click.Parameter, form: str) -> str:

@@ -21,7 +21,7 @@ examples:
 
 @options.command(EXAMPLES)
 @argument("study", type=Named(), metavar="STUDY",
-          help="study file; 'vary' names numbers of base, grasp or posture, each from and to")  # fmt: skip
+          help="study file with 'sample: sobol'; 'vary' gives numbers of base, grasp, posture from and to")  # fmt: skip
 @option("-o", "--output", type=Written(), required=True, metavar="FILE",
         help="the cell file of the best layout; Ctrl-C writes the best so far")  # fmt: skip
 @option("--starts", type=int, metavar="N", help="from how many layouts to search for the nearest best one (default: 3)")

@@ -17,7 +17,7 @@ from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.output_files import Outputs
 from mrts.console.progress import working
 from mrts.console.terminal import Style, put, warn
-from mrts.output import TRAJECTORY_FORMATS
+from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
 from mrts.program.formulation import DISTRIBUTIONS, FORMULATIONS
 
 if TYPE_CHECKING:
@@ -49,14 +49,11 @@ FILES = ("json", "save", *(name.replace("-", "_") for name in TRAJECTORY_FORMATS
 """Arguments that name outputs, in the order in which they are written."""
 
 
-def _trajectory_files(function: Callable[..., Any]) -> Callable[..., Any]:
-    for name, form in reversed(TRAJECTORY_FORMATS.items()):
-        package, extra = form.needs or ("", "")
-        kind = Written(folder=form.is_folder, new=form.is_folder, needs=(package,) if package else (), extra=extra)
-        metavar = "DIR" if form.is_folder else "FILE"
-        help_text = f"write the scaled trajectory {form.meaning}"
-        function = option(f"--{name}", type=kind, metavar=metavar, help=help_text)(function)
-    return function
+def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
+    package, extra = form.needs or ("", "")
+    kind = Written(folder=form.is_folder, new=form.is_folder, needs=(package,) if package else (), extra=extra)
+    metavar = "DIR" if form.is_folder else "FILE"
+    return option(f"--{name}", type=kind, metavar=metavar, help=f"write the scaled trajectory {form.meaning}")
 
 
 @options.command(EXAMPLES)
@@ -103,7 +100,7 @@ def _trajectory_files(function: Callable[..., Any]) -> Callable[..., Any]:
         "speed")  # fmt: skip
 @options.json
 @option("--save", type=Written(".npz"), metavar="FILE.npz", help="save the whole result, for mrts.load_result")
-@_trajectory_files
+@options.together(*(_trajectory_file(*named) for named in TRAJECTORY_FORMATS.items()))
 @options.plot("figures")
 @option("--report", type=HTML, metavar="FILE",
         help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip

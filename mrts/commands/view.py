@@ -1,28 +1,34 @@
 # SPDX-License-Identifier: MIT
-"""`mrts view`."""
+"""`mrts view`: a cell and a motion, a variant of a study, or a saved result, in the browser or as pictures."""
 
 import os
 import signal
 import sys
+import tempfile
 import webbrowser
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from click import argument, option
 
+from mrts.base.errors import InputError
+from mrts.base.regular_file import is_folder
 from mrts.commands import options
-from mrts.commands.options import Named, require, take
-from mrts.commands.showing.films import OF_FILMS, check_films, film_options, played_sides, saved_clip, write_films
-from mrts.commands.showing.shown import is_saved, played, shown_files, shown_urdfs
+from mrts.commands.films import SIDES, saved_clip, side_clip, sides, write_films
+from mrts.commands.options import Named, Written, require, take
 from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.console.progress import working
 from mrts.console.terminal import say, warn
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
+    from mrts.cell.cell import Cell
+    from mrts.motion.joint_table import JointTable
+    from mrts.motion.object_motion import ObjectMotion
+    from mrts.scaling.result import ScalingResult
+    from mrts.scene.arm_meshes import Urdfs
+    from mrts.studies.study import Study
     from mrts.viewer.plots.other_result import Others
     from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
@@ -40,6 +46,11 @@ examples:
 LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
 
+OF_FILMS = ("at", "side_by_side", "rates")
+"""Arguments of pictures and films."""
+
+NEEDS: dict[str, Any] = {"needs": ("matplotlib", "mujoco", "PIL"), "extra": "film"}
+
 
 @options.command(EXAMPLES)
 @argument("cell", type=Named(), metavar="CELL",
@@ -54,7 +65,15 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 @options.closure
 @options.share
 @options.limits
-@film_options
+@option("--png", type=Written(".png", **NEEDS), metavar="FILE",
+        help="write a picture and end; needs no display (extra 'film')")  # fmt: skip
+@option("--at", type=float, metavar="SECONDS", help="the moment of the picture (default: the middle)")
+@option("--video", type=Written(".gif", ".mp4", **NEEDS), metavar="FILE",
+        help="write a film, FILE.gif or FILE.mp4, and end; needs no display (extra 'film')")  # fmt: skip
+@option("--side-by-side", type=sides, metavar="SIDE,…",
+        help=f"in pictures and films, the motion as it is played in several ways: {', '.join(SIDES)} (default: "
+        "fastest); --rates are of the smooth side")  # fmt: skip
+@options.rates
 @option("--host", default=LOCAL[0], show_default=True, help="address to listen at; the default is this machine only")
 @option("--port", type=int, default=8080, show_default=True, help="port; 0 takes any free one")
 @option("--no-open", is_flag=True, help="do not open a browser")
@@ -73,52 +92,133 @@ def run(
 ) -> int:
     """A cell in the browser, its motion at any speed against all limits, until Ctrl-C; or as a picture or a film."""
     of_films = take(given, OF_FILMS)
-    check_films(cell, png, video, of_films)
+    _check_films(cell, png, video, of_films)
     needing = [name for name, value in (("png", png), ("video", video), ("others", others)) if value]
-    with shown_files(cell, motion, variant, given, needing) as (cell_file, motion_file):
+    with _files(cell, motion, variant, given, needing) as (cell_file, motion_file):
+        saved = _played(cell) if _is_saved(cell) else None
+        urdfs = {} if saved else _urdfs(cell_file)
         if png is None and video is None:
             require("mrts view", "view", "viser")
-            beside = [(path.stem, played(path)) for path in others]
-            follow = partial(_follow, host=host, opens=not no_open)
-            if is_saved(cell):
-                return _serve_saved(cell, beside, host, port, follow)
-            cell_path = None if variant is not None else cell_file
-            return _serve(cell_file, motion_file, cell_path, given, beside, host, port, follow)
-        if motion_file is None:
-            clips, within = [saved_clip(cell)], True
-        else:
-            sides, rates = of_films.get("side_by_side", ["fastest"]), of_films.get("rates", True)
-            clips, within = played_sides(cell_file, motion_file, sides, rates, given)
-        return write_films([*clips, *map(saved_clip, others)], png, video, of_films.get("at"), within=within)
+            beside = [(path.stem, _played(path)) for path in others]
+            cell_path = cell_file if variant is None and urdfs else None
+            source = _start(cell_file, motion_file, cell_path, given) if saved is None else saved
+            return _serve(source, urdfs, beside, host, port, opens=not no_open)
+        clips, within = [saved_clip(cell.stem, saved)] if saved else [], True
+        if motion_file is not None:
+            limited, played = _read(cell_file, motion_file, given)
+            for side in of_films.get("side_by_side", ["fastest"]):
+                clip, keeps = side_clip(side, limited, played, urdfs, of_films.get("rates", True), given)
+                clips.append(clip)
+                within &= keeps
+        clips += [saved_clip(path.stem, _played(path)) for path in others]
+        return write_films(clips, png, video, of_films.get("at"), within=within)
 
 
-def _serve(
-    cell: Path,
-    motion: Path | None,
-    cell_path: Path | None,
-    given: dict[str, Any],
-    others: "Others",
-    host: str,
-    port: int,
-    follow: "Callable[..., None]",
-) -> int:
-    from mrts.viewer.viewer import Viewer
-    from mrts.viewer.workbench.workbench import Workbench
+def _is_saved(path: Path) -> bool:
+    return path.suffix == ".npz"
 
-    urdfs = shown_urdfs(cell)
-    start = _start(cell, motion, cell_path if urdfs else None, given)
-    name = start.cell.name
-    with _server(host, port, name) as server:
-        with working("looking at the cell" if start.stands else f"scaling {motion}") as progress:
-            bench = Workbench(start, progress)
-        first = bench.answer
-        viewer = Viewer(server, bench, urdfs, warn, others)
-        if start.stands and first.held is not None:
-            follow(server, viewer, f"{name}: no motion was given, the cell stands at its posture")
-            return FEASIBLE if first.held.reached.all() else INFEASIBLE
-        outcome = first.message if first.state is None else first.state.result.summary()
-        follow(server, viewer, f"{name}: {outcome}")
-    return FEASIBLE if first.state is not None and first.state.result.status.admits_motion else INFEASIBLE
+
+def _check_films(cell: Path, png: Path | None, video: Path | None, of_films: dict[str, Any]) -> None:
+    """Check that the arguments of pictures and films go together."""
+    if png is None and video is None:
+        for name in of_films:
+            raise InputError(name, "goes with --png FILE or --video FILE.")
+        return
+    if "at" in of_films and png is None:
+        raise InputError("at", "is the moment of --png FILE.")
+    if "side_by_side" in of_films and _is_saved(cell):
+        raise InputError("side_by_side", "goes with CELL MOTION; a saved result is played as it is.")
+    if "rates" in of_films and "smooth" not in of_films.get("side_by_side", ()):
+        raise InputError("rates", "is of the smooth side: give --side-by-side smooth too.")
+    from mrts.film.film import check_film
+    from mrts.film.renderer import require_renderer
+
+    if video is not None:
+        check_film(video)
+    require_renderer()
+
+
+@contextmanager
+def _files(
+    cell: Path, motion: Path | None, variant: int | None, changing: Iterable[str], needing: Iterable[str]
+) -> Iterator[tuple[Path, Path | None]]:
+    """The files of cell and motion, as long as they are shown.
+
+    Args:
+        cell: As named on the line.
+        motion: As named on the line.
+        variant: Of the study that `cell` names.
+        changing: Names of the arguments given that change the answer.
+        needing: Names of those that need a motion besides.
+    """
+    if _is_saved(cell):
+        if motion is not None:
+            raise InputError(cell, "a saved result holds its motion.", key="MOTION")
+        for name in ["variant"] * (variant is not None) + [*changing]:
+            raise InputError(name, f"does not go with {cell}: a saved result is played as it was found.")
+        yield cell, None
+    elif variant is not None:
+        if motion is not None:
+            rule = "does not go with --variant: the study has it."
+            raise InputError(cell, rule, key="MOTION", value=str(motion))
+        study = _study(cell)
+        if not 0 <= variant < study.variants:
+            raise InputError(cell, f"must be from 0 to {study.variants - 1}.", key="--variant", value=variant)
+        with tempfile.TemporaryDirectory(prefix="mrts-variant-") as folder:
+            yield study.write_variant(variant, Path(folder))
+    else:
+        from mrts.studies.study_folder import STUDY_FILE
+
+        if motion is None and (cell / STUDY_FILE).exists():
+            raise InputError(cell, "is needed: which variant of the study?", key="--variant")
+        for name in [*changing, *needing] if motion is None else ():
+            raise InputError(name, "needs a motion: mrts view CELL MOTION.")
+        yield cell, motion
+
+
+def _study(path: Path) -> "Study":
+    from mrts.studies.study_file import read_study
+
+    if not is_folder(path):
+        return read_study(path)
+    from mrts.studies.study_folder import read_study_folder
+
+    folder = read_study_folder(path)
+    name = Path(folder.record["study"]["file"]).name
+    for file in dict.fromkeys((place / name).absolute() for place in (path.parent, Path(), path)):
+        if file.is_file() and (study := read_study(file)).digest == folder.digest:
+            return study
+    rule = f"its study file {name} is not beside it, or has changed: name the study file in place of the folder."
+    raise InputError(path, rule)
+
+
+def _played(path: Path) -> "ScalingResult":
+    """A saved result that has something to play."""
+    from mrts.output.saved_result import load_result
+    from mrts.scaling.result import ScalingResult
+
+    found = load_result(path)
+    result = found if isinstance(found, ScalingResult) else found.retimed
+    if result is None or result.trajectory is None:
+        possible = "what some load admits chooses no c² and no torques"
+        why = possible if found.status.admits_motion else found.status.value
+        raise InputError(path, f"has no motion to play: {why}.")
+    return result
+
+
+def _urdfs(cell: Path) -> "Urdfs":
+    """URDF and base link by robot, whose meshes arms are drawn with; nothing where only generated code is at hand."""
+    from mrts.base.manifest import MANIFEST_NAME
+    from mrts.cell.source_files import urdf_files
+
+    return {} if is_folder(cell) or cell.name == MANIFEST_NAME else urdf_files(cell)
+
+
+def _read(cell: Path, motion: Path, given: dict[str, Any]) -> "tuple[Cell, ObjectMotion | JointTable]":
+    from mrts.motion.motion_file import load_motion
+
+    played = load_motion(motion)
+    return options.limited_cell(cell, **take(given, options.LIMITS)), played
 
 
 def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[str, Any]) -> "Given":
@@ -130,42 +230,46 @@ def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[
 
         alone = cell_to_compile(cell) or options.compiled_cell(cell)
         return Given(cell=alone, motion=still_motion(alone), cell_path=cell_path, stands=True)
-    from mrts.motion.motion_file import described_motion, load_motion
+    from mrts.motion.motion_file import described_motion
 
-    played_motion = load_motion(motion)
-    return Given(
-        cell=options.limited_cell(cell, **take(given, options.LIMITS)),
-        motion=played_motion,
-        description=described_motion(motion),
-        cell_path=cell_path,
-        motion_path=motion,
-        **given,
-    )
+    limited, played = _read(cell, motion, given)
+    description = described_motion(motion)
+    return Given(limited, played, description, cell_path, motion, **given)
 
 
-def _serve_saved(path: Path, others: "Others", host: str, port: int, follow: "Callable[..., None]") -> int:
+def _serve(
+    source: "Given | ScalingResult", urdfs: "Urdfs", others: "Others", host: str, port: int, *, opens: bool
+) -> int:
+    from mrts.scaling.result import ScalingResult
     from mrts.viewer.player_state import PlayerState
-    from mrts.viewer.viewer import Viewer
-
-    result = played(path)
-    with _server(host, port, result.cell.name) as server:
-        viewer = Viewer(server, PlayerState.saved(result), {}, warn, others)
-        follow(server, viewer, f"{result.cell.name}: {result.summary()}")
-    return FEASIBLE
-
-
-@contextmanager
-def _server(host: str, port: int, name: str) -> "Iterator[GuardedServer]":
     from mrts.viewer.server import close_server, open_server
+    from mrts.viewer.viewer import Viewer
+    from mrts.viewer.workbench.workbench import Workbench
 
+    name, code = source.cell.name, FEASIBLE
     server = open_server(host, port, f"mrts: {name}")
     try:
-        yield server
+        bench: PlayerState | Workbench
+        if isinstance(source, ScalingResult):
+            bench, outcome = PlayerState.saved(source), source.summary()
+        else:
+            with working("looking at the cell" if source.stands else f"scaling {source.motion_path}") as progress:
+                bench = Workbench(source, progress)
+            first = bench.answer
+            if source.stands and first.held is not None:
+                outcome = "no motion was given, the cell stands at its posture"
+                feasible = bool(first.held.reached.all())
+            else:
+                outcome = first.message if first.state is None else first.state.result.summary()
+                feasible = first.state is not None and first.state.result.status.admits_motion
+            code = FEASIBLE if feasible else INFEASIBLE
+        _follow(server, Viewer(server, bench, urdfs, warn, others), f"{name}: {outcome}", host, opens=opens)
     finally:
         close_server(server)
+    return code
 
 
-def _follow(server: "GuardedServer", viewer: "Viewer", outcome: str, *, host: str, opens: bool) -> None:
+def _follow(server: "GuardedServer", viewer: "Viewer", outcome: str, host: str, *, opens: bool) -> None:
     if host not in LOCAL:
         warn(f"everyone who reaches {host} and knows the address can watch and steer this viewer")
     say(outcome)

@@ -12,11 +12,8 @@ from mrts.cell.cell import Cell
 from mrts.diagnosis.nearest_hold import NearestHold, nearest_hold
 from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
-from mrts.following.joint_limits import POSITION_TOLERANCE, within_limits
-from mrts.following.planar_closed_form import has_closed_form, planar_triangles
-from mrts.following.reach import ArmPlaces, arm_reach
-from mrts.following.tracking_messages import TrackingFailure
-from mrts.following.variant_tracking import follow_from, further_starts
+from mrts.following.reach import ArmPlaces, arm_reach, has_closed_form, planar_triangles
+from mrts.following.tracking import POSITION_TOLERANCE, TrackingFailure, follow_from, further_starts, within_limits
 from mrts.motion.object_motion import ObjectMotion
 
 HELD = 1e-5
@@ -101,13 +98,7 @@ class ArmReach:
 
 
 def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
-    """How far an arm follows the object, and what would help where it does not.
-
-    Args:
-        arm: A cell of one arm.
-        motion: Motion of the object.
-        seek: Whether to look for a move of the base with which it follows.
-    """
+    """How far an arm follows the object, and what would help where it does not."""
     try:
         return following(arm, follow_object(arm, motion))
     except MotionError as error:
@@ -192,11 +183,10 @@ def _ways(arm: Cell, motion: ObjectMotion, most: int) -> tuple[Array, list[Track
     order = np.argsort(np.max(np.abs(found - robot.posture), axis=1), kind="stable")
     found = found[order][:most]
     tracks = follow_from(arm, motion, found)
-    return found, [_first_failure(arm, q, tracks.of_arm(way, 0)) for way, q in enumerate(tracks.joints.q)]
+    return found, [_first_failure(arm, q, tracks.of_arm(way, 0)) for way, q in enumerate(tracks.q)]
 
 
 def _first_failure(arm: Cell, q: Array, failure: TrackingFailure | None) -> TrackingFailure | None:
-    """Why a track ends: where it passes a position limit, or fails."""
     (robot,) = arm.robots
     inside = within_limits(robot, q if failure is None else q[: (failure.sample or 0) + 1])
     low, high = robot.position_lower - POSITION_TOLERANCE, robot.position_upper + POSITION_TOLERANCE

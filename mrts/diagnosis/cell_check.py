@@ -2,21 +2,22 @@
 """What a check found, as text and as JSON."""
 
 import shlex
-from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError
-from mrts.base.interval_text import interval_text
+from mrts.base.formats.record import dumped
 from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
-from mrts.cell.remarks import JointSource
+from mrts.cell.remarks import friction_sources, torque_source
+from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
@@ -40,7 +41,7 @@ class CellCheck(InNotebooks, JsonOutput):
         cell: The cell file, or the URDF.
         motion: The motion; None if none was given.
         mistakes: All that breaks a rule, in both files and the URDFs.
-        joints: What is known of every joint, and where it is from; empty if something breaks a rule.
+        robots: The arms, with their joints and limits; empty if something breaks a rule.
         remarks: What to know of the cell and the motion, what is taken for granted included.
         arms: How far every arm follows the motion of an object; empty where that is not asked or not known.
         problem: Why the motion is impossible whatever the arms do, or as joints that are given; empty if it is not.
@@ -49,7 +50,7 @@ class CellCheck(InNotebooks, JsonOutput):
     cell: Path
     motion: Path | None = None
     mistakes: tuple[InputError, ...] = ()
-    joints: tuple[JointSource, ...] = ()
+    robots: tuple[Robot, ...] = ()
     remarks: tuple[Remark, ...] = ()
     arms: tuple[ArmReach, ...] = ()
     problem: str = ""
@@ -92,8 +93,8 @@ class CellCheck(InNotebooks, JsonOutput):
         if self.arms:
             rows = [(arm.robot, " ".join(map(str.strip, arm_lines(arm)))) for arm in self.arms]
             yield NotebookTable(("arm", "reach"), rows)
-        if self.joints:
-            head, *joints = joint_rows(self.joints)
+        if self.robots:
+            head, *joints = joint_rows(self.robots)
             yield NotebookTable(head, joints)
             yield NotebookTable(("assumed",), [(remark.text,) for remark in self.assumed])
 
@@ -110,9 +111,9 @@ class CellCheck(InNotebooks, JsonOutput):
             yield ""
             for arm in self.arms:
                 yield from arm_lines(arm)
-        if self.joints:
+        if self.robots:
             yield ""
-            yield from joint_table(self.joints)
+            yield from joint_table(self.robots)
         if self.assumed:
             yield ""
             yield "assumed:"
@@ -147,7 +148,7 @@ class CellCheck(InNotebooks, JsonOutput):
             "hints": [remark.to_json() for remark in self.hints],
             "problem": self.problem or None,
             "arms": [_arm_json(arm) for arm in self.arms],
-            "joints": _json(self.joints),
+            "joints": [joint for robot in self.robots for joint in _joints_json(robot)],
             "assumed": [remark.to_json() for remark in self.assumed],
             "warnings": [remark.to_json() for remark in self.warnings],
         }
@@ -195,11 +196,7 @@ def arm_lines(arm: ArmReach) -> Iterator[str]:
 
 
 def direction(move: Array) -> str:
-    """A move in words: how far along which axes of the world.
-
-    Args:
-        move: Shape (3,) [m].
-    """
+    """A move in words, Shape (3,) [m]: how far along which axes of the world."""
     size = float(np.linalg.norm(move))
     parts = [
         f"{length(abs(value))} towards {'-' if value < 0 else '+'}{axis}"
@@ -210,11 +207,7 @@ def direction(move: Array) -> str:
 
 
 def length(size: float) -> str:
-    """A length in words, in mm below a metre.
-
-    Args:
-        size: [m].
-    """
+    """A length [m] in words, in mm below a metre."""
     return f"{1e3 * size:.3g} mm" if size < 1 else f"{size:.4g} m"
 
 
@@ -231,48 +224,48 @@ def _margin(margin: ArmMargin | None) -> str:
     return ", ".join(parts) or "no joint has a position limit"
 
 
-def joint_rows(joints: tuple[JointSource, ...]) -> list[tuple[str, ...]]:
+def joint_rows(robots: Sequence[Robot]) -> list[tuple[str, ...]]:
     """What is known of every joint, the titles of the columns first."""
-    rows: list[tuple[str, ...]] = [("arm", "joint", "position", "velocity", "torque", "from", "friction", "armature")]
-    for joint in joints:
-        force, speed = ("N", "m/s") if joint.unit == "m" else ("N m", "rad/s")
-        rows.append(
-            (
-                joint.robot,
-                joint.joint,
-                interval_text(*joint.position, joint.unit),
-                "no limit" if joint.velocity is None else f"{joint.velocity:.4g} {speed}",
-                interval_text(*joint.torque, force),
-                joint.torque_from,
-                joint.friction_from,
-                "none given" if joint.armature is None else f"{joint.armature:.4g}",
-            )
-        )
+    rows: list[tuple[str, ...]] = [("arm", "joint", *JOINT_HEAD, "torque from", "friction", "armature")]
+    for robot in robots:
+        armature = ["none given" if inertia == 0 else f"{inertia:.4g}" for inertia in robot.motors.armature]
+        sources = zip(friction_sources(robot), armature, strict=True)
+        known = zip(robot.joint_rows(), sources, strict=True)
+        rows += [(robot.name, *joint, torque_source(robot), *motor) for joint, motor in known]
     return rows
 
 
-def joint_table(joints: tuple[JointSource, ...]) -> Iterator[str]:
+def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
     """What is known of every joint, as aligned lines."""
-    rows = joint_rows(joints)
+    rows = joint_rows(robots)
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
+def _joints_json(robot: Robot) -> Iterator[dict[str, Any]]:
+    sources = zip(friction_sources(robot), robot.source.carried_mass, robot.source.point_links, strict=True)
+    for j, (friction, mass, points) in enumerate(sources):
+        yield {
+            "robot": robot.name,
+            "joint": robot.joints[j],
+            "unit": robot.position_units[j],
+            "position": without_infinity(np.array([robot.position_lower[j], robot.position_upper[j]])),
+            "velocity": without_infinity(robot.velocity_limit)[j],
+            "torque": without_infinity(np.array([robot.torque_lower[j], robot.torque_upper[j]])),
+            "torque_from": torque_source(robot),
+            "friction_from": friction,
+            "armature": float(robot.motors.armature[j]) or None,
+            "carried_mass": mass,
+            "point_links": list(points),
+        }
+
+
 def _arm_json(arm: ArmReach) -> dict[str, Any]:
-    said: dict[str, Any] = _json(arm) | {"follows": arm.follows, "failure": arm.failure or None}
+    said: dict[str, Any] = dumped(arm) | {"follows": arm.follows, "failure": arm.failure or None}
     del said["ways"]
     if arm.nearest is not None:
         said["nearest"] |= {"gap": arm.nearest.gap}
+    if arm.margin is not None and arm.margin.joint is None:
+        said["margin"] |= {"to_limit": None}
     return said
-
-
-def _json(value: Any) -> Any:
-    """A value as JSON values; None for an infinite number: it stands for no limit."""
-    if is_dataclass(value):
-        return {field.name: _json(getattr(value, field.name)) for field in fields(value)}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, tuple):
-        return [_json(each) for each in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value

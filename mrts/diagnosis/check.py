@@ -12,7 +12,6 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
 from mrts.cell.loading import uncompiled_cell
-from mrts.cell.remarks import joint_sources
 from mrts.cell.source_files import is_generated, read_without_generating
 from mrts.diagnosis.arm_reach import ArmReach, of_machine, reach_of
 from mrts.diagnosis.cell_check import CellCheck
@@ -63,14 +62,13 @@ def check(
     if model is None:
         return found
     whole = uncompiled_cell(model, path.resolve().parent)
-    found = replace(found, joints=joint_sources(whole.robots), remarks=whole.all_remarks)
+    found = replace(found, robots=whole.robots, remarks=whole.all_remarks)
     return found if given is None else _with_reach(found, model, whole, given, progress)
 
 
 def _with_reach(
     found: CellCheck, model: Any, cell: Cell, motion: ObjectMotion | JointTable, progress: Progress
 ) -> CellCheck:
-    """What a check found, with what became of the motion."""
     if isinstance(motion, ObjectMotion):
         found = replace(found, remarks=(*found.remarks, *motion.remarks, *motion_units(cell, motion)))
     try:
@@ -102,7 +100,6 @@ def _with_reach(
 
 
 def _fellows(cell: Cell, index: int) -> list[int]:
-    """The other arms of the machine that an arm is of."""
     names = [robot.name for robot in cell.robots]
     return [names.index(name) for name in machine_of(cell, names[index]) if name != names[index]]
 

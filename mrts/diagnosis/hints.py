@@ -37,15 +37,7 @@ def what_would_work(
     orders: OtherOrders,
     machines: Sequence[tuple[str, str]],
 ) -> Iterator[Remark]:
-    """Hints on changes with which the arms that fail would follow, and those that follow still do.
-
-    Args:
-        arms: A cell of each arm.
-        failing: Those that do not follow from any posture.
-        motion: Of the object.
-        orders: Poses that quaternions may mean.
-        machines: Arms of one machine by two, whose bases are where its URDF has them.
-    """
+    """Hints on changes with which the arms that fail would follow, and those that follow still do."""
     names = [arm.robots[0].name for arm in arms]
     for one, other in combinations(range(len(arms)), 2):
         if not {one, other} & {*failing}:
@@ -99,7 +91,6 @@ def _pose(arm: Cell, what: str) -> RigidTransform:
 
 
 def _posed(arm: Cell, what: str, pose: RigidTransform) -> Cell | None:
-    """The arm with another base or grasp; None out of the plane of a planar cell."""
     try:
         return arm.with_values({f"robots[0].{what}": pose})
     except InputError:
@@ -167,7 +158,6 @@ def motion_units(cell: Cell, motion: ObjectMotion) -> Iterator[Remark]:
 
 
 def _held(arm: Cell) -> RigidTransform:
-    """Where the posture of an arm holds the object."""
     (robot,) = arm.robots
     poses = arm.functions("kinematics", 1, {"q": robot.posture[None]})
     tip = RigidTransform(poses["rotation"][0], poses["position"][0].reshape(3))
@@ -180,7 +170,6 @@ def _off(arm: Cell, motion: ObjectMotion) -> tuple[float, float]:
 
 
 def _apart(one: RigidTransform, other: RigidTransform) -> tuple[float, float]:
-    """Distance [m] and angle [rad] of two poses."""
     turn = float(angles_of_rotations((one.R.T @ other.R)[None])[0])
     return float(np.linalg.norm(one.p - other.p)), turn
 

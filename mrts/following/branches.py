@@ -7,12 +7,18 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.following.grasp_tracking import SETTLED_PREFERENCE, STARTING_STEPS, reached, solve_grasps
-from mrts.following.joint_limits import joint_limit_failure, nearest_turns, within_limits
 from mrts.following.null_space import is_redundant
-from mrts.following.planar_closed_form import has_closed_form, planar_triangles
-from mrts.following.reach import ArmPlaces
-from mrts.following.variant_tracking import starting_reference
+from mrts.following.reach import ArmPlaces, has_closed_form, planar_triangles
+from mrts.following.tracking import (
+    POSITION_TOLERANCE,
+    SETTLED_PREFERENCE,
+    STARTING_STEPS,
+    nearest_turns,
+    reached,
+    solve_grasps,
+    starting_reference,
+    within_limits,
+)
 from mrts.motion.object_motion import ObjectMotion
 
 MULTI_STARTS = 400
@@ -49,11 +55,10 @@ def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int 
     distinct: list[Array] = []
     for candidate in held.q[settled[:, index]][:, joints]:
         # a redundant arm has settled where its null space points, whole turns and all
-        near = candidate if redundant else nearest_turns(robot, candidate)
+        near = candidate if redundant else nearest_turns(robot, candidate, robot.posture)
         near = within_limits(robot, near[None])[0]
-        if joint_limit_failure(robot, motion.time, near[None]) is not None:
-            continue
-        if not any(np.max(np.abs(_apart(robot, near, other))) < SAME_BRANCH for other in distinct):
+        inside = np.all(np.maximum(robot.position_lower - near, near - robot.position_upper) <= POSITION_TOLERANCE)
+        if inside and not any(np.max(np.abs(_apart(robot, near, other))) < SAME_BRANCH for other in distinct):
             distinct.append(near)
     return np.array(distinct).reshape(-1, len(robot.joints))
 

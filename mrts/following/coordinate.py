@@ -13,10 +13,9 @@ from mrts.base.argument_types import check_type
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.following.closed_chain import close_chain
 from mrts.following.coordinated_motion import CoordinatedMotion, JointCourse, carried_by_first, follow_object
-from mrts.following.grasp_closure import ClosureBound
-from mrts.following.joint_limits import PRINTED_TOLERANCE, check_joint_limits
+from mrts.following.grasp_closure import ClosureBound, close_chain
+from mrts.following.tracking import PRINTED_TOLERANCE, check_joint_limits
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 
@@ -72,7 +71,6 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
 
 
 def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Remark, ...]]:
-    """What the table calls each joint of the cell, in the cell's order, and what it has besides."""
     columns = [*table.positions, *table.unusable]
     found = columns_by_joint(cell, table.path, columns)
     extra = [name for name in columns if name not in found.values()]

@@ -13,11 +13,9 @@ from mrts.base.errors import InputError, MotionError, as_array
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
-from mrts.following.grasp_closure import TipMotion, tip_motions
 from mrts.following.null_space import is_redundant
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
-from mrts.following.tracking_messages import FURTHER_STARTS
-from mrts.following.variant_tracking import track_variants
+from mrts.following.tracking import FURTHER_STARTS, track_variants
 from mrts.kernel.tracking import PATH
 from mrts.motion.joint_table import JointSplines
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
@@ -158,6 +156,38 @@ def unchecked_coordinated_motion(
     return done
 
 
+@dataclass(frozen=True)
+class TipMotion:
+    """Pose of one tip in the world, and its velocity and acceleration in base axes and cell components."""
+
+    position: Array
+    rotation: Array
+    velocity: Array
+    acceleration: Array
+
+
+def tip_motions(cell: Cell, q: Array, dq: Array, ddq: Array) -> list[TipMotion]:
+    """Motion of every tip from the joints' motion, each Shape (N, m)."""
+    samples, robots = len(q), len(cell.robots)
+    poses = cell.functions("kinematics", samples, {"q": q})
+    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
+    bias = bias.reshape(samples, len(cell.wrench_components), robots)
+    positions = poses["position"].reshape(samples, 3, robots)
+    tips = []
+    for index, joints in enumerate(cell.joint_slices.values()):
+        J = poses["jacobian"][:, :, joints]
+        rates = J @ np.stack([dq[:, joints], ddq[:, joints]], axis=2)
+        tips.append(
+            TipMotion(
+                positions[:, :, index],
+                poses["rotation"][:, :, 3 * index : 3 * index + 3],
+                rates[:, :, 0],
+                rates[:, :, 1] + bias[:, :, index],
+            )
+        )
+    return tips
+
+
 def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     """Joint motion of every arm that keeps its grasp along the object's motion.
 
@@ -184,7 +214,7 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     failure = tracked.failure(0)
     if failure is not None:
         raise MotionError(failure.message)
-    q, dq, ddq, outcome = (part[0] for part in tracked.joints.parts())
+    q, dq, ddq, outcome = (part[0] for part in (tracked.q, tracked.dq, tracked.ddq, tracked.outcome))
     others = zip(cell.robots, outcome["start"].tolist(), strict=True)
     remarks = tuple(
         Remark(

@@ -18,9 +18,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.following.closed_chain import holds, joints_on_grasps, mean_object, nearest_rates
-from mrts.following.coordinated_motion import CoordinatedMotion, carried_object
-from mrts.following.grasp_closure import tip_motions
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_object, tip_motions
+from mrts.following.grasp_closure import holds, joints_on_grasps, mean_object, nearest_rates
 from mrts.motion.object_courses import ProfiledPath
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS
@@ -102,7 +101,6 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
 
 
 def _travel(motion: CoordinatedMotion, dq: Array, own: Any) -> Array | None:
-    """Directions of travel of a motion at some of its samples, `own`, and those of the velocities at others."""
     if motion.travel is None:
         return None
     signs = np.stack([np.sign(dq), np.sign(dq)])
@@ -204,7 +202,6 @@ def _linear(known: Array, values: Array, at: Array) -> Array:
 
 
 def _on_course(given: ObjectMotion, time: Array) -> ObjectMotion | None:
-    """The object on its course, if that is known and is still that of its samples."""
     if given.course is None:
         return None
     middle = len(given.time) // 2
@@ -226,7 +223,6 @@ def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:
 
 
 def _on_grasps(cell: Cell, target: ObjectMotion, rough: CoordinatedMotion) -> CoordinatedMotion:
-    """Joints moved onto the grasps, with the nearest velocities and accelerations that keep them there."""
     q = joints_on_grasps(cell, target, rough.q)
     dq, ddq = nearest_rates(cell, target, CoordinatedMotion(target, q, rough.dq, rough.ddq))
     return CoordinatedMotion(target, q, dq, ddq, travel=rough.travel)

@@ -1,16 +1,32 @@
 # SPDX-License-Identifier: MIT
-"""How well given joints hold every grasp on the object: positions, velocities and accelerations."""
+"""How well given joints hold every grasp on the object, and joints moved onto grasps that they miss.
+
+They miss them by a planner's tolerance, by rounding, or by a spline.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from mrts.base.argument_types import is_number
-from mrts.base.arrays import Array, rotated, row_products
-from mrts.base.errors import InputError
-from mrts.base.rigid_transform import angles_of_rotations
+from mrts.base.arrays import Array, apply, rotated, row_products
+from mrts.base.errors import InputError, MotionError
+from mrts.base.manifest import GEOMETRY
+from mrts.base.remark import Remark
+from mrts.base.rigid_transform import angles_of_rotations, rotations_from_vectors, vectors_from_rotations
 from mrts.cell.cell import Cell
-from mrts.following.grasp_tracking import tip_rates
+from mrts.following.coordinated_motion import CoordinatedMotion, TipMotion, carried_object, tip_motions
+from mrts.following.tracking import (
+    CONDITION_LIMIT,
+    POSE_TOLERANCE,
+    PRINTED_TOLERANCE,
+    TRACKING_STEPS,
+    check_joint_limits,
+    solve_grasps,
+    tip_rates,
+    tracking_failure,
+)
+from mrts.kernel.tracking import OUT_OF_REACH, closure_sizes
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
 
@@ -34,6 +50,9 @@ ROUGH = 1.0
 
 ROUGHENED = 0.1
 """The same from where on it should be known: the range may then depend on the noise."""
+
+SILENT_GAP = 1e-6
+"""Gap that is closed without a word [m, rad]: any table has it."""
 
 REST_SLIP = 1e-9
 """Slip of an object at rest that is rounding [m/s, rad/s and per s]."""
@@ -73,38 +92,6 @@ class ClosureBound:
 
     def __str__(self) -> str:
         return f"{self.position:g} m and {self.angle:g} rad"
-
-
-@dataclass(frozen=True)
-class TipMotion:
-    """Pose of one tip in the world, and its velocity and acceleration in base axes and cell components."""
-
-    position: Array
-    rotation: Array
-    velocity: Array
-    acceleration: Array
-
-
-def tip_motions(cell: Cell, q: Array, dq: Array, ddq: Array) -> list[TipMotion]:
-    """Motion of every tip from the joints' motion, each Shape (N, m)."""
-    samples, robots = len(q), len(cell.robots)
-    poses = cell.functions("kinematics", samples, {"q": q})
-    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
-    bias = bias.reshape(samples, len(cell.wrench_components), robots)
-    positions = poses["position"].reshape(samples, 3, robots)
-    tips = []
-    for index, joints in enumerate(cell.joint_slices.values()):
-        J = poses["jacobian"][:, :, joints]
-        rates = J @ np.stack([dq[:, joints], ddq[:, joints]], axis=2)
-        tips.append(
-            TipMotion(
-                positions[:, :, index],
-                poses["rotation"][:, :, 3 * index : 3 * index + 3],
-                rates[:, :, 0],
-                rates[:, :, 1] + bias[:, :, index],
-            )
-        )
-    return tips
 
 
 @dataclass(frozen=True)
@@ -177,3 +164,188 @@ def slip(
                     f"largest is {size:.3g}. {advice}"
                 )
     return None
+
+
+def close_chain(
+    cell: Cell, given: CoordinatedMotion, bound: ClosureBound, where: str, *, carried: bool, source: Source | None
+) -> CoordinatedMotion:
+    """Given joints that hold every grasp: unchanged where they do already, else moved onto the grasps.
+
+    The object then moves as the hands carry it on the mean. Every arm takes the positions on its grasp nearest to the
+    given ones, and the velocities and accelerations nearest to the given ones that keep it there.
+
+    Args:
+        carried: Whether the object's motion is that of the first hand; else it is given and stays.
+
+    Raises:
+        MotionError: If a gap is larger than the bound, velocities or accelerations do not fit, or an arm is singular.
+    """
+    if holds(cell, given, (min(GIVEN_CLOSURE, bound.position), min(GIVEN_CLOSURE, bound.angle)), GIVEN_SLIP):
+        return given
+    tips = tip_motions(cell, given.q, given.dq, given.ddq)
+    gaps = grasp_gaps(cell, given.object, tips)
+    robot, sample, share = gaps.worst(bound)
+    if share > 1:
+        raise MotionError(
+            f"{where}: the joints do not close the chain. The tip of '{cell.robots[robot].name}' is off its grasp by "
+            f"{gaps.at(robot, sample)} at sample {sample} (t = {given.object.time[sample]:.6g} s), the worst; {bound} "
+            "are allowed. Check the joint positions and how many digits they have, the bases and the grasps; if they "
+            "are right, allow more with --closure (argument closure)."
+        )
+    exact, remarks = gaps.largest <= GIVEN_CLOSURE, given.remarks
+    usual = ClosureBound()
+    wider = max(1.0, bound.position / usual.position, bound.angle / usual.angle)
+    shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
+    if source == "positions":
+        shares = shares[:1]
+        remarks += _rough_accelerations(cell, given.object, tips, where)
+    if misfit := slip(cell, given.object, tips, shares, ROUNDED_SLIP, source):
+        raise MotionError(f"{where}: {misfit}")
+    if carried:
+        target = mean_object(cell, given.object.time, tips)
+        gaps = grasp_gaps(cell, target, tips)
+    else:
+        target = given.object
+    q = joints_on_grasps(cell, target, given.q)
+    check_joint_limits(cell, target.time, q, PRINTED_TOLERANCE)
+    dq, ddq = _rates_on_grasps(cell, target, q, given)
+    moved = float(np.max(np.abs(q - given.q)))
+    return CoordinatedMotion(target, q, dq, ddq, remarks + _correction(cell, gaps, bound, moved))
+
+
+def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share: float) -> bool:
+    """Whether joints hold every grasp along a motion.
+
+    Args:
+        gaps: Largest distance [m] and angle [rad] of a tip off its grasp.
+        share: Largest slip of a tip on its grasp, relative to the largest velocity, or acceleration, of a tip.
+    """
+    library, target = cell.functions.compiled, given.object
+    if library is None:
+        tips = tip_motions(cell, given.q, given.dq, given.ddq)
+        off = grasp_gaps(cell, target, tips)
+        near = np.max(off.distance) <= gaps[0] and np.max(off.angle) <= gaps[1]
+        return bool(near) and slip(cell, target, tips, (share, share), REST_SLIP) is None
+    inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
+    distance, angle, *rates = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
+    slips = zip(rates[::2], rates[1::2], strict=True)
+    fits = all(np.all(off <= np.maximum(share * size, REST_SLIP)) for size, off in slips)
+    return bool(np.all(distance <= gaps[0]) and np.all(angle <= gaps[1]) and fits)
+
+
+def _rough_accelerations(cell: Cell, given: ObjectMotion, tips: list[TipMotion], where: str) -> tuple[Remark, ...]:
+    """How much of the accelerations is noise: root mean square of the worst tip's slip by that of accelerations."""
+    rough = 0.0
+    for robot, tip in zip(cell.robots, tips, strict=True):
+        expected = tip_rates(cell, robot, given)[1]
+        size = max(float(np.mean(expected**2)), float(np.mean(tip.acceleration**2)), ROUNDED_SLIP**2)
+        rough = max(rough, float(np.sqrt(np.mean((tip.acceleration - expected) ** 2) / size)))
+    what = (
+        "the joint accelerations, which were found from the positions, are rough: the hands, which hold one object, "
+        f"differ typically by {rough:.2g} times the acceleration"
+    )
+    if rough > ROUGH:
+        raise MotionError(
+            f"{where}: {what}, so most of it is noise. Give velocities and accelerations, more digits, smoother or "
+            "fewer positions."
+        )
+    if rough <= ROUGHENED:
+        return ()
+    return (Remark("rough-accelerations", f"{what}; the range may depend on that. Give velocities and accelerations."),)
+
+
+def _correction(cell: Cell, gaps: GraspGaps, bound: ClosureBound, moved: float) -> tuple[Remark, ...]:
+    if gaps.largest <= SILENT_GAP:
+        return ()
+    robot, sample, _ = gaps.worst(bound)
+    name = cell.robots[robot].name
+    remark = Remark(
+        "chain-closed",
+        f"the given joints were moved onto the grasps: the tip of '{name}' by {gaps.at(robot, sample)} at sample "
+        f"{sample}, the worst; no joint by more than {moved:.3g} rad or m.",
+        sample,
+    )
+    return (remark,)
+
+
+def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
+    """What the tips carry on the mean, its rates likewise: they differ from its derivatives by squares of the gaps."""
+    carried = [carried_object(cell, index, time, tip, smooth=False) for index, tip in enumerate(tips)]
+    first = carried[0].rotation
+    off = [vectors_from_rotations(each.rotation @ first.transpose(0, 2, 1)) for each in carried]
+    return ObjectMotion(
+        time,
+        np.mean([each.position for each in carried], axis=0),
+        rotations_from_vectors(np.mean(off, axis=0)) @ first,
+        np.mean([each.twist for each in carried], axis=0),
+        np.mean([each.acceleration for each in carried], axis=0),
+        smooth=False,
+    )
+
+
+def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
+    """Joint positions on the grasps near the given ones, Shape (N, m)."""
+    held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
+    gaps = GraspGaps(held.gap.T, held.turn.T)
+    if gaps.largest > POSE_TOLERANCE:
+        robot, sample, _ = gaps.worst(ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
+        amounts = [gaps.distance[robot, sample], gaps.angle[robot, sample]]
+        raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)
+    return held.q
+
+
+def _rates_on_grasps(cell: Cell, target: ObjectMotion, q: Array, given: CoordinatedMotion) -> tuple[Array, Array]:
+    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        condition = np.linalg.cond(jacobians[:, :, joints])
+        if not np.all(condition < CONDITION_LIMIT):
+            sample = int(np.argmax(condition))
+            raise MotionError(
+                f"robot '{robot.name}' is singular at sample {sample} (t = {target.time[sample]:.6g} s): its joints "
+                "cannot be moved onto its grasp there. Give joints that close the chain, or keep the arm away from "
+                "full stretch, full fold and aligned axes."
+            )
+    return nearest_rates(cell, target, CoordinatedMotion(target, q, given.dq, given.ddq))
+
+
+def nearest_rates(cell: Cell, target: ObjectMotion, given: CoordinatedMotion) -> tuple[Array, Array]:
+    """Velocities and accelerations nearest to the given ones that keep the tips on the grasps, each Shape (N, m).
+
+    A direction that a singular arm has lost is left as given.
+
+    Args:
+        given: Joint positions on the grasps, and velocities and accelerations that may be off.
+    """
+    q, dq, ddq = given.q, given.dq.copy(), given.ddq.copy()
+    samples = len(q)
+    rates = [tip_rates(cell, robot, target) for robot in cell.robots]
+    jacobians = cell.functions("kinematics", samples, {"q": q})["jacobian"]
+    inverses = []
+    for joints, (velocity, _) in zip(cell.joint_slices.values(), rates, strict=True):
+        J = jacobians[:, :, joints]
+        inverses.append(_inverses(J))
+        dq[:, joints] += apply(inverses[-1], velocity - apply(J, dq[:, joints]))
+    bias = cell.functions("bias_acceleration", samples, {"q": q, "dq": dq})["bias_acceleration"]
+    bias = bias.reshape(samples, len(cell.wrench_components), len(cell.robots))
+    for index, (joints, (_, acceleration)) in enumerate(zip(cell.joint_slices.values(), rates, strict=True)):
+        missing = acceleration - bias[:, :, index] - apply(jacobians[:, :, joints], ddq[:, joints])
+        ddq[:, joints] += apply(inverses[index], missing)
+    return dq, ddq
+
+
+def _inverses(J: Array) -> Array:
+    """Pseudoinverses of Jacobians without the directions that a singular arm has lost, Shape (N, n_i, w)."""
+    if J.shape[1] == J.shape[2]:
+        try:
+            inverses = np.asarray(np.linalg.inv(J), dtype=np.float64)
+        except np.linalg.LinAlgError:
+            return _pseudoinverses(J)
+        entries = J.reshape(len(J), -1), inverses.reshape(len(J), -1)
+        condition = np.sqrt(row_products(entries[0], entries[0]) * row_products(entries[1], entries[1]))  # or less
+        if np.all(condition < CONDITION_LIMIT):
+            return inverses
+    return _pseudoinverses(J)
+
+
+def _pseudoinverses(J: Array) -> Array:
+    return np.asarray(np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT), dtype=np.float64)

@@ -13,7 +13,7 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.following.coordinate import columns_by_joint, meant_instead
-from mrts.following.joint_limits import PRINTED_TOLERANCE, within_limits
+from mrts.following.tracking import PRINTED_TOLERANCE, within_limits
 from mrts.identification.identified_motors import ArmMotors, MotorIdentification, MotorParameter
 from mrts.identification.motor_regression import PARAMETERS, fit_joint
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
@@ -200,7 +200,6 @@ def _rigid_torque(cell: Cell, robot: Robot, motion: RecordedMotion) -> Array:
 
 
 def _explained(effort: Array, residual: Array, used: NDArray[np.bool_]) -> Array:
-    """Share of the effort's variance that is explained, 1 where nothing counts, Shape (n,)."""
     shares = np.ones(effort.shape[1])
     for place, counted in enumerate(used.T):
         variance = float(np.var(effort[counted, place])) if np.any(counted) else 0.0

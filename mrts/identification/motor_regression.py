@@ -112,7 +112,6 @@ def _unknown(blocks: int, reason: str) -> JointFit:
 
 
 def _left_by_others(X: Array, column: int) -> float:
-    """Length of what the other columns leave of one, as a share of it."""
     others, one = np.delete(X, column, axis=1), X[:, column]
     size = float(np.linalg.norm(one))
     if size == 0:
@@ -121,7 +120,6 @@ def _left_by_others(X: Array, column: int) -> float:
 
 
 def _bounded(X: Array, y: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """The least squares with all but the offset at least 0, and which are held there."""
     from scipy.optimize import lsq_linear  # noqa: PLC0415 (slow to import)
 
     lower = np.array([0.0, 0.0, 0.0, -np.inf])

@@ -159,7 +159,6 @@ def smoothed_motion(path: Path, robot: Robot, joints: list[RecordedJoint], cutof
 
 
 def _step(time: Array) -> float:
-    """Mean time between samples but for gaps [s]."""
     steps = np.diff(time)
     return float(np.mean(steps[steps <= GAP * np.median(steps)]))
 
@@ -192,7 +191,6 @@ def _at(joint: RecordedJoint, time: Array) -> tuple[Array, Array]:
 
 
 def _near_samples(recorded: Array, time: Array, longest: float) -> NDArray[np.bool_]:
-    """Where the samples recorded before and after are not too far apart [s], Shape (N,)."""
     after = np.clip(np.searchsorted(recorded, time), 1, len(recorded) - 1)
     near: NDArray[np.bool_] = recorded[after] - recorded[after - 1] <= longest
     return near

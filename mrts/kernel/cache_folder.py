@@ -146,6 +146,5 @@ def _temporary_cache() -> Path:
 
 
 def _remove(folder: Path, process: int) -> None:
-    """Remove a temporary folder, unless this is a fork of the process that made it."""
     if os.getpid() == process:
         shutil.rmtree(folder, ignore_errors=True)

@@ -160,16 +160,14 @@ class CellLibrary(MotionLibrary):
         asked: Sequence[Array],
         outputs: Sequence[NDArray[Any]],
         for_all: tuple[Any, ...] = (),
-        *,
-        function: str = "wrench_form",
     ) -> None:
         """Call a C function of whole trajectories of N samples.
 
         `asked` is what it takes of each sample, `for_all` what it takes besides, `outputs` what it fills; inputs are
-        those of the generated function, by name.
+        those of the wrench form, by name.
         """
         each = [np.ascontiguousarray(values) for values in asked]
-        given, strides = sample_inputs(self.records[function], samples, inputs)
+        given, strides = sample_inputs(self.records["wrench_form"], samples, inputs)
         work = work_arrays(self.opened, name, limits.rows)
         where = samples, pointers(given), strides, limits.structure, terms.structure()
         failed = getattr(self.opened, name)(*where, *each, *for_all, *outputs, *work)

@@ -51,7 +51,6 @@ def check_signatures(
 
 
 def _kernel_shapes(manifest: Manifest) -> dict[str, tuple[Shapes, Shapes]]:
-    """Inputs and outputs of the functions that the C of a cell calls, as it has them."""
     n, w = len(manifest.robots), len(manifest.wrench_components)
     m, f, k = sum(len(robot.joints) for robot in manifest.robots), n * w, (n - 1) * w + 1
     joints = (m, 1)

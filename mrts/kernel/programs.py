@@ -3,7 +3,6 @@
 
 import ctypes
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,22 +18,6 @@ CORNERS = 64
 
 OPTIMAL, INFEASIBLE, MARGINAL, STOPPED = range(4)
 """The kernel's statuses, see linear_programs.h."""
-
-
-class HalfPlanes(NamedTuple):
-    """Half-planes n_u u + n_x x <= h of N polygons.
-
-    Attributes:
-        start: Those of polygon i are start[i] .. start[i + 1] - 1, Shape (N + 1,).
-        planes: n_u, n_x, h, Shape (E, 3).
-        low: Least x, 0 of a polygon without corners, Shape (N,).
-        high: Largest x, likewise.
-    """
-
-    start: NDArray[np.int64]
-    planes: Array
-    low: Array
-    high: Array
 
 
 class Programs:
@@ -137,8 +120,8 @@ class Programs:
 
     def half_planes(
         self, number: NDArray[np.int32], corners: Array, unit: Array, cap: Array, box: float, near: float
-    ) -> HalfPlanes:
-        """The half-planes of polygons over u and x.
+    ) -> tuple[NDArray[np.int64], Array, Array, Array]:
+        """The half-planes n_u u + n_x x <= h of N polygons over u and x.
 
         Args:
             number: Of corners of each, Shape (N,).
@@ -147,13 +130,17 @@ class Programs:
             cap: Largest x that was asked for, Shape (N,).
             box: Largest u that was asked for, without its sign.
             near: Share of both from which an edge is one of theirs, which is none of the polygon.
+
+        Returns:
+            Those of polygon i are start[i] .. start[i + 1] - 1, Shape (N + 1,); n_u, n_x, h of all, Shape (E, 3); least
+            and largest x, 0 of a polygon without corners, each Shape (N,).
         """
         count = len(number)
-        planes = np.empty((len(corners) + 2 * count, 3))
-        found = HalfPlanes(np.zeros(count + 1, dtype=np.int64), planes, np.zeros(count), np.zeros(count))
+        start, planes = np.zeros(count + 1, dtype=np.int64), np.empty((len(corners) + 2 * count, 3))
+        low, high = np.zeros((2, count))
         given = [np.ascontiguousarray(array) for array in (number, corners, unit, cap)]
-        self._library.mrts_half_planes(count, *given, box, near, found.start, planes, found.low, found.high)
-        return found._replace(planes=planes[: found.start[-1]])
+        self._library.mrts_half_planes(count, *given, box, near, start, planes, low, high)
+        return start, planes[: start[-1]], low, high
 
     def effects(self, A: Array, rows: NDArray[np.int32]) -> Array:
         """The largest coefficient of each unknown of A, Shape (N, r, k), in some rows, unsigned, Shape (N, k)."""

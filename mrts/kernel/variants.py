@@ -10,7 +10,7 @@ from mrts.base.arrays import Array
 from mrts.kernel.cell_library import CellLibrary, SparseLimits, pointers
 from mrts.kernel.foreign_arrays import INFINITY, work_arrays
 from mrts.kernel.sample_terms import SampleTerms
-from mrts.kernel.tracking import PATH, FollowedVariants, strided
+from mrts.kernel.tracking import PATH, strided
 
 NAMED = 4
 """Most rows that are named at an end, as a multiple of the unknowns: `MRTS_MOST_NAMED` of ranges.c."""
@@ -37,7 +37,8 @@ def range_record(unknowns: int) -> np.dtype[np.void]:
 
 def variant_ranges(
     library: CellLibrary,
-    followed: FollowedVariants,
+    joints: tuple[Array, Array, Array],
+    skipped: NDArray[np.bool_],
     limits: SparseLimits,
     terms: SampleTerms,
     given: Mapping[str, Array],
@@ -46,7 +47,8 @@ def variant_ranges(
 
     Args:
         library: Of the cell.
-        followed: The joints.
+        joints: q, q' and q'' along the motion, each Shape (V, N, m).
+        skipped: Variants that did not follow, Shape (V,).
         limits: Rows over torques and wrenches; which limits there are is the same for all variants.
         terms: What is added at every sample, those of all variants one after the other.
         given: By name, with V first, or 1 where all share one: the path's "rotation", "twist" and "acceleration" as in
@@ -55,18 +57,18 @@ def variant_ranges(
             "lower" and "upper" limits of the rows, Shape (V, r), and what the rows are made of, `SparseLimits.values`,
             Shape (V, e).
     """
-    variants, samples, m = followed.q.shape
+    variants, samples, m = joints[0].shape
     shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("q", "dq", "ddq"), (samples, m))
     shapes |= {name: (samples, *PATH[name]) for name in ("rotation", "twist", "acceleration")}
     shapes |= {"load": (10,), "geometry": given["geometry"].shape[-1:], "velocity": (m + 2,)}
     shapes |= {"lower": (limits.rows,), "upper": (limits.rows,), "values": limits.values.shape}
-    joints = {"q": followed.q, "dq": followed.dq, "ddq": followed.ddq}
     bounds = {name: np.clip(given[name], -INFINITY, INFINITY) for name in ("velocity", "lower", "upper")}
-    arrays, strides = strided(variants, shapes, {**given, **joints, **bounds})
-    skipped = np.ascontiguousarray(~followed.followed, dtype=np.uint8)
+    followed = dict(zip(("q", "dq", "ddq"), joints, strict=True))
+    arrays, strides = strided(variants, shapes, {**given, **followed, **bounds})
     found = np.zeros(variants, dtype=range_record(library.unknowns))
     library.opened.mrts_variant_ranges(
-        *(variants, samples, pointers(arrays), strides, limits.structure, terms.structure(), skipped, found),
+        *(variants, samples, pointers(arrays), strides, limits.structure, terms.structure()),
+        *(skipped.astype(np.uint8), found),
         *work_arrays(library.opened, "mrts_variant_ranges", limits.rows, samples),
     )
     return found

@@ -122,7 +122,6 @@ def read_joint_columns(path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
 
 
 def _joint_parts(path: Path, columns: dict[str, Array]) -> dict[str, dict[str, Array]]:
-    """The columns of joints by what they are, then by joint; friction apart and contact wrenches are passed over."""
     parts: dict[str, dict[str, Array]] = {"q": {}, "dq": {}, "ddq": {}, "tau": {}}
     for name, values in columns.items():
         part, _, joint = name.partition(".")

@@ -148,7 +148,6 @@ def _rows(stamps: NDArray[np.int64], messages: list[Any]) -> dict[str, list[tupl
 
 
 def _joint(path: Path, topic: str, joint: str, rows: list[tuple[int, float, float]]) -> RecordedJoint:
-    """One joint of a topic; a message that repeats the time of the one before is left out."""
     stamps = np.array([stamp for stamp, _, _ in rows], dtype=np.int64)
     values = np.array([row[1:] for row in rows], dtype=np.float64)
     for part, column in zip(("position", "effort"), values.T, strict=True):

@@ -191,7 +191,6 @@ def smoothing_remark(what: str, moved: float) -> Remark:
 
 
 def _flips(quaternions: Array) -> NDArray[np.bool_]:
-    """Where a quaternion is written with the sign opposite to the row before, Shape (M,)."""
     return np.concatenate([[False], np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0])
 
 

@@ -103,7 +103,6 @@ class ObjectMotion(InNotebooks):
         check_derivatives("rotation", time, turned, self.twist[:, 3:], self.acceleration[:, 3:], noise)
 
     def _take(self, names: Iterable[str]) -> None:
-        """Make fields arrays of their own, checked but for what they mean; the time first."""
         for name in names:
             value = as_array(name, getattr(self, name))
             object.__setattr__(self, name, value)
@@ -151,7 +150,6 @@ def unchecked_object_motion(
 
 
 def _turns(rotation: Array) -> bool:
-    """Whether all matrices, Shape (N, 3, 3), are rotations: R Rᵀ = I, and of positive sense."""
     rows = x, y, z = np.ascontiguousarray(rotation.transpose(1, 2, 0))
     off = np.einsum("ikn,jkn->ijn", rows, rows) - np.eye(3)[:, :, None]
     across = np.stack([x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]])

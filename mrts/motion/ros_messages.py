@@ -78,11 +78,6 @@ def bag_messages(path: Path, *kinds: str) -> dict[str, list[tuple[int, Any]]]:
 
 
 def _types_of(path: Path, connection: Any) -> Any:
-    """The types to read the messages of a connection with.
-
-    Raises:
-        InputError: If they are not those of ROS 2 itself, and the bag does not define them.
-    """
     if connection.msgtype in message_types().types:
         return message_types()
     from rosbags.interfaces import MessageDefinitionFormat  # noqa: PLC0415 (an extra, needed when a bag is)
@@ -187,11 +182,6 @@ def _joints_at(usable: dict[str, tuple[Any, NDArray[np.int64]]], stamps: NDArray
 
 
 def _trajectories(path: Path, topic: str | None) -> dict[str, list[Any]]:
-    """All trajectories of each topic, by topic in the order of their names.
-
-    Raises:
-        InputError: If it is no bag, or has no such topic.
-    """
     found = bag_messages(path, KIND, *OF_MOVEIT)
     if topic is not None:
         if topic not in found:
@@ -212,11 +202,6 @@ def _parts(message: Any) -> list[Any]:
 
 
 def _of_joints(path: Path, topic: str, planned: Any) -> Any:
-    """The part of MoveIt's trajectory that moves joints of one degree of freedom.
-
-    Raises:
-        InputError: If others move as well.
-    """
     others = planned.multi_dof_joint_trajectory
     if len(others.points):
         names = ", ".join(others.joint_names)
@@ -230,11 +215,6 @@ def _of_joints(path: Path, topic: str, planned: Any) -> Any:
 
 
 def _chosen(path: Path, topic: str, planned: list[Any], which: int | None) -> Any:
-    """The trajectory that is meant.
-
-    Raises:
-        InputError: If there are several and none is named, or there is no such one.
-    """
     if which is None and len(planned) == 1:
         return planned[0]
     if which is not None and which < len(planned):
@@ -261,7 +241,6 @@ def _length(planned: Any) -> str:
 
 
 def _stamps(path: Path, topic: str, planned: Any) -> NDArray[np.int64]:
-    """Times of the points of a trajectory from the start, Shape (N,) [ns]."""
     times = [point.time_from_start for point in planned.points]
     if len(times) < 2:  # noqa: PLR2004 (both ends)
         raise InputError(path, f"has {len(times)} points; a motion has at least 2.", key=topic)
@@ -277,7 +256,6 @@ def _stamps(path: Path, topic: str, planned: Any) -> NDArray[np.int64]:
 
 
 def _values(path: Path, topic: str, message: Any, part: str) -> Array:
-    """Positions, velocities or accelerations of all points, Shape (N, joints), or (N, 0) where there are none."""
     joints = list(message.joint_names)
     rows = [getattr(point, part) for point in message.points]
     size = len(rows[0]) if part != "positions" else len(joints)

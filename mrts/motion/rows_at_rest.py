@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Rows of a table that hold the cell still before and after the motion: where they are needed, and which they are."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from mrts.base.arrays import Array
+from mrts.base.arrays import Array
 
 HOLDING_STEP = 1e-3
 """A row that holds still lies this far from the motion [s], or as far as its two nearest samples where that is less."""
@@ -21,7 +18,7 @@ LEAST = 2
 """Rows of a motion: both ends."""
 
 
-def holding_step(time: "Array") -> float:
+def holding_step(time: Array) -> float:
     """How far from the motion a row lies that holds still [s].
 
     Args:
@@ -30,7 +27,7 @@ def holding_step(time: "Array") -> float:
     return min(HOLDING_STEP, float(np.min(np.diff(time))))
 
 
-def pushing_ends(dq: "Array", ddq: "Array") -> tuple[bool, bool]:
+def pushing_ends(dq: Array, ddq: Array) -> tuple[bool, bool]:
     """Whether a motion is at rest at its start, and at its end, but accelerates there.
 
     A controller that waits there, or stays there, would push with the torques of that acceleration.
@@ -44,7 +41,7 @@ def pushing_ends(dq: "Array", ddq: "Array") -> tuple[bool, bool]:
     return bool(pushes[0]), bool(pushes[1])
 
 
-def moving_rows(time: "Array", q: "Array", dq: "Array", ddq: "Array") -> slice:
+def moving_rows(time: Array, q: Array, dq: Array, ddq: Array) -> slice:
     """The rows of a table without those that hold still before and after the motion.
 
     Such a row is the first or the last, with no velocity and no acceleration, in exactly the position of the row next
@@ -68,8 +65,7 @@ def moving_rows(time: "Array", q: "Array", dq: "Array", ddq: "Array") -> slice:
     return slice(first, last)
 
 
-def _leads(time: "Array", dq: "Array", ddq: "Array") -> bool:
-    """Whether the motion leads to the last row by stopping in the row before it with an acceleration."""
+def _leads(time: Array, dq: Array, ddq: Array) -> bool:
     if ddq.shape[1]:
         return pushing_ends(dq[:-1], ddq[:-1])[1]
     steps = np.abs(np.diff(time))

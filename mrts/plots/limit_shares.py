@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.limits.rows import SPEEDS, ActiveRow, RowName
 from mrts.plots.labels import short_name
-from mrts.scaling.limit_use import limited_rate_kinds, limited_rates, used_shares
+from mrts.scaling.limit_use import limited_rates, used_shares
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
@@ -106,13 +106,8 @@ def all_shares(result: ScalingResult) -> tuple[tuple[RowName, ...], Array]:
     if result.trajectory is None:
         raise ValueError("there is no trajectory to draw")
     names, share = used_shares(result.trajectory)
-    shares = [share]
-    for kind in limited_rate_kinds(result):
-        for robot in result.cell.robots:
-            rates = limited_rates(result, kind, robot.name)
-            rates = rates.only(np.isfinite(rates.upper[0]).tolist())
-            names, shares = names + rates.rows, [*shares, np.abs(rates.values) / rates.upper]
-    return names, np.hstack(shares)
+    rates = limited_rates(result)
+    return (names, share) if rates is None else (names + rates.rows, np.hstack([share, rates.share]))
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import ActiveRow, rows_text
-from mrts.program.range_ends import highest_intervals, speed_unit
+from mrts.program.range_ends import highest_intervals
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.widening import least_widening, widening_at
 
@@ -25,14 +25,8 @@ COMBINATION_TOLERANCE = 1e-8
 """Largest error of yᵀA = 0, relative to its terms: what rounding and the dropped multipliers leave."""
 
 
-SEARCH_POINTS, SEARCH_ROUNDS, HALVINGS = 33, 10, 26
-"""Speeds on the grid from which the closest is looked for, most searches from there, and halvings of each."""
-
-CLOSEST = 1e-7
-"""No other speed takes less than this share less widening than the closest."""
-
-SEARCHED = 100.0
-"""How far the first goes beyond, and below, the c that moves a row by about one limit."""
+HALVINGS = 50
+"""Of the widening at the closest speed: to the precision of its number."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +97,11 @@ def find_conflicts(
     """
     part = problem.at(samples)
     if part.speed is not None:
-        return _conflicts_along_speed(part, time[samples], samples, solver)
+        best = closest_speed(part, solver) ** 2
+        return [
+            found and replace(found, sample=int(sample), c2=float(c2))
+            for found, sample, c2 in zip(conflicts_at(part, best, time[samples], solver), samples, best, strict=True)
+        ]
     x_lower = np.append(np.full(part.unknowns - 1, -np.inf), 0.0)
     widening, row_dual, _ = least_widening(
         part.A, part.lower, part.upper, part.is_limit, x_lower, solver, "whether the limits hold together"
@@ -127,22 +125,6 @@ def find_conflicts(
     return conflicts
 
 
-def _conflicts_along_speed(
-    part: SampleProblem, time: Array, samples: NDArray[np.int_], solver: str
-) -> list[Conflict | None]:
-    """`find_conflicts` where rows have a term in ṙ: at the c² at which the limits must move outward the least.
-
-    The widening is no convex function of c: it is looked for around the best of a grid, and as long as some c is
-    admitted with limits moved outward by a little less, among these.
-    """
-    best = closest_speed(part, solver) ** 2
-    found = conflicts_at(part, best, time, solver)
-    return [
-        None if one is None else replace(one, sample=int(sample), c2=float(c2))
-        for one, sample, c2 in zip(found, samples, best, strict=True)
-    ]
-
-
 def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) -> list[Conflict | None]:
     """`find_conflicts` at a chosen c² of each sample, where everything is linear."""
     lower, upper = problem.limits_at(c2[:, None])
@@ -152,51 +134,23 @@ def conflicts_at(problem: SampleProblem, c2: Array, time: Array, solver: str) ->
 
 
 def closest_speed(problem: SampleProblem, solver: str) -> Array:
-    """The c at which the limits of a sample must move outward the least, Shape (N,)."""
-    unit, cap = np.sqrt(speed_unit(problem)), np.sqrt(problem.cap())
-    steps = np.concatenate([[0.0], np.geomspace(1 / SEARCHED, SEARCHED, SEARCH_POINTS - 1)])
-    grid = np.minimum(unit[:, None] * steps, cap[:, None])
-    needed = _widening_at_speeds(problem, grid, solver)
-    place = np.argmin(needed, axis=1)
-    samples = np.arange(problem.samples)
-    low, high = grid[samples, np.maximum(place - 1, 0)], grid[samples, np.minimum(place + 1, SEARCH_POINTS - 1)]
-    best: Array = grid[samples, place]
-    least: Array = needed[samples, place]
-    for _ in range(SEARCH_ROUNDS):
-        part = problem.at(samples)
-        best[samples], least[samples] = _closest_between(part, low, best[samples], high, least[samples], solver)
-        level = least[samples, None] * (1 - CLOSEST) * part.is_limit
-        wider = replace(part, lower=part.lower - level, upper=part.upper + level)
-        found = highest_intervals(wider, np.full(part.samples, np.inf))
-        admitted = found.status == OPTIMAL
-        samples = samples[admitted]
-        if not samples.size:
-            break
-        low, high = np.sqrt(found.lower[admitted]), np.sqrt(found.upper[admitted])
-        high = np.where(np.isfinite(high), high, low)
-        best[samples] = (low + high) / 2
-        least[samples] = _widening_at_speeds(problem.at(samples), best[samples, None], solver)[:, 0]
-    return best
+    """The c at which the limits of a sample must move outward the least, Shape (N,), where rows have a term in ṙ.
 
-
-def _widening_at_speeds(problem: SampleProblem, speeds: Array, solver: str) -> Array:
-    repeated = problem.at(np.repeat(np.arange(problem.samples), speeds.shape[1]))
-    what = "at which speed the limits come closest"
-    return widening_at(repeated, speeds.reshape(-1, 1) ** 2, solver, what).reshape(speeds.shape)
-
-
-def _closest_between(
-    problem: SampleProblem, low: Array, best: Array, high: Array, least: Array, solver: str
-) -> tuple[Array, Array]:
-    """The speeds of least widening between two others, by halving on both sides of the best one, and the widening."""
-    samples = np.arange(problem.samples)
+    The widening is no convex function of c, but the more of it the more speeds are admitted: it is halved as long as
+    some speed is left, up to what standstill takes.
+    """
+    c, low = np.zeros((2, problem.samples))
+    high = widening_at(problem, 0.0, solver, "at which speed the limits come closest")
     for _ in range(HALVINGS):
-        places = np.stack([low, (low + best) / 2, best, (best + high) / 2, high], axis=1)
-        halves = _widening_at_speeds(problem, places[:, [1, 3]], solver)
-        choice = np.array([2, 1, 3])[np.argmin(np.column_stack([least, halves]), axis=1)]
-        least = np.minimum(least, np.min(halves, axis=1))
-        low, best, high = (places[samples, choice + step] for step in (-1, 0, 1))
-    return best, least
+        level = (low + high) / 2
+        moved = level[:, None] * problem.is_limit
+        wider = replace(problem, lower=problem.lower - moved, upper=problem.upper + moved)
+        found = highest_intervals(wider, np.full(problem.samples, np.inf))
+        admitted = found.status == OPTIMAL
+        low, high = np.where(admitted, low, level), np.where(admitted, level, high)
+        least, most = np.sqrt(found.lower[admitted]), np.sqrt(found.upper[admitted])
+        c[admitted] = np.where(np.isfinite(most), (least + most) / 2, least)
+    return c
 
 
 def separation(problem: SampleProblem, index: int, y: Array) -> tuple[float, float]:

@@ -6,7 +6,7 @@ depends on its basis. `rows_at_end` names all that are at their limit in every s
 they are those with a multiplier in some solution of the dual program.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +42,7 @@ class RangeEnds:
         gap: A c² in the gap below the interval, 0 where there is no other, Shape (N,).
         effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
         fallbacks: Programs that the chosen solver did not solve and another did.
-        several: Whether some sample admits other intervals as well.
+        gaps: Whether a sample admits other intervals as well, Shape (N,).
     """
 
     lower: Array
@@ -52,7 +52,9 @@ class RangeEnds:
     gap: Array
     effect: Array
     fallbacks: int = 0
-    several: bool = False
+
+    def __post_init__(self) -> None:
+        self.gaps = self.gap > 0
 
     @classmethod
     def unknown(cls, samples: int) -> "RangeEnds":
@@ -68,18 +70,17 @@ class RangeEnds:
 
     def replace(self, samples: NDArray[np.intp], other: "RangeEnds") -> None:
         """Take some samples from another batch."""
-        wide = max(self.codes.shape[2], other.codes.shape[2])
-        self.codes = wide_codes(self.codes, wide)
-        self.codes[:, samples] = wide_codes(other.codes, wide)
-        for mine, found in ((self.lower, other.lower), (self.upper, other.upper), (self.status, other.status)):
-            mine[samples] = found
+        self.codes, theirs = same_width([self.codes, other.codes])
+        self.codes[:, samples] = theirs
+        for name in ("lower", "upper", "status", "gaps"):
+            getattr(self, name)[samples] = getattr(other, name)
         self.fallbacks += other.fallbacks
-        self.several |= other.several
 
 
-def wide_codes(codes: Codes, size: int) -> Codes:
-    """Codes with zeros behind them, so that there are so many."""
-    return np.concatenate([codes, np.zeros((*codes.shape[:2], size - codes.shape[2]), dtype=np.int32)], axis=2)
+def same_width(parts: Sequence[Codes]) -> list[Codes]:
+    """Codes with zeros behind them, so that all have as many."""
+    wide = max(codes.shape[2] for codes in parts)
+    return [np.pad(codes, ((0, 0), (0, 0), (0, wide - codes.shape[2]))) for codes in parts]
 
 
 def kernel_ends(library: CellLibrary, inputs: dict[str, Array], rows: MotionRows, most: Array) -> RangeEnds:
@@ -96,24 +97,22 @@ def kernel_ends(library: CellLibrary, inputs: dict[str, Array], rows: MotionRows
     return RangeEnds(lower, upper, _codes_of_bases(rows, basis, dual), np.max(status, axis=0), gap, effect)
 
 
-def known_ends(
-    library: CellLibrary, function: str, inputs: dict[str, Array], rows: MotionRows, most: Array
-) -> RangeEnds:
-    """Eqs. (38), (39): where c² is the only unknown every row bounds it; all samples in one call of the kernel.
-
-    Arguments are those of `kernel_ends`; the function gives torques and wrenches.
-    """
-    assert rows.sparse is not None  # noqa: S101 (the caller has looked)
-    count, kept = len(most), np.flatnonzero(~rows.is_cap)
-    lower, upper, effect = np.zeros((3, count))
-    tied = np.zeros((2, count, len(kept)), dtype=np.int8)
-    run = library.address(function), len(library.records[function].inputs)
-    outputs = [lower, upper, effect, *tied]
-    asked = count, inputs, rows.sparse, rows.terms(), [np.minimum(most, INFINITY)], outputs, run
-    library.over_samples("mrts_known_ranges", *asked, function=function)
-    codes = _with_standstill(tied * (1 + kept.astype(np.int32)), lower == 0, len(rows.is_cap))
-    status = np.where(lower > upper, INFEASIBLE, OPTIMAL).astype(np.uint8)
-    return RangeEnds(lower, upper, codes, status, np.zeros(count), effect)
+def ends_of_rows(problem: SampleProblem) -> RangeEnds:
+    """Eqs. (38), (39): where c² is the only unknown every row bounds it by itself."""
+    kept = np.flatnonzero(~problem.is_cap)
+    a, limits = problem.square[:, kept], np.stack([problem.lower[:, kept], problem.upper[:, kept]])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = np.where(a > 0, limits / a, (limits / a)[::-1])
+    ends = np.where(a == 0, np.array([-np.inf, np.inf])[:, None, None], ends)
+    holds = np.all((limits[0] <= limits[1]) & ((a != 0) | (limits[0] <= 0) & (limits[1] >= 0)), axis=1)
+    lower = np.where(holds, np.max(ends[0], axis=1, initial=0.0), np.inf)
+    upper = np.where(holds, np.minimum(np.min(ends[1], axis=1, initial=np.inf), problem.cap()), -np.inf)
+    reached = np.stack([lower, upper])[:, :, None]
+    tied = (np.abs(ends - np.where(np.isfinite(reached), reached, 0.0)) <= BINDING_TOLERANCE * reached) & (reached > 0)
+    side = np.where(a > 0, 1, -1) * np.array([-1, 1])[:, None, None]
+    codes = _with_standstill(np.where(tied, side * (1 + kept), 0), lower == 0, len(problem.is_cap))
+    status = np.where(lower <= upper, OPTIMAL, INFEASIBLE).astype(np.uint8)
+    return RangeEnds(lower, upper, codes, status, np.zeros(len(lower)), effect_of_speed(problem))
 
 
 def _codes_of_bases(form: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> Codes:
@@ -167,7 +166,9 @@ NO_EFFECT = 1e-300
 
 def ends_of_problem(problem: SampleProblem, solver: str, high: float, *, alone: bool = False) -> RangeEnds:
     """The ends of the rows of some samples; as in `motion_ranges`, or by one solver alone."""
-    if problem.speed is None:
+    if problem.speed is None and problem.unknowns == 1:
+        found = ends_of_rows(problem)
+    elif problem.speed is None:
         found = ends_by_linear_programs(problem, solver, alone=alone)
     else:
         found = intervals_below(lambda most: highest_intervals(problem, most), np.full(problem.samples, np.inf), high)
@@ -233,7 +234,7 @@ MOST_INTERVALS = 100
 def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float) -> RangeEnds:
     """The highest intervals of c² that do not begin above `high`, from what finds them below a c² of each sample."""
     found, lowest = find(most), np.zeros(len(most), dtype=bool)
-    several = bool(np.any(found.gap > 0))
+    gaps = found.gaps
     for _ in range(MOST_INTERVALS):
         above = (found.gap > 0) & (found.lower > high) & ~lowest
         if not np.any(above):
@@ -244,7 +245,7 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
         lowest |= nothing
         if not np.any(nothing):
             most, found = tried, below
-    found.several = several
+    found.gaps = gaps
     return found
 
 

@@ -14,14 +14,11 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
-from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, LimitRows, side_size
-from mrts.program.formulation import FormulationName
-from mrts.program.load_sharing import LoadSharing
-from mrts.program.motion_rows import motion_rows
+from mrts.program.motion_rows import MotionRows
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import BLOCK
 from mrts.program.widening import least_widening
 
@@ -78,11 +75,12 @@ class Reserve:
     """By how much limits may shrink before a plan at its c² has no torques within them.
 
     Attributes:
-        share: The largest share that all limits may move inward by, each side of its own size.
+        share: The largest share that all limits may move inward by, each side of its own size; 0 at the fastest c².
         sample: Where that is.
         time: Of that sample in the given motion [s].
         rows: Rows at their limit then.
         load: With which load, if the load is uncertain.
+        distributed: Of those limits alone that the distribution of the torques moves; None where nothing is free.
     """
 
     share: float
@@ -90,6 +88,15 @@ class Reserve:
     time: float
     rows: tuple[ActiveRow, ...]
     load: LoadPoint | None = None
+    distributed: "Reserve | None" = None
+
+    def __str__(self) -> str:
+        text = f"{100 * self.share:.3g} % of all limits ({self.place()})"
+        least = self.distributed
+        if least is None or least.share <= self.share:
+            return text
+        other = f"{100 * least.share:.3g} % of those of torques and wrenches if these are distributed for it"
+        return f"{text}, {other} ({least.place()})"
 
     def place(self) -> str:
         """By which rows, when and with which load it is set, in words."""
@@ -99,63 +106,28 @@ class Reserve:
         return f"{by}at t = {self.time:.4g} s" + ("" if self.load is None else f" with {self.load}")
 
     def to_json(self) -> dict[str, Any]:
-        """Part of "reserve" in the JSON result."""
+        """Entry "reserve" of the JSON result, and "distributed" in it."""
         entry = {"share": self.share, "time": self.time, "rows": [row.to_json() for row in self.rows]}
-        return entry if self.load is None else entry | {"load": self.load.to_json()}
+        entry |= {} if self.load is None else {"load": self.load.to_json()}
+        return entry | {"distributed": self.distributed and self.distributed.to_json()}
 
 
-@dataclass(frozen=True)
-class PlanReserve:
-    """What is left of the limits of a plan.
-
-    Attributes:
-        whole: Of all limits: 0 at the fastest c².
-        distributed: Of those that the distribution of the torques moves; None where nothing is free.
-    """
-
-    whole: Reserve
-    distributed: Reserve | None
-
-    def __str__(self) -> str:
-        text = f"{100 * self.whole.share:.3g} % of all limits ({self.whole.place()})"
-        least = self.distributed
-        if least is None or least.share <= self.whole.share:
-            return text
-        other = f"{100 * least.share:.3g} % of those of torques and wrenches if these are distributed for it"
-        return f"{text}, {other} ({least.place()})"
-
-    def to_json(self) -> dict[str, Any]:
-        """Entry "reserve" of the JSON result."""
-        return self.whole.to_json() | {"distributed": self.distributed and self.distributed.to_json()}
-
-
-def plan_reserve(
-    cell: Cell,
-    motion: CoordinatedMotion,
-    formulation: FormulationName,
-    sharing: LoadSharing | None,
-    solver: str,
-    c2: float,
-    loads: tuple[LoadPoint | None, ...] = (None,),
-) -> PlanReserve:
-    """By how much the limits of a cell, as given, may shrink before a motion at c² has no torques for some load."""
-    cell, time = cell.with_reserve(0.0), motion.object.time
-    rows = motion_rows(cell, motion, sharing, formulation)
+def plan_reserve(rows: MotionRows, c2: float, loads: tuple[LoadPoint | None, ...] = (None,)) -> Reserve:
+    """By how much the limits of a motion, as they are given, may shrink before c² has no torques for some load."""
     whole: list[Reserve] = []
     distributed: list[Reserve] = []
     for load in loads:
-        for start in range(0, motion.samples, BLOCK):
-            block = np.arange(start, min(start + BLOCK, motion.samples))
-            vector = None if load is None else load.load
-            problem = build_sample_problem(rows, load=vector, samples=block)
-            given = rows.given.at(block)
+        for start in range(0, rows.motion.samples, BLOCK):
+            block = np.arange(start, min(start + BLOCK, rows.motion.samples))
+            problem = build_sample_problem(rows, load=None if load is None else load.load, samples=block)
+            given, time = rows.given.at(block), rows.motion.object.time
             shares = _shares_unmoved(problem, given, c2)
             if problem.unknowns > 1:
-                at_best = _shares_moved(*least_shares(problem, c2, solver)[:2])
+                at_best = _shares_moved(*least_shares(problem, c2, DEFAULT_SOLVER)[:2])
                 distributed.append(_reserve(given, at_best, time, start, load))
                 shares = np.maximum(shares, at_best)
             whole.append(_reserve(given, shares, time, start, load))
-    return PlanReserve(_least(whole), _least(distributed) if distributed else None)
+    return replace(_least(whole), distributed=_least(distributed) if distributed else None)
 
 
 def _least(reserves: list[Reserve]) -> Reserve:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The admissible range of c² at every sample."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from mrts.base.load_box import LoadPoint
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
-from mrts.program.range_ends import Codes, RangeEnds, ends_of_problem, rows_at_end, wide_codes
+from mrts.program.range_ends import Codes, RangeEnds, ends_of_problem, rows_at_end, same_width
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import SampleProblem
 
@@ -28,82 +29,87 @@ TIE = 1e-7
 """Relative difference of two samples' ends, or two loads', that may be rounding: the first of them counts as the one
 that sets the end, so that it does not depend on the solver."""
 
+SIDES: tuple[Side, Side] = ("lower", "upper")
 
-@dataclass(frozen=True)
-class BindingRows:
-    """Which of r rows bind at both ends of N samples.
-
-    Attributes:
-        names: One a row.
-        limits: Their lower and upper limits as given, Shape (2, r).
-        codes: As `Codes`.
-    """
-
-    names: tuple[RowName, ...]
-    limits: Array
-    codes: Codes
-
-    def at(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
-        """The rows at one end of a sample."""
-        codes = self.codes[0 if side == "lower" else 1, sample]
-        return tuple(self._row(code) for code in codes[codes != 0].tolist())
-
-    def _row(self, code: int) -> ActiveRow:
-        row = abs(code) - 1
-        if row == len(self.names):
-            return ActiveRow(STANDSTILL, "lower", 0.0)
-        limit = float(self.limits[0 if code < 0 else 1, row])
-        return ActiveRow(self.names[row], "lower" if code < 0 else "upper", limit)
+AT_SAMPLES = ("time", "lower", "upper", "gaps")
+"""Arrays of `SampleRanges` with one number a sample."""
 
 
-def chosen_rows(sources: list[BindingRows], choice: NDArray[np.int_]) -> BindingRows:
-    """The rows of each end from one of several sources of the same rows; the choice has Shape (2, N)."""
-    wide = max(source.codes.shape[2] for source in sources)
-    codes = np.stack([wide_codes(source.codes, wide) for source in sources])
-    side, sample = np.indices(choice.shape)
-    return replace(sources[0], codes=codes[choice, side, sample])
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SampleRanges:
     """The least and the largest c² of each of N samples: of the highest interval where a sample admits several.
 
     Attributes:
         time: Of the given motion, Shape (N,) [s].
-        status: Shape (N,).
         lower: c²⁻(t), Shape (N,); infinity where infeasible.
         upper: c²⁺(t), Shape (N,); minus infinity where infeasible, infinity where unbounded.
-        rows: Which rows bind at both ends of each sample.
+        names: Of the r rows.
+        limits: Their lower and upper limits as given, Shape (2, r).
+        codes: Which of them bind at both ends of each sample.
+        gaps: Whether a sample admits other intervals of c² as well, Shape (N,).
         conflicts: One for each infeasible sample, in order.
         fallbacks: Programs that the chosen solver did not solve and another did.
         lower_loads: If the load is uncertain, the load that sets the lower end of each sample.
         upper_loads: Likewise of the upper end.
-        several: Whether some sample admits other intervals of c² as well.
-        problem: The rows of one sample, with a load if the load is uncertain; None where `rows` has all that bind.
+        problem: The rows of one sample, with a load if the load is uncertain; None where `codes` has all that bind.
     """
 
     time: Array
-    status: tuple[RangeStatus, ...]
     lower: Array
     upper: Array
-    rows: BindingRows
-    conflicts: tuple[Conflict, ...]
-    fallbacks: int
+    names: tuple[RowName, ...]
+    limits: Array
+    codes: Codes
+    gaps: NDArray[np.bool_]
+    conflicts: tuple[Conflict, ...] = ()
+    fallbacks: int = 0
     lower_loads: Sequence[LoadPoint] | None = None
     upper_loads: Sequence[LoadPoint] | None = None
-    several: bool = False
     problem: Callable[[int, Array | None], SampleProblem] | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def status(self) -> tuple[RangeStatus, ...]:
+        """The outcome at every sample."""
+        names = np.array([RangeStatus.FEASIBLE, RangeStatus.EMPTY, RangeStatus.UNBOUNDED, RangeStatus.INFEASIBLE])
+        empty = self.lower > self.upper * (1 + POINT_TOLERANCE)
+        code = np.where(np.isinf(self.upper), 2, np.where(empty, 1, 0))
+        code[[conflict.sample for conflict in self.conflicts]] = 3
+        return tuple(names[code].tolist())
+
+    @property
+    def several(self) -> bool:
+        """Whether some sample admits other intervals of c² as well."""
+        return bool(np.any(self.gaps))
+
+    def at(self, places: NDArray[np.intp]) -> "SampleRanges":
+        """The ranges at some samples, without what conflicts there."""
+        of_ends = (self.lower_loads, self.upper_loads)
+        lower_loads, upper_loads = (own and [own[place] for place in places.tolist()] for own in of_ends)
+        some: dict[str, Any] = {name: getattr(self, name)[places] for name in AT_SAMPLES}
+        some |= {"codes": self.codes[:, places], "lower_loads": lower_loads, "upper_loads": upper_loads}
+        return replace(self, **some, conflicts=(), problem=None)
+
+    def loads(self, side: Side) -> Sequence[LoadPoint] | None:
+        """The loads that set one end of each sample; None where the load is known."""
+        return self.lower_loads if side == "lower" else self.upper_loads
 
     def binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """Rows that bind at one end of a sample; where more meet than determine it, some of them."""
-        return self.rows.at(sample, side)
+        found = []
+        for code in self.codes[SIDES.index(side), sample].tolist():
+            row, upper = abs(code) - 1, code > 0
+            if row == len(self.names):
+                found.append(ActiveRow(STANDSTILL, "lower", 0.0))
+            elif code:
+                found.append(ActiveRow(self.names[row], SIDES[upper], float(self.limits[int(upper), row])))
+        return tuple(found)
 
     def all_binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """All rows that bind at one end of a sample."""
         c2 = float((self.lower if side == "lower" else self.upper)[sample])
         if self.problem is None or not np.isfinite(c2) or (side == "lower" and c2 == 0):
             return self.binding(sample, side)
-        loads = self.lower_loads if side == "lower" else self.upper_loads
+        loads = self.loads(side)
         problem = self.problem(sample, None if loads is None else loads[sample].load)
         return rows_at_end(problem, c2, side) or self.binding(sample, side)
 
@@ -123,6 +129,23 @@ def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float 
     ends = ends_of_problem(still, solver, high, alone=True)
     conflicts = decide(ends, ends.undecided, still, time, solver, high)
     return ranges_of_ends(time, ends, conflicts, problem.names, (problem.limit_lower, problem.limit_upper))
+
+
+def ranges_of_ends(
+    time: Array, ends: RangeEnds, conflicts: Sequence[Conflict], names: tuple[RowName, ...], limits: tuple[Array, Array]
+) -> SampleRanges:
+    """The ranges with these ends."""
+    return SampleRanges(
+        time=time,
+        lower=ends.lower,
+        upper=ends.upper,
+        names=names,
+        limits=np.stack(limits),
+        codes=ends.codes,
+        gaps=ends.gaps,
+        conflicts=tuple(conflicts),
+        fallbacks=ends.fallbacks,
+    )
 
 
 def decide(
@@ -163,28 +186,18 @@ def decide(
     return [replace(one, sample=int(samples[one.sample])) for one in found if one is not None]
 
 
-def ranges_of_ends(
-    time: Array, ends: RangeEnds, conflicts: Sequence[Conflict], names: tuple[RowName, ...], limits: tuple[Array, Array]
-) -> SampleRanges:
-    """The ranges with these ends."""
-    return SampleRanges(
-        time=time,
-        status=statuses(ends.lower, ends.upper, conflicts),
-        lower=ends.lower,
-        upper=ends.upper,
-        rows=BindingRows(names, np.stack(limits), ends.codes),
-        conflicts=tuple(conflicts),
-        fallbacks=ends.fallbacks,
-        several=ends.several,
+def joined(first: SampleRanges, other: SampleRanges) -> SampleRanges:
+    """Ranges at the samples of both along one motion, in the order of time, without what conflicts."""
+    both = (first, other)
+    whole: dict[str, Any] = {name: np.concatenate([getattr(of, name) for of in both]) for name in AT_SAMPLES}
+    together = replace(
+        first,
+        codes=np.concatenate(same_width([of.codes for of in both]), axis=1),
+        lower_loads=first.lower_loads and (*first.lower_loads, *(other.lower_loads or ())),
+        upper_loads=first.upper_loads and (*first.upper_loads, *(other.upper_loads or ())),
+        **whole,
     )
-
-
-def statuses(lower: Array, upper: Array, conflicts: Iterable[Conflict]) -> tuple[RangeStatus, ...]:
-    """The outcome at every sample."""
-    names = np.array([RangeStatus.FEASIBLE, RangeStatus.EMPTY, RangeStatus.UNBOUNDED, RangeStatus.INFEASIBLE])
-    code = np.where(np.isinf(upper), 2, np.where(lower > upper * (1 + POINT_TOLERANCE), 1, 0))
-    code[[conflict.sample for conflict in conflicts]] = 3
-    return tuple(names[code].tolist())
+    return together.at(np.argsort(together.time, kind="stable"))
 
 
 def first_least(values: Array) -> Any:

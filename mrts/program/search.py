@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples, denser
-from mrts.limits.rows import ActiveRow, Side
+from mrts.limits.rows import Side
 from mrts.program.excess import Excess
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.sample_ranges import SampleRanges
+from mrts.program.sample_ranges import SIDES, SampleRanges, joined
 from mrts.program.widening import motion_widening
 
 WIDE, CLOSE = np.arange(1, 4) / 4, np.arange(1, 8) / 8
@@ -40,102 +40,12 @@ FEWEST_PLACES = 2000
 NUDGE = 1e-3
 """Share by which c² is moved to see how much a limit widens with it."""
 
-SIDES: tuple[Side, Side] = ("lower", "upper")
-
-
 Ranges = Callable[[MotionRows], SampleRanges]
 """The ranges of c² along a motion, of intervals that do not begin above the end of the range."""
 
-
-@dataclass(frozen=True)
-class Ends:
-    """Both ends of the range of c² at N times, and where they are from.
-
-    Attributes:
-        time: Shape (N,) [s].
-        lower: Shape (N,).
-        upper: Shape (N,).
-        sources: Ranges at all of these times.
-        place: Which source, and which of its samples, Shape (N, 2).
-    """
-
-    time: Array
-    lower: Array
-    upper: Array
-    sources: tuple[SampleRanges, ...]
-    place: NDArray[np.intp]
-
-    @classmethod
-    def of(cls, found: SampleRanges, inner: slice = slice(None)) -> "Ends":
-        """What ranges tell, of all samples or some."""
-        places = np.arange(len(found.time), dtype=np.intp)[inner]
-        source = np.column_stack([np.zeros_like(places), places])
-        return cls(found.time[inner], found.lower[inner], found.upper[inner], (found,), source)
-
-    def whole(self) -> tuple[float, float]:
-        """The largest lower and the least upper end."""
-        return float(np.max(self.lower)), float(np.min(self.upper))
-
-    def rising(self) -> tuple[Array, Array]:
-        """What is largest where the range ends: 1 / c²⁺ and c²⁻, each Shape (N,)."""
-        with np.errstate(divide="ignore"):
-            return 1 / self.upper, self.lower
-
-    def outside(self, c2: float) -> NDArray[np.bool_]:
-        """Where a c² may lie in a gap, as it lies outside of intervals of which there are several, Shape (N,)."""
-        several = np.array([of.several for of in self.sources])[self.place[:, 0]]
-        return np.asarray(several & ((self.lower > c2) | (self.upper < c2)))
-
-    def loads(self, places: NDArray[np.intp], side: Side) -> Array | None:
-        """Loads that set one end at some places, Shape (k, 10); None where the load is known."""
-        found = []
-        for source, sample in self.place[places].tolist():
-            of = self.sources[source].lower_loads if side == "lower" else self.sources[source].upper_loads
-            if of is None:
-                return None
-            found.append(of[sample].load)
-        return np.array(found)
-
-    def row(self, place: int, side: Side) -> ActiveRow | None:
-        """The row that sets one end at a place most; None where none does."""
-        source, sample = self.place[place].tolist()
-        of = self.sources[source]
-        rows = of.binding(sample, side)
-        return rows[0] if rows else None
-
-    def joined(self, other: "Ends") -> "Ends":
-        """These and others, ordered by time."""
-        order = np.argsort(np.concatenate([self.time, other.time]), kind="stable")
-        moved = np.add(other.place, [len(self.sources), 0])
-        return Ends(
-            np.concatenate([self.time, other.time])[order],
-            np.concatenate([self.lower, other.lower])[order],
-            np.concatenate([self.upper, other.upper])[order],
-            self.sources + other.sources,
-            np.concatenate([self.place, moved])[order],
-        )
-
-
-@dataclass(frozen=True)
-class Looked:
-    """Places between the samples that were looked at.
-
-    Attributes:
-        rows: Of the motion there, and at both ends of the given one.
-        ends: Of the ranges at the places alone.
-    """
-
-    rows: MotionRows
-    ends: Ends
-
-    def overstepped(self, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
-        """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
-        beyond = (self.ends.upper < c2 if side == "upper" else self.ends.lower > c2) | self.ends.outside(c2)
-        places = np.flatnonzero(beyond)
-        if not len(places):
-            return places, np.zeros(0)
-        loads = self.ends.loads(places, side)
-        return places, motion_widening(self.rows, np.full(len(places), c2), loads, places + 1)
+Looked = tuple[MotionRows, SampleRanges]
+"""Places between the samples: the rows of the motion there and at both ends of the given one, and the ranges at the
+places alone."""
 
 
 @dataclass(frozen=True)
@@ -160,8 +70,7 @@ class Refinement:
             return self.left
         worst = self.left if self.left.passes else Excess(0.0, self.left.tolerance)
         for side in SIDES:
-            places, share = self.looked.overstepped(c2, side)
-            worst = _worse(worst, self.looked.ends, places, share, side)
+            worst = _worse(worst, self.looked[1], *_overstepped(self.looked, c2, side), side)
         return worst
 
 
@@ -185,8 +94,7 @@ def refine(
         MotionError: If the arms cannot hold the object between the samples.
     """
     cell, motion = given.cell, given.motion
-    known = Ends.of(found)
-    none = Excess(0.0, tolerance)
+    known, none = found, Excess(0.0, tolerance)
     if whole[1] <= 0:
         return Refinement(motion, None, none, whole)
     looked: Looked | None = None
@@ -203,41 +111,58 @@ def refine(
         at = (known.time[gaps][:, None] + np.diff(known.time)[gaps][:, None] * inside).ravel()
         there = between_samples(cell, motion, at)
         rows = motion_rows(cell, there, given.sharing, given.formulation)
-        new = Looked(rows, Ends.of(ranges(rows), slice(1, -1)))
-        known = known.joined(new.ends)
         inner = np.arange(1, there.samples - 1, dtype=np.intp)
-        if looked is None:
-            looked = new
-        else:
-            joined = denser(looked.rows.motion, there, inner)
-            rows = motion_rows(cell, joined, given.sharing, given.formulation)
-            looked = Looked(rows, looked.ends.joined(new.ends))
-        if not np.all(new.ends.upper > 0):
+        new = ranges(rows).at(inner)
+        known = joined(known, new)
+        if looked is not None:
+            rows = motion_rows(cell, denser(looked[0].motion, there, inner), given.sharing, given.formulation)
+            new = joined(looked[1], new)
+        looked = rows, new
+        if not np.all(new.upper > 0):
             break  # nothing moves there: that settles the outcome
-        allowed = allowed or _allowed(new.rows, new.ends, tolerance, first=1)
+        allowed = allowed or _allowed(rows, new, tolerance, first=1)
     if looked is None:
         return Refinement(motion, None, left, whole)
     added, left = _needed(looked, whole, left)
     if len(added):
-        motion = denser(motion, looked.rows.motion, added + 1)
+        motion = denser(motion, looked[0].motion, added + 1)
     return Refinement(motion, looked, left, whole)
 
 
-def _worse(worst: Excess, ends: Ends, places: NDArray[np.intp], share: Array, side: Side) -> Excess:
+def _outside(known: SampleRanges, c2: float) -> NDArray[np.bool_]:
+    """Where a c² may lie in a gap, as it lies outside of intervals of which there are several, Shape (N,)."""
+    return np.asarray(known.gaps & ((known.lower > c2) | (known.upper < c2)))
+
+
+def _loads(known: SampleRanges, places: NDArray[np.intp], side: Side) -> Array | None:
+    """Loads that set one end at k places, Shape (k, 10); None where the load is known."""
+    loads = known.loads(side)
+    return None if loads is None else np.array([loads[place].load for place in places.tolist()])
+
+
+def _overstepped(looked: Looked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:
+    """Places whose range has c² beyond one of its ends, and by how much limits must move for it."""
+    rows, known = looked
+    places = np.flatnonzero((known.upper < c2 if side == "upper" else known.lower > c2) | _outside(known, c2))
+    return places, motion_widening(rows, np.full(len(places), c2), _loads(known, places, side), places + 1)
+
+
+def _worse(worst: Excess, known: SampleRanges, places: NDArray[np.intp], share: Array, side: Side) -> Excess:
     if not len(places) or np.max(share) <= worst.share:
         return worst
     most = int(np.argmax(share))
     place = int(places[most])
-    return Excess(float(share[most]), worst.tolerance, float(ends.time[place]), ends.row(place, side))
+    rows = known.binding(place, side)
+    return Excess(float(share[most]), worst.tolerance, float(known.time[place]), rows[0] if rows else None)
 
 
-def _allowed(rows: MotionRows, known: Ends, tolerance: float, first: int = 0) -> tuple[float, float] | None:
+def _allowed(rows: MotionRows, known: SampleRanges, tolerance: float, first: int = 0) -> tuple[float, float] | None:
     """By how much 1 / c²⁺ and c²⁻ may rise before a limit is overstepped by the tolerance; None without a c²⁺."""
-    low, high = known.whole()
+    low, high = float(np.max(known.lower)), float(np.min(known.upper))
     if not np.isfinite(high):
         return None
     places = np.array([np.argmax(known.lower), np.argmin(known.upper)])
-    loads = [known.loads(places[[end]], side) for end, side in enumerate(SIDES)]
+    loads = [_loads(known, places[[end]], side) for end, side in enumerate(SIDES)]
     carried = None if loads[0] is None or loads[1] is None else np.concatenate([loads[0], loads[1]])
     c2 = np.array([low * (1 - NUDGE), high * (1 + NUDGE)])
     slow, fast = motion_widening(rows, c2, carried, places + first) / NUDGE
@@ -245,19 +170,25 @@ def _allowed(rows: MotionRows, known: Ends, tolerance: float, first: int = 0) ->
     return float(rise / high), float(tolerance / slow * low if slow > 0 else tolerance * high)
 
 
-def _doubtful(known: Ends, allowed: tuple[float, float] | None, *, everywhere: bool) -> NDArray[np.intp]:
+def _doubtful(known: SampleRanges, allowed: tuple[float, float] | None, *, everywhere: bool) -> NDArray[np.intp]:
     """Gaps in which an end of the range may lie."""
     if everywhere:
         return np.arange(len(known.time) - 1)
     if allowed is None:
         return np.zeros(0, dtype=np.intp)
-    both = (doubtful_gaps(known.time, of, most) for of, most in zip(known.rising(), allowed, strict=True))
+    both = (doubtful_gaps(known.time, of, most) for of, most in zip(_rising(known), allowed, strict=True))
     return _distinct(gap for gaps in both for gap in gaps.tolist())
 
 
-def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
+def _rising(known: SampleRanges) -> tuple[Array, Array]:
+    """What is largest where the range ends: 1 / c²⁺ and c²⁻, each Shape (N,)."""
+    with np.errstate(divide="ignore"):
+        return 1 / known.upper, known.lower
+
+
+def _left(known: SampleRanges, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
     step = np.diff(known.time)
-    for of, most in zip(known.rising(), allowed or (np.inf, np.inf), strict=True):
+    for of, most in zip(_rising(known), allowed or (np.inf, np.inf), strict=True):
         above = np.maximum(of[:-1], of[1:]) + turning(step, of) - np.max(of)
         gap = int(np.argmax(above))
         share = float(worst.tolerance * above[gap] / most)
@@ -268,19 +199,19 @@ def _left(known: Ends, allowed: tuple[float, float] | None, worst: Excess) -> Ex
 
 def _needed(looked: Looked, whole: tuple[float, float], left: Excess) -> tuple[NDArray[np.intp], Excess]:
     """Places that must join the samples, the worst where an end oversteps limits too far, and what is left then."""
-    added = []
+    added, known = [], looked[1]
     for side, c2 in zip(SIDES, whole, strict=True):
-        order = looked.ends.upper if side == "upper" else -looked.ends.lower
+        order = known.upper if side == "upper" else -known.lower
         if not np.isfinite(c2):
             added += [np.argmin(order)] if np.isfinite(np.min(order)) else []
             continue
-        places, share = looked.overstepped(c2, side)
+        places, share = _overstepped(looked, c2, side)
         if len(places) and np.max(share) > left.tolerance:
             added.append(places[np.argmin(order[places])])
-            if np.any(looked.ends.outside(c2)):
+            if np.any(_outside(known, c2)):
                 added.append(places[np.argmax(share)])
         else:
-            left = _worse(left, looked.ends, places, share, side)
+            left = _worse(left, known, places, share, side)
     return _distinct(map(int, added)), left
 
 

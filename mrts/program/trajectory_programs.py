@@ -13,7 +13,7 @@ from mrts.kernel.programs import OPTIMAL
 from mrts.program.formulation import DistributionName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.range_ends import RangeEnds, intervals_below, kernel_ends, known_ends, with_caps
+from mrts.program.range_ends import intervals_below, kernel_ends, with_caps
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import (
@@ -43,10 +43,12 @@ def motion_ranges(
         high: Of several intervals the highest is found that does not begin above this c².
     """
     time, of_sample = rows.motion.object.time, partial(_problem_of_sample, rows.cell, rows.motion, rows.sharing, load)
-    if not _is_for_kernel(rows, solver) or (rows.one_unknown and rows.has_speed_terms):
+    if not _is_for_kernel(rows, solver) or rows.one_unknown:
         problem = build_sample_problem(rows, load=load)
-        return replace(sample_ranges(problem, time, solver, high), problem=of_sample)
-    ends = _kernel_ends(rows, load, high)
+        found = sample_ranges(problem, time, solver, high)
+        return replace(found, problem=None if problem.unknowns == 1 and problem.speed is None else of_sample)
+    find = partial(kernel_ends, rows.cell.library, rows.inputs(load), rows)
+    ends = intervals_below(find, rows.most, high) if rows.has_speed_terms else find(rows.most)
     ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
     effect = float(np.max(ends.effect, initial=0.0))
     at_rest = ends.effect <= REST_TOLERANCE * effect
@@ -58,7 +60,7 @@ def motion_ranges(
         problem = without_speed_at_rest(build_sample_problem(rows, load=load, samples=block), effect)
         conflicts += decide(ends, block, problem, time, solver, high)
     found = ranges_of_ends(time, ends, conflicts, rows.given.names, (rows.given.lower, rows.given.upper))
-    return found if rows.one_unknown else replace(found, problem=of_sample)
+    return replace(found, problem=of_sample)
 
 
 def _problem_of_sample(
@@ -72,15 +74,6 @@ def _problem_of_sample(
     """It holds no rows: those of C stay in their process, where results may leave it."""
     given = known if load is None else load
     return build_sample_problem(motion_rows(cell, motion, sharing), load=given, samples=np.array([sample]))
-
-
-def _kernel_ends(rows: MotionRows, load: Array | None, high: float) -> RangeEnds:
-    library, inputs, most = rows.cell.library, rows.inputs(load), rows.most
-    if rows.one_unknown:
-        return known_ends(library, "fixed_distribution" if rows.sharing else "wrench_form", inputs, rows, most)
-    if rows.has_speed_terms:
-        return intervals_below(partial(kernel_ends, library, inputs, rows), most, high)
-    return kernel_ends(library, inputs, rows, most)
 
 
 def motion_torques(

@@ -2,8 +2,8 @@
 """What a trajectory makes of the quantities that are limited, and how much of each limit it uses."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Self
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.interval_text import interval_text
 from mrts.base.notebook.in_notebooks import NotebookTable
-from mrts.cell.cell import Cell
 from mrts.limits import all_rows
 from mrts.limits.rows import TORQUE_SPEED, RowName
 from mrts.program.motor_terms import motor_terms
@@ -172,18 +171,12 @@ def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUs
     return sorted((use for use in result.limit_uses if use.limited), key=lambda use: -use.share)
 
 
-def found_limit_uses(result: "ScalingResult") -> tuple[LimitUse, ...]:
-    """What the trajectory of a result makes of all rows in their order, with those that have no limit."""
-    done = result.trajectory
-    return () if done is None else _quantities(result.cell, done, driven=True).uses(done.time)
-
-
 def rate_uses(result: "ScalingResult") -> list[LimitUse]:
     """All rates that are limited by falling share: those that the result keeps, or else those that the cell gives."""
-    rates = _rates(result)
+    rates = limited_rates(result)
     if result.trajectory is None or rates is None:
         return []
-    return sorted(rates.only(rates.limited).uses(result.trajectory.time), key=lambda use: -use.share)
+    return sorted(rates.uses(result.trajectory.time), key=lambda use: -use.share)
 
 
 def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:
@@ -198,7 +191,7 @@ def used_shares(done: "ScaledTrajectory") -> tuple[tuple[RowName, ...], Array]:
     Returns:
         The rows that have a limit, r of them, and the share of it that each uses at each sample, Shape (N, r).
     """
-    found = _quantities(done.cell, done)
+    found = all_quantities(done)
     limited = found.only(found.limited)
     return limited.rows, np.maximum(limited.share, 0.0)
 
@@ -211,7 +204,7 @@ def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> Limite
     """
     if result.trajectory is None:
         raise ValueError("there is no trajectory to draw")
-    found = _quantities(result.cell, result.trajectory)
+    found = all_quantities(result.trajectory)
     chosen = found.of(kind, robot)
     if kind == "torque":
         lines = found.of(TORQUE_SPEED, robot)
@@ -222,38 +215,12 @@ def limited_quantities(result: "ScalingResult", kind: str, robot: str) -> Limite
     return chosen
 
 
-def limited_rates(result: "ScalingResult", kind: str, robot: str) -> LimitedQuantities:
-    """How fast torques or wrenches of a robot change, or its jerks: differences of neighbouring samples, with limits.
-
-    Limits are those that the result keeps; where it keeps none, those that the cell gives.
-
-    Returns:
-        The quantities; each sample has the value of the step that begins there, the last that of the step before it.
-
-    Raises:
-        ValueError: If there is no trajectory, or no rate is limited.
-    """
-    rates = _rates(result)
-    if rates is None:
-        raise ValueError("there is no trajectory with limited rates to draw")
-    found = rates.of(kind, robot)
-    along = ("values", "lower", "upper", "share")
-    again: dict[str, Any] = {name: np.concatenate([of := getattr(found, name), of[-1:]]) for name in along}
-    return replace(found, **again)
-
-
-def limited_rate_kinds(result: "ScalingResult") -> list[str]:
-    """Kinds of rates of which some is limited, kept or not: what `limited_rates` takes; none without a trajectory."""
-    rates = _rates(result)
-    return [] if rates is None else list(dict.fromkeys(name.kind for name in rates.only(rates.limited).rows))
-
-
-def _quantities(cell: Cell, done: "ScaledTrajectory", *, driven: bool = False) -> LimitedQuantities:
+def all_quantities(done: "ScaledTrajectory", *, driven: bool = False) -> LimitedQuantities:
     """What rows limit, with what the limits of torque-speed lines are at the speed of each sample.
 
     Where `driven`, such a line is no limit on the side on which the motor brakes.
     """
-    rows = all_rows(cell, done.motion)
+    rows = all_rows(done.cell, done.motion)
     values = rows.value(done.torque, done.wrench, 0.0, done.c)
     moving = np.broadcast_to(rows.moving(done.c), values.shape)
     lower, upper = rows.lower - moving, rows.upper - moving
@@ -262,18 +229,23 @@ def _quantities(cell: Cell, done: "ScaledTrajectory", *, driven: bool = False) -
     return LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), rows.units())
 
 
-def _rates(result: "ScalingResult") -> LimitedQuantities | None:
-    """Torque rates, wrench rates and jerks between the samples, Shape (N - 1, k); None where none is limited."""
-    done, kept = result.trajectory, result.options.rates
-    limits = given_rate_limits(result.cell) if kept is None else kept
-    if done is None or (kept is None and not limits.limits_something):
+def limited_rates(result: "ScalingResult") -> LimitedQuantities | None:
+    """Torque rates, wrench rates and jerks that are limited, kept or not: differences of neighbouring samples.
+
+    Limits are those that the result keeps, or else those that the cell gives; None without any, or a trajectory. Each
+    sample has the value of the step that begins there, the last that of the step before it.
+    """
+    done, limits = result.trajectory, result.options.rates or given_rate_limits(result.cell)
+    if done is None or not limits.limits_something:
         return None
     motors = motor_terms(result.cell, result.motion)
     torque = done.torque if motors is None else done.torque - motors.dry  # dry friction steps: no timing changes that
     rates = np.diff(np.hstack([torque, done.wrench, done.ddq]), axis=0) / np.diff(done.time)[:, None]
+    rates = np.concatenate([rates, rates[-1:]])
     unit = np.concatenate([limits.torque, limits.wrench, limits.jerk])
     limit = np.broadcast_to(unit, rates.shape)
-    return LimitedQuantities(sum(rate_names(result.cell), ()), rates, -limit, limit, np.abs(rates) / limit, unit)
+    found = LimitedQuantities(sum(rate_names(result.cell), ()), rates, -limit, limit, np.abs(rates) / limit, unit)
+    return found.only(found.limited)
 
 
 def limit_tables(result: "ScalingResult") -> Iterator[NotebookTable]:

@@ -14,7 +14,6 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
@@ -24,7 +23,8 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.sample_ranges import SampleRanges, chosen_rows, first_least, statuses
+from mrts.program.range_ends import same_width
+from mrts.program.sample_ranges import SIDES, SampleRanges, first_least
 from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.options import Options, load_box
 from mrts.scaling.range import ScalingRange, common_range
@@ -185,34 +185,31 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
         points: The loads; None for ranges that have loads of their own at each sample.
         every: Whether the ranges are intersected, or what lies between their outermost ends is taken.
     """
-
-    def loads(chosen: NDArray[np.intp], own: Sequence[Sequence[LoadPoint] | None]) -> tuple[LoadPoint, ...]:
-        return tuple(points[k] or own[k][sample] for sample, k in enumerate(chosen.tolist()))
-
     inward = 1.0 if every else -1.0
-    low, high = (inward * np.array([getattr(found, end) for found in ranges]) for end in ("lower", "upper"))
-    at_low, at_high = first_least(-low), first_least(high)
-    lower, upper = inward * np.max(low, axis=0), inward * np.min(high, axis=0)
+    low, high = (inward * np.array([getattr(found, end) for found in ranges]) for end in SIDES)
+    choice = np.array([first_least(-low), first_least(high)])
+    codes, own = np.stack(same_width([found.codes for found in ranges])), np.indices(choice.shape)
     of_samples: dict[int, list[Conflict]] = {}
     for point, found in zip(points, ranges, strict=True):
         for conflict in found.conflicts:
             of_samples.setdefault(conflict.sample, []).append(replace(conflict, load=point or conflict.load))
-    choose = max if every else min
-    conflicts = tuple(
-        choose(own, key=lambda conflict: conflict.widening)
-        for _, own in sorted(of_samples.items())
-        if every or len(own) == len(points)
+    worst = max if every else min
+    lower_loads, upper_loads = (
+        tuple(points[k] or ranges[k].loads(side)[sample] for sample, k in enumerate(chosen))
+        for side, chosen in zip(SIDES, choice.tolist(), strict=True)
     )
-    return SampleRanges(
-        time=ranges[0].time,
-        status=statuses(lower, upper, conflicts),
-        lower=lower,
-        upper=upper,
-        rows=chosen_rows([found.rows for found in ranges], np.stack([at_low, at_high])),
-        conflicts=conflicts,
+    return replace(
+        ranges[0],
+        lower=inward * np.max(low, axis=0),
+        upper=inward * np.min(high, axis=0),
+        codes=codes[choice, own[0], own[1]],
+        gaps=np.any([found.gaps for found in ranges], axis=0),
+        conflicts=tuple(
+            worst(conflicts, key=lambda conflict: conflict.widening)
+            for _, conflicts in sorted(of_samples.items())
+            if every or len(conflicts) == len(points)
+        ),
         fallbacks=sum(found.fallbacks for found in ranges),
-        lower_loads=loads(at_low, [found.lower_loads for found in ranges]),
-        upper_loads=loads(at_high, [found.upper_loads for found in ranges]),
-        several=any(found.several for found in ranges),
-        problem=ranges[0].problem,
+        lower_loads=lower_loads,
+        upper_loads=upper_loads,
     )

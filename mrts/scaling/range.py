@@ -4,7 +4,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from mrts.limits.rows import SPEEDS, ActiveRow, Side, rows_text
 from mrts.program.range_ends import MOST_INTERVALS
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
-
-if TYPE_CHECKING:
-    from mrts.program.constant_rates import RatedFactors, RatesAtEnd
 
 RATES = {"torque rate", "wrench rate", "jerk"}
 """Kinds of rows that limit how fast something changes."""
@@ -192,10 +189,11 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     upper = RangeEnd(high, None, None)
     if np.isfinite(high):
         upper = _end(samples, at_high, high, "upper", samples.upper_loads)
-    return ScalingRange(_status(low, high), lower, upper, samples)
+    return ScalingRange(range_status(low, high), lower, upper, samples)
 
 
-def _status(low: float, high: float) -> RangeStatus:
+def range_status(low: float, high: float) -> RangeStatus:
+    """The outcome of a range with these ends."""
     if low > high:
         return RangeStatus.EMPTY
     return RangeStatus.UNBOUNDED if np.isinf(high) else RangeStatus.FEASIBLE
@@ -218,41 +216,6 @@ def common_range(find: Callable[[float], SampleRanges], high: float = np.inf) ->
         if np.any(found.lower > top):
             break
     return intersect(first)
-
-
-def within_rates(
-    found: ScalingRange,
-    factors: "RatedFactors",
-    below: Callable[[float], ScalingRange],
-    loads: Sequence[LoadPoint | None] = (None,),
-) -> ScalingRange:
-    """What limits of rates leave of a range that admits motion, whose ends they move inward.
-
-    Args:
-        loads: Those of the factors; None where the load is known.
-    """
-
-    def end(at: "RatesAtEnd") -> RangeEnd:
-        load = None if at.load is None else loads[at.load]
-        return RangeEnd(at.c2, at.sample, float(found.samples.time[at.sample]), tuple(at.rows), load)
-
-    whole, refused = found, None
-    while whole.status.admits_motion and whole.lower is not None and whole.upper is not None:
-        low, high = whole.lower, whole.upper
-        c2, fast = factors.fastest(low.c2, high.c2)
-        top = high if fast is None else end(fast)
-        if c2 >= low.c2:
-            _, slow = factors.slowest(low.c2, c2)
-            return ScalingRange(_status(low.c2, top.c2), low if slow is None else end(slow), top, whole.samples)
-        refused = refused or ScalingRange(RangeStatus.EMPTY, low, top, found.samples)
-        if not whole.samples.several:
-            break
-        lower = below(c2)
-        if lower.lower is None or not lower.lower.c2 < low.c2:
-            break
-        whole = lower
-    assert refused is not None  # noqa: S101 (the range admits motion)
-    return refused
 
 
 def _end(samples: SampleRanges, sample: int, c2: float, side: Side, loads: Sequence[LoadPoint] | None) -> RangeEnd:

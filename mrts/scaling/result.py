@@ -23,11 +23,12 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows
 from mrts.program.excess import Excess
+from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms
 from mrts.program.range_status import RangeStatus
-from mrts.program.reserve import PlanReserve, plan_reserve
+from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.scaling.limit_use import LimitUse, found_limit_uses, largest_step, limit_tables, limit_uses, rate_uses
+from mrts.scaling.limit_use import LimitUse, all_quantities, largest_step, limit_tables, limit_uses, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
@@ -157,7 +158,8 @@ class ScalingResult(Result):
     @cached_property
     def limit_uses(self) -> tuple[LimitUse, ...]:
         """What the trajectory makes of each quantity that can be limited; nothing without a trajectory."""
-        return found_limit_uses(self)
+        done = self.trajectory
+        return () if done is None else all_quantities(done, driven=True).uses(done.time)
 
     @property
     def status(self) -> RangeStatus:
@@ -190,7 +192,7 @@ class ScalingResult(Result):
         return (None,) if study is None else study.points or study.box.corners(study.box.varying)
 
     @cached_property
-    def reserve(self) -> PlanReserve | None:
+    def reserve(self) -> Reserve | None:
         """By how much limits may shrink before c² is not admissible; None if there is no trajectory.
 
         Whatever the distribution, and for all loads that were asked about. Found when it is asked for.
@@ -201,8 +203,9 @@ class ScalingResult(Result):
         done, options = self.trajectory, self.options
         if done is None:
             return None
-        formulation, sharing = options.formulation, options.sharing
-        return plan_reserve(self.cell, self.motion, formulation, sharing, DEFAULT_SOLVER, done.c2, self.loads)
+        given = self.cell.with_reserve(0.0)
+        rows = motion_rows(given, self.motion, options.sharing, options.formulation)
+        return plan_reserve(rows, done.c2, self.loads)
 
     def what_if(
         self,

@@ -41,12 +41,12 @@ from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Limit, Options, Selection, limited_cell
-from mrts.scaling.range import ScalingRange, within_rates
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import END_TOLERANCE, ScalingResult, kept_text
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
 if TYPE_CHECKING:
-    from mrts.program.constant_rates import RatedFactors
+    from mrts.scaling.constant_rates import RatedFactors
 
 
 EXCEEDS_RATED_TORQUE = "above-rated"
@@ -252,14 +252,13 @@ def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFact
     cell, motion, options, found = result.cell, result.motion, result.options, result.range
     if options.rates is None or not found.status.admits_motion:
         return result, None
-    from mrts.program.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
+    from mrts.scaling.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
 
     def below(high: float) -> ScalingRange:
         return range_at_samples(cell, motion, options, high=high * (1 + POINT_TOLERANCE))[0]
 
-    loads = [None if point is None else point.load for point in result.loads]
-    factors = RatedFactors(cell, motion, loads, options.sharing, options.rates)
-    return replace(result, found=within_rates(found, factors, below, result.loads)), factors
+    factors = RatedFactors(cell, motion, result.loads, options.sharing, options.rates)
+    return replace(result, found=factors.within(found, below)), factors
 
 
 def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> None:
@@ -268,7 +267,7 @@ def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> Non
     if refused is not None:
         raise SelectionError(
             f"c² = {c2:g} lies in a gap that rates leave in the admissible range {found.text(digits=6)}: at "
-            f"t = {found.samples.time[refused.sample]:.4g} s {rows_text(refused.rows)} would be passed."
+            f"t = {refused.time:.4g} s {rows_text(refused.rows)} would be passed."
         )
 
 
@@ -397,7 +396,7 @@ def with_torques(
     elif options.rates is None:
         torque, wrench, fallbacks = distributed_torques(rows, options, c2)
     else:
-        from mrts.program.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
+        from mrts.scaling.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
         W = torque_weights(options.weights, cell)
         torque, wrench, fallbacks = *torques_within_rates(cell, motion, options.sharing, options.rates, c2, W), 0
@@ -426,14 +425,12 @@ def _holding(options: Options, rows: MotionRows) -> tuple[Holding, tuple[Remark,
     if not np.any(needed):
         return Holding((False, False), torque, wrench), ()
     places = np.array([0, motion.samples - 1])
-    at_rest = rows.at_rest(*_still(motion, options.sharing, places), places)
-    widening = motion_widening(at_rest, np.zeros(2))
-    held = needed & (widening <= TORQUE_WIDENING)
+    still = _still(rows, places)
+    held = needed & (motion_widening(still, np.zeros(2)) <= TORQUE_WIDENING)
     if np.any(held):
         if not np.all(held):  # the other end has no torques: the one that has them stands for both
-            both = places[held][[0, -1]]
-            at_rest = rows.at_rest(*_still(motion, options.sharing, both), both)
-        found = distributed_torques(at_rest, options, 0.0)
+            still = _still(rows, places[held][[0, -1]])
+        found = distributed_torques(still, options, 0.0)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
     remarks = tuple(
         Remark(
@@ -447,16 +444,14 @@ def _holding(options: Options, rows: MotionRows) -> tuple[Holding, tuple[Remark,
     return Holding((bool(held[0]), bool(held[1])), torque, wrench), remarks
 
 
-def _still(
-    motion: CoordinatedMotion, sharing: LoadSharing | None, samples: NDArray[np.intp]
-) -> tuple[CoordinatedMotion, LoadSharing | None]:
-    """Some samples at which the joints stand, so that no friction opposes a motion, with the distribution there."""
+def _still(rows: MotionRows, samples: NDArray[np.intp]) -> MotionRows:
+    """The rows at some samples where the joints stand, so that no friction opposes a motion."""
+    motion, sharing = rows.motion, rows.sharing
     stands = np.zeros((len(samples), motion.q.shape[1]))
+    if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
+        sharing = replace(sharing, internal_wrench=np.asarray(sharing.internal_wrench)[samples])
     still = replace(motion.at(samples), dq=stands, ddq=stands, travel=None)
-    internal = None if sharing is None else sharing.internal_wrench
-    if sharing is None or internal is None or np.ndim(internal) == 1:
-        return still, sharing
-    return still, replace(sharing, internal_wrench=np.asarray(internal)[samples])
+    return motion_rows(rows.cell, still, sharing, rows.formulation)
 
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:

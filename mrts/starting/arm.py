@@ -91,12 +91,9 @@ class Arm:
         return ArmState(R[:, -1] @ self.robot.T_base_tip.R, tip, axes, points, jacobian, com)
 
     def torque(self, state: ArmState, gravity: Array, force: Array) -> Array:
-        """Torques that hold the arm still while its hand exerts a force, Shape (N, n) [N m or N].
+        """Torques that hold the arm still while its hand exerts a force on the object [N], Shape (N, n) [N m or N].
 
-        Args:
-            state: Where it is.
-            gravity: Base axes, Shape (3,) [m/s²].
-            force: On the object at the tip, base axes, Shape (3,) [N].
+        Gravity [m/s²] and the force are in base axes, Shape (3,).
         """
         mass: Array = np.array(self.robot.source.carried_mass)
         held = np.cumsum(mass[::-1])[::-1]

@@ -10,7 +10,7 @@ from mrts.base.edited_yaml import flow
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.base.yaml_parser import parse_yaml
-from mrts.cell.remarks import joint_sources, missing_masses
+from mrts.cell.remarks import missing_masses
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal
 from mrts.starting.request import ArmRequest
@@ -58,7 +58,6 @@ def motion_file(proposal: Proposal) -> str:
 
 
 def _line(text: str, comment: str, proposal: Proposal | None = None) -> str:
-    """A line with a comment behind it; what a user wrote in it is made printable."""
     if proposal is not None and proposal.request.mass not in {None, proposal.mass}:
         comment = f"{proposal.request.mass:g} were asked for, which the motors cannot hold"
     if not comment:
@@ -87,7 +86,6 @@ def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Itera
 
 
 def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
-    """What the URDF says of motors, or what stands in for it."""
     chain, assumed = arm.robot, arm.without_effort
     if assumed:
         whose = "assumed" if len(assumed) == len(chain.joints) else f"assumed for {', '.join(assumed)}"
@@ -99,7 +97,7 @@ def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
         yield _line(f"    # torque: {flow(efforts)}", "the URDF's efforts, which count; remove the # to set your own")
     speeds = ", ".join("none" if each == np.inf else f"{each:.4g}" for each in chain.velocity_limit)
     yield f"    # the URDF's velocity limits: {speeds}"
-    for remark in missing_masses(joint_sources([arm.robot])):
+    for remark in missing_masses([arm.robot]):
         yield f"    # {printable(remark.text)}"
 
 

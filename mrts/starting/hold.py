@@ -46,13 +46,7 @@ def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | A
 
 
 def with_grasps(path: Path, text: str, grasps: Mapping[str, Mapping[str, list[float]]]) -> str:
-    """The text of a cell file with other grasps, all else as it stands, comments too.
-
-    Args:
-        path: The cell file, for messages.
-        text: Of a file that was read as a cell.
-        grasps: Keys of the pose by robot.
-    """
+    """The text of a cell file with other grasps, all else as it stands, comments too."""
     wanted = parse_yaml(text)
     edits: dict[tuple[Key, ...], Any] = {}
     for index, robot in enumerate(wanted["robots"]):

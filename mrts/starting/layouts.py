@@ -41,13 +41,7 @@ STEEPEST = 0.3
 
 
 def layouts(request: Request, mass: float, share: float = 1.0) -> list[Layout]:
-    """Layouts in which every arm can hold the box and lift it, the best first.
-
-    Args:
-        request: What is asked.
-        mass: Of the object [kg].
-        share: Of the usual lift.
-    """
+    """Layouts in which every arm can hold the box and lift it, the best first."""
     lift, force = request.length(share * LIFT) * request.up, request.force(mass)
     if all(each.posture is not None for each in request.arms):
         return [_held_here(request, lift)]
@@ -129,7 +123,6 @@ def _turn(up: Array, start: Array, end: Array) -> Array:
 
 
 def _clean(R: Array) -> Array:
-    """A rotation without rounding where it is one by right angles."""
     nearest = np.round(R)
     return np.asarray(np.where(np.abs(R - nearest) <= ROUNDING, nearest, R) + 0.0, dtype=np.float64)
 
@@ -160,7 +153,6 @@ def _between_standing(request: Request, lift: Array, force: Array) -> list[Layou
 
 
 def _along_axes(directions: Array) -> Array:
-    """Directions, Shape (N, 3), those that all but lie along an axis of the world moved onto it."""
     nearest = np.round(directions)
     near = np.linalg.norm(directions - nearest, axis=1) < NEARLY
     return np.asarray(np.where(near[:, None], nearest, directions) + 0.0, dtype=np.float64)
@@ -294,14 +286,7 @@ def _held_here(request: Request, lift: Array) -> Layout:
 
 
 def _base_around(request: Request, tip: RigidTransform, facing: Array, place: Array) -> RigidTransform:
-    """A base on the floor that puts a hand beside the object, facing it.
-
-    Args:
-        request: What is asked.
-        tip: In the base frame.
-        facing: Where the hand points, base frame.
-        place: Of the hand in the world, apart from its height, Shape (3,) [m].
-    """
+    """A base on the floor that puts a hand beside the object, facing it."""
     turn = np.eye(3)
     level = facing - (facing @ request.up) * request.up
     if request.plane is None:

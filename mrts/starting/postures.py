@@ -127,16 +127,7 @@ def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
 
 
 def settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int) -> tuple[Array, NDArray[np.bool_]]:
-    """Joint positions moved until the tip has a pose, by damped Newton steps, and which came there within limits.
-
-    Args:
-        arm: The arm.
-        q: Where to start from, Shape (N, n) [rad or m].
-        R: Of the tip, base frame, Shape (N, 3, 3).
-        p: Likewise, Shape (N, 3) [m].
-        rows: Of a twist that count.
-        steps: How many.
-    """
+    """Joint positions moved until the tip has a pose, by damped Newton steps, and which came there within limits."""
     q = q.copy()
     for _ in range(steps):
         state = arm.at(q)

@@ -142,13 +142,11 @@ def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], betw
 
 
 def _upper(result: ScalingResult) -> float:
-    """c²⁺; 0 where no c² is admissible."""
     end = result.range.upper
     return 0.0 if result.trajectory is None or end is None else end.c2
 
 
 def _longer(duration: float) -> float:
-    """The next longer duration of one or two digits [s]."""
     power = 10.0 ** floor(log10(max(duration, SHORTEST)))
     return round(next(digit * power for digit in (*DURATIONS, 10.0) if digit * power >= max(duration, SHORTEST)), 3)
 

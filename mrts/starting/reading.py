@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 from os.path import relpath
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 
@@ -14,16 +13,16 @@ from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import is_uri, is_xacro
-from mrts.base.formats.urdf_tree import UrdfTree
+from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.remarks import urdf_remarks
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
-from mrts.cell.source_files import Survey, surveyed_urdf
+from mrts.cell.source_files import arm_of_urdf, read_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, plane_of, twist_rows
 from mrts.starting.request import ArmRequest, Request
-from mrts.starting.tips import FEWEST_JOINTS, SIDES, Hand, first_link, hands, moved_by, possible_tips
+from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, moved_by, possible_tips
 
 SPATIAL_JOINTS = 6
 """What holding an object takes in space; in a plane `FEWEST_JOINTS`."""
@@ -51,21 +50,9 @@ class _Chosen:
     robot: int
     reference: str
     path: Path
-    tree: UrdfTree
-    survey: Survey
+    tree: Urdf
     tip: str
     why: str
-
-
-def _refuse(name: str, tree: UrdfTree, found: list[Hand]) -> NoReturn:
-    """Say which tips there are, where names do not say which are the arms'."""
-    ends = possible_tips(tree, found)
-    if not ends:
-        rule = f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."
-        raise InputError(name, rule)
-    listed = ", ".join(f"{link} ({len(moved_by(tree, link))} joints)" for link in ends)
-    seems = f"seems to have {len(found)} hands" if found else "does not say which link holds the object"
-    raise InputError(name, f"{seems}: choose with --tip, once an arm. There are {listed}.")
 
 
 def request_of(
@@ -113,11 +100,11 @@ def request_of(
     if machines and not alone and not bases:
         rule = "is needed for each robot where one has several arms: they cannot be moved about by themselves."
         raise InputError(BASE, rule)
-    survey = cache(lambda read, base_link, tip: read(base_link, tip))  # two of a kind have one chain
+    arm_of = cache(arm_of_urdf)  # two of a kind have one chain
     arms = []
     for index, (arm, called) in enumerate(zip(chosen, _names([arm.tip for arm in chosen]), strict=True)):
         fellows = _machine(chosen, arm)
-        chain, com = survey(arm.survey, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
+        chain, com = arm_of(arm.path, arm.tree, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
         T_root_base = chain.source.T_base_root.inverse()
         in_place = T_root_base if len(fellows) > 1 else None
         arms.append(
@@ -140,13 +127,7 @@ def request_of(
 
 
 def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
-    """Check that an arm can hold an object at all.
-
-    Args:
-        arm: The arm.
-        path: Of its URDF, for messages.
-        plane: In which all arms of the cell move; None in space.
-    """
+    """Check that an arm can hold an object at all."""
     count, needed = len(arm.robot.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
     if count < needed:
         rule = (
@@ -164,11 +145,10 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
 
 
 def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str, str]) -> list[_Chosen]:
-    """The arms, in the order of the robots."""
-    files = {robot: surveyed_urdf(Path(ROBOT), Path.cwd(), robot, xacro_args) for robot in robots}
-    if xacro_args and not any(is_xacro(path) for path, _, _ in files.values()):
+    files = {robot: _read(robot, xacro_args) for robot in robots}
+    if xacro_args and not any(is_xacro(path) for path, _ in files.values()):
         raise InputError(XACRO_ARG, "no --robot is a xacro, whose name ends in .xacro.")
-    read = [files[robot] for robot in robots]  # two of a kind have one survey
+    read = [files[robot] for robot in robots]  # two of a kind are read once
     if tips:
         places = [0] * len(tips) if len(read) == 1 else list(range(len(read)))
         if len(places) != len(tips):
@@ -183,16 +163,27 @@ def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str,
             found = [replace(arm, robot=index) for index, arm in enumerate(found)]
     else:
         found = []
-        for at, (_, tree, _) in enumerate(read):
+        for at, (_, tree) in enumerate(read):
             seen = sorted(hands(tree), key=lambda hand: hand.side)
             if not 1 <= len(seen) <= MOST_HANDS or (len(seen) == MOST_HANDS and len({h.joints for h in seen}) > 1):
-                _refuse(robots[at], tree, seen)
+                ends = possible_tips(tree, seen)
+                if not ends:
+                    raise InputError(robots[at], f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm.")
+                listed = ", ".join(f"{link} ({len(moved_by(tree, link))} joints)" for link in ends)
+                seems = f"seems to have {len(seen)} hands" if seen else "does not say which link holds the object"
+                raise InputError(robots[at], f"{seems}: choose with --tip, once an arm. There are {listed}.")
             found += [_Chosen(at, robots[at], *read[at], hand.link, hand.why) for hand in seen]
     return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
 
 
+def _read(robot: str, xacro_args: Mapping[str, str]) -> tuple[Path, Urdf]:
+    found = read_urdf(Path(ROBOT), Path.cwd(), robot, xacro_args)
+    if found.urdf is None:
+        raise found.mistakes[0].with_others(found.mistakes[1:])
+    return found.path, found.urdf
+
+
 def _machine(chosen: list[_Chosen], arm: _Chosen) -> list[_Chosen]:
-    """The arms of the machine that an arm is of: those of one URDF that other joints move, in their order."""
     same = [other for other in chosen if other.path == arm.path]
     return same if _differ(same) and len(same) > 1 else [arm]
 
@@ -202,7 +193,6 @@ def _differ(arms: list[_Chosen]) -> bool:
 
 
 def _names(tips: list[str]) -> list[str]:
-    """What arms are called: by the sides in the names of their tips, or left and right, or by number."""
     sides = [next((side for side in SIDES if side in tip.lower()), "") for tip in tips]
     if len(tips) > len(SIDES):
         return [f"arm_{index + 1}" for index in range(len(tips))]
@@ -210,7 +200,6 @@ def _names(tips: list[str]) -> list[str]:
 
 
 def _posture(posture: Array, chain: Robot, *, degrees: bool) -> Array:
-    """A posture in rad and m, inside the joint limits."""
     if len(posture) != len(chain.joints):
         rule = f"must have {len(chain.joints)} values, one for each of {', '.join(chain.joints)}."
         raise InputError(POSTURE, rule, value=posture.tolist())

@@ -5,11 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from mrts.base.formats.urdf_tree import JointEnds, UrdfTree
-
-MOVING = ("revolute", "continuous", "prismatic")
-ON_CHAINS = (*MOVING, "fixed")
-"""Types of joints that may stand between base and tip."""
+from mrts.base.formats.urdf import Urdf, UrdfJoint
 
 FEWEST_JOINTS = 3
 """Of a chain that may be an arm: a planar one."""
@@ -65,28 +61,23 @@ def words(name: str) -> list[str]:
     return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)]
 
 
-def moved_by(tree: UrdfTree, link: str) -> list[JointEnds]:
+def moved_by(tree: Urdf, link: str) -> list[UrdfJoint]:
     """Joints that move a link, from the root on."""
-    return [joint for joint in tree.chain(link) if joint.type in MOVING]
+    return [joint for joint in tree.joints_to(link) if joint.moves]
 
 
-def first_link(tree: UrdfTree, tips: Sequence[str]) -> str:
-    """Where the chains of the arms of one machine begin: past what they share, and past what no chain may hold.
-
-    Args:
-        tree: The URDF.
-        tips: Its arms; the whole chain belongs to a single one.
-    """
+def first_link(tree: Urdf, tips: Sequence[str]) -> str:
+    """Where the chains of the arms of one machine begin: past what they share, and past what no chain may hold."""
     first = tree.root
-    chains = [tree.chain(tip) for tip in tips]
+    chains = [tree.joints_to(tip) for tip in tips]
     for joint in chains[0]:
-        shared = len(chains) > 1 and joint.type in MOVING and all(joint in chain for chain in chains)
-        if shared or joint.type not in ON_CHAINS:
+        shared = len(chains) > 1 and joint.moves and all(joint in chain for chain in chains)
+        if shared or not (joint.moves or joint.type == "fixed"):
             first = joint.child
     return first
 
 
-def hands(tree: UrdfTree) -> list[Hand]:
+def hands(tree: Urdf) -> list[Hand]:
     """The hands that a URDF seems to have, one an arm; none where it says nothing."""
     candidates = _candidates(tree)
     named = [(link, rank) for link in candidates if (rank := _rank(link)) is not None]
@@ -95,7 +86,9 @@ def hands(tree: UrdfTree) -> list[Hand]:
     found = []
     for limb in _limbs(tree, [link for link, _ in named]):
         best = min(rank for link, rank in named if link in limb)
-        link = max((link for link, rank in named if link in limb and rank == best), key=lambda at: len(tree.chain(at)))
+        link = max(
+            (link for link, rank in named if link in limb and rank == best), key=lambda at: len(tree.joints_to(at))
+        )
         why = "named as a hand or tool"
         if fingers := _hangs_on(tree, link):
             why += f"; {fingers} hangs on it, so a link between fingers may be the better one"
@@ -103,37 +96,31 @@ def hands(tree: UrdfTree) -> list[Hand]:
     return found or _ends(tree)
 
 
-def possible_tips(tree: UrdfTree, found: Sequence[Hand]) -> list[str]:
-    """Links to choose a tip from: the hands that a URDF seems to have, or else all that enough joints move.
-
-    Args:
-        tree: The URDF.
-        found: From `hands`.
-    """
+def possible_tips(tree: Urdf, found: Sequence[Hand]) -> list[str]:
+    """Links to choose a tip from: the hands that a URDF seems to have, or else all that enough joints move."""
     return [hand.link for hand in found] or [link for link in tree.links if len(moved_by(tree, link)) >= FEWEST_JOINTS]
 
 
-def _ends(tree: UrdfTree) -> list[Hand]:
-    """Where names say nothing: the last link that all ends of a limb share."""
+def _ends(tree: Urdf) -> list[Hand]:
     above = {joint.parent for joint in tree.joints.values()}
     ends = [link for link in _candidates(tree) if link not in above]
     if not ends:  # a URDF whose only end has the name of a finger
         ends = [link for link in tree.links if link not in above and len(moved_by(tree, link)) >= FEWEST_JOINTS]
     found = []
     for limb in _limbs(tree, ends):
-        chains = [tree.chain(link) for link in limb]
+        chains = [tree.joints_to(link) for link in limb]
         shared = [joint for joint in chains[0] if all(joint in chain for chain in chains)]
         why = "the only link at the end of the chain" if len(limb) == 1 else "the last link before the chain parts"
         found.append(_hand(tree, shared[-1].child, why))
     return found
 
 
-def _candidates(tree: UrdfTree) -> list[str]:
+def _candidates(tree: Urdf) -> list[str]:
     """Links that enough joints move, each by a motor of its own, and whose names do not say something else."""
     found = []
     for link in tree.links:
         moving = moved_by(tree, link)
-        own = not any(joint.follows for joint in moving)
+        own = not any(joint.mimic for joint in moving)
         leg = any(LEGS.intersection(words(joint.name) + words(joint.child)) for joint in moving)
         if len(moving) >= FEWEST_JOINTS and own and not leg and not NEVER.intersection(words(link)):
             found.append(link)
@@ -160,7 +147,7 @@ def _beside(name: set[str]) -> frozenset[str]:
     return BARE | (others - name)
 
 
-def _limbs(tree: UrdfTree, links: list[str]) -> list[list[str]]:
+def _limbs(tree: Urdf, links: list[str]) -> list[list[str]]:
     """Links by arm: those that share more than half of the joints that move them."""
     limbs: list[list[str]] = []
     for link in links:
@@ -175,16 +162,16 @@ def _limbs(tree: UrdfTree, links: list[str]) -> list[list[str]]:
     return limbs
 
 
-def _hand(tree: UrdfTree, link: str, why: str) -> Hand:
+def _hand(tree: Urdf, link: str, why: str) -> Hand:
     side = next((side for side, names in SIDES.items() if {*names} & {*words(link)}), "")
     return Hand(link, why, len(moved_by(tree, link)), side)
 
 
-def _hangs_on(tree: UrdfTree, link: str) -> str:
+def _hangs_on(tree: Urdf, link: str) -> str:
     """The first link of what is fixed to a link and has motors of its own; empty where there is none."""
-    count = len(tree.chain(link))
+    count = len(tree.joints_to(link))
     for end in tree.links:
-        beyond = tree.chain(end)[count:]
-        if beyond and beyond[0].parent == link and any(joint.type in MOVING for joint in beyond):
+        beyond = tree.joints_to(end)[count:]
+        if beyond and beyond[0].parent == link and any(joint.moves for joint in beyond):
             return beyond[0].child
     return ""

@@ -7,8 +7,8 @@ from pathlib import Path
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.remark import Remark
-from mrts.cell.remarks import first_few, joint_assumptions, joint_sources, missing_masses, urdf_remarks
-from mrts.cell.source_files import UrdfReading, urdf_with_mistakes
+from mrts.cell.remarks import first_few, joint_assumptions, missing_masses, urdf_remarks
+from mrts.cell.source_files import UrdfReading, arm_of_urdf, read_urdf
 from mrts.diagnosis.cell_check import CellCheck
 from mrts.scene.arm_meshes import mesh_file
 from mrts.starting.arm import Arm, plane_of
@@ -20,28 +20,28 @@ def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
     """Check one URDF: its XML, joints and masses, the chains to its hands, and whether its meshes are there."""
     if args and not is_xacro(path):
         raise InputError("--xacro-arg", f"{path.name} is no xacro, whose name ends in .xacro.")
-    read, mistakes = urdf_with_mistakes(path, args), Mistakes()
+    read, mistakes = read_urdf(path, Path(), str(path), args), Mistakes()
     for mistake in read.mistakes:
         mistakes.add(mistake)
     arms = _arms(read, mistakes)
-    joints = joint_sources(arm.robot for arm in arms)
+    robots = tuple(arm.robot for arm in arms)
     remarks = [hint for arm in arms for hint in _hints(arm, path)]
-    remarks += [*read.remarks, *missing_masses(joints), *joint_assumptions(joints), *_missing_meshes(read)]
-    return CellCheck(cell=path, mistakes=tuple(mistakes.found), joints=joints, remarks=tuple(remarks))
+    remarks += [*read.remarks, *missing_masses(robots), *joint_assumptions(robots), *_missing_meshes(read)]
+    return CellCheck(cell=path, mistakes=tuple(mistakes.found), robots=robots, remarks=tuple(remarks))
 
 
 def _arms(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
     arms: list[Arm] = []
-    if read.tree is None or read.survey is None:
+    if read.urdf is None:
         return arms
-    tips = [hand.link for hand in hands(read.tree)]
+    tips = [hand.link for hand in hands(read.urdf)]
     if not tips:
         mistakes.add(InputError(read.path, f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."))
         return arms
-    base = first_link(read.tree, tips)
+    base = first_link(read.urdf, tips)
     for tip in tips:
         with mistakes.noted():
-            arms.append(Arm(*read.survey(base, tip)))
+            arms.append(Arm(*arm_of_urdf(read.path, read.urdf, base, tip)))
     return arms
 
 
@@ -56,7 +56,6 @@ def _hints(arm: Arm, path: Path) -> Iterator[Remark]:
 
 
 def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:
-    """Meshes that are not there: nothing is computed from them."""
     gone, why = [], ""
     for name in read.meshes:
         try:

@@ -14,9 +14,7 @@ from mrts.base.json_output import JsonOutput
 from mrts.cell.cell import Cell
 from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
-from mrts.following.tracking_messages import WORDINGS, TrackingFailure
-from mrts.following.variant_tracking import TrackedVariants, follow_from
-from mrts.kernel.tracking import OUT_OF_REACH, FollowedVariants
+from mrts.following.tracking import OUT_OF_REACH, TrackedVariants, TrackingFailure, follow_from
 from mrts.limits.rows import row_labels
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
@@ -183,7 +181,7 @@ def rank_configurations(
     return ConfigurationStudy(branches, tuple(sorted(ranked, key=lambda one: -one.c2_upper)))
 
 
-def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[FollowedVariants, dict[str, list[Branch]]]:
+def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[TrackedVariants, dict[str, list[Branch]]]:
     """Follow all branches of all arms at once: track t carries branch t of every arm that has one."""
     posture = cell.posture
     start = np.tile(posture, (max(1, *(len(of_robot) for of_robot in starts)), 1))
@@ -197,21 +195,21 @@ def _follow(cell: Cell, motion: ObjectMotion, starts: list[Array]) -> tuple[Foll
         branches[robot.name] = [_branch(cell, tracks, index, number, start) for number, start in enumerate(of_robot)]
         if not len(of_robot):
             message = f"robot '{robot.name}' cannot reach its grasp at t = 0. Move the path, the base or the grasp."
-            failure = TrackingFailure(WORDINGS[OUT_OF_REACH].kind, message, 0)
+            failure = TrackingFailure(OUT_OF_REACH, message, 0)
             branches[robot.name] = [Branch(robot.name, 1, robot.posture, failure)]
-    return tracks.joints, branches
+    return tracks, branches
 
 
 def _branch(cell: Cell, tracks: TrackedVariants, index: int, number: int, start: Array) -> Branch:
     robot, failure = cell.robots[index], tracks.of_arm(number, index)
-    followed = tracks.joints.q[number, 0, cell.joint_slices[robot.name]]
+    followed = tracks.q[number, 0, cell.joint_slices[robot.name]]
     return Branch(robot.name, number + 1, followed if failure is None else start, failure)
 
 
 def _evaluate(
     cell: Cell,
     motion: ObjectMotion,
-    tracks: FollowedVariants,
+    tracks: TrackedVariants,
     choice: tuple[Branch, ...],
     options: Options,
 ) -> Configuration:

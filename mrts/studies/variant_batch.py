@@ -13,7 +13,7 @@ from mrts.base.errors import MrtsError
 from mrts.base.rigid_transform import rotations_from_rpy
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, leaves_plane
-from mrts.following.variant_tracking import TrackedVariants, track_variants
+from mrts.following.tracking import TrackedVariants, track_variants
 from mrts.kernel.cell_library import SparseLimits
 from mrts.kernel.programs import INFEASIBLE, OPTIMAL
 from mrts.kernel.sample_terms import SampleTerms
@@ -156,8 +156,9 @@ class VariantBatch:
         if self._cell.plane is not None:
             refused |= leaves_plane(self._cell, path["twist"])
         tracked = track_variants(self._cell, path, geometry, numbers["posture"], refused)
+        joints = tracked.q, tracked.dq, tracked.ddq
         given = {**path, "geometry": geometry, "load": load_vectors(numbers), **self._limits(numbers)}
-        found = variant_ranges(self._cell.library, tracked.joints, self._sparse, SampleTerms(), given)
+        found = variant_ranges(self._cell.library, joints, ~tracked.followed, self._sparse, SampleTerms(), given)
         return given, tracked, found
 
     def _path(self, numbers: Mapping[str, Array], refused: NDArray[np.bool_]) -> dict[str, Array]:
@@ -205,7 +206,7 @@ class VariantBatch:
             failure, status = tracked.failure(variant), int(record["status"])
             if failure is not None:
                 yield {"status": UNREACHABLE, "reason": failure.message}
-            elif tracked.joints.outcome[variant, 0]["code"] == REFUSED or status not in {INFEASIBLE, OPTIMAL}:
+            elif tracked.outcome[variant, 0]["code"] == REFUSED or status not in {INFEASIBLE, OPTIMAL}:
                 yield None
             else:
                 time, *sides = (given[name][variant % len(given[name])] for name in ("time", "lower", "upper"))
@@ -227,12 +228,12 @@ class VariantBatch:
         self, given: Mapping[str, Array], tracked: TrackedVariants, found: NDArray[np.void]
     ) -> dict[int, list[ActiveRow]]:
         """The velocities that bound c² the most, by variant, where one does."""
-        capped = np.flatnonzero(tracked.joints.followed & (found["status"] == OPTIMAL) & (found["capped"] != 0))
+        capped = np.flatnonzero(tracked.followed & (found["status"] == OPTIMAL) & (found["capped"] != 0))
         sample = found["sample"][capped, 1]
         twist, limit = (np.broadcast_to(each, (len(found), *each.shape[1:])) for each in
                         (given["twist"], given["velocity"]))  # fmt: skip
         of_object = np.linalg.norm(twist[capped, sample].reshape(-1, 2, 3), axis=2)
-        speed = np.concatenate([np.abs(tracked.joints.dq[capped, sample]), of_object], axis=1)
+        speed = np.concatenate([np.abs(tracked.dq[capped, sample]), of_object], axis=1)
         rows: dict[int, list[ActiveRow]] = {}
         for place, row in np.argwhere(binds((speed / limit[capped]) ** 2)).tolist():
             variant = int(capped[place])

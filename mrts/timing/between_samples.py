@@ -139,7 +139,6 @@ def _least_excess(timed: RetimingResult, part: TimedPiece) -> tuple[Array, Named
 def _overstepped(
     cell: Cell, there: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None
 ) -> ActiveRow | None:
-    """The row that a motion oversteps first as it gets faster, at its first sample."""
     rows = motion_ranges(motion_rows(cell, there, sharing), DEFAULT_SOLVER, load, 1.0).binding(0, "upper")
     return rows[0] if rows else None
 

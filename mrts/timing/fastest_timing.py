@@ -104,8 +104,6 @@ def _no_path(found: NoPath, time: Array) -> tuple[RetimingStatus, str]:
 
 @dataclass(frozen=True)
 class _Search:
-    """The search for the profile of one piece, and for the reason if there is none."""
-
     untimed: RetimingResult
     piece: PathPiece
     points: tuple[LoadPoint | None, ...]
@@ -165,7 +163,6 @@ class _Search:
         return replace(self.untimed, status=status, explanation=why, conflict=conflict)
 
     def _unusual(self, timed: FastestPiece) -> RetimingResult | None:
-        """The outcome of a profile that takes no time, or for ever."""
         fastest = int(np.argmax(timed.x))
         if timed.x[fastest] >= UNBOUNDED_SHARE * timed.profile.regions.bound:
             why = f"nothing limits the speed at {self._place(fastest)}. Give velocity limits."
@@ -222,7 +219,6 @@ class _Search:
     def _conflict(
         self, sample: int, reach: tuple[float, float] | None = None, x: float | None = None
     ) -> Conflict | None:
-        """The limits that conflict at a sample, or on the segment from it into the reach, with the worst load."""
         time = self.untimed.motion.object.time[self.piece.first :]
         worst: Conflict | None = None
         for point, load in zip(self.points, self.untimed.loads, strict=True):
@@ -363,7 +359,6 @@ def _at_speeds(problem: SampleProblem, sample: int, x: Array) -> SampleProblem:
 
 
 def _least(found: list[Conflict | None], sample: int) -> Conflict | None:
-    """The conflict for which limits must move least; None where there is none at some speed."""
     conflicts = [one for one in found if one is not None]
     if len(conflicts) < len(found):
         return None

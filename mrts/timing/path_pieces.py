@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, row_products
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
-from mrts.following.closed_chain import nearest_rates
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.following.denser_motion import between_samples, denser
+from mrts.following.grasp_closure import nearest_rates
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.motion.rows_at_rest import REST
 from mrts.program.motor_terms import travel_directions

@@ -217,7 +217,6 @@ def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
 
 
 def _check_timing(options: Options, start_speed: float, end_speed: float, **of_rates: Any) -> None:
-    """Check what is asked of a timing alone."""
     if options.load not in {"guaranteed", "nominal"}:
         raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=options.load)
     internal = None if options.sharing is None else options.sharing.internal_wrench
@@ -233,7 +232,6 @@ def _check_timing(options: Options, start_speed: float, end_speed: float, **of_r
 
 
 def _holding_torque(cell: Cell, options: Options, name: str, given: Array | None) -> Array | None:
-    """Torques that hold still at an end, Shape (m,), checked."""
     if given is None:
         return None
     torque, joints = as_array(name, given), len(cell.joint_names)

@@ -12,13 +12,16 @@ from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
-from mrts.kernel.between_samples import path_places
+from mrts.kernel.binding import structure
+from mrts.kernel.cell_library import CellLibrary
 from mrts.motion.object_motion import unchecked_object_motion
 from mrts.program.motor_terms import travel_directions
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.successive_steps import StepsTaken
 from mrts.timing.fastest_profile import SpeedProfile, segment_times
 from mrts.timing.path_pieces import STRIDE, PathPiece, SmoothPath
+
+JOINT_PATH = structure("dense/path_places.c", "mrts_joint_path")
 
 BINDING = 1e-4
 """A limit binds where it is reached to this share: interior points come near limits, not to them."""
@@ -218,18 +221,35 @@ def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> Coordin
     Returns:
         The motion at p (n - 1) samples, segment after segment; its time is the path parameter.
     """
-    path = part.piece.path
-    s, q, dq, ddq, *carried = path_places(
-        cell.library,
-        (path.object.time, path.q, path.dq, path.ddq),
-        (places, polynomial_weights(places), WHOLE_WAY),
-        (part.x, part.rates),
-        cell.geometry,
-        cell.wrench_rows,
-    )
+    s, q, dq, ddq, *carried = path_places(cell.library, cell, part.piece.path, (part.x, part.rates), places)
     position, rotation, twist, acceleration = carried
     inside = unchecked_object_motion(s, position, rotation, twist, acceleration)
     return unchecked_coordinated_motion(inside, q, dq, ddq)
+
+
+def path_places(
+    library: CellLibrary, cell: Cell, path: CoordinatedMotion, speeds: tuple[Array, Array], places: Array
+) -> tuple[Array, ...]:
+    """The motion of `between_path_samples` in one foreign call (kernel/c/dense).
+
+    Args:
+        speeds: The squared speed at the samples, Shape (n,), and half its slope at the start and at the end of each
+            segment, a line in between, Shape (n - 1, 2).
+
+    Returns:
+        The parameter of the path from the first place on, q, q̇, q̈ and the object's position, rotation, twist and
+        acceleration, each with p (n - 1) first.
+    """
+    along = (path.object.time, path.q, path.dq, path.ddq, polynomial_weights(places), places, WHOLE_WAY)
+    given = [np.ascontiguousarray(array) for array in along]
+    asked = [np.ascontiguousarray(array) for array in (*speeds, cell.geometry)]
+    count = len(places) * (path.samples - 1)
+    found = [np.empty((count, *shape)) for shape in [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]]
+    components = np.array(cell.wrench_rows, dtype=np.int32)
+    joint_path = JOINT_PATH(*(array.ctypes.data for array in given), len(places))
+    library.opened.mrts_path_places(count, joint_path, *asked, components, *found)
+    found[5] = found[5].transpose(0, 2, 1)  # by columns, as generated functions want them
+    return tuple(found)
 
 
 def _played(

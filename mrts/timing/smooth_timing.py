@@ -151,7 +151,6 @@ def smooth_timing(
 
 
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:
-    """The pieces of a path with their programs, or why given torques do not hold still."""
     cell, time = question.bare.cell, motion.object.time
     fine = with_samples(cell, motion, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel())
     found = path_pieces(fine)
@@ -261,7 +260,6 @@ def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, st
 
 
 def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothPiece, ...]:
-    """The pieces with the wrenches of the least ∫ τᵀWτ dt within all limits, coupled by rates over each of them."""
     planned: list[SmoothPiece] = []
     held: Held | None = None
     for number, (piece, problem, program, steps) in enumerate(timed):
@@ -278,7 +276,6 @@ def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothP
 
 
 def _given_wrenches(problems: Sequence[SampleProblem], torque: Array | None, place: int) -> Array | None:
-    """The free wrenches of given torques at a node at rest, of all loads; None where none are given."""
     return None if torque is None else np.concatenate([_nearest(problem, torque, place)[0] for problem in problems])
 
 

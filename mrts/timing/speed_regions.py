@@ -142,7 +142,6 @@ def _likely_speed(rates: Array, most: Array, length: float, ends: tuple[float, f
 
 
 def _probes(effect: Array) -> NDArray[np.int_]:
-    """Some samples at which u has an effect, Shape (N,)."""
     moving = np.flatnonzero(effect)
     return moving if len(moving) <= PROBES else moving[np.arange(PROBES) * (len(moving) - 1) // (PROBES - 1)]
 
@@ -172,7 +171,6 @@ def _rates_of_planes(planes: Array, effect: Array) -> Array:
 
 
 def _both_sides(A: Array, lower: Array, upper: Array) -> Array:
-    """Every side of rows over u and x that has a limit, as half-planes, Shape (N, e, 3)."""
     sides = np.concatenate([A, -A], axis=1)
     limit = np.concatenate([upper, -lower], axis=1)
     limited = np.any(np.isfinite(limit), axis=0)

@@ -81,8 +81,6 @@ def successive_profiles(
 
 @dataclass(frozen=True)
 class _Search:
-    """What all steps have in common."""
-
     problems: Sequence[SampleProblem]
     step: Array
     ends: tuple[float, float]
@@ -235,7 +233,6 @@ def _reaches(cells: Sequence[SpeedRegions], step: Array) -> list[list[_Reach]]:
 def _backward(
     cell: SpeedRegions, next_cell: SpeedRegions, i: int, step: float, to: _Reach
 ) -> tuple[float, float] | None:
-    """The x of one cell at sample i from which an interval of another is reached at the next sample."""
     if not cell.lower[i] <= cell.upper[i]:
         return None
     lower, upper = np.array([cell.lower[i], to.low]), np.array([cell.upper[i], to.high])
@@ -245,13 +242,11 @@ def _backward(
 
 
 def _joined(samples: Sequence[tuple[SpeedRegions, int]]) -> tuple[NDArray[np.int64], Array]:
-    """The half-planes of some samples, each of its own regions, as those of `SpeedRegions`."""
     parts = [cell.planes[cell.start[i] : cell.start[i + 1]] for cell, i in samples]
     return np.cumsum([0, *map(len, parts)], dtype=np.int64), np.concatenate(parts)
 
 
 def _along(cells: Sequence[SpeedRegions], reaches: list[list[_Reach]]) -> SpeedRegions:
-    """The regions of the cells that lead from the first reach to the end."""
     chosen = [reaches[0][0]]
     for ahead in reaches[1:]:
         chosen.append(ahead[chosen[-1].next])
@@ -263,7 +258,6 @@ def _along(cells: Sequence[SpeedRegions], reaches: list[list[_Reach]]) -> SpeedR
 def _obstacle(
     reaches: list[list[_Reach]], reached: Callable[[Ends], list[list[_Reach]]], ends: tuple[float, float]
 ) -> Obstacle:
-    """Where no speed leads on, and at an end those that do."""
     last = len(reaches) - 1
     blocked = max((i for i, some in enumerate(reaches) if not some), default=0)
     if blocked == last:
@@ -281,7 +275,6 @@ def _hull(reaches: Sequence[_Reach]) -> tuple[float, float]:
 
 
 def _covering(found: list[_Reach]) -> list[_Reach]:
-    """As few of some intervals as cover what all of them cover."""
     chosen: list[_Reach] = []
     left = found
     while left:

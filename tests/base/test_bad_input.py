@@ -15,6 +15,9 @@ BOMB = """<?xml version="1.0"?><!DOCTYPE bomb [<!ENTITY a "aaaaaaaaaa"><!ENTITY 
 <!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;">]><robot name="&c;"><link name="base_link"/></robot>"""
 
 
+GONE = object()
+
+
 @pytest.fixture
 def files(tmp_path):
     """A copy of the shipped cell to spoil."""
@@ -23,9 +26,15 @@ def files(tmp_path):
     return tmp_path
 
 
-def change(path, edit):
-    data = yaml.safe_load(path.read_text())
-    edit(data)
+def change(path, place, value):
+    """Put a value at a place of a YAML file, or take away what is there."""
+    data = here = yaml.safe_load(path.read_text())
+    *keys, last = [int(key) if key.isdigit() else key for key in place.split(".")]
+    for key in keys:
+        here = here[key]
+    here.pop(last, None)
+    if value is not GONE:
+        here[last] = value
     path.write_text(yaml.safe_dump(data))
 
 
@@ -43,224 +52,76 @@ def run(capsys, files, *options):
     return refused(capsys, "scale", files / "cell.yaml", files / "lift.yaml", *options)
 
 
-CELL_MISTAKES = {
-    "unknown key": (lambda d: d.update(masss=1), ["unknown key 'masss'", "The keys here are: name, gravity"]),
-    "unknown nested key": (lambda d: d["object"].update(mas=1), ["object", "did you mean 'mass'"]),
-    "missing key": (lambda d: d.pop("gravity"), ["gravity", "required"]),
-    "gravity too short": (lambda d: d.update(gravity=[0, -9.8]), ["gravity", "at least 3 belong here"]),
-    "nan": (lambda d: d.update(gravity=[0, float("nan"), 0]), ["gravity[1]", "nan", "finite"]),
-    "text for a number": (lambda d: d["object"].update(mass="heavy"), ["object.mass", "'heavy'", "number"]),
-    "truth for a number": (lambda d: d["object"].update(mass=True), ["object.mass", "number"]),
-    "negative mass": (lambda d: d["object"].update(mass=-3), ["object.mass", "-3", "must be > 0"]),
-    "zero mass": (lambda d: d["object"].update(mass=0), ["object.mass", "must be > 0"]),
-    "non-PD inertia": (
-        lambda d: d["object"].update(inertia=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
-        ["inertia", "not positive definite", "-1, 1, 3"],
-    ),
-    "two moments": (lambda d: d["object"].update(inertia=[1, 1]), ["object.inertia", "has 2 values"]),
-    "a word for moments": (lambda d: d["object"].update(inertia="big"), ["object.inertia", "'big'", "list"]),
-    "a word in the matrix": (
-        lambda d: d["object"].update(inertia=[[1, 0, 0], [0, "x", 0], [0, 0, 1]]),
-        ["object.inertia[1][1]", "'x'", "number"],
-    ),
-    "mass next to nothing": (lambda d: d["object"].update(mass=1e-320), ["object.mass", "1e-100"]),
-    "a rated torque next to nothing": (
-        lambda d: d["robots"][0].update(motors={"rated": [1e-320, 1, 1]}),
-        ["robots[0].motors.rated[0]", "1e-100"],
-    ),
-    "a limit next to nothing": (
-        lambda d: d["robots"][0]["wrench"].update(upper=[2, None, 1e-320]),
-        ["robots[0].wrench.upper[2]", "1e-100"],
-    ),
-    "a word for torque": (lambda d: d["robots"][0].update(torque="strong"), ["robots[0].torque", "'strong'"]),
-    "half of the torque": (lambda d: d["robots"][0].update(torque={"lower": [1]}), ["torque.upper", "required"]),
-    "asymmetric inertia": (
-        lambda d: d["object"].update(inertia=[[1, 0.2, 0], [0, 1, 0], [0, 0, 1]]),
-        ["inertia", "not symmetric"],
-    ),
-    "triangle inequality": (lambda d: d["object"].update(inertia=[1, 1, 3]), ["triangle inequality"]),
-    "unknown plane": (lambda d: d.update(plane="zz"), ["plane", "'zz'", "'xy'"]),
-    "bad name": (lambda d: d.update(name="a; rm -rf /"), ["name", "letters, digits"]),
-    "two equal names": (lambda d: d["robots"][1].update(name="left"), ["two robots are called 'left'"]),
-    "reserved name": (lambda d: d["robots"][1].update(name="time"), ["cannot be called 'time'"]),
-    "name of a result key": (lambda d: d["robots"][1].update(name="components"), ["cannot be called 'components'"]),
-    "unknown torque key": (
-        lambda d: d["robots"][0].update(torque={"lowr": [1], "upper": [1]}),
-        ["unknown key 'lowr'", "did you mean 'lower'"],
-    ),
-    "sexagesimal": (lambda d: d["object"].update(mass="1:30"), ["object.mass", "'1:30'"]),
-    "null byte": (lambda d: d["robots"][0].update(urdf="t\0.urdf"), ["cannot be read"]),
-    "posture out of all bounds": (lambda d: d["robots"][0].update(posture=[1e300, 0, 0]), ["posture[0]", "<= 10000"]),
-    "no robots": (lambda d: d.update(robots=[]), ["robots", "at least 1"]),
-    "unknown tip": (lambda d: d["robots"][0].update(tip_link="tool"), ["tip_link = 'tool'", "contact"]),
-    "unknown base": (lambda d: d["robots"][0].update(base_link="socket"), ["base_link = 'socket'", "base_link"]),
-    "tip above base": (
-        lambda d: d["robots"][0].update(base_link="hand", tip_link="forearm"),
-        ["'forearm'", "not below base_link 'hand'"],
-    ),
-    "posture too long": (lambda d: d["robots"][0].update(posture=[0] * 4), ["posture", "3 values", "shoulder"]),
-    "torque too short": (lambda d: d["robots"][1].update(torque=[100, 80]), ["torque", "3 values"]),
-    "torque zero": (lambda d: d["robots"][1].update(torque=[100, 0, 50]), ["torque", "'elbow'", "must be > 0"]),
-    "torque upside down": (
-        lambda d: d["robots"][1].update(torque={"lower": [1, 1, 1], "upper": [0, 2, 2]}),
-        ["torque", "'shoulder'", "below"],
-    ),
-    "wrench of the wrong length": (
-        lambda d: d["robots"][0].update(wrench={"lower": [-2, None, None, -1]}),
-        ["wrench.lower", "3 values"],
-    ),
-    "wrench upside down": (
-        lambda d: d["robots"][0].update(wrench={"lower": [2, None, None], "upper": [-2, None, None]}),
-        ["wrench.lower[0]", "at most the upper one"],
-    ),
-    "missing urdf": (lambda d: d["robots"][0].update(urdf="nothing.urdf"), ["nothing.urdf", "no such URDF"]),
-    "unknown package": (
-        lambda d: d["robots"][0].update(urdf="package://no_such_thing/arm.urdf"),
-        ["robots[0] (left).urdf", "package://no_such_thing/arm.urdf'", "is not found", "AMENT_PREFIX_PATH"],
-    ),
-    "effort missing": (
-        lambda d: d["robots"][0].pop("torque"),
-        ["joint 'shoulder'", "effort limit is missing or 0", "torque: [shoulder, elbow, wrist]"],
-    ),
-    "tilted tip": (
-        lambda d: d["robots"][0].update(grasp={"xyz": [-1.1, 0, 0], "rpy": [0.5, 0, 0]}),
-        ["grasp.rpy", "'contact'", "tilted by 28.65°"],
-    ),
-    "tilted base": (lambda d: d["robots"][0].update(base={"rpy": [0.1, 0, 0]}), ["base.rpy", "normal"]),
-    "axis in the plane": (lambda d: d.update(plane="xz"), ["leaves the plane xz"]),
-    "base out of the plane": (
-        lambda d: d["robots"][0].update(base={"xyz": [0, 0, 0.2]}),
-        ["robot 'left'", "came no nearer than 0.2 m"],
-    ),
-}
-
-MOTION_MISTAKES = {
-    "a list for a pose": (lambda d: d.update(start=[0, 0, 0]), ["start", "a mapping of keys to values, of xyz, rpy, "]),
-    "zero duration": (lambda d: d.update(duration=0), ["duration = 0", "must be > 1e-09"]),
-    "one sample": (lambda d: d.update(samples=1), ["samples", "must be >= 11"]),
-    "half a sample": (lambda d: d.update(samples=2.5), ["samples", "whole number"]),
-    "unknown profile": (lambda d: d.update(profile="bang"), ["profile", "'bang'", "'trapezoid'"]),
-    "no end": (lambda d: d.pop("end"), ["required with 'start'", "end"]),
-    "two kinds": (lambda d: d.update(file="motion.csv"), ["one of: start and end", "start, file"]),
-    "nothing": (lambda d: d.clear() or d.update(duration=1), ["here is none of them"]),
-    "one waypoint": (lambda d: [d.pop("start"), d.pop("end"), d.update(waypoints=[{}])], ["waypoints", "at least 2"]),
-    "equal waypoints": (
-        lambda d: [d.pop("start"), d.pop("end"), d.update(waypoints=[{}, {}, {"xyz": [1, 0, 0]}])],
-        ["waypoints 0 and 1 are the same"],
-    ),
-    "missing table": (lambda d: d.clear() or d.update(file="no.csv"), ["no.csv", "no such table"]),
-    "unknown key": (lambda d: d.update(waypoint=[]), ["unknown key 'waypoint'", "did you mean 'waypoints'"]),
-    "unreachable": (
-        lambda d: d.update(end={"xyz": [1.25, 3.0, 0]}),
-        ["robot 'left' cannot reach", "sample 100", "too far"],
-    ),
-    "infinite": (lambda d: d.update(duration=float("inf")), ["duration", "inf"]),
-}
+NAN = float("nan")
+MISTAKES = [
+    ("cell.yaml", "masss", 1, "unknown key 'masss'. The keys here are: name, gravity"),
+    ("cell.yaml", "gravity", [0, NAN, 0], "gravity[1] = nan: must be a finite number"),
+    ("cell.yaml", "object.mass", "heavy", "object.mass = 'heavy': must be a number"),
+    ("cell.yaml", "object.mass", 1e-320, "at least 1e-100"),
+    ("cell.yaml", "object.inertia", [[1, 2, 0], [2, 1, 0], [0, 0, 1]], "its principal moments are -1, 1, 3"),
+    ("cell.yaml", "object.inertia", [1, 1, 3], "triangle inequality"),
+    ("cell.yaml", "robots.1.name", "left", "two robots are called 'left'"),
+    ("cell.yaml", "robots.0.urdf", "t\0.urdf", "cannot be read"),
+    ("cell.yaml", "robots.0.urdf", "package://no_such_thing/arm.urdf", "robots[0] (left).urdf = 'package://no_such"),
+    ("cell.yaml", "robots.0.tip_link", "tool", "tip_link = 'tool': there is no such link"),
+    ("cell.yaml", "robots.0.base_link", "contact", "no joint moves between 'contact' and 'contact'"),
+    ("cell.yaml", "robots.0.posture", [0] * 4, "must have 3 values, one for each of shoulder"),
+    ("cell.yaml", "robots.1.torque", {"lower": [1, 1, 1], "upper": [0, 2, 2]}, "of joint 'shoulder' must be below"),
+    ("cell.yaml", "robots.0.torque", GONE, "'shoulder': its effort limit is missing or 0"),
+    ("cell.yaml", "robots.0.wrench", {"lower": [2] * 3, "upper": [-2] * 3}, "wrench.lower[0] = 2.0: the lower limit"),
+    ("cell.yaml", "robots.0.grasp", {"xyz": [-1.1, 0, 0], "rpy": [0.5, 0, 0]}, "'contact' is tilted by 28.65°"),
+    ("cell.yaml", "robots.0.base", {"xyz": [0, 0, 0.2]}, "came no nearer than 0.2 m"),
+    ("lift.yaml", "start", [0, 0, 0], "start = [0, 0, 0]: must be a mapping of keys to values, of xyz, rpy, "),
+    ("lift.yaml", "duration", 0, "duration = 0: must be > 1e-09"),
+    ("lift.yaml", "end", GONE, "required with 'start'"),
+    ("lift.yaml", "end", {"xyz": [1.25, 3.0, 0]}, "robot 'left' cannot reach its grasp at sample 100"),
+]
 
 
-@pytest.mark.parametrize("mistake", CELL_MISTAKES)
-def test_mistakes_in_the_cell_file(mistake, files, capsys):
-    edit, expected = CELL_MISTAKES[mistake]
-    change(files / "cell.yaml", edit)
-    message = run(capsys, files)
-    assert str(files) in message or "robot" in message
-    for part in expected:
-        assert part in message
+@pytest.mark.parametrize(("file", "place", "value", "said"), MISTAKES)
+def test_mistakes_in_the_cell_and_the_motion_file(file, place, value, said, files, capsys):
+    change(files / file, place, value)
+    assert said in run(capsys, files)
 
 
-@pytest.mark.parametrize("mistake", MOTION_MISTAKES)
-def test_mistakes_in_the_motion_file(mistake, files, capsys):
-    edit, expected = MOTION_MISTAKES[mistake]
-    change(files / "lift.yaml", edit)
-    message = run(capsys, files)
-    for part in expected:
-        assert part in message
+URDF_MISTAKES = [
+    ("<robot", "robot", "not well-formed XML"),
+    ("</robot>", "", "not well-formed XML"),
+    (None, BOMB, "document type or an entity"),
+    ('<mass value="5"/>', "", "link 'upper_arm'"),
+    ('ixx="0.025"', 'ixx="2.5"', "link 'upper_arm' inertia: breaks the triangle inequality"),
+    ('xyz="0 0 1"', 'xyz="0 0 0"', "joint 'shoulder' axis"),
+    ('"elbow" type="continuous"', '"elbow" type="floating"', "joint 'elbow' type = 'floating': a joint on the chain"),
+    ('<parent link="forearm"/>', '<parent link="elsewhere"/>', "joint 'wrist': names a link 'elsewhere'"),
+    ('<parent link="base_link"/>', '<parent link="hand"/>', "loop"),
+    ('name="forearm">', 'name="upper_arm">', "link 'upper_arm': "),
+    ('value="5"', 'value="5e-324"', "1e-100"),
+    ("forearm", "\xff", "not UTF-8"),
+]
 
 
-URDF_MISTAKES = {
-    "not xml": (lambda _: "robot: planar", ["not well-formed XML"]),
-    "empty": (lambda _: "", ["not well-formed XML", "Document is empty"]),
-    "only a comment": (lambda _: "<!-- later -->", ["not well-formed XML"]),
-    "cut off": (lambda text: text[: len(text) // 2], ["not well-formed XML", "line"]),
-    "entity bomb": (lambda _: BOMB, ["document type or an entity"]),
-    "another root": (lambda _: "<sdf/>", ["root element must be <robot>", "'sdf'"]),
-    "xacro": (lambda text: text.replace('value="5"', 'value="${m}"'), ["unexpanded xacro"]),
-    "no mass": (lambda text: text.replace('<mass value="5"/>', ""), ["link 'upper_arm'", "<mass value=…>"]),
-    "half an inertia": (lambda text: text.replace('iyz="0" ', "", 1), ["link 'upper_arm'", "ixx, ixy, ixz"]),
-    "negative mass": (lambda text: text.replace('value="5"', 'value="-5"'), ["link 'upper_arm' mass", "-5"]),
-    "nan": (lambda text: text.replace('value="5"', 'value="nan"'), ["link 'upper_arm', <mass> value", "'nan'"]),
-    "word": (lambda text: text.replace('xyz="1 0 0"', 'xyz="1 0 o"', 1), ["joint 'elbow', <origin> xyz", "'1 0 o'"]),
-    "two of three": (lambda text: text.replace('xyz="1 0 0"', 'xyz="1 0"', 1), ["3 finite numbers", "'1 0'"]),
-    "unphysical": (lambda text: text.replace('ixx="0.025"', 'ixx="2.5"'), ["link 'upper_arm' inertia", "triangle"]),
-    "zero axis": (lambda text: text.replace('xyz="0 0 1"', 'xyz="0 0 0"', 1), ["joint 'shoulder' axis", "zero"]),
-    "ball joint": (
-        lambda text: text.replace('"elbow" type="continuous"', '"elbow" type="floating"'),
-        ["joint 'elbow' type", "'floating'", "revolute"],
-    ),
-    "no parent": (lambda text: text.replace('<parent link="forearm"/>', ""), ["joint 'wrist'", "<parent link=…>"]),
-    "no such parent": (
-        lambda text: text.replace('<parent link="forearm"/>', '<parent link="elsewhere"/>'),
-        ["joint 'wrist'", "'elsewhere'"],
-    ),
-    "loop": (
-        lambda text: text.replace('<parent link="base_link"/>', '<parent link="hand"/>'),
-        ["loop", "tree"],
-    ),
-    "two links": (lambda text: text.replace('name="forearm">', 'name="upper_arm">'), ["link 'upper_arm'", "two links"]),
-    "two joints": (lambda text: text.replace('name="wrist"', 'name="elbow"'), ["joint 'elbow'", "two joints"]),
-    "two masses": (
-        lambda text: text.replace('<mass value="5"/>', '<mass value="5"/><mass value="6"/>'),
-        ["link 'upper_arm'", "2 <mass> elements"],
-    ),
-    "mimic": (
-        lambda text: text.replace('<origin xyz="1 0 0"/>', '<origin xyz="1 0 0"/><mimic joint="shoulder"/>', 1),
-        ["joint 'elbow' mimic", "'shoulder'", "a motor of its own"],
-    ),
-    "mimic of nothing": (
-        lambda text: text.replace('<origin xyz="1 0 0"/>', '<origin xyz="1 0 0"/><mimic multiplier="2"/>', 1),
-        ["joint 'elbow', <mimic>", "'joint' attribute"],
-    ),
-    "python number": (lambda text: text.replace('value="5"', 'value="4_0"'), ["'4_0'", "finite number"]),
-    "mass next to nothing": (lambda text: text.replace('value="5"', 'value="5e-324"'), ["'5e-324'", "1e-100"]),
-    "huge number": (lambda text: text.replace('value="5"', 'value="1e30"'), ["'1e30'", "finite number"]),
-    "unknown joint type": (
-        lambda text: text.replace('"grip" type="fixed"', '"grip" type="welded"'),
-        ["joint 'grip' type", "'welded'", "revolute"],
-    ),
-    "binary": (None, ["not UTF-8"]),
-}
-
-
-@pytest.mark.parametrize("mistake", URDF_MISTAKES)
-def test_mistakes_in_the_urdf(mistake, files, capsys):
-    edit, expected = URDF_MISTAKES[mistake]
+@pytest.mark.parametrize(("old", "new", "said"), URDF_MISTAKES)
+def test_mistakes_in_the_urdf(old, new, said, files, capsys):
     path = files / "planar_arm.urdf"
-    if edit is None:
-        path.write_bytes(b"\xff\xfe\x00<robot/>")
-    else:
-        path.write_text(edit(path.read_text()))
+    text = new if old is None else path.read_text().replace(old, new, 1)
+    path.write_text(text, encoding="latin-1" if "\xff" in text else "utf-8")
     message = run(capsys, files)
     assert "planar_arm.urdf" in message
-    for part in expected:
-        assert part in message
+    assert said in message
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("name: [", ["not valid YAML", "line"]),
-        ("- a\n- b", ["mapping"]),
-        ("", ["mapping"]),
-        ("name: a\nname: b\n", ["'name' stands twice"]),
-        ("name: !!python/object/apply:os.system ['true']", ["not valid YAML"]),
-        ("a: &a [x]\nb: &b [*a,*a]\nc: [*b,*b]\n", ["unknown key 'a'"]),
+        ("name: [", "not valid YAML at line"),
+        ("- a\n- b", "a cell file is a mapping"),
+        ("name: a\nname: b\n", "'name' stands twice"),
+        ("name: !!python/object/apply:os.system ['true']", "not valid YAML"),
     ],
 )
 def test_files_that_are_not_a_cell(text, expected, files, capsys):
     (files / "cell.yaml").write_text(text)
-    message = run(capsys, files)
-    for part in expected:
-        assert part in message
+    assert expected in run(capsys, files)
 
 
 def test_missing_files(files, capsys):
@@ -271,24 +132,6 @@ def test_missing_files(files, capsys):
     assert "no such cell file" in refused(capsys, "generate", files / "no.yaml")
 
 
-def test_exponents_without_a_point_are_numbers(files, capsys):
-    text = (files / "lift.yaml").read_text().replace("0.5235987755982988", "5e-1")
-    (files / "lift.yaml").write_text(text)
-    assert main(["scale", str(files / "cell.yaml"), str(files / "lift.yaml")]) == 0
-    assert "0.5 s become" in capsys.readouterr().out
-
-
-def test_unknown_solver(files, capsys):
-    message = run(capsys, files, "--solver", "magic")
-    assert "solver = 'magic'" in message
-    assert "qpsol:qpoases" in message
-
-
-@pytest.mark.parametrize(("share", "part"), [("half", "'equal'"), ("0.5,0.6", "sum to 1"), ("1", "2 finite numbers")])
-def test_wrong_shares(files, capsys, share, part):
-    assert part in run(capsys, files, "--share", share)
-
-
 def test_a_refused_speed_still_writes_the_range(files, capsys, tmp_path):
     message = run(capsys, files, "--c2", "7", "--json", tmp_path / "range.json")
     assert "outside the admissible range [0, 3.06181]" in message
@@ -297,14 +140,18 @@ def test_a_refused_speed_still_writes_the_range(files, capsys, tmp_path):
     assert "selected" not in saved
 
 
-def test_an_output_that_cannot_be_written(files, capsys):
+def test_wrong_options_and_places(files, capsys, monkeypatch):
     (files / "file").write_text("")
     assert "cannot be written" in run(capsys, files, "--json", files / "file" / "result.json")
+    assert "qpsol:qpoases" in run(capsys, files, "--solver", "magic")
+    assert "sum to 1" in run(capsys, files, "--share", "0.5,0.6")
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(files / "file" / "cache"))
+    assert "Set MRTS_CACHE_DIR" in run(capsys, files)
 
 
 @pytest.mark.parametrize(
     ("compiler", "part"),
-    [("false", "exit code 1"), ("no-such-compiler -O1", "names no program"), ("cc '", "cannot be read")],
+    [("sh -c 'echo no space left; exit 3' cc", "no space left"), ("no-such-compiler -O1", "names no program")],
 )
 def test_a_compiler_that_fails(files, capsys, monkeypatch, tmp_path, compiler, part):
     monkeypatch.setenv("CC", compiler)
@@ -313,23 +160,6 @@ def test_a_compiler_that_fails(files, capsys, monkeypatch, tmp_path, compiler, p
     assert part in message
     assert "CC" in message
     assert not list((tmp_path / "cache").rglob("*.so"))
-
-
-def test_a_compiler_that_rejects_the_code_is_quoted(files, capsys, monkeypatch, tmp_path):
-    script = tmp_path / "fake-cc"
-    script.write_text("#!/bin/sh\necho 'error: no space left' >&2\nexit 3\n")
-    script.chmod(0o755)
-    monkeypatch.setenv("CC", str(script))
-    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
-    message = run(capsys, files)
-    assert "exit code 3" in message
-    assert "no space left" in message
-
-
-def test_a_cache_that_cannot_be_made(files, capsys, monkeypatch):
-    (files / "taken").write_text("")
-    monkeypatch.setenv("MRTS_CACHE_DIR", str(files / "taken" / "cache"))
-    assert "Set MRTS_CACHE_DIR" in run(capsys, files)
 
 
 def test_without_a_compiler_a_cell_is_generated_and_not_answered(files, capsys, monkeypatch, tmp_path):

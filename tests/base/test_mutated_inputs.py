@@ -54,18 +54,6 @@ def read_cell(path):
     build_cell_model(path, read_cell_description(path))
 
 
-def read_urdf(path):
-    read_cell(path.with_name("cell.yaml"))
-
-
-def read_manifest(path):
-    read_generated(path.parent)
-
-
-def read_result(path):
-    finite(mrts.load_result(path).json_text())
-
-
 def read_motion(path):
     """A motion that can be read is scaled by the command line."""
     motion = mrts.load_motion(path)
@@ -82,10 +70,6 @@ def read_study(path):
     solve_variants(study, study.variants - 1, study.variants)
 
 
-def read_bag_description(path):
-    mrts.load_motion(path.parent)
-
-
 def finite(text):
     """What JSON text says, which holds no NaN and no infinity."""
 
@@ -97,16 +81,16 @@ def finite(text):
 
 READERS = {
     "cell": ("cell.yaml", read_cell),
-    "urdf": ("planar_arm.urdf", read_urdf),
+    "urdf": ("planar_arm.urdf", lambda path: read_cell(path.with_name("cell.yaml"))),
     "motion": ("lift.yaml", read_motion),
     "study": ("study.yaml", read_study),
     "waypoints": ("waypoints.yaml", read_motion),
     "object": ("object.csv", read_motion),
     "joints": ("joints.csv", read_motion),
-    "result": ("result.npz", read_result),
-    "manifest": ("generated/manifest.json", read_manifest),
+    "result": ("result.npz", lambda path: finite(mrts.load_result(path).json_text()) and None),
+    "manifest": ("generated/manifest.json", lambda path: read_generated(path.parent) and None),
     "bag": ("bag/bag.mcap", read_motion),
-    "bag_description": ("bag/metadata.yaml", read_bag_description),
+    "bag_description": ("bag/metadata.yaml", lambda path: mrts.load_motion(path.parent) and None),
 }
 """By kind: a valid file, and what reads it."""
 

@@ -11,12 +11,8 @@ ROUNDING = 1e-14
 DRAWS = 200
 
 
-def drawn(seed):
-    return np.random.default_rng(seed)
-
-
 def test_quaternions_are_those_of_scipy_and_of_the_angles():
-    for quaternion in drawn(1).normal(size=(DRAWS, 4)):
+    for quaternion in np.random.default_rng(1).normal(size=(DRAWS, 4)):
         rotation = Rotation.from_quat(quaternion)
         x, y, z, w = rotation.as_quat().tolist()
         by_angles = Pose(rpy=rotation.as_euler("xyz").tolist()).rotation()
@@ -26,7 +22,7 @@ def test_quaternions_are_those_of_scipy_and_of_the_angles():
 
 
 def test_a_tip_looks_at_the_point_by_the_smallest_turn():
-    rng = drawn(2)
+    rng = np.random.default_rng(2)
     for xyz, point in rng.normal(size=(DRAWS, 2, 3)):
         axis, turn = rng.choice(["x", "y", "z", "-x", "-y", "-z"]), float(rng.uniform(-3, 3))
         own = np.eye(3)["xyz".index(axis[-1])] * (-1 if axis[0] == "-" else 1)
@@ -58,13 +54,9 @@ def test_a_pose_comes_back_as_it_was_written():
     ("given", "rule"),
     [
         ({"rpy": [0, 0, 0], "quaternion_wxyz": [1, 0, 0, 0]}, "given once, here by rpy and quaternion_wxyz"),
-        ({"rpy": [0, 0, 0], "look_at": [1, 0, 0]}, "given once, here by look_at and rpy"),
         ({"quaternion_xyzw": [0, 0, 90, 1]}, "the length of quaternion_xyzw is 90.0056"),
-        ({"quaternion_xyzw": [0, 0, 1]}, "quaternion_xyzw = .*: has 3 values, at least 4"),
-        ({"quaternion": [1, 0, 0, 0]}, "unknown key 'quaternion'; did you mean 'quaternion_"),
         ({"xyz": [1, 0, 0], "look_at": [1, 0, 0]}, "it points nowhere"),
         ({"axis": "x"}, "'axis' goes with 'look_at' only"),
-        ({"look_at": [1, 0, 0], "axis": "w"}, "axis = 'w': must be 'x', 'y'"),
     ],
 )
 def test_mistakes_in_a_pose(given, rule):

@@ -18,32 +18,20 @@ HOSTILE = "a\x1b[31mb\r\x07\u202e\u200b\u2028\x9b\x7f\ud800"
 SHOWN = r"a\u001b[31mb\r\u0007\u202e\u200b\u2028\u009b\u007f\ud800"
 
 
-def test_ordinary_letters_stay():
-    text = "c² ∈ [0, ∞) µm Ängström 日本 τ̈ \\ {} %s"
-    assert printable(text) == text
-    assert str(mrts.MrtsError(text)) == text
-
-
 def test_control_characters_and_invisible_signs_are_escaped_as_json_does():
+    assert printable("c² ∈ [0, ∞) µm 日本 τ̈ \\ {} %s") == "c² ∈ [0, ∞) µm 日本 τ̈ \\ {} %s"
     assert printable(HOSTILE) == SHOWN
     assert json.loads(f'"{printable(HOSTILE)}"') == HOSTILE
-    assert printable("\U000e0041") == r"\udb40\udc41"
+    assert html_text(f"<b>{HOSTILE}") == f"&lt;b&gt;{SHOWN}"
 
 
-def test_messages_are_one_paragraph_without_control_characters():
+def test_messages_are_one_short_paragraph_without_control_characters():
     message = str(mrts.InputError(f"{HOSTILE}\n\n", f"must not\n\nbe {HOSTILE}.", key=f"k\n{HOSTILE}", value=HOSTILE))
     assert message.isprintable()
     assert message.count(SHOWN) == 3
     assert str(mrts.CompilerError("one\ntwo\t\x1b[1m")) == "one\ntwo\\t\\u001b[1m"
-
-
-def test_long_names_lose_their_middle():
-    message = str(mrts.InputError("cell.yaml", "must be a robot's joint; say which.", key="j" * 1_000_000))
-    assert len(message) < 400
-    assert message.startswith("cell.yaml: jjj")
-    assert message.endswith("jjj: must be a robot's joint; say which.")
+    assert len(str(mrts.InputError("cell.yaml", "is wrong.", key="j" * 1_000_000))) < 400
     assert len(str(mrts.InputError("a", "b " * 1_000_000, value=10**5000))) <= LONGEST_MESSAGE
-    assert "\n" not in str(mrts.InputError("a", "b", value=[[1.0] * 100] * 100))
 
 
 @pytest.mark.parametrize("show", [say, put, warn])
@@ -53,46 +41,29 @@ def test_what_is_printed_keeps_its_lines_only(show, capsys):
     assert (captured.out + captured.err).endswith(f"first\nsecond {SHOWN}\n")
 
 
-def test_pages_and_figures_hide_nothing():
-    assert html_text(f"<b>{HOSTILE}") == f"&lt;b&gt;{SHOWN}"
-    assert shortened("\u202eabc") == r"\u202eabc"
-
-
-def test_names_beside_each_other_stay_apart_and_short():
+def test_names_in_figures_are_printable_short_and_apart():
     alike = [f"left_manipulator/{joint}_link_joint velocity ↑" for joint in ("shoulder_pan", "shoulder_lift", "elbow")]
+    assert shortened("\u202eabc") == r"\u202eabc"
     assert len({shortened(name, LANE_LETTERS) for name in alike}) == 1
     assert shortened_apart(alike) == alike
-    assert shortened_apart([alike[0], alike[0], "left/fx ↓"]) == [shortened(alike[0], LANE_LETTERS)] * 2 + ["left/fx ↓"]
     endless = shortened_apart([f"{'a' * 1000}{letter}{'b' * 1000}" for letter in "xy"])
     assert max(map(len, endless)) <= MOST_LETTERS
 
 
-@pytest.mark.parametrize(
-    "key",
-    ["{", "{0}", "{known:>9999999999}", "{key.__class__}", "%s %n", "$known", "\x1b[31m", "\u202e", "\\N{DIGIT ONE}"],
-)
-def test_keys_are_quoted_not_formatted(key, tmp_path, capsys):
-    path = tmp_path / "cell.yaml"
-    path.write_text(f"{json.dumps(key)}: 1\n", encoding="utf-8")
-    assert main(["generate", str(path)]) == 2
-    assert f"unknown key '{printable(key)}'. The keys here are: name, gravity" in capsys.readouterr().err
-
-
-def test_arguments_are_quoted_printable(capsys):
-    for arguments in (["sca\x1b[31mle"], ["scale", "a", "b", "--\x1b[31m"], ["scale", "a", "b", "--c2", "\x1b[31m"]):
-        assert main(arguments) == 2
-        assert "\x1b" not in capsys.readouterr().err
-
-
-def test_names_of_a_urdf_reach_the_terminal_escaped(tmp_path, capsys):
+def test_names_of_files_and_arguments_are_quoted_printable(tmp_path, capsys):
+    for key in ("{0}", "{key.__class__}", "%s %n", "\x1b[31m\u202e"):
+        (tmp_path / "key.yaml").write_text(f"{json.dumps(key)}: 1\n", encoding="utf-8")
+        assert main(["generate", str(tmp_path / "key.yaml")]) == 2
+        assert f"unknown key '{printable(key)}'. The keys here are: name, gravity" in capsys.readouterr().err
     text = (DATA / "planar_arm.urdf").read_text(encoding="utf-8")
     text = text.replace('"elbow" type="continuous"', '"el&#x202e;bow&#xa;$x{" type="floating"')
     (tmp_path / "planar_arm.urdf").write_text(text, encoding="utf-8")
     (tmp_path / "cell.yaml").write_text((DATA / "cell.yaml").read_text(encoding="utf-8"), encoding="utf-8")
     assert main(["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml")]) == 2
-    message = capsys.readouterr().err.removesuffix("\n")
-    assert message.isprintable()
-    assert r"joint 'el\u202ebow\n$x{' type = 'floating'" in message
+    assert r"joint 'el\u202ebow\n$x{' type = 'floating'" in capsys.readouterr().err
+    for arguments in (["sca\x1b[31mle"], ["scale", "a", "b", "--\x1b[31m"], ["scale", "a", "b", "--c2", "\x1b[31m"]):
+        assert main(arguments) == 2
+        assert "\x1b" not in capsys.readouterr().err
 
 
 def test_names_of_a_saved_result_are_escaped_in_python_too(planar_cell, lift):

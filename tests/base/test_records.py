@@ -1,4 +1,4 @@
-"""Records refuse what pydantic refuses by the same annotations, and say the same."""
+"""Records refuse what pydantic refuses by the same annotations, at the same place."""
 
 import json
 import random
@@ -6,12 +6,11 @@ from copy import deepcopy
 from typing import Annotated, Literal, Union, get_args, get_origin
 
 import pytest
-from pydantic import AfterValidator, ConfigDict, Field, ValidationError, create_model
-from pydantic_core import PydanticCustomError
+from pydantic import ConfigDict, Field, ValidationError, create_model
 
 from mrts.base.errors import InputError, joined
 from mrts.base.formats.pose import Pose
-from mrts.base.formats.record import RULES, Record, Rule
+from mrts.base.formats.record import Record, Rule, read_json
 from mrts.base.manifest import ArgumentRecord, FunctionRecord
 from mrts.cell.record import CylinderRecord
 
@@ -22,8 +21,6 @@ ZOO = (None, True, 0, 3, -1, 1.5, 1e13, "x", "a b", "a\n", "", [], {}, [1], [[1.
 
 
 class TableRecord(Record):
-    """Of every kind."""
-
     rows: list[str | None]
     limits: dict[str, tuple[float, float]]
     kind: Literal["tip", "base"]
@@ -64,14 +61,6 @@ def spoiled(data, rng):
     return data
 
 
-def outcome(record, data):
-    """What a record makes of data, or its error."""
-    try:
-        return record.model_validate(data).model_dump()
-    except InputError as error:
-        return error
-
-
 def place(detail):
     """Where pydantic finds an error."""
     key = ""
@@ -90,32 +79,10 @@ def as_pydantic(kind):
         return create_model(kind.__name__, __config__=config, **fields)
     parts = tuple(map(as_pydantic, get_args(kind)))
     if get_origin(kind) is Annotated:
-        smallest = [AfterValidator(sized(rule.limits["smallest"])) for rule in kind.__metadata__
-                    if "smallest" in rule.limits]  # fmt: skip
-        return Annotated[as_pydantic(kind.__origin__), *map(as_pydantic, kind.__metadata__), *smallest]
+        return Annotated[as_pydantic(kind.__origin__), *map(as_pydantic, kind.__metadata__)]
     if get_origin(kind) in {None, Literal}:
         return kind
     return Union[parts] if type(None) in parts else get_origin(kind)[parts]  # noqa: UP007 (as many as there are)
-
-
-def sized(smallest):
-    """Refuses numbers between 0 and the smallest."""
-
-    def check(value):
-        if 0 < abs(value) < smallest:
-            raise PydanticCustomError("too_near_zero", "{smallest}", {"smallest": smallest})
-        return value
-
-    return check
-
-
-def said_there(error, details):
-    """Whether pydantic finds an error at the same place too, and the same where it has a name for it that we know."""
-    if not any(place(detail).startswith(error.key) for detail in details):
-        return False
-    there = [detail for detail in details if place(detail) == error.key and detail["type"] in RULES]
-    words = [RULES[detail["type"]].format(**detail.get("ctx", {})) for detail in there]
-    return any(error.rule.startswith(word) for word in words) or not words
 
 
 @pytest.mark.parametrize("record", GIVEN, ids=lambda record: record.__name__)
@@ -128,12 +95,12 @@ def test_pydantic_refuses_the_same(record):
             expected, details = model.model_validate_json(json.dumps(data)).model_dump(mode="json"), []
         except ValidationError as error:
             expected, details = None, error.errors()
-        found = outcome(record, data)
-        if isinstance(found, InputError):
-            refused += 1
-            assert details if found.rule.startswith("unknown key") else said_there(found, details), data
-        else:
-            assert found == expected
+        try:
+            found, key = record.model_validate(data).model_dump(), None
+        except InputError as error:
+            found, key, refused = None, error.key, refused + 1
+        assert found == expected
+        assert key is None or any(place(detail).startswith(key) for detail in details), data
     assert TRIALS / 4 < refused < TRIALS
 
 
@@ -141,16 +108,13 @@ def test_a_record_stays_as_it_is():
     pose = Pose(xyz=[1.0, 2.0, 3.0])
     with pytest.raises(AttributeError, match=r"Pose\.xyz cannot be changed"):
         pose.xyz = [0.0, 0.0, 0.0]
-    with pytest.raises(AttributeError, match="cannot be changed"):
-        del pose.xyz
     Pose().xyz.append(1.0)
     assert Pose().xyz == [0.0, 0.0, 0.0]  # a default is nobody's own
     assert Pose(xyz=[1, 2, 3]) == Pose(xyz=[1.0, 2.0, 3.0]) != Pose()
     assert deepcopy(pose) == pose
-    assert isinstance(pose, Record)
 
 
 @pytest.mark.parametrize("text", ["", "[", "[1]", "3", "NaN", "[" * 100_000, '{"xyz": [NaN, 0, 0]}', "9" * 5000])
 def test_what_is_no_json_of_a_record_is_refused(text):
     with pytest.raises(InputError):
-        Pose.model_validate_json(text)
+        Pose.model_validate(read_json(text))

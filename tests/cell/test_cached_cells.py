@@ -2,7 +2,6 @@
 
 import shutil
 import time
-from pathlib import Path
 
 import pytest
 from conftest import DATA
@@ -61,13 +60,6 @@ def test_nothing_is_read_again_while_the_files_are_the_same(copied, planar_cell,
         mrts.load_cell(cell)
 
 
-def test_another_urdf_makes_another_cell(copied):
-    cell = copied("cell")
-    before = reach(cell)
-    limit(cell)
-    assert reach(cell) == REACH != before
-
-
 def test_two_folders_with_one_text_and_two_urdfs_are_two_cells(copied):
     """They share a place in the cache; each takes what is there only if it is its own."""
     one, other = copied("one"), copied("other")
@@ -124,9 +116,3 @@ def test_a_urdf_written_while_it_is_read_does_not_take_the_place_of_the_old_one(
     assert reach(cell) == REACH
     urdf.write_bytes(old)
     assert reach(cell) != REACH
-
-
-def test_whatever_decides_what_a_manifest_says_is_in_its_key():
-    package = Path(mrts.__file__).parent
-    assert [pattern for pattern in content_key.SHAPING if not list(package.glob(pattern))] == []
-    assert "cell/hands/*.py" in content_key.SHAPING

@@ -25,36 +25,24 @@ def equipped(cell, rng):
             armature=rng.uniform(0, 1, n),
             coulomb=rng.uniform(0, 0.1, n),
             viscous=rng.uniform(0, 1, n),
-            torque_speed=tuple(
-                np.array([[0, 400.0 + joint], [3.0, 380.0], [7.0, 1.0]]) if joint % 2 else None for joint in range(n)
-            ),
+            torque_speed=(*[None] * (n - 1), np.array([[0, 400.0], [3.0, 380.0], [7.0, 1.0]])),
             torque_rate=rng.uniform(100, 1000, n),
             jerk=np.full(n, np.inf),
             rated=rng.uniform(1, 10, n),
         )
-        rate = np.where(["f" in unit for unit in cell.wrench_components], 500.0, 40.0)
-        in_base = {"frame": "base", "components": cell.wrench_components}
         lower = [-5.0, None, *([0.0] * (w - 2))]
-        contact = mrts.box_contact(lower=lower, upper=np.full(w, 30.0), **in_base)
-        robots.append(
-            replace(
-                robot,
-                motors=motors,
-                contacts=(contact, replace(contact, name="box2")),
-                contact_rate=rate,
-                torque_lower=-robot.torque_upper * 1.5,
-                T_world_base=mrts.RigidTransform.from_xyz_rpy(*turned(cell, robot.T_world_base, rng)),
-            )
-        )
+        contact = mrts.box_contact(lower=lower, upper=np.full(w, 30.0), frame="base", components=cell.wrench_components)
+        rpy = rng.uniform(-3, 3, 3) * ([1, 0.5, 1] if cell.plane is None else [0, 0, 1])  # a plane is not left
+        changes = {
+            "motors": motors,
+            "contacts": (contact, replace(contact, name="box2")),
+            "contact_rate": np.where(["f" in unit for unit in cell.wrench_components], 500.0, 40.0),
+            "torque_lower": -robot.torque_upper * 1.5,
+            "T_world_base": mrts.RigidTransform.from_xyz_rpy(robot.T_world_base.p + 0.1 * rng.uniform(-1, 1, 3), rpy),
+        }
+        robots.append(replace(robot, **changes))
     cell = replace(cell, robots=tuple(robots), object_velocity_limit=np.array([0.5, np.inf]))
     return cell.with_variation(mass=(0.5, 2.0), ixx=(0.9, 1.1)).with_values({"gravity": rng.uniform(-10, 10, 3)})
-
-
-def turned(cell, T, rng):
-    """Another base, in the plane of a planar cell."""
-    angle = rng.uniform(-3, 3)
-    rpy = rng.uniform(-3, 3, 3) * [1, 0.5, 1] if cell.plane is None else [0, 0, angle]
-    return (T.p + rng.uniform(-0.1, 0.1, 3)).tolist(), list(rpy)
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -67,9 +55,8 @@ def test_a_shipped_cell_comes_back(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["dual_ur5", "planar_dual_arm"])
-@pytest.mark.parametrize("seed", range(1))
-def test_everything_that_a_file_can_say_comes_back(name, seed, tmp_path):
-    cell = equipped(mrts.load_cell(SHIPPED[name]), np.random.default_rng([21, seed]))
+def test_everything_that_a_file_can_say_comes_back(name, tmp_path):
+    cell = equipped(mrts.load_cell(SHIPPED[name]), np.random.default_rng([21, 0]))
     path = tmp_path / "changed.yaml"
     text = cell.to_yaml(path)
     assert path.read_text(encoding="utf-8") == text
@@ -123,20 +110,9 @@ def test_hands_made_in_python_are_written_as_they_were_made(tmp_path):
     assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml"))
 
 
-def widened(cell):
-    left, right = cell.robots
-    pad = left.contacts[0]
-    return replace(cell, robots=(replace(left, contacts=(replace(pad, upper=pad.upper + 1.0),)), right))
-
-
 def renamed(cell):
     left, right = cell.robots
     return replace(cell, robots=(replace(left, contacts=(replace(left.contacts[0], name="palm"),)), right))
-
-
-def by_hand(cell):
-    left, right = cell.robots
-    return replace(cell, robots=(replace(left, contacts=(replace(left.contacts[0], given=None),)), right))
 
 
 def of_left(**changes):
@@ -144,32 +120,18 @@ def of_left(**changes):
 
 
 REFUSED = {
-    "reserve": (lambda cell: cell.with_reserve(0.1), r"reserve = 0.1: a cell file holds no reserve"),
+    "reserve": (lambda cell: cell.with_reserve(0.1), "reserve: a cell file holds no reserve"),
     "limits": (lambda cell: cell.with_limits(sorted), "limits: a cell file holds no functions"),
-    "velocities": (lambda cell: cell.without_velocity_limits(), r"enforces_velocity_limits = False: .* cannot leave"),
+    "velocities": (lambda cell: cell.without_velocity_limits(), "enforces_velocity_limits: .* cannot leave"),
     "first moments": (
         lambda cell: cell.with_load(cell.load + 0.1 * np.eye(10)[2]),
-        r"load = \[0.0, 0.1, 0.0\]: .*holds no first moments",
-    ),
-    "a box of another load": (
-        lambda cell: replace(cell.with_variation(mass=(0.5, 2)), load=cell.load * 2),
-        "load_box = .*another load than the cell carries",
+        r"load\[2\] = 0.1: a cell file cannot hold this value",
     ),
     "no folder": (lambda cell: replace(cell, folder=None), "folder: it is not known where its URDFs are"),
     "a velocity limit": (
         of_left(velocity_limit=np.full(6, 0.5)),
         r"velocity_limit\[0\] = 0.5: a cell file",
     ),
-    "a position limit": (
-        of_left(position_upper=np.full(6, 6.5)),
-        r"position_upper\[0\] = 6.5: a cell file",
-    ),
-    "rates by component": (
-        of_left(contact_rate=np.array([1.0, 2, 3, 4, 5, 6])),
-        r"robots\[0\].contact_rate\[1\] = 2.0: a cell file cannot hold this value, it would be read as 1.0",
-    ),
-    "a contact by hand": (by_hand, r"robot 'left': contact 'pad': a cell file cannot hold a contact that was made row"),
-    "a contact widened": (widened, r"robots\[0\].contacts\[0\].upper\[0\] = .*: a cell file cannot hold this value"),
     "a contact renamed": (renamed, r"robots\[0\].contacts\[0\].name = 'palm': a cell file cannot hold this value"),
 }
 
@@ -185,58 +147,29 @@ def test_what_a_file_cannot_hold_is_refused(what, tmp_path):
 
 
 @pytest.mark.quick
-def test_a_urdf_that_changed_or_went_is_refused(tmp_path):
-    description = yaml.safe_load((DATA / "cell.yaml").read_text())
+def test_a_urdf_that_changed_is_refused_and_none_is_written_over(tmp_path):
     urdf = tmp_path / "planar_arm.urdf"
     urdf.write_bytes((DATA / "planar_arm.urdf").read_bytes())
-    cell = mrts.Cell.from_description(description, folder=tmp_path)
+    cell = mrts.Cell.from_description(yaml.safe_load((DATA / "cell.yaml").read_text()), folder=tmp_path)
+    with pytest.raises(mrts.InputError, match=r"planar_arm\.urdf: is a file that the cell names"):
+        cell.to_yaml(tmp_path / "." / "planar_arm.urdf")
+    assert urdf.read_bytes() == (DATA / "planar_arm.urdf").read_bytes()
     urdf.write_text(urdf.read_text() + "\n")
-    with pytest.raises(mrts.InputError, match=r"robots\[0\].urdf: the URDF is another one than the cell was made from"):
-        cell.to_yaml()
-    urdf.unlink()
-    with pytest.raises(mrts.InputError, match=r"planar_arm\.urdf: there is no such URDF"):
+    with pytest.raises(mrts.InputError, match=r"source.sha256: this file is another one than the cell was made from"):
         cell.to_yaml()
 
 
 @pytest.mark.quick
-def test_a_file_that_cannot_be_written_is_told(planar_cell, tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(mrts.InputError, match=r"cannot be written"):
-        planar_cell.to_yaml(tmp_path / "file" / "cell.yaml")
-    with pytest.raises(mrts.InputError, match=r"path = 3: must be text or a Path"):
-        planar_cell.to_yaml(3)
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("given", "written"),
-    [(None, None), ("none", "none"), ({"coulomb": 4.0}, {"coulomb": [4.0] * 3, "viscous": [0.0] * 3})],
-)
-def test_friction_of_the_urdf_is_left_to_it(given, written, tmp_path):
-    """Also where it contradicts the torque limits: it does not count."""
-    text = (DATA / "planar_arm.urdf").read_text()
-    (tmp_path / "arm.urdf").write_text(text.replace("</joint>", '<dynamics friction="20" damping="1"/></joint>'))
-    description = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in description["robots"]:
-        robot.update(urdf="arm.urdf")
-        if given is not None:
-            robot.update(motors={"friction": given}, torque=[10.0] * 3)
-    cell = mrts.Cell.from_description(description, folder=tmp_path)
-    text = cell.to_yaml(tmp_path / "cell.yaml")
-    assert [robot.get("motors", {}).get("friction") for robot in yaml.safe_load(text)["robots"]] == [written] * 2
-    again = mrts.load_cell(tmp_path / "cell.yaml")
-    assert same_cell(cell, again)
-    assert again.remarks == cell.remarks
-
-
-@pytest.mark.quick
-def test_names_that_look_like_numbers_stay_names(tmp_path):
+def test_friction_of_the_urdf_is_left_to_it_and_names_that_look_like_numbers_stay_names(tmp_path):
     """`on` and `1e5` are text in the one YAML, a truth value or a number in the other."""
     text = (DATA / "planar_arm.urdf").read_text().replace('"contact"', '"1e5"').replace('"base_link"', '"on"')
-    (tmp_path / "arm.urdf").write_text(text)
+    (tmp_path / "arm.urdf").write_text(text.replace("</joint>", '<dynamics friction="20" damping="1"/></joint>'))
     description = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in description["robots"]:
-        robot |= {"urdf": "arm.urdf", "tip_link": "1e5", "base_link": "on"}
+    left, right = description["robots"]
+    for robot in (left, right):
+        robot.update(urdf="arm.urdf", tip_link="1e5", base_link="on")
+    right.update(motors={"friction": "none"}, torque=[10.0] * 3)
     cell = mrts.Cell.from_description(description, folder=tmp_path)
-    cell.to_yaml(tmp_path / "cell.yaml")
+    written = yaml.safe_load(cell.to_yaml(tmp_path / "cell.yaml"))["robots"]
+    assert [robot.get("motors", {}).get("friction") for robot in written] == [None, "none"]
     assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml"))

@@ -8,7 +8,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
-from conftest import DATA
 from machines import TURN, machine, machine_cell
 from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
@@ -23,7 +22,6 @@ from same_cells import same_cell
 
 import mrts
 from mrts.cell.cell_change import ChangeSteps, cell_changes
-from mrts.cli import main
 
 pytestmark = pytest.mark.quick
 
@@ -47,14 +45,12 @@ def read(path):
     return build_cell_model(path, read_cell_description(path))
 
 
-def test_a_shared_joint_is_refused_with_the_ways_out(tmp_path, capsys):
+def test_a_shared_joint_is_refused_with_the_ways_out(tmp_path):
     path = machine_cell(tmp_path)
     with pytest.raises(mrts.InputError, match=r"'left' and 'right' .* move its joints 'turn', 'lift'") as refused:
         read(path)
     assert "'fixed: {turn: POSITION, lift: POSITION}' in both robots" in str(refused.value)
     assert "'base_link: torso'" in str(refused.value)
-    assert main(["scale", str(path), str(DATA / "lift.yaml")]) == 2
-    assert "'lift'" in capsys.readouterr().err
 
 
 def test_held_still_the_machine_is_the_shipped_cell(tmp_path, planar_cell, lift):
@@ -70,39 +66,16 @@ def test_held_still_the_machine_is_the_shipped_cell(tmp_path, planar_cell, lift)
     assert free[0].range.upper.c2 == pytest.approx(free[1].range.upper.c2, rel=1e-9)
     np.testing.assert_allclose(free[0].trajectory.torque, free[1].trajectory.torque, atol=1e-6)
     np.testing.assert_allclose(ours.motion.q, theirs.motion.q, atol=1e-9)
-    mrts.save_result(ours, tmp_path / "result.npz")
-    again = mrts.load_result(tmp_path / "result.npz", cell=cell)
-    assert again.cell.robots[1].held == {"turn": TURN, "lift": 0.4}
-
-
-def test_a_base_link_past_the_joint_is_the_shipped_cell(tmp_path, planar_cell, lift):
-    def past(robots):
-        for robot in robots:
-            robot |= {"base_link": "torso", "base": {"xyz": [0, 0, 0]}}
-
-    cell = mrts.load_cell(machine_cell(tmp_path, past))
-    assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(
-        mrts.scale(planar_cell, lift).range.upper.c2, rel=1e-9
-    )
 
 
 def other_path(robots):
     robots[1]["urdf"] = str(Path(robots[1]["urdf"]).parent / "copy.urdf")
 
 
-def nearly(robots):
-    robots[1]["base"]["rpy"][2] += 1e-11
-
-
-def full_turn(robots):
-    robots[1]["base"]["rpy"][2] += 2 * np.pi
-
-
 def test_one_machine_is_seen_through_paths_rounding_and_base_links(tmp_path):
     (tmp_path / "copy.urdf").write_text(machine(), encoding="utf-8")
-    for change in (other_path, nearly, full_turn):
-        with pytest.raises(mrts.InputError, match="both move its joints 'turn', 'lift'"):
-            read(machine_cell(tmp_path, change))
+    with pytest.raises(mrts.InputError, match="both move its joints 'turn', 'lift'"):
+        read(machine_cell(tmp_path, other_path))
 
     def twice(robots):
         robots[1] |= {"tip_link": robots[0]["tip_link"]}
@@ -116,12 +89,6 @@ def test_one_machine_is_seen_through_paths_rounding_and_base_links(tmp_path):
 
     with pytest.raises(mrts.InputError, match=r"'left' moves its joints 'turn', 'lift', on which 'right' is taken to"):
         read(machine_cell(tmp_path, torn))
-
-    def one_holds(robots):
-        robots[0]["fixed"] = {"turn": 0, "lift": 0.1}
-
-    with pytest.raises(mrts.InputError, match=r"'right' moves its joints 'turn', 'lift', on which 'left' is taken to"):
-        read(machine_cell(tmp_path, one_holds))
 
     def differently(robots):
         robots[0]["fixed"] = {"turn": 0, "lift": 0.1}
@@ -146,12 +113,8 @@ def test_two_machines_of_a_kind_are_fine(tmp_path):
     ("fixed", "message"),
     [
         ({"lft": 0.1}, r"robots\[0\] \(left\).fixed.lft: machine.urdf has no such joint; did you mean 'lift'\?"),
-        ({"zzz": 0.1}, r"fixed.zzz: .* those that move are .*'?turn"),
         ({"left_mount": 0.1}, r"fixed.left_mount: this joint is of type 'fixed' and does not move anyway"),
         ({"lift": 0.6}, r"fixed.lift = 0.6: must be within the joint's limits, \[0, 0.5\] m"),
-        ({"lift": "high"}, r"fixed.lift = 'high': must be a number"),
-        ({"lift": float("nan")}, r"fixed.lift = nan: must be"),
-        ([1, 2], r"robots\[0\].fixed = \[1, 2\]: must be a mapping"),
         ({"left_shoulder": 0, "left_elbow": 0, "left_wrist": 0, "turn": 0, "lift": 0}, "no joint moves between"),
     ],
 )
@@ -180,12 +143,10 @@ def test_a_follower_is_not_held_but_follows():
 @pytest.mark.parametrize(
     ("path", "tip", "fixed"),
     [
-        (TIAGO, "arm_left_tool_link", {"torso_lift_joint": 0.2}),
         (TIAGO, "arm_right_tool_link", {"torso_lift_joint": 0.3, "arm_right_3_joint": 1.1}),
         (TALOS, "gripper_left_base_link", {"torso_1_joint": 0.4, "torso_2_joint": 0.2, "gripper_left_joint": -0.5}),
-        (TALOS, "gripper_right_base_link", {"torso_2_joint": 0.2, "arm_right_4_joint": -1.2, "arm_left_1_joint": -1.0}),
     ],
-    ids=["tiago left", "tiago right", "talos left", "talos right"],
+    ids=["tiago right", "talos left"],
 )
 def test_held_joints_equal_pinocchios_locked_ones(path, tip, fixed):
     """On the chain, before it, beyond it, on a branch that hangs from it; what mimics a held joint has moved too."""
@@ -255,25 +216,6 @@ def test_two_machines_do_not_come_to_stand_in_one_place(tmp_path):
     assert cell.with_values({"robots.right.base.xyz": right.T_world_base.p + STEP})
     with pytest.raises(mrts.InputError, match="would stand in one place, which makes them arms of one machine"):
         cell.with_values({"robots.right.base.xyz": left.T_world_base.p})
-
-
-def test_held_joints_are_written_without_their_followers(tmp_path):
-    """TALOS: a gripper that is held, and what mimics it, beside a joint of the torso."""
-    held = {"torso_1_joint": 0.4, "gripper_left_joint": -0.5}
-    description = {
-        "name": "talos",
-        "gravity": GRAVITY,
-        "object": {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]},
-        "robots": [
-            {"name": "left", "urdf": str(TALOS), "tip_link": "gripper_left_base_link", "fixed": held,
-             "posture": [0.1] * 8, "torque": [100.0] * 8}
-        ],
-    }  # fmt: skip
-    cell = mrts.Cell.from_description(description)
-    assert len(cell.robots[0].held) > len(held)
-    text = cell.to_yaml(tmp_path / "cell.yaml")
-    assert yaml.safe_load(text)["robots"][0]["fixed"] == held
-    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml"))
 
 
 def test_what_if_moves_the_bases_of_a_machine_together(tmp_path):

@@ -1,13 +1,9 @@
 """Paths to numbers, and their units."""
 
 import pytest
-import yaml
 from gantries import gantries
 
-import mrts
 from mrts.cell.number_paths import PathError, find_keys, number_unit, path_text, value_at
-
-MOTION = "duration: 1\nprofile: cubic\nstart: {xyz: [0, 0, 0]}\nend: {xyz: [2, 0, 0]}\n"
 
 UNITS = {
     "robots.near.posture[0]": "m",
@@ -73,13 +69,3 @@ def test_a_path_leads_to_the_longest_key_that_it_names():
         else:
             with pytest.raises(PathError):
                 find_keys(files, [1], wrong)
-
-
-def test_rails_vary_in_their_own_units(tmp_path, rails):
-    assert rails.name == "gantries"
-    gantries(tmp_path)
-    (tmp_path / "motion.yaml").write_text(MOTION, encoding="utf-8")
-    study = {"cell": "cell.yaml", "motion": "motion.yaml"}
-    study["vary"] = {"robots.near.torque[0]": [10, 20], "robots.far.torque[2]": [10]}
-    (tmp_path / "study.yaml").write_text(yaml.safe_dump(study, sort_keys=False), encoding="utf-8")
-    assert [parameter.unit for parameter in mrts.read_study(tmp_path / "study.yaml").parameters] == ["N", "N m"]

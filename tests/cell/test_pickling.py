@@ -6,10 +6,8 @@ import pickle
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
-import cloudpickle
 import numpy as np
 import pytest
-from joblib import Parallel, delayed
 
 import mrts
 
@@ -56,12 +54,8 @@ def test_without_a_compiler_a_worker_says_so_and_lives(planar_cell, lift):
 
 
 def test_errors_come_back_from_workers(planar_cell, lift):
-    with pool(use_cache, os.environ["MRTS_CACHE_DIR"]) as workers:
-        with pytest.raises(mrts.InputError) as caught:
-            workers.submit(planar_cell.with_mass, -1).result()
-        assert (caught.value.key, caught.value.value) == ("object.mass", -1)
-        with pytest.raises(mrts.SelectionError) as refused:
-            workers.submit(mrts.scale, planar_cell, lift, 99.0).result()
+    with pool(use_cache, os.environ["MRTS_CACHE_DIR"]) as workers, pytest.raises(mrts.SelectionError) as refused:
+        workers.submit(mrts.scale, planar_cell, lift, 99.0).result()
     assert refused.value.result.range.upper.c2 == pytest.approx(3.062, abs=1e-3)
 
 
@@ -78,14 +72,11 @@ def everything(planar_cell, lift, lifted, tmp_path_factory):
     study = mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift)
     return {
         "cell": planar_cell,
-        "weak cell": planar_cell.with_variation(mass=(0.5, 2)).without_wrench_limits().without_velocity_limits(),
         "moved cell": planar_cell.with_values({
             "robots.left.base.xyz": [0.01, 0.02, 0], "robots.right.grasp.rpy": [0, 0, 3.1], "gravity": [0, -1.6, 0],
             "robots.left.torque": [80.0, 70.0, 40.0],
         }),
-        "object motion": lift,
         "joint table": mrts.load_motion(table),
-        "coordinated motion": lifted.motion,
         "result": lifted,
         "uncertain": study,
         "infeasible": mrts.scale(planar_cell.with_mass(24.0), lift),
@@ -116,11 +107,7 @@ def same(ours, theirs, where):
         assert ours == theirs, where
 
 
-def through_cloudpickle(thing):
-    return pickle.loads(cloudpickle.dumps(thing))  # noqa: S301 (our own bytes)
-
-
-@pytest.mark.parametrize("again", [copy.deepcopy, through_pickle, through_cloudpickle])
+@pytest.mark.parametrize("again", [copy.deepcopy, through_pickle])
 def test_everything_comes_back_as_it_was(everything, lift, lifted, again):
     for name, thing in everything.items():
         other = again(thing)
@@ -133,16 +120,6 @@ def test_everything_comes_back_as_it_was(everything, lift, lifted, again):
             assert mrts.scale(other, lift).json_text() == mrts.scale(thing, lift).json_text(), name
             assert not other.robots[0].torque_upper.flags.writeable
     assert again(lifted).residuals() == lifted.residuals()
-
-
-def test_workers_of_joblib_find_the_same(planar_cell, lift):
-    cells = [planar_cell.with_values({"robots.left.base.xyz[0]": x}) for x in (0.0, 0.01, 0.02)]
-    found = Parallel(n_jobs=2, backend="loky")(delayed(mrts.scale)(cell, lift, between=None) for cell in cells)
-    assert [result.json_text() for result in found] == [
-        mrts.scale(cell, lift, between=None).json_text() for cell in cells
-    ]
-    assert len({result.range.upper.c2 for result in found}) == len(cells)
-    assert [result.cell.geometry.tolist() for result in found] == [cell.geometry.tolist() for cell in cells]
 
 
 def test_a_copy_does_not_share_what_can_change(planar_cell, lifted):

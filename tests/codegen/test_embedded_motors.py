@@ -137,20 +137,6 @@ def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, s
         assert np.abs(wrench - problem.wrench(x)[0]).max() <= SAME_TORQUE * limit.max()
 
 
-def test_a_range_is_the_highest_interval_of_the_desktop(gapped):
-    library, cell, motion = gapped
-    for call, sharing in ((FREE, None), (EVEN, mrts.LoadSharing())):
-        desktop = motion_ranges(motion_rows(cell, motion, sharing), DEFAULT_SOLVER)
-        assert desktop.several
-        assert np.any(desktop.lower > 0)
-        for index in range(1, motion.samples - 1):
-            status, found, _ = library.range(library.sample(motion, index), call)
-            feasible = desktop.status[index] is mrts.SampleStatus.FEASIBLE
-            assert status == (OK if feasible else INFEASIBLE)
-            wanted = [[desktop.lower[index], desktop.upper[index]]] if feasible else np.zeros((0, 2))
-            np.testing.assert_allclose(found, wanted, rtol=SAME_TORQUE, atol=SAME_TORQUE)
-
-
 def test_torques_in_a_gap_are_no_answer(gapped):
     library, cell, motion = gapped
     below = motion_ranges(motion_rows(cell, motion), DEFAULT_SOLVER, high=0.0)
@@ -163,54 +149,6 @@ def test_torques_in_a_gap_are_no_answer(gapped):
             asked = found[0].mean(), below.upper[index] / 2, (below.upper[index] + found[0, 0]) / 2
             assert [library.torques(sample, c2)[0] for c2 in asked] == [OK, OK, INFEASIBLE]
     assert gaps
-
-
-def test_horizons_and_loads_take_what_their_ranges_have_in_common(gapped):
-    library, _, motion = gapped
-    horizon, found = library.Horizon(), []
-    library.call("horizon_start", horizon)
-    for index in range(70, 80):
-        one = library.Range()
-        library.call(EVEN, library.sample(motion, index), library.settings, one, library.workspace)
-        library.call("horizon_add", horizon, one)
-        found.append((one.lower, one.upper))
-    lower, upper = np.array(found).T
-    assert (horizon.lower, horizon.upper) == (lower.max(), upper.min())
-    assert horizon.status == (OK if lower.max() <= upper.min() else EMPTY)
-    nominal, masses, ranges = list(library.settings.load), (1.0, 1.02, 0.97), []
-    sample, loads = library.sample(motion, 60), (type(library.settings.load) * 3)()
-    for place, factor in enumerate(masses):
-        library.settings.load[0] = loads[place][0] = factor * nominal[0]
-        loads[place][1:] = nominal[1:]
-        ranges.append(library.range(sample)[1][0])
-    library.settings.load[:] = nominal
-    both = library.Range()
-    library.call("guaranteed_range", sample, library.settings, loads, 3, both, None, None, library.workspace)
-    assert np.allclose((both.lower, both.upper), (np.max(ranges, axis=0)[0], np.min(ranges, axis=0)[1]), atol=0)
-
-
-def test_slower_intervals_are_found_below_a_cap(gapped):
-    library, cell, motion = gapped
-    feasible, high, statuses = slice(40, motion.samples - 1), np.inf, []
-    for _ in range(motion.samples):
-        desktop = motion_ranges(motion_rows(cell, motion), DEFAULT_SOLVER, high=high)
-        lower, upper = desktop.lower[feasible].max(), desktop.upper[feasible].min()
-        if lower <= upper:
-            break
-        high = upper
-    for _ in range(motion.samples):
-        horizon, one = library.Horizon(), library.Range()
-        library.call("horizon_start", horizon)
-        for index in range(feasible.start, feasible.stop):
-            library.call(FREE, library.sample(motion, index), library.settings, one, library.workspace)
-            library.call("horizon_add", horizon, one)
-        statuses.append(horizon.status)
-        if horizon.status != EMPTY:
-            break
-        library.settings.most = horizon.upper
-    library.call("default_settings", library.settings)
-    assert (statuses[0], statuses[-1]) == (EMPTY, OK)
-    assert (horizon.lower, horizon.upper) == pytest.approx((lower, upper), rel=SAME_TORQUE, abs=SAME_TORQUE)
 
 
 def test_a_guaranteed_range_goes_down_to_slower_intervals(gapped):
@@ -344,10 +282,3 @@ def test_parts_of_a_library_with_motors_compile_alone(parts, tmp_path):
     for source in sources(tmp_path / "x"):
         flags = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", f"-I{tmp_path}/x/include")
         run(tool("gcc", "gcc"), *flags, "-c", source, "-o", tmp_path / "o")
-
-
-def test_a_cell_of_ideal_motors_has_nothing_of_them(tmp_path):
-    assert main(["export", str(DATA / "cell.yaml"), "-o", str(tmp_path)]) == 0
-    header = (tmp_path / "include/planar_dual_arm.h").read_text()
-    assert not [word for word in ("armature", "coulomb", "place", "interval") if word in header]
-    assert not [path for path in tmp_path.rglob("*.c") if "speed" in path.name or "motor" in path.name]

@@ -6,7 +6,6 @@ import pytest
 import yaml
 from casadi_cells import casadi_cell
 from conftest import DATA
-from machines import machine_cell
 from mrts_codegen.cell_model import read_cell_model
 from mrts_codegen.content_key import chains_key
 from mrts_codegen.function_registry import build_functions
@@ -43,24 +42,11 @@ def tiago_cell(folder, rng):
     return folder / "cell.yaml"
 
 
-def turned_machine(folder, rng):
-    """The shipped planar arms on a torso that is held, in one plane with it."""
-
-    def change(robots):
-        for robot in robots:
-            robot["fixed"] = {"turn": 0.3 + turn, "lift": lift}
-            robot["base"]["rpy"][2] += turn
-
-    turn, lift = float(rng.uniform(-1, 1)), float(rng.uniform(0, 0.5))
-    return machine_cell(folder, change)
-
-
-@pytest.mark.parametrize("make", [tiago_cell, turned_machine])
-def test_functions_of_geometry_are_those_with_it_folded_in(make, tmp_path):
+def test_functions_of_geometry_are_those_with_it_folded_in(tmp_path):
     rng = np.random.default_rng(17)
     keys, sources = set(), set()
     for _ in range(3):
-        model = read_cell_model(make(tmp_path, rng))
+        model = read_cell_model(tiago_cell(tmp_path, rng))
         made = generate_chains(model, CACHED_STEM)
         keys.add(made.record.chains)
         sources.add(made.c_source)

@@ -58,11 +58,6 @@ def test_object_wrench_is_the_rate_of_momentum_under_any_warp(cell, inputs, term
     )
 
 
-def test_weight_is_carried_upward(cell, terms):
-    expected = np.concatenate([-cell.mass * cell.gravity, np.zeros(3)])
-    np.testing.assert_allclose(terms["Q"], np.broadcast_to(expected, (SAMPLES, 6)), atol=TOLERANCE)
-
-
 def test_grasp_maps_do_the_same_virtual_work(cell, inputs, terms):
     """F_i · (velocity of contact i in base axes) = (B_i F_i) · (object twist), for every wrench and twist."""
     rng = np.random.default_rng(8)

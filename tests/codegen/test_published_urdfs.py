@@ -15,7 +15,6 @@ from mrts_codegen.generate import generate_cell
 from mrts_codegen.urdf.link_inertia import nearest_inertia
 from mrts_codegen.urdf.robot_model import build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
-from mrts_codegen.urdf.urdf_joint import NO_LIMIT
 from published_robots import ROBOTS
 
 import mrts
@@ -44,25 +43,18 @@ LEAST_CHAINS = 430
 the rules above."""
 
 
-def refused(path, urdf, leaf, *, lenient=False):
-    """Why the chain from root to leaf is refused, None if it loads."""
-    try:
-        model = build_robot_model(path, urdf, None, leaf, lenient=lenient)
-    except mrts.InputError as error:
-        return str(error)
-    assert all(joint.lower <= joint.upper for joint in model.joints)
-    assert all(joint.velocity is None or 0 < joint.velocity < NO_LIMIT for joint in model.joints)
-    return None
-
-
 def test_every_published_chain_loads_or_is_refused_for_a_reason():
     loaded, seen = 0, set()
-    for path in sorted(ROBOTS.rglob("*.urdf")):
+    for path in (path for path in sorted(ROBOTS.rglob("*.urdf")) if b"<link" in path.read_bytes()):
         urdf = parse_urdf(path, path.read_bytes())
-        parents = {joint.parent for joint in urdf.joints}
-        for leaf in (link.name for link in urdf.links if link.name not in parents):
-            refusal = refused(path, urdf, leaf)
-            if refusal is None:
+        parents = {joint.parent for joint in urdf.joints.values()}
+        for leaf in (link for link in urdf.links if link not in parents):
+            try:
+                model = build_robot_model(path, urdf, None, leaf)
+            except mrts.InputError as error:
+                refusal = str(error)
+            else:
+                assert all(joint.lower <= joint.upper and joint.velocity > 0 for joint in model.joints)
                 loaded += 1
                 continue
             reason = next(rule for rule in REFUSALS if re.search(rule, refusal))
@@ -70,18 +62,6 @@ def test_every_published_chain_loads_or_is_refused_for_a_reason():
             seen.add((reason, path.name))
     assert loaded >= LEAST_CHAINS
     assert {name for reason, name in seen if REFUSALS[reason]} == set().union(*filter(None, REFUSALS.values()))
-
-
-def test_every_inertia_of_a_published_robot_may_be_moved_to_that_of_a_body():
-    files = set().union(*filter(None, REFUSALS.values()))
-    for path in (path for path in sorted(ROBOTS.rglob("*.urdf")) if path.name in files):
-        urdf = parse_urdf(path, path.read_bytes())
-        parents = {joint.parent for joint in urdf.joints}
-        leaves = [link.name for link in urdf.links if link.name not in parents]
-        wrong = [leaf for leaf in leaves if "inertia" in (refused(path, urdf, leaf) or "")]
-        still = [leaf for leaf in wrong if refused(path, urdf, leaf, lenient=True)]
-        assert len(still) < len(wrong)
-        assert not [leaf for leaf in still if "inertia" in refused(path, urdf, leaf, lenient=True)]
 
 
 @pytest.mark.parametrize(
@@ -102,22 +82,17 @@ def test_a_moved_inertia_is_the_nearest(moments):
 
 def with_inertia(urdf, name, inertia):
     """The same URDF with another inertia of a link."""
-    links = {link.name: link for link in urdf.links}
-    links[name] = links[name]._replace(inertial=replace(links[name].inertial, inertia=inertia))
-    return urdf._replace(links=[*links.values()])
+    return replace(urdf, links=urdf.links | {name: urdf.links[name]._replace(inertia=inertia)})
 
 
 def test_a_humanoid_with_one_wrong_link():
+    """Of the chain, or hanging from its torso; one that hangs from what stands still plays no part."""
     tip, talos = "gripper_left_base_link", parse_urdf(TALOS, TALOS.read_bytes())
-    inertias = {link.name: link.inertial.inertia for link in talos.links if link.inertial is not None}
-    sound = build_robot_model(TALOS, talos, None, tip)
-    wrong = with_inertia(talos, "leg_left_4_link", inertias["leg_left_4_link"] * np.diag([1, 1, 6]))
-    leg = build_robot_model(TALOS, wrong, None, tip)  # hangs from what stands still
-    assert leg.remarks == sound.remarks
-    for ours, theirs in zip(leg.joints, sound.joints, strict=True):
-        np.testing.assert_array_equal(ours.body.at_com, theirs.body.at_com)
-    for link in ("arm_left_3_link", "arm_right_5_link"):  # of the chain, and hanging from its torso
-        moments, axes = np.linalg.eigh(inertias[link])
+    inertia = {name: link.inertia for name, link in talos.links.items()}
+    leg = with_inertia(talos, "leg_left_4_link", inertia["leg_left_4_link"] * np.diag([1, 1, 6]))
+    assert build_robot_model(TALOS, leg, None, tip).remarks == build_robot_model(TALOS, talos, None, tip).remarks
+    for link in ("arm_left_3_link", "arm_right_5_link"):
+        moments, axes = np.linalg.eigh(inertia[link])
         beyond = np.array([moments[0], moments[1], 2 * (moments[0] + moments[1])])
         wrong = with_inertia(talos, link, axes @ np.diag(beyond) @ axes.T)
         with pytest.raises(mrts.InputError, match="'inertia: lenient' in the cell file") as refusal:
@@ -138,13 +113,6 @@ def test_a_follower_off_the_chain_is_told():
     assert remark.code == "follower-at-zero"
     assert remark.text.startswith("panda.urdf: 'panda_finger_joint2' would move with joint 'panda_finger_joint1'")
     assert not build_robot_model(path, parse_urdf(path, path.read_bytes()), None, "panda_hand").remarks
-
-
-def test_a_limit_beyond_any_joint_is_none():
-    """Iris gives its rotors positions up to 1e16."""
-    path = ROBOTS / "iris_description/robots/iris.urdf"
-    joint = build_robot_model(path, parse_urdf(path, path.read_bytes()), None, "iris__rotor_0").joints[0]
-    assert (joint.lower, joint.upper) == (-np.inf, np.inf)
 
 
 def arm_cell(folder, replacements, *, torque=True):
@@ -176,14 +144,14 @@ def limited(limit):
     return [with_limit("elbow", limit, "revolute")]
 
 
-@pytest.mark.parametrize("number", ["1e16", "1.7976931348623157e308", "inf", "1000000000"])
+@pytest.mark.parametrize("number", ["1.7976931348623157e308", "inf", "1000000000"])
 def test_limits_that_mean_none(number, tmp_path):
     path = arm_cell(tmp_path, limited(f'<limit lower="-{number}" upper="{number}" velocity="{number}" effort="9"/>'))
     elbow = read(path).models[0].joints[1]
-    assert (elbow.lower, elbow.upper, elbow.velocity, elbow.effort) == (-np.inf, np.inf, None, 9)
+    assert (elbow.lower, elbow.upper, elbow.velocity, elbow.effort) == (-np.inf, np.inf, np.inf, 9)
 
 
-@pytest.mark.parametrize("effort", ["1e16", "inf", "-5", "0"])
+@pytest.mark.parametrize("effort", ["1e16", "-5", "0"])
 def test_an_effort_that_says_nothing_asks_for_torques(effort, tmp_path):
     every = [with_limit(name, '<limit effort="50"/>') for name in ("shoulder", "wrist")]
     elbow = limited(f'<limit lower="-3" upper="3" velocity="1" effort="{effort}"/>')
@@ -259,19 +227,6 @@ def test_a_cell_with_a_moved_inertia_is_checked_read_and_written(tmp_path):
     assert [remark.code for remark in cell.remarks] == ["inertia-nearest"]
     cell.to_yaml(tmp_path / "again.yaml")
     assert casadi_cell(tmp_path / "again.yaml").remarks == cell.remarks
-
-
-def test_a_massless_link_changes_nothing(tmp_path, planar_cell, lift):
-    """A link without mass beyond the hand: the same C as without it, and the range of the shipped cell."""
-    inertia = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'
-    dummy = (
-        f'<link name="flange"><inertial><mass value="0"/>{inertia}</inertial></link>'
-        '<joint name="flange" type="fixed"><parent link="hand"/><child link="flange"/></joint></robot>'
-    )
-    cell = mrts.load_cell(arm_cell(tmp_path, [("</robot>", dummy)]))
-    assert mrts.scale(cell, lift).range.upper.c2 == pytest.approx(
-        mrts.scale(planar_cell, lift).range.upper.c2, rel=1e-12
-    )
 
 
 def test_remarks_travel(tmp_path, lift, caplog):

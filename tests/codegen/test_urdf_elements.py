@@ -17,25 +17,29 @@ def test_a_urdf_says_what_yourdfpy_reads(name):
         parse_urdf(path, path.read_bytes()),
         URDF.load(str(path), load_meshes=False, build_scene_graph=False).robot,
     )
-    assert [link.name for link in ours.links] == [link.name for link in theirs.links]
-    for one, other in zip(ours.links, theirs.links, strict=True):
-        assert (one.inertial is None) == (other.inertial is None)
-        if one.inertial is not None:
-            assert one.inertial.mass == other.inertial.mass
-            np.testing.assert_array_equal(one.inertial.inertia, other.inertial.inertia)
-            _assert_same_pose(one.inertial.origin, other.inertial.origin)
-    for one, other in zip(ours.joints, theirs.joints, strict=True):
+    assert list(ours.links) == [link.name for link in theirs.links]
+    for one, other in zip(ours.links.values(), theirs.links, strict=True):
+        if other.inertial is None:
+            assert (one.mass, np.any(one.inertia)) == (0, False)
+        else:
+            assert one.mass == other.inertial.mass
+            np.testing.assert_array_equal(one.inertia, other.inertial.inertia)
+            _assert_same_pose(one.origin, other.inertial.origin)
+    for one, other in zip(ours.joints.values(), theirs.joints, strict=True):
         assert (one.name, one.type, one.parent, one.child) == (other.name, other.type, other.parent, other.child)
-        np.testing.assert_array_equal(one.axis, other.axis)
+        np.testing.assert_allclose(one.axis * np.linalg.norm(other.axis), other.axis, atol=SAME)
         _assert_same_pose(one.origin, other.origin)
-        for key in ("lower", "upper", "velocity", "effort"):
-            assert getattr(one, key) == getattr(other.limit, key, None)
+        given = {key: getattr(other.limit, key, None) for key in ("lower", "upper", "velocity", "effort")}
+        given |= {"lower": None, "upper": None} if one.type == "continuous" else {}
+        for key, none in (("lower", -np.inf), ("upper", np.inf), ("velocity", np.inf), ("effort", 0)):
+            silent = given[key] is None or (key == "velocity" and given[key] == 0)
+            assert getattr(one, key) == (none if silent else given[key])
         assert (one.mimic is None) == (other.mimic is None)
         if one.mimic is not None:
             mimic = other.mimic
             assert one.mimic == (mimic.joint, mimic.multiplier, mimic.offset)
-        assert one.damping == float(getattr(other.dynamics, "damping", None) or 0)
-        assert one.friction == float(getattr(other.dynamics, "friction", None) or 0)
+        assert one.viscous == float(getattr(other.dynamics, "damping", None) or 0)
+        assert one.coulomb == float(getattr(other.dynamics, "friction", None) or 0)
 
 
 def _assert_same_pose(ours, theirs):

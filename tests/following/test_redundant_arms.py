@@ -1,23 +1,19 @@
 """Arms with more joints than the grasp takes: the joint positions that they prefer, on real robots."""
 
-from dataclasses import replace
-
 import numpy as np
 import pinocchio as pin
 import pytest
 import yaml
 from casadi_cells import casadi_cell
 from followed_motions import assert_consistent, motion
-from grasp_tracking import stretched as oracle_stretched
 from published_robots import ROBOTS
 from scipy.optimize import minimize
 
 import mrts
-import mrts.following.grasp_tracking
+import mrts.following.tracking
 from mrts.following.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
 
 PANDA = {"urdf": "panda_description/urdf/panda.urdf", "tip_link": "panda_hand_tcp"}
-XARM = {"urdf": "xarm_description/urdf/xarm7.urdf", "tip_link": "link7"}
 UR5 = {"urdf": "ur_description/urdf/ur5_robot.urdf", "tip_link": "tool0"}
 BAXTER = {"urdf": "baxter_description/urdf/baxter.urdf", "base_link": "torso"}
 TALOS = {"urdf": "talos_data/robots/talos_full_v2.urdf", "base_link": "torso_2_link"}
@@ -177,29 +173,6 @@ def test_a_path_depends_neither_on_samples_nor_on_speed(panda_and_ur5):
         np.testing.assert_allclose(getattr(slow, name) * 10**order, value, atol=tolerance)
 
 
-def test_there_and_back_ends_where_it_began(panda_and_ur5):
-    cell, middle = panda_and_ur5
-    points = [np.array(middle) + step for step in ([0, 0, 0], [0.1, 0, 0.1], [0, 0.1, 0.1], [0, 0, 0])]
-    description = {
-        "duration": 2.0,
-        "samples": 101,
-        "profile": "quintic",
-        "waypoints": [{"xyz": point.tolist()} for point in points],
-    }
-    followed = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description)))
-    np.testing.assert_allclose(followed.q[-1], followed.q[0], atol=SAME_PATH)
-
-
-def test_compiled_code_and_casadi_agree(panda_and_ur5, folder):
-    compiled, middle = panda_and_ur5
-    machine = casadi_cell(folder / "cell.yaml")
-    given = from_to(middle, [0.03, 0.08, 0.1], rpy=(0.1, 0.0, 0.2), samples=21)
-    ours, theirs = mrts.follow_object(compiled, given), mrts.follow_object(machine, given)
-    for name in ("q", "dq", "ddq"):
-        expected = getattr(theirs, name)
-        np.testing.assert_allclose(getattr(ours, name), expected, atol=SAME_PATH * (1 + np.max(np.abs(expected))))
-
-
 def test_talos_lifts_with_both_hands_inside_its_limits(talos, monkeypatch):
     """0.3 m before the chest; without the limits' push a wrist passes its limit."""
     cell, middle = talos
@@ -207,7 +180,7 @@ def test_talos_lifts_with_both_hands_inside_its_limits(talos, monkeypatch):
     followed = mrts.follow_object(cell, given)
     assert margin(cell, followed.q) > 0.01
     assert_consistent(cell, followed, tolerance=1e-4)  # so few samples: errors of the rule that integrates here
-    monkeypatch.setattr(mrts.following.grasp_tracking, "LIMIT_PUSH", 0.0)
+    monkeypatch.setattr(mrts.following.tracking, "LIMIT_PUSH", 0.0)
     with pytest.raises(mrts.MotionError, match=r"passes a position limit .* 'arm_(left|right)_7_joint'"):
         mrts.follow_object(cell, given)
 
@@ -221,9 +194,6 @@ def test_velocities_and_accelerations_are_derivatives_where_limits_push(talos):
 
 
 ARMS = {
-    "xarm7": both_hands(
-        XARM, {"left": [0.1, -0.3, 0.1, 1.2, 0.1, 1.2, 0], "right": [0, -0.3, 0, 1.2, 0, 1.4, 0]}, OPPOSITE
-    ),
     "baxter": both_hands(
         BAXTER, {side: [x, -0.5, 2 * -x, 1.3, x, 1.0, 0.1] for side, x in (("left", -0.4), ("right", 0.4))}
     ),
@@ -241,23 +211,6 @@ def test_real_arms_follow_inside_their_limits(name, tmp_path):
     followed = mrts.follow_object(cell, from_to(middle, [0.03, -0.05, 0.12], rpy=(0.1, 0.1, -0.2), samples=41))
     assert margin(cell, followed.q) > 0.01
     assert_consistent(cell, followed, tolerance=1e-4)
-
-
-def test_stretched_positions_and_their_derivatives(panda_and_ur5):
-    robot = panda_and_ur5[0].robots[0]
-    robot = replace(robot, position_upper=np.where(np.arange(7) == 2, np.inf, robot.position_upper))
-    zone = limit_zone(robot)
-    lower, upper = robot.position_lower, np.minimum(robot.position_upper, 3.0)
-    unlimited = np.array([[0.0, 0.0, 1e3, 0.0, 0.0, 0.0, 0.0]])
-    assert stretched(robot, unlimited)[0, 2] == 1e3
-    np.testing.assert_allclose(stretched(robot, lower[None])[0], lower - LIMIT_PUSH, atol=1e-2)
-    step = 1e-6
-    for q in (lower + 0.3 * zone, upper - 0.6 * zone, upper + 0.1 * zone):
-        around = np.array([q - step, q, q + step])
-        h, slope, bend = oracle_stretched(robot, around)
-        np.testing.assert_array_equal(stretched(robot, around), h)
-        np.testing.assert_allclose((h[2] - h[0]) / (2 * step), slope[1], rtol=1e-6)
-        np.testing.assert_allclose((slope[2] - slope[0]) / (2 * step), bend[1], rtol=1e-6, atol=1e-6)
 
 
 def test_ranked_configurations_are_what_their_postures_lead_to(panda_and_ur5):

@@ -24,7 +24,8 @@ def _alike(one, other):
 
 
 def _numbers(cell):
-    said = manifest_of(cell).model_dump(exclude={"content_sha256"})
+    said = manifest_of(cell).model_dump()
+    del said["content_sha256"]
     for robot, now in zip(said["cell"]["robots"], cell.robots, strict=True):
         del robot["source"]["urdf"]
         robot["source"] |= {"effort": now.has_urdf_torque, "friction": now.has_urdf_friction}

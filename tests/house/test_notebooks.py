@@ -91,14 +91,3 @@ def test_names_from_a_file_stay_text(planar_cell, lift):
     result = mrts.scale(spiteful, lift)
     for value in (spiteful, spiteful.robots[0], result):
         assert AWKWARD in "".join(shown(value).itertext())
-
-
-def test_figures_show_themselves_without_pyplot(lifted):
-    """As IPython asks for it: matplotlib's own Figure shows its name only."""
-    from mrts.plots import range_plot  # noqa: PLC0415 (needs an extra)
-
-    plot = range_plot(lifted)
-    assert plot._repr_png_().startswith(b"\x89PNG")
-    drawn = plot._repr_mimebundle_()["application/vnd.plotly.v1+json"]
-    assert drawn["data"]
-    assert drawn["layout"]["yaxis"]

@@ -209,14 +209,6 @@ def test_what_a_motion_cannot_tell_apart_is_left_out(planar_cell, motion, told):
         assert bool(parameter.identified[2]) == (kind not in told)
 
 
-def test_noise_above_the_motion_is_said_to_be_too_much(planar_cell):
-    joints, time, q, effort = exact_recording(planar_cell, random_motors(6), seconds=4)
-    effort += 200 * np.random.default_rng(9).standard_normal(effort.shape)
-    found = mrts.identify(planar_cell, recording(FILE, joints, time, q, effort))
-    assert found.empty
-    assert "of the torque limit in doubt" in found.to_yaml()
-
-
 def test_a_number_that_would_be_negative_is_zero_and_said(planar_cell):
     """Links of the URDF that are heavier than the real ones make armatures negative."""
     motors = random_motors(6)
@@ -253,16 +245,6 @@ def test_currents_are_no_torques(dual_ur5):
     joints, time, q, effort = exact_recording(dual_ur5, random_motors(12))
     found = mrts.identify(dual_ur5, recording(FILE, joints, time, q, effort / 10))
     assert "left/shoulder_lift" in "".join(r.text for r in found.remarks if r.code == "unexplained-effort")
-
-
-def test_an_offset_of_a_sensor_changes_nothing_else(planar_cell):
-    motors = random_motors(6)
-    joints, time, q, effort = exact_recording(planar_cell, motors)
-    shifted = mrts.identify(planar_cell, recording(FILE, joints, time, q, effort + 3.0))
-    for arm, part in zip(shifted.arms, (slice(0, 3), slice(3, 6)), strict=True):
-        np.testing.assert_allclose(arm.offset, 3.0, rtol=1e-3)
-        for kind in KINDS:
-            np.testing.assert_allclose(value_of(arm, kind), getattr(motors, kind)[part], rtol=1e-3)
 
 
 def test_encoders_that_leap_by_a_turn_say_the_same(dual_ur5):

@@ -1,7 +1,6 @@
 """Our dense kernel against HiGHS and DAQP, its certificates by substitution, sanitizers and a fuzzer."""
 
 import hashlib
-import json
 import os
 import subprocess
 import sys
@@ -21,9 +20,9 @@ from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_program
 from mrts.program.convex_program import ConvexPrograms, optimality_error
 from mrts.program.solvers import solve_programs
 
-LINEAR_PROGRAMS = 34_000
+LINEAR_PROGRAMS = 12_000
 
-QUADRATIC_PROGRAMS = 3_360
+QUADRATIC_PROGRAMS = 1_680
 
 HARD = 20
 
@@ -227,16 +226,6 @@ def test_hard_quadratic_programs_pass_their_conditions(kernel):
     assert solved["degenerate vertex", OPTIMAL] == 3 * HARD
 
 
-@pytest.mark.parametrize("samples", [9, 10, 11])
-def test_ten_samples_are_not_taken_for_ten_entries_of_a_load(samples, planar_cell, lift):
-    fields = (lift.time, lift.position, lift.rotation, lift.twist, lift.acceleration)
-    short = mrts.ObjectMotion(*(field[: 10 * samples : 10] for field in fields))
-    for mass in (0.5, 12.67, 13.1, 13.6, 40.0):
-        heavy = planar_cell.with_mass(mass)
-        ours, theirs = (mrts.scale(heavy, short, solver=name) for name in ("kernel", "qpsol:qpoases"))
-        assert ours.range.samples.status == theirs.range.samples.status
-
-
 @pytest.mark.quick
 def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
     for q in (np.zeros((1, 6)), np.zeros((50, 5)), np.zeros(7), np.zeros((51, 6))):
@@ -255,26 +244,6 @@ def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     assert status[0] != OPTIMAL
     with pytest.raises(mrts.InputError, match="must be <= 1e"):
         planar_cell.with_mass(1.7e308)
-
-
-def test_a_motion_too_small_to_scale_by_is_at_rest(lift, planar_cell, tmp_path):
-    """An acceleration of 1e-320 rad/s², whose reciprocal is infinite: likewise in a process of its own."""
-    mrts.write_trajectory_csv(mrts.scale(planar_cell, lift), tmp_path / "joints.csv")
-    names, first, *rows = (tmp_path / "joints.csv").read_text().splitlines()
-    at = names.split(",").index("ddq.left/wrist")
-    small = [*first.split(",")[:at], "1e-320", *first.split(",")[at + 1 :]]
-    zero = [*first.split(",")[:at], "0", *first.split(",")[at + 1 :]]
-    answers = []
-    for name, changed in (("small", small), ("zero", zero)):
-        path = tmp_path / f"{name}.csv"
-        path.write_text("\n".join([names, ",".join(changed), *rows]))
-        words = ["scale", ROOT / "generated" / "planar_dual_arm", path, "--json", "-"]
-        done = subprocess.run(
-            [sys.executable, "-m", "mrts", *words], capture_output=True, text=True, timeout=120, check=False
-        )
-        assert done.returncode == 0, done.stderr
-        answers.append(json.loads(done.stdout)["c2"])
-    assert answers[0] == answers[1]
 
 
 def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):

@@ -13,8 +13,6 @@ from conftest import DATA, ROOT
 import mrts
 from mrts.base.manifest import GEOMETRY
 from mrts.cell.generation import generated_in_cache
-from mrts.following.denser_motion import WHOLE_WAY, polynomial_weights
-from mrts.kernel.between_samples import path_places
 from mrts.kernel.c_text import cell_source
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
 from mrts.kernel.compiler import FLAGS
@@ -26,6 +24,7 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.torque_distribution import least_torques
 from mrts.timing.path_pieces import PLACES
+from mrts.timing.retimed_motion import path_places
 
 C = ROOT / "mrts" / "kernel" / "c"
 GCC = shutil.which("gcc") or "gcc"
@@ -119,12 +118,10 @@ def answers(request, tmp_path_factory):
     def of_all(library):
         """What is found between samples, and of all of them at once."""
         rng_of_speeds = np.random.default_rng(2)
-        path = (motion.object.time, motion.q, motion.dq, motion.ddq)
         speeds = rng_of_speeds.random(SAMPLES) + 1, rng_of_speeds.random((SAMPLES - 1, 2))
-        weights = (PLACES, polynomial_weights(PLACES), WHOLE_WAY)
-        places = path_places(library, path, weights, speeds, cell.geometry, cell.wrench_rows)
+        places = path_places(library, cell, motion, speeds, PLACES)
         closed = closure_sizes(library, all_inputs, motion.object.position + 1e-3, cell.geometry, cell.wrench_rows)
-        return [*places, *vars(closed).values()]
+        return [*places, closed]
 
     def compiled(*flags):
         library = folder / f"lib{len(list(folder.iterdir()))}.so"
@@ -163,18 +160,6 @@ def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_samp
         if name.endswith("widening"):
             assert np.any(value == 0)
             assert np.max(value) > 1e-2
-
-
-@pytest.mark.parametrize("answers", ["planar_dual_arm"], indirect=True)
-def test_torques_of_many_arms_are_found_singly(answers):
-    """In lanes their programs would fill the stack."""
-    compiled, found, _ = answers
-    some = np.arange(20)
-    in_lanes, singly = found(compiled("-O1"), some), found(compiled("-O1", "-DMRTS_MOST_LANE_UNKNOWNS=1"), some)
-    for name in (name for name in in_lanes if name.endswith("torque")):
-        np.testing.assert_allclose(
-            in_lanes[name], singly[name], atol=SOLVED * np.max(np.abs(singly[name])), err_msg=name
-        )
 
 
 def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):

@@ -112,28 +112,6 @@ def test_reversed_limits_are_refused():
         SparseLimits(matrix=np.eye(2), lower=np.array([0.0, 1.0]), upper=np.array([1.0, 0.0]), group=("N", "N"))
 
 
-def test_a_given_speed_moves_to_the_limits_and_columns_get_the_size_of_a_limit(rows_c):
-    rng = np.random.default_rng(4)
-    limits, form = some_limits(rng), some_form(rng)
-    _, rows, which, work, sparse = built(rows_c, limits, form, None)
-    r, count, c2, slack = len(UNITS), rows.count, 1.7, 1e-3
-    A = work[r : r + count * K].reshape(count, K).copy()
-    sides = [work[start : start + count].copy() for start in (r + r * K, r + r * K + r + K)]
-    rows_c.mrts_fix_speed(
-        K, ctypes.byref(sparse.structure), ctypes.c_double(c2), ctypes.c_double(slack), ctypes.byref(rows)
-    )
-    gap = np.where(limits.lower[which] < limits.upper[which], slack, 0.0)
-    moved = work[r + r * K : r + r * K + count], work[r + r * K + r + K : r + r * K + r + K + count]
-    for side, now, sign in zip(sides, moved, (-1, 1), strict=True):
-        present = np.abs(side) < 1e300
-        np.testing.assert_allclose(now[present], (side - A[:, -1] * c2 + sign * gap)[present], rtol=1e-13)
-    column = np.zeros(K)
-    rows_c.mrts_scale_columns(K - 1, ctypes.byref(rows), address(column))
-    left = work[r : r + count * (K - 1)].reshape(count, K - 1)
-    np.testing.assert_allclose(left, A[:, :-1] * column[:-1], rtol=1e-13)
-    np.testing.assert_allclose(np.max(np.abs(left), axis=0), 1.0, rtol=1e-13)
-
-
 def test_wrenches_are_turned_into_object_axes(rows_c):
     """Spatial and planar arms, with the object's rotation given row after row and column after column."""
     rng = np.random.default_rng(6)

@@ -13,7 +13,6 @@ from mrts.cell.hands.contact import Contact, tip_components
 from mrts.cell.hands.kinds import box_contact, gripper_contact, pad_contact, suction_contact
 from mrts.limits import limit_rows
 from mrts.limits.object_axes import object_axes
-from mrts.output.saved_result import load_result, save_result
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 
@@ -117,26 +116,6 @@ def test_compiled_rows_are_those_of_numpy_on_random_cells(draw, tmp_path):
     assert contacts_bind > 3
 
 
-def test_a_box_in_base_axes_is_the_limits_of_the_wrench(dual_ur5, lift_and_turn):
-    boxed = with_contacts(
-        dual_ur5,
-        *(
-            (box_contact(lower=robot.wrench_lower.tolist(), upper=robot.wrench_upper.tolist(), frame="base"),)
-            for robot in dual_ur5.robots
-        ),
-    )
-    slow = [cell.without_velocity_limits() for cell in (dual_ur5, boxed)]
-    given, ours = (mrts.scale(cell, lift_and_turn) for cell in slow)
-    assert ours.range.upper.c2 == pytest.approx(given.range.upper.c2, rel=SAME)
-    names = [
-        {(row.name.robot, row.name.element.removeprefix("box "), row.side) for row in result.range.upper.rows}
-        for result in (given, ours)
-    ]
-    assert names[0] == names[1]
-    np.testing.assert_allclose(ours.trajectory.torque, given.trajectory.torque, atol=1e-6)
-    np.testing.assert_allclose(ours.trajectory.wrench, given.trajectory.wrench, atol=1e-6)
-
-
 def test_one_box_in_the_axes_of_tip_object_and_base_is_one_limit(dual_ur5):
     """Along a motion that does not turn, in a cell whose left base does not, and its grasps by quarter turns only."""
     path = {"start": {"xyz": [0.0, 0.1, 0.35]}, "end": {"xyz": [0.03, 0.2, 0.5]}}
@@ -200,46 +179,6 @@ def slow_lift():
     """Straight up, so that what squeezes along x stays along x."""
     ends = {"start": {"xyz": [0, 0.1, 0.35]}, "end": {"xyz": [0, 0.1, 0.4]}}
     return mrts.sample_motion(mrts.MotionDescription(duration=0.8, samples=21, profile="quintic", **ends))
-
-
-def test_the_torque_form_has_the_same_rows(dual_ur5, lift_and_turn):
-    cell = squeezing(dual_ur5).without_velocity_limits()
-    wrench, torque = (mrts.scale(cell, lift_and_turn, formulation=name) for name in ("wrench", "torque"))
-    assert torque.range.upper.c2 == pytest.approx(wrench.range.upper.c2, rel=SAME)
-
-
-def test_the_fastest_timing_keeps_the_palms(dual_ur5, lift_and_turn):
-    cell = squeezing(dual_ur5)
-    fastest = mrts.retime(cell, lift_and_turn)
-    assert fastest.status is mrts.RetimingStatus.OPTIMAL
-    played = fastest.retimed
-    rows = limit_rows(cell, played.motion)
-    done = played.trajectory
-    assert np.max(rows.excess(rows.value(done.torque, done.wrench, 0.0, done.c))) < 1e-7
-    assert done.duration <= mrts.scale(cell, lift_and_turn).trajectory.duration
-
-
-def test_an_uncertain_load_is_held_at_every_corner(dual_ur5, lift_and_turn):
-    cell = squeezing(dual_ur5).without_velocity_limits()
-    uncertain = cell.with_variation(mass=(0.8, 1.3))
-    guaranteed = mrts.scale(uncertain, lift_and_turn, load="guaranteed")
-    corners = [mrts.scale(cell.with_mass(8.0 * factor), lift_and_turn).range.upper.c2 for factor in (0.8, 1.3)]
-    possible = mrts.scale(uncertain, lift_and_turn, load="possible").range.upper.c2
-    assert guaranteed.range.upper.c2 == pytest.approx(min(corners), rel=SAME)
-    assert max(corners) <= possible * (1 + SAME)
-
-
-def test_a_saved_result_keeps_its_contacts(dual_ur5, lift_and_turn, tmp_path):
-    cell = squeezing(dual_ur5)
-    result = mrts.scale(cell, lift_and_turn)
-    save_result(result, tmp_path / "kept.npz")
-    again = load_result(tmp_path / "kept.npz")
-    for robot, kept in zip(cell.robots, again.cell.robots, strict=True):
-        assert [contact.rows for contact in kept.contacts] == [contact.rows for contact in robot.contacts]
-        for contact, copy in zip(robot.contacts, kept.contacts, strict=True):
-            assert (copy.name, copy.frame, copy.units) == (contact.name, contact.frame, contact.units)
-            for array in ("A", "lower", "upper"):
-                assert np.array_equal(getattr(copy, array), getattr(contact, array))
 
 
 def test_rows_in_object_axes_without_axes_are_refused(dual_ur5, lift_and_turn):

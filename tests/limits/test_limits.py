@@ -10,11 +10,7 @@ from scipy.optimize import linprog
 import mrts
 from mrts.limits.rows import LimitRows
 from mrts.output.embedded_limits import embedded_limits
-from mrts.output.summary_lines import scaling_lines
 from mrts.program.motion_rows import binds, motion_rows
-from mrts.report.page import report_html
-from mrts.scaling.limit_use import limit_uses
-from mrts.viewer.player_state import PlayerState
 
 pytestmark = pytest.mark.quick
 
@@ -160,62 +156,12 @@ def test_retiming_keeps_it(kind, limit, planar_cell, lift):
         assert any(kind in name for name, _ in found.limits)
 
 
-def test_it_is_an_argument_of_range_and_timing(kind, limit, planar_cell, lift):
-    cell = limited(planar_cell, kind, limit)
-    for ask, answer in (
-        (mrts.scale, lambda found: found.range.upper.c2),
-        (mrts.retime, lambda found: found.duration),
-    ):
-        given, asked = ask(cell, lift), ask(planar_cell, lift, limits=cell.limits)
-        assert asked.cell.limits == cell.limits
-        assert answer(asked) == answer(given)
-    assert mrts.scale(cell, lift, limits=()).cell.limits == ()
-
-
 @pytest.mark.parametrize("wrong", [3, [3], len])
 def test_a_limit_that_is_no_function_is_refused(wrong, planar_cell, lift):
     for ask in (mrts.scale, mrts.retime):
         with pytest.raises(mrts.InputError) as error:
             ask(planar_cell, lift, limits=wrong)
         assert error.value.where == "cell: limits"
-
-
-def test_every_load_of_a_box_keeps_it(kind, limit, planar_cell, lift):
-    cell = limited(planar_cell.with_variation(mass=(0.5, 1.5)), kind, limit)
-    result = mrts.scale(cell, lift)
-    corners = [
-        mrts.scale(cell.with_load(corner.load), lift, load="nominal").range.upper.c2
-        for corner in cell.load_box.corners()
-    ]
-    assert result.range.upper.c2 == pytest.approx(min(corners), rel=SAME)
-    for corner in cell.load_box.corners():
-        assert largest(kind, mrts.torques_for_load(result, corner.load)) <= limit * KEPT
-
-
-def test_it_is_shown_wherever_limits_are(kind, limit, planar_cell, lift):
-    cell = limited(planar_cell, kind, limit)
-    result = mrts.scale(cell, lift)
-    use = next(use for use in limit_uses(result) if use.name.kind == kind)
-    assert use.share == pytest.approx(largest(kind, result) / limit, rel=1e-9)
-    assert f"left/mine {kind}" in report_html(result)
-    assert any(line.strip().startswith(f"left/mine {kind}") for line in scaling_lines(result, None))
-    state = PlayerState(cell, lift)
-    state.sample = 50
-    (bar,) = state.bars()[kind]["left"]
-    done = state.trajectory
-    value = QUANTITIES[kind](result.motion, done.torque, done.dq, done.ddq)[50]
-    assert (bar.value, bar.upper) == (pytest.approx(value, rel=1e-9, abs=1e-9), limit)
-    state.choose_speed(1.15 * state.trajectory.c)
-    if kind in {"kinetic energy", "acceleration"}:  # torques change neither
-        assert np.max(state.excess) >= largest(kind, result) / limit * 1.15**2 - 1 - 1e-2
-
-
-@pytest.mark.quick
-def test_an_impossible_one_is_named(planar_cell, lift):
-    wide = limited(planar_cell, "sum of torques", 1e-3).with_mass(30.0)
-    result = mrts.scale(wide, lift)
-    assert not result.status.admits_motion
-    assert "left/mine sum of torques" in result.summary() or result.range.samples.conflicts
 
 
 def test_limits_of_the_speed_alone_are_squared_exactly(planar_cell, lift):
@@ -279,44 +225,3 @@ def test_a_limit_that_gives_no_rows_of_this_motion_is_named(wrong, planar_cell, 
     for solve in solvers:
         with pytest.raises(mrts.InputError, match=re.escape(f"limit 'splash': {message}")):
             solve(planar_cell.with_limits(splash), lift)
-
-
-def test_a_limit_of_no_robot_and_without_a_unit_is_named_in_plain_words():
-    whole = mrts.RowName("kinetic energy", unit="J")
-    assert str(mrts.ActiveRow(whole, "upper", 2.0)) == "kinetic energy (upper, 2 J)"
-    slip = mrts.RowName("contact", "left", "pad friction -a", "N")
-    assert str(mrts.ActiveRow(slip, "upper", 0.0)) == "left/pad slips: friction 100 % used"
-    speed = mrts.RowName("velocity", "left", "elbow", "rad/s")
-    assert str(mrts.ActiveRow(speed, "upper", 4.0)) == "left/elbow velocity (4 rad/s)"
-    assert mrts.RowName("acceleration", element="z").short == "z acceleration"
-    assert str(mrts.ActiveRow(mrts.RowName("slip", "left"), "upper", 2.0)) == "left slip (upper, 2)"
-
-
-def test_rows_follow_a_limit_whose_own_numbers_are_changed(planar_cell, lift):
-    """What was put together for one answer does not outlast it; a motion's arrays cannot be changed."""
-    limit = [1e-3]
-
-    def slow(cell, motion):
-        return LimitRows(
-            names=(mrts.RowName("slow", "left", "mine", "rad/s"),),
-            lower=np.array([-limit[0]]),
-            upper=np.array([limit[0]]),
-            torque_matrix=np.zeros((1, motion.dq.shape[1])),
-            wrench_matrix=np.zeros((1, len(cell.robots) * len(cell.wrench_components))),
-            speed=motion.dq[:, :1],
-        )
-
-    class Unhashable:
-        __hash__ = None
-
-        def __call__(self, cell, motion):
-            return slow(cell, motion)
-
-    cell = planar_cell.with_limits(Unhashable())
-    motion = mrts.follow_object(cell, lift)
-    first = mrts.scale(cell, motion).range.upper.c2
-    limit[0] *= 2
-    assert mrts.scale(cell, motion).range.upper.c2 == pytest.approx(4 * first, rel=SAME)
-    for fixed in (motion.dq, motion.object.twist):
-        with pytest.raises(ValueError, match="read-only"):
-            fixed[:] *= 2

@@ -9,7 +9,6 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 import mrts
 
-UR5 = DATA.parent / "dual_ur5"
 STATE = "sensor_msgs/msg/JointState"
 START = 1_700_000_000 * 10**9
 """Of a clock that counts from 1970 [ns]."""
@@ -64,18 +63,6 @@ def test_a_bag_says_what_a_table_says(recorded, tmp_path, header):
         np.testing.assert_allclose(bag.joints[name].position, joint.position, rtol=1e-7)
         np.testing.assert_allclose(bag.joints[name].effort, joint.effort, rtol=1e-7)
     assert repr(table) == f"<JointRecording from recorded.csv: {', '.join(recorded[0])}>"
-
-
-def test_motors_are_those_of_a_bag_and_of_a_table(planar_cell, tmp_path):
-    motors = random_motors(6)
-    recorded = exact_recording(planar_cell, motors, seconds=10, rate=200)
-    bag, table = write_states(tmp_path / "bag", states(recorded)), write_recording(tmp_path / "table.csv", *recorded)
-    found = [mrts.identify(planar_cell, path) for path in (bag, bag / "bag.mcap", table)]
-    for ours in found:
-        armature = np.concatenate([arm.armature.value for arm in ours.arms])
-        np.testing.assert_allclose(armature, motors.armature, rtol=5e-3)
-        theirs = np.concatenate([arm.armature.value for arm in found[-1].arms])
-        np.testing.assert_allclose(armature, theirs, rtol=1e-5)
 
 
 def test_a_state_that_is_published_twice_counts_once(recorded, tmp_path):
@@ -137,12 +124,6 @@ def test_a_bag_without_states_is_refused(tmp_path):
         ("t,q.left/elbow\n0,1\n1,2\n", r"holds no column tau\.ROBOT/JOINT: efforts are needed"),
         ("t,tau.left/elbow\n0,1\n1,2\n", r"holds no column q\.ROBOT/JOINT: a recording has positions and efforts"),
         (
-            "t,q.left/elbow,tau.left/elbow\n0,1,1\n1,nan,2\n",
-            "row 2, column q.left/elbow = 'nan': must be a finite number",
-        ),
-        ("t,q.left/elbow,tau.left/elbow\n0,1,1\n0,1,2\n", "row 2, column t = 0.0: must be later than the row before"),
-        ("t,q.left/elbow,effort.left/elbow\n0,1,1\n1,1,2\n", "unknown column 'effort.left/elbow'"),
-        (
             "t,q.left/elbow,tau.left/wrist,tau.left/elbow,q.left/shoulder\n0,1,1,2,3\n1,1,2,2,3\n",
             "no column tau.left/sh",
         ),
@@ -173,9 +154,7 @@ def test_a_missing_joint_of_an_arm_is_named(planar_cell, recorded):
     ("time", "position", "said"),
     [
         ([0, 1], [0, np.nan], "position: must be finite numbers with the Shape"),
-        ([0, 1], [0, 1, 2], "position: must be finite numbers with the Shape"),
         ([0, 0], [0, 1], "time: must be at least two times that strictly increase"),
-        ([0], [0], "time: must be at least two times that strictly increase"),
         ([0, 1], "left", "position = 'left': must be numbers"),
     ],
 )

@@ -4,14 +4,12 @@ import json
 
 import numpy as np
 import pytest
-import yaml
 from cell_bank import random_planar_cell
 from command_line import mrts_without
 from conftest import DATA
 from mcap_ros2.writer import Writer as IndependentWriter
 from motion_tables import joint_table, object_table
 from ros_bags import DEFINITION, KIND, PARTS, TYPES, message, trajectory, write_bag
-from rosbags.rosbag2 import StoragePlugin
 
 import mrts
 from mrts.cli import main
@@ -52,12 +50,6 @@ def test_what_scale_writes_it_reads_again(name, tmp_path):
             np.testing.assert_allclose(again["torque"][robot], torque, atol=1e-8, err_msg=f"{file} {robot}")
 
 
-def test_the_fastest_plan_leaves_no_room(dual_ur5, followed, tmp_path):
-    mrts.write_trajectory_csv(mrts.scale(dual_ur5, followed), tmp_path / "plan.csv")
-    again = mrts.scale(dual_ur5, mrts.load_motion(tmp_path / "plan.csv"), "fastest")
-    assert again.range.upper.c2 == pytest.approx(1.0, rel=1e-9)
-
-
 def test_a_bag_of_another_writer_is_read(dual_ur5, followed, given, tmp_path):
     """The MCAP library's own writer: compressed chunks, no metadata.yaml, other topics in between."""
     path = tmp_path / "recorded.mcap"
@@ -82,37 +74,6 @@ def test_a_bag_of_another_writer_is_read(dual_ur5, followed, given, tmp_path):
     np.testing.assert_array_equal(table.accelerations["left/wrist_3_turn"], followed.ddq[:, 5])
     expected = mrts.scale(dual_ur5, followed)
     assert mrts.scale(dual_ur5, table).range.upper.c2 == pytest.approx(expected.range.upper.c2, rel=1e-9)
-
-
-def test_a_bag_in_sqlite_is_read(given, tmp_path):
-    messages = [(f"/{robot}/joint_trajectory", message(*points)) for robot, points in given.items()]
-    bag = write_bag(tmp_path / "bag", messages, storage=StoragePlugin.SQLITE3)
-    assert set(mrts.load_motion(bag).positions) == set(mrts.load_motion(bag / "bag.db3").positions)
-    assert len(mrts.load_motion(bag).positions) == 12
-
-
-@pytest.mark.parametrize("kept", [("positions",), ("positions", "velocities")])
-def test_points_without_accelerations_lie_on_the_splines_of_a_table(dual_ur5, followed, kept, tmp_path):
-    parts = dual_ur5.joint_slices
-    columns = ("q", "dq") if "velocities" in kept else ("q",)
-    messages = [
-        (f"/{robot.name}/joint_trajectory", message(*trajectory(robot, followed, parts[robot.name], kept)))
-        for robot in dual_ur5.robots
-    ]
-    write_bag(tmp_path / "bag", messages)
-    (tmp_path / "table.csv").write_text(joint_table(dual_ur5, followed, columns))
-    for samples in (None, 51):
-        read = []
-        for joints in ("bag", "table.csv"):
-            (tmp_path / "motion.yaml").write_text(yaml.safe_dump({"joints": joints, "samples": samples}))
-            read.append(mrts.load_motion(tmp_path / "motion.yaml"))
-        bag, table = read
-        assert len(bag.time) == (samples or 101)
-        np.testing.assert_allclose(bag.time, table.time, atol=1e-9)
-        for joint, values in table.positions.items():
-            np.testing.assert_allclose(bag.positions[joint], values, atol=1e-7)
-            size = np.max(np.abs(table.accelerations[joint]))
-            np.testing.assert_allclose(bag.accelerations[joint], table.accelerations[joint], atol=1e-3 * size)
 
 
 @pytest.mark.quick
@@ -177,14 +138,10 @@ def twice(given):
 
 MISTAKES = {
     "times differ": (set_at(40, 0, 321_000_000), "right/joint_trajectory: must have the times of /left/joint_traj"),
-    "fewer points": (spoiled(lambda names, points: (names, points[:50])), "must have the times of /left"),
     "times back": (set_at(7, 0, 1), "right/joint_trajectory, point 7, time_from_start = 1e-09: must be later"),
-    "one point": (spoiled(lambda names, points: (names, points[:1])), "has 1 points; a motion has at least 2"),
     "no points": (spoiled(lambda names, _: (names, [])), "has 0 points"),
     "short positions": (set_at(9, 1, np.zeros(5)), "point 9: has 5 positions for 6 joints"),
-    "no positions": (set_at(9, 1, np.zeros(0)), "point 9: has 0 positions for 6 joints"),
     "some velocities": (set_at(9, 2, np.zeros(0)), "point 9: has 0 velocities for 6 joints; other points have 6"),
-    "nan": (set_entry(5, 0, np.nan), "point 5, positions of elbow = nan: must be a finite number"),
     "infinite": (set_entry(5, 2, np.inf), "point 5, accelerations of elbow = inf"),
     "wrong rates": (set_entry(50, 1, 57.0), "right/elbow: its rates do not lead"),
     "twice a joint": (
@@ -195,13 +152,13 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_mistakes_in_a_trajectory(mistake, given, tmp_path, capsys):
+def test_mistakes_in_a_trajectory(mistake, dual_ur5, given, tmp_path):
     build, words = MISTAKES[mistake]
-    write_bag(tmp_path / "bag", build(given))
-    assert main(["scale", str(UR5 / "cell.yaml"), str(tmp_path / "bag")]) == 2
-    said = capsys.readouterr().err
-    assert words in said
-    assert str(tmp_path / "bag") in said
+    bag = write_bag(tmp_path / "bag", build(given))
+    with pytest.raises(mrts.InputError) as refused:
+        mrts.scale(dual_ur5, mrts.load_motion(bag))
+    assert words in str(refused.value)
+    assert str(bag) in str(refused.value)
 
 
 def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
@@ -225,7 +182,7 @@ def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
     whole = (tmp_path / "bag" / "bag.mcap").read_bytes()
     rng = np.random.default_rng(8)
     path, refused = tmp_path / "damaged.mcap", 0
-    for _ in range(200):
+    for _ in range(60):
         damaged = bytearray(whole[: rng.integers(len(whole))] if rng.random() < 0.3 else whole)
         for place in rng.integers(len(damaged) or 1, size=5):
             damaged[place : place + 1] = rng.bytes(1)
@@ -235,7 +192,7 @@ def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
         except mrts.InputError as error:
             assert "damaged.mcap" in str(error)  # noqa: PT017 (either outcome is right)
             refused += 1
-    assert refused > 50
+    assert refused > 15
 
 
 def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path, capsys):
@@ -250,7 +207,6 @@ def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path, ca
         ("t,a\n0,1\n1,1\n", "is no table of motion: it has neither columns of the object (px, py"),
         ("t,px\n0,1\n1,1\n", "columns are needed too: py"),
         ("t,q.left/elbow,tau.left/elbow\n0,1,2\n1,1,x\n", "row 2, column tau.left/elbow = 'x'"),
-        ("t,tau.left/elbow,q\n0,1,1\n1,1,1\n", "neither columns"),
     ):
         (tmp_path / "bad.csv").write_text(text)
         assert main(["scale", str(UR5 / "cell.yaml"), str(tmp_path / "bad.csv")]) == 2

@@ -20,7 +20,7 @@ def plan(cell, motion, way):
     return mrts.retime(cell, motion).retimed if way == "optimal" else mrts.scale(cell, motion, sharing=way)
 
 
-@pytest.mark.parametrize("way", ["optimal", None, mrts.LoadSharing()])
+@pytest.mark.parametrize("way", ["optimal", mrts.LoadSharing()])
 @pytest.mark.parametrize("name", ["planar", "spatial"])
 def test_the_first_and_the_last_row_hold_still(name, way, planar_cell, dual_ur5):
     """By the terms at rest, G + JᵀF and Σ B F = Q, within all limits."""
@@ -55,8 +55,7 @@ def test_a_motion_that_ends_without_acceleration_has_its_own_rows(planar_cell):
     np.testing.assert_array_equal(played_rows(done)["t"], done.time)
 
 
-@pytest.mark.parametrize("samples", [31, 2001])
-@pytest.mark.parametrize("length", [1e-6, 0.3])
+@pytest.mark.parametrize(("length", "samples"), [(1e-6, 301), (0.3, 31)])
 def test_a_fastest_timing_read_again_is_the_fastest(length, samples, planar_cell, tmp_path):
     found = mrts.retime(planar_cell, scaled_path("planar_dual_arm", length, samples, "trapezoid"), between=None)
     mrts.write_trajectory_csv(found.retimed, tmp_path / "plan.csv")
@@ -87,19 +86,6 @@ def test_tables_without_accelerations_leave_them_out_too(kept, profile, planar_c
     again = mrts.scale(planar_cell, mrts.load_motion(table))
     assert again.motion.samples == 101
     assert again.range.upper.c2 == pytest.approx(1, rel=2e-3)
-
-
-@pytest.mark.parametrize("profile", ["sinusoid", "quintic"])
-@pytest.mark.parametrize("samples", [11, 31])
-@pytest.mark.parametrize("name", ["planar", "spatial"])
-def test_a_fastest_timing_is_played_as_it_was_planned(name, samples, profile, planar_cell, dual_ur5, tmp_path):
-    """Near rest the derivatives of the path are continued: those of both arms must carry the same object."""
-    cell, folder = (planar_cell, "planar_dual_arm") if name == "planar" else (dual_ur5, "dual_ur5")
-    found = mrts.retime(cell, scaled_path(folder, 0.1, samples, profile), between=None).retimed
-    mrts.write_trajectory_csv(found, tmp_path / "plan.csv")
-    again = mrts.scale(cell, mrts.load_motion(tmp_path / "plan.csv"), "nominal", between=None)
-    assert again.range.upper.c2 == pytest.approx(found.range.upper.c2, rel=1e-9)
-    np.testing.assert_allclose(again.trajectory.torque, found.trajectory.torque, atol=1e-6)
 
 
 def test_only_rows_at_rest_beside_an_acceleration_are_left_out():

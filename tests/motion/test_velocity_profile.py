@@ -40,7 +40,7 @@ def test_corners_are_where_the_acceleration_jumps(name):
 
 
 def test_samples_at_a_trapezoids_corners_take_the_ramps_acceleration():
-    for samples in range(4, 3002, 3):
+    for samples in range(4, 602, 3):
         for u in (np.linspace(0, 1, samples), np.arange(samples) / (samples - 1)):
             third = (samples - 1) // 3
             acceleration = trapezoid(u)[2]

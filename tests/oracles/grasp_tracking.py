@@ -3,7 +3,7 @@
 import numpy as np
 
 from mrts.base.rigid_transform import vectors_from_rotations
-from mrts.following import grasp_tracking as rule
+from mrts.following import tracking as rule
 from mrts.following.null_space import FOLD, LIMIT_PUSH, limit_zone
 from mrts.kernel.tracking import FOLDED, FOLLOWED, LOST, OUT_OF_REACH, SINGULAR
 

@@ -1,4 +1,4 @@
-"""Half-planes of polygons over u and x, and passes through them by all corners there are, in numpy."""
+"""Passes through half-planes over u and x by all corners there are, in numpy."""
 
 from itertools import combinations
 
@@ -9,30 +9,6 @@ ON_LIMIT = 2e-10
 
 INSIDE = 1e-11
 """Of the terms of a half-plane: corners that miss it by no more are on it."""
-
-
-def half_planes(number, corners, unit, cap, box, near):
-    """As `mrts.kernel.programs.Programs.half_planes`, one polygon after the other."""
-    polygons = np.split(corners, np.cumsum(number)[:-1])
-    found = [_edges(*given, box, near) for given in zip(polygons, unit, cap.tolist(), strict=True)]
-    low, high = (np.array([of(p[:, 1]) if len(p) else 0.0 for p in polygons]) for of in (np.min, np.max))
-    return np.cumsum([0, *map(len, found)], dtype=np.int64), np.concatenate(found), low, high
-
-
-def _edges(polygon, unit, cap, box, near):
-    """Half-planes of the edges that are not those of bounds of |u| and x, Shape (e, 3)."""
-    after = np.roll(polygon, -1, axis=0)
-    (u, x), (along_u, along_x) = polygon.T, (after - polygon).T
-    length = np.sqrt(along_u * along_u + along_x * along_x)  # as the kernel: of what underflows nothing is left
-    on_box = np.minimum(np.abs(u), np.abs(after[:, 0])) >= near * box
-    on_bound = (np.minimum(x, after[:, 1]) >= near * cap) | (np.maximum(x, after[:, 1]) <= 1 / box**2)
-    edge = (length > 0) & ~on_box & ~on_bound
-    normal = np.column_stack([along_x, -along_u])[edge] / length[edge, None]
-    planes = np.column_stack([normal / unit, np.sum(normal * polygon[edge], axis=1)])
-    if len(polygon) not in {1, 2} or np.isinf(unit[0]):
-        return planes
-    across = [[1 / unit[0], 0.0, np.max(u)], [-1 / unit[0], 0.0, -np.min(u)]]  # a point or a segment along itself
-    return np.concatenate([planes, across])
 
 
 def backward(step, rise, start, planes, lower, upper):

@@ -61,7 +61,8 @@ def test_each_side_of_unequal_limits_counts_by_itself(planar_cell, lift):
     unlimited = np.full(3, np.inf)
     one_sided = replace(left, wrench_lower=np.array([-np.inf, -40.0, -np.inf]), wrench_upper=unlimited)
     zero = replace(right, wrench_lower=np.array([-np.inf, 0.0, -np.inf]), wrench_upper=unlimited)
-    changed = replace(result, cell=replace(result.cell, robots=(one_sided, zero)))
+    done = replace(result.trajectory, cell=replace(result.cell, robots=(one_sided, zero)))
+    changed = replace(result, cell=done.cell, trajectory=done)
     uses = {use.name.robot: use for use in limit_uses(changed) if use.name.kind == "wrench"}
     fy = {name: wrench[:, 1] for name, wrench in result.wrench.items()}
     assert uses["left"].share == pytest.approx(max(0, np.max(-fy["left"]) / 40), rel=1e-12)

@@ -30,14 +30,6 @@ def test_never_longer_than_copp(robot, tmp_path):
         assert ours < (1 + LONGER) * theirs, (seed, ours, theirs)
 
 
-@pytest.mark.slow
-def test_nor_with_five_times_as_many_nodes(tmp_path):
-    path = jerk_path("panda", 2, tmp_path)  # where copp comes nearest
-    *_, theirs = by_copp(path, 5 * NODES)
-    ours = mrts.retime(path.cell, path.motion(5 * NODES), rates=True, between=None).duration
-    assert ours < (1 + LONGER) * theirs
-
-
 @pytest.mark.parametrize(
     ("robot", "seed"), [("ur5", 9), *(pytest.param("panda", seed, marks=pytest.mark.slow) for seed in (1, 2))]
 )
@@ -50,16 +42,6 @@ def test_limits_between_the_nodes_are_kept_better(robot, seed, tmp_path):
     assert max(velocity, torque) < BETWEEN
     assert torque < max(theirs[1], 0.0) or theirs[1] < 0
     assert jerk < JERK_BETWEEN
-
-
-@pytest.mark.slow
-def test_what_jerk_oversteps_falls_with_the_step(tmp_path):
-    path = jerk_path("ur5", 1, tmp_path)
-    coarse, fine = (
-        dense_of_ours(mrts.retime(path.cell, path.motion(n), rates=True, between=None), path, POINTS).excess(path)[2]
-        for n in (NODES, 3 * NODES)
-    )
-    assert fine < coarse / 2
 
 
 @pytest.mark.parametrize("robot", ["ur5", pytest.param("panda", marks=pytest.mark.slow)])

@@ -1,15 +1,13 @@
-"""Smooth timing against two independent programs: the same mathematics by cvxpy, and time itself by IPOPT."""
+"""Smooth timing against an independent program: the same mathematics by cvxpy."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import yaml
-from cell_bank import random_spatial_cell
 from conftest import DATA
 from gantries import UPHILL, along_x, gantries, uphill_gantries
 from smooth_program import Rates, quintic_path, smooth_timing, with_third
-from smooth_transcription import timed_by_ipopt
 
 import mrts
 
@@ -19,9 +17,6 @@ RATE = 11.0
 SAME = 1e-3
 """Share of the duration: both stop where a step wins less than 1e-4 or 1e-5 of it."""
 
-TIME_STEPS = 50
-OTHER = 5e-3
-"""Likewise; steps of time are too long by a share that falls with them: 2e-3 at 30 steps, 4e-4 at 60."""
 
 SHIPPED = {"planar": DATA, "dual": DATA.parent / "dual_ur5"}
 MOTIONS = {"planar": "lift.yaml", "dual": "lift_and_turn.yaml"}
@@ -107,32 +102,3 @@ def holding_torque(cell, motion, squeeze):
     for name, joints in cell.joint_slices.items():
         torque[joints] += J[:, joints].T @ wrench[cell.wrench_slices[name]]
     return torque
-
-
-@pytest.mark.parametrize("name", ["planar", pytest.param("dual", marks=pytest.mark.slow)])
-def test_the_shipped_cells_over_time(name):
-    """The local optimum is as good as that of another discretisation, solved as one nonlinear program."""
-    cell, description, rates = shipped(name)
-    ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None)
-    theirs = timed_by_ipopt(cell, description, Rates(torque=rates), TIME_STEPS)
-    assert ours.duration == pytest.approx(theirs, rel=OTHER)
-
-
-@pytest.mark.slow
-def test_a_random_cell_over_time(tmp_path):
-    rng = np.random.default_rng(16)
-    drawn = random_spatial_cell(rng, tmp_path, 2, samples=81)
-    cell = drawn.cell
-    description = described(tmp_path, "motion.yaml")
-    rates = RATE * np.concatenate([robot.torque_upper for robot in cell.robots])
-    ours = mrts.retime(cell, drawn.motion, rates=RATE, between=None)
-    theirs = timed_by_ipopt(cell, description, Rates(torque=rates), TIME_STEPS)
-    assert ours.duration == pytest.approx(theirs, rel=OTHER)
-
-
-@pytest.mark.slow
-def test_steps_of_time_converge_to_it():
-    cell, description, rates = shipped("planar")
-    ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None).duration
-    coarse, fine = (timed_by_ipopt(cell, description, Rates(torque=rates), steps) / ours - 1 for steps in (20, 40))
-    assert abs(fine) < abs(coarse) / 2

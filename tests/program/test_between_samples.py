@@ -12,11 +12,9 @@ from motion_tables import columns_of, write_table
 from motions_between import DENSE, KINDS, corner_of, dense_excess, draw
 
 import mrts
-from mrts.following.coordinate import coordinate
 from mrts.following.denser_motion import between_samples, denser
 from mrts.program.excess import BETWEEN
 
-TURN = DATA.parent / "dual_ur5" / "lift_and_turn.yaml"
 DRAWN = int(os.environ.get("BETWEEN_MOTIONS", "10"))
 SEED = 11
 CORNER = 3e-4  # the tolerance of each, as limits of torque without gravity along x move with c² in proportion
@@ -72,15 +70,6 @@ def test_a_velocity_whose_peak_lies_between_samples(tmp_path, samples, between):
         assert -1e-9 <= share <= between
         assert found.range.upper.c2 == pytest.approx(exact, rel=2 * between + 1e-9)
         assert found.excess.share <= between
-
-
-@pytest.mark.parametrize("samples", [11, 30, 101])
-def test_a_force_whose_peak_lies_between_samples(tmp_path, samples):
-    """A quintic profile accelerates most at u = 1/2 - √3/6, by 10/√3 of the way by the duration squared."""
-    cell = gantries(tmp_path)
-    found = mrts.scale(cell, along_x(samples, profile="quintic"))
-    exact = 2 * 20 / ((2 * 4 + 3) * 2 * 10 / np.sqrt(3))
-    assert exact * (1 - 1e-9) <= found.range.upper.c2 <= exact * (1 + BETWEEN)
 
 
 @pytest.mark.parametrize(("legs", "off"), [(1, 0.07), (2, 0.28), (5, 1.3)])
@@ -151,30 +140,10 @@ def trapezoid_lift(samples):
     return mrts.sample_motion(mrts.MotionDescription.model_validate(keys))
 
 
-@pytest.mark.parametrize("samples", [15, 16])
-def test_redundant_arms_between_samples_around_a_jump_of_acceleration(redundant, samples):
-    """A jump inside a gap, and at a sample that has the acceleration of one side of it."""
-    few, dense = (mrts.follow_object(redundant, trapezoid_lift(n)) for n in (samples, 24 * (samples - 1) + 1))
-    inner = np.flatnonzero(np.arange(dense.samples) % 24)
-    between = between_samples(redundant, few, dense.object.time[inner])
-    for name in ("q", "dq", "ddq"):
-        known = getattr(dense, name)[inner]
-        off = np.max(np.abs(getattr(between, name)[1:-1] - known))
-        assert off < 3 * COURSE * np.max(np.abs(known)), name  # of polynomials through 15 samples, without a jump too
-
-
 def test_jumps_of_acceleration_are_found_at_any_number_of_samples(redundant):
     found = [mrts.scale(redundant, trapezoid_lift(samples)).range.upper.c2 for samples in (15, 16, 29, 57, 449)]
     exact = mrts.scale(redundant, trapezoid_lift(3001), between=None).range.upper.c2  # 3000 / 3: corners are samples
     np.testing.assert_allclose(found, exact, rtol=BETWEEN)
-
-
-def test_a_course_of_another_motion_is_not_followed(planar_cell, lift):
-    """Samples that were moved after they were drawn are not where their course says."""
-    moved = replace(lift, position=lift.position + np.array([0.01, 0, 0]), smooth=True)
-    followed = mrts.follow_object(planar_cell, moved)
-    between = between_samples(planar_cell, followed, moved.time[10:12] + 1e-3)
-    assert np.max(np.abs(between.object.position[1:-1, 0] - moved.position[10, 0])) < 1e-3
 
 
 @pytest.mark.parametrize("load", ["guaranteed", "grid:3"])
@@ -194,22 +163,6 @@ def test_every_corner_of_the_load_keeps_its_limits_between_samples(dual_ur5, loa
     assert (carried.excess is None) == (load != "guaranteed")
 
 
-def test_samples_that_are_added_leave_the_question_of_what_is_possible(planar_cell, lift):
-    cell = planar_cell.with_variation(mass=(0.5, 1.5))
-    assert mrts.scale(cell, lift, load="possible").excess is None
-
-
-def test_a_range_between_samples_may_be_empty(cells):
-    """A path that leaves the reach of what the limits hold between two samples is infeasible, and says when."""
-    cell = cells[1].without_velocity_limits()
-    rough = mrts.MotionDescription(duration=0.8, samples=11, profile="quintic", waypoints=corner_of(cell, 0.12, 2))
-    motion = mrts.sample_motion(rough)
-    bare = mrts.scale(cell, motion, between=None)
-    found = mrts.scale(cell, motion)
-    assert found.range.upper.c2 <= bare.range.upper.c2
-    assert coordinate(cell, found.motion).samples == found.motion.samples
-
-
 @pytest.mark.parametrize("wrong", [0, -1e-4, 1e-9, 2, np.nan, "off", True, np.inf])
 def test_a_tolerance_that_is_none_is_refused(planar_cell, lift, wrong):
     for asked in (mrts.scale, mrts.retime, mrts.rank_configurations):
@@ -217,50 +170,8 @@ def test_a_tolerance_that_is_none_is_refused(planar_cell, lift, wrong):
             asked(planar_cell, lift, between=wrong)
 
 
-def test_saved_results_and_json_carry_the_excess(dual_ur5, tmp_path):
-    cell, motion = dual_ur5, mrts.load_motion(TURN)
-    found = mrts.scale(cell, motion)
-    assert 0 < found.excess.share < BETWEEN
-    assert found.excess.row.name.kind == "velocity"
-    told = found.to_json()["excess"]
-    assert told["share"] == found.excess.share
-    assert told["row"]["kind"] == "velocity"
-    assert told["tolerance"] == BETWEEN
-    mrts.save_result(found, tmp_path / "result.npz")
-    assert mrts.load_result(tmp_path / "result.npz").excess == found.excess
-    assert mrts.scale(cell, motion, between=None).to_json()["excess"] is None
-
-
-def test_what_stays_above_the_tolerance_stands_in_the_first_sentence(dual_ur5):
-    cell, motion = dual_ur5, mrts.load_motion(TURN)
-    found = mrts.scale(cell, motion)
-    loud = replace(found, excess=replace(found.excess, share=0.02))
-    assert "between the samples limits are overstepped by up to 2 % at t = 0.377 s" in loud.summary().split("\n")[0]
-
-
-def test_a_configuration_has_the_range_that_scale_gives(dual_ur5):
-    cell = dual_ur5
-    path = mrts.MotionDescription(
-        duration=0.8, samples=13, profile="sinusoid", start={"xyz": [0, 0.1, 0.35]}, end={"xyz": [0.05, 0.25, 0.5]}
-    )
-    motion = mrts.sample_motion(path)
-    best = mrts.rank_configurations(cell, motion).ranked[0]
-    alone = mrts.scale(cell.with_postures(best.postures()), motion)
-    assert best.c2_upper == pytest.approx(alone.range.upper.c2, rel=1e-7)
-    assert best.c2_upper < mrts.scale(cell.with_postures(best.postures()), motion, between=None).range.upper.c2
-
-
 def test_an_internal_wrench_for_each_sample_is_known_at_these_only(planar_cell, lift):
     sharing = mrts.LoadSharing(internal_wrench=np.zeros((len(lift.time), 6)))
     found = mrts.scale(planar_cell, lift, sharing=sharing)
     assert found.excess is None
     assert found.motion.samples == len(lift.time)
-
-
-def test_a_place_is_the_same_whatever_else_is_asked(dual_ur5):
-    """The jerk between close samples is felt otherwise, by their difference over the square of the step."""
-    motion = coordinate(dual_ur5, mrts.load_motion(TURN))
-    middles = (motion.object.time[1:] + motion.object.time[:-1]) / 2
-    together = between_samples(dual_ur5, motion, middles)
-    alone = [between_samples(dual_ur5, motion, middle[None]).dq[1] for middle in middles]
-    np.testing.assert_allclose(alone, together.dq[1:-1], atol=1e-11 * np.max(np.abs(motion.dq)))

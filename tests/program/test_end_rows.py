@@ -1,9 +1,8 @@
 """The rows that set an end of the range: all of them, whichever solver found it and in whichever form."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from given_ranges import ranges_of
 from random_programs import cell_programs
 from scipy.optimize import linprog
 
@@ -12,7 +11,7 @@ from mrts.limits.rows import STANDSTILL
 from mrts.program import sample_ranges
 from mrts.program.range_ends import ends_of_problem, rows_at_end
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.sample_ranges import TIE, BindingRows
+from mrts.program.sample_ranges import TIE
 from mrts.scaling.range import intersect
 
 SOLVERS = ("kernel", "qpsol:qpoases", "scipy:highs")
@@ -133,33 +132,12 @@ def test_limits_without_room_set_no_end():
     assert [(row.name.element, row.side) for row in rows_at_end(problem, 1.0, "upper")] == [("1", "upper")]
 
 
-@pytest.mark.parametrize("changed", ["as given", "tighter wrists"])
-def test_every_solver_and_form_names_the_same_rows_in_the_same_order(planar_cell, lift, changed):
-    cell = planar_cell
-    if changed == "tighter wrists":  # which then limit the speed together with the elbows
-        cell = replace(
-            cell,
-            robots=tuple(
-                replace(robot, torque_lower=-np.array([100.0, 80.0, 1.0]), torque_upper=np.array([100.0, 80.0, 1.0]))
-                for robot in cell.robots
-            ),
-        )
-    found = {
-        tuple(mrts.scale(cell, lift, solver=solver, formulation=formulation).range.upper.rows)
-        for solver in ("kernel", "qpsol:qpoases")
-        for formulation in ("wrench", "torque")
-    }
-    assert len(found) == 1
-    assert len(found.pop()) > 1
-
-
 def test_of_samples_that_differ_by_rounding_the_first_sets_the_end():
     low, high = np.array([0.0, 0.5, 0.5, 0.5]), np.array([3.0, 2.0, 4.0, 2.0])
     for shift in (0, TIE / 2, -TIE / 2):
         lower, upper = low.copy(), high.copy()
         lower[2] *= 1 + shift
         upper[3] *= 1 + shift
-        status, rows = (mrts.SampleStatus.FEASIBLE,) * 4, BindingRows((), np.zeros((2, 0)), np.zeros((2, 4, 0), int))
-        found = intersect(mrts.SampleRanges(np.arange(4.0), status, lower, upper, rows, (), 0))
+        found = intersect(ranges_of(lower, upper))
         assert (found.lower.sample, found.upper.sample) == (1, 1)
         assert (found.lower.c2, found.upper.c2) == (np.max(lower), np.min(upper))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conic_timing import ConicSolver, goal_in_units_of, in_units_of
+from conic_timing import ConicSolver
 from smooth_paths import smooth_path
 
 from mrts.program.path_solver import KernelSolver
@@ -95,36 +95,6 @@ def test_what_cannot_be_kept_gets_no_answer(kind):
         assert (solver.step(program, base.x, soon) is None) == (ConicSolver.step(program, base.x, soon) is None)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("unit", [1e-6, 1e6])
-def test_an_answer_does_not_depend_on_the_unit_of_time(kind, unit):
-    solver = KernelSolver()
-    for program, base, goal in programs(kind, 2, 6):
-        ours, theirs = (
-            solver.step(one, base.x / by, asked)
-            for one, by, asked in (
-                (program, 1.0, goal),
-                (in_units_of(program, unit), unit, goal_in_units_of(goal, unit)),
-            )
-        )
-        assert (ours is None) == (theirs is None)
-        if ours is not None:
-            assert unit * theirs.x == pytest.approx(ours.x, rel=AGREES)
-
-
-def test_a_row_that_is_given_stays_as_given():
-    """Limits without room between them."""
-    solver, rng = KernelSolver(), np.random.default_rng(7)
-    for _ in range(4):
-        program, base = smooth_path(rng, 20, **KINDS["two arms"])
-        lower, upper = program.lower.copy(), program.upper.copy()
-        lower[:, 0] = upper[:, 0] = program.values(base.x, base.u, base.free)[:, 0]
-        fixed = replace(program, lower=lower, upper=upper)
-        ours, theirs = (each.step(fixed, base.x, Goal()) for each in (solver, ConicSolver))
-        assert fixed.excess(ours.x, ours.u, ours.free) <= KEPT
-        assert cost(fixed, ours, Goal()) == pytest.approx(cost(fixed, theirs, Goal()), rel=AGREES)
-
-
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if "free" in KINDS[kind]])
 def test_torques_are_clarabels(kind):
     """On timings with room, and on the fastest, whose limits leave F hardly any."""
@@ -142,18 +112,6 @@ def test_torques_are_clarabels(kind):
             assert effort <= program.effort(profile.x, profile.u, profile.free) * (1 + AGREES)
             if theirs is not None:
                 assert effort <= program.effort(profile.x, profile.u, theirs) * (1 + close)
-
-
-def test_torques_without_free_unknowns_have_no_columns():
-    program, base = smooth_path(np.random.default_rng(0), 9, **KINDS["one arm"])
-    assert KernelSolver().torques(program, base.x, base.u).shape == (9, 0)
-
-
-def test_torques_that_no_effort_weighs_keep_the_limits():
-    program, base = smooth_path(np.random.default_rng(0), 9, **KINDS["two arms"])
-    program = replace(program, weight=np.zeros_like(program.weight))
-    free = KernelSolver().torques(program, base.x, base.u)
-    assert program.excess(base.x, base.u, free) <= KEPT
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -213,16 +171,3 @@ def test_rates_are_passed_by_the_least_share(kind):
         assert (ours is None) == (theirs is None)
         if ours is not None:
             assert theirs[1] - AGREES <= ours[1] <= theirs[1] * (1 + RELAXED) + AGREES
-
-
-def test_torques_at_rates_that_leave_one_way_are_found():
-    """A change that is as large as the fastest timing takes, to its last digits: no room is left around the torques."""
-    solver, rng = KernelSolver(), np.random.default_rng(9)
-    for _ in range(4):
-        program, base = smooth_path(rng, 40, **KINDS["two arms"])
-        fastest = solver.step(program, base.x, Goal())
-        values = program.values(fastest.x, fastest.u, fastest.free)
-        moved = np.max(np.abs(np.diff(values, axis=0)) / program.times(fastest.x)[:, None], axis=0)
-        tight = replace(program, change=np.where(np.isfinite(program.change), moved * (1 + 1e-8), np.inf))
-        free = solver.torques(tight, fastest.x, fastest.u)
-        assert tight.excess(fastest.x, fastest.u, free) <= KEPT

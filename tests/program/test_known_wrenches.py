@@ -1,4 +1,4 @@
-"""Samples whose wrenches balance fixes, in one pass of C: the same ends and rows as in numpy."""
+"""Samples whose wrenches balance fixes: each row bounds c² by itself, as linear programs find, and Pinocchio."""
 
 from dataclasses import replace
 
@@ -12,21 +12,19 @@ from random_motors import equipped
 
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
-from mrts.limits.rows import STANDSTILL
+from mrts.kernel.programs import OPTIMAL
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
+from mrts.program.range_ends import ends_by_linear_programs, ends_of_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.sample_ranges import without_speed_at_rest
 from mrts.timing.speed_regions import speed_regions
 
-SAME = 1e-12
-"""Both ways divide the same numbers, summed in another order."""
+SAME = 1e-9
+"""The linear programs' share of c²."""
 
 BY_PINOCCHIO = 1e-8
 """Another way to the same torques, as a share of a limit."""
-
-BY_PROGRAMS = "qpsol:qpoases"
-"""Linear programs of one unknown."""
 
 
 def arm_and_path(folder):
@@ -39,32 +37,43 @@ def along_spline(cell, path, samples):
     return carried_by_first(cell, s, path(s), path(s, 1), path(s, 2), smooth=False)
 
 
-def asked(name, folder, planar_cell, lift, dual_ur5):
-    """A cell, its motion and how its load is shared."""
-    arm, path = arm_and_path(folder)
-    motion = along_spline(arm, path, 61)
-    coordinated = mrts.follow_object(planar_cell, lift)
-    carried = mrts.follow_object(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
-    uneven = LoadSharing(shares=np.array([0.3, 0.7]))
-    return {
-        "arm": lambda: (arm.without_velocity_limits(), motion, None),
-        "arm with velocities": lambda: (arm, motion, None),
-        "arm with velocities that bind": lambda: (with_velocities(arm, motion), motion, None),
-        "arm with a reserve": lambda: (replace(arm, reserve=0.1), motion, None),
-        "arm with motors": lambda: (equipped(arm, armature=0.3, coulomb=4.0), motion, None),
-        "arm at rest at both ends": lambda: (planar_cell, coordinated, LoadSharing()),
-        "shared, some samples infeasible": lambda: (planar_cell, coordinated, uneven),
-        "shared": lambda: (dual_ur5, carried, uneven),
-        "squeezed": lambda: (dual_ur5, carried, LoadSharing(internal_wrench=squeeze(dual_ur5, carried))),
-    }[name]()
-
-
-def with_velocities(cell, motion):
-    """The cell with velocity limits of which one binds before the torques do."""
-    robot = cell.robots[0]
-    fastest = np.sqrt(np.min(motion_ranges(motion_rows(cell.without_velocity_limits(), motion), "kernel").upper))
-    robot = replace(robot, velocity_limit=0.9 * fastest * np.max(np.abs(motion.dq), axis=0))
-    return replace(cell, robots=(robot,), enforces_velocity_limits=True)
+@pytest.mark.parametrize(
+    "kind", ["arm", "arm with velocities", "reserve", "motors", "shared", "squeezed", "infeasible"]
+)
+def test_ends_and_the_rows_that_set_them(kind, tmp_path, planar_cell, lift, dual_ur5):
+    arm, path = arm_and_path(tmp_path)
+    motion, sharing, cell = (
+        along_spline(arm, path, 61),
+        LoadSharing(np.array([0.3, 0.7])),
+        arm.without_velocity_limits(),
+    )
+    if kind in {"shared", "squeezed"}:
+        cell, motion = (
+            dual_ur5,
+            mrts.follow_object(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5/lift_and_turn.yaml")),
+        )
+        sharing = sharing if kind == "shared" else LoadSharing(internal_wrench=squeeze(cell, motion))
+    elif kind == "infeasible":
+        cell, motion = planar_cell, mrts.follow_object(planar_cell, lift)
+    else:
+        sharing = None
+        cell = {
+            "arm": lambda: cell,
+            "velocities": lambda: arm,
+            "reserve": lambda: replace(arm, reserve=0.1),
+            "motors": lambda: equipped(arm, armature=0.3, coulomb=4.0),
+        }[kind]()
+    problem = without_speed_at_rest(build_sample_problem(motion_rows(cell, motion, sharing)))
+    found, known = ends_of_rows(problem), ends_by_linear_programs(problem, "qpsol:qpoases")
+    held = found.status == OPTIMAL
+    assert np.all(held) == (kind != "infeasible")
+    np.testing.assert_array_equal(held, known.status == OPTIMAL)
+    np.testing.assert_allclose(found.lower[held], known.lower[held], rtol=SAME, atol=SAME)
+    capped = np.minimum(known.upper, problem.cap())
+    np.testing.assert_allclose(found.upper[held], capped[held], rtol=SAME)
+    for sample, side in np.argwhere(held[:, None] & (known.codes[:, :, 0].T != 0)).tolist():
+        theirs = set(known.codes[side, sample].tolist()) - {0}
+        assert theirs <= set(found.codes[side, sample].tolist()) or found.upper[sample] >= problem.cap()[sample]
 
 
 def squeeze(cell, motion):
@@ -72,42 +81,6 @@ def squeeze(cell, motion):
     B = cell.functions("terms", motion.samples, motion.inputs(cell.load))["B"]
     _, _, directions = np.linalg.svd(B)
     return 5.0 * directions[:, -1]
-
-
-CASES = (
-    "arm",
-    "arm with velocities",
-    "arm with velocities that bind",
-    "arm with a reserve",
-    "arm with motors",
-    "arm at rest at both ends",
-    "shared, some samples infeasible",
-    "shared",
-    "squeezed",
-)
-
-
-@pytest.fixture(params=CASES)
-def case(request, tmp_path, planar_cell, lift, dual_ur5):
-    return asked(request.param, tmp_path, planar_cell, lift, dual_ur5)
-
-
-def test_ends_and_the_rows_that_set_them(case):
-    cell, motion, sharing = case
-    found, known = (motion_ranges(motion_rows(cell, motion, sharing), solver) for solver in ("kernel", BY_PROGRAMS))
-    assert found.status == known.status
-    for ends in ("lower", "upper"):
-        np.testing.assert_allclose(getattr(found, ends), getattr(known, ends), rtol=SAME, atol=0)
-        for k in range(0, motion.samples, 5):
-            assert set(found.binding(k, ends)) == set(known.all_binding(k, ends))
-    assert [str(one) for one in found.conflicts] == [str(one) for one in known.conflicts]
-    assert found.fallbacks == known.fallbacks == 0
-
-
-def test_a_standstill_that_holds_is_named_alone(tmp_path):
-    cell, path = arm_and_path(tmp_path)
-    found = motion_ranges(motion_rows(cell, along_spline(cell, path, 9)), "kernel")
-    assert {row.name for k in range(9) for row in found.binding(k, "lower")} == {STANDSTILL}
 
 
 def sides_at(regions, u, x):
@@ -129,11 +102,3 @@ def test_half_planes_of_an_arm_are_its_torques_by_pinocchio(seed, tmp_path):
         velocity, acceleration = motion.dq[k] * np.sqrt(x[k]), motion.ddq[k] * x[k] + motion.dq[k] * u[k]
         torque = pin.rnea(model, data, configuration(model, motion.q[k]), velocity, acceleration)
         assert inside[k] == pytest.approx(float(np.min(1 - np.abs(torque) / limit)), abs=BY_PINOCCHIO)
-
-
-def test_friction_in_proportion_to_speed_is_left_to_the_intervals(tmp_path):
-    cell, path = arm_and_path(tmp_path)
-    cell = equipped(cell, viscous=3.0)
-    motion = along_spline(cell, path, 31)
-    found, known = (motion_ranges(motion_rows(cell, motion), solver) for solver in ("kernel", "qpsol:qpoases"))
-    np.testing.assert_allclose(found.upper, known.upper, rtol=1e-9)

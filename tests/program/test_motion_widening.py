@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA
-from one_arm import one_arm
 from random_motors import drawn_motors
 
 import mrts
@@ -79,17 +78,6 @@ def test_some_samples_with_a_load_each_are_those_of_highs():
     np.testing.assert_allclose(found, by_highs(cell, motion, all_c2, everywhere)[places], atol=AGREES, rtol=AGREES)
     assert np.count_nonzero(found > AGREES) > 10
     assert motion_widening(motion_rows(cell, motion), np.zeros(0), samples=np.zeros(0, dtype=np.intp)).shape == (0,)
-
-
-def test_one_arm_leaves_nothing_to_choose(tmp_path):
-    cell, _, path = one_arm(3, tmp_path)
-    grid = np.linspace(0, 1, 101)
-    motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
-    for c2 in (0.5, 2.0, 20.0):
-        each = np.full(101, c2)
-        np.testing.assert_allclose(
-            motion_widening(motion_rows(cell, motion), each), by_highs(cell, motion, each), rtol=AGREES
-        )
 
 
 def timed(motion):

@@ -12,7 +12,10 @@ from conftest import DATA
 import mrts
 from mrts.cell.motors.joint_motors import JointMotors
 from mrts.cli import main
+from mrts.plots.limit_shares import limiting_rows
 from mrts.program.rate_limits import given_rate_limits, rate_limits
+from mrts.report.tables import rates_table
+from mrts.scaling.limit_use import rate_uses
 
 pytestmark = pytest.mark.quick
 
@@ -42,46 +45,14 @@ def test_the_cell_file_gives_contact_rates_and_the_manifest_keeps_them(tmp_path)
     assert manifest["cell"]["robots"][1]["contact_rate"] == ["inf"] * 3
 
 
-def test_forces_alone_or_moments_alone_may_be_limited(tmp_path):
-    cell = mrts.load_cell(cell_file(tmp_path, contact_rate=[None, 3]))
-    np.testing.assert_array_equal(cell.robots[0].contact_rate, [np.inf, np.inf, 3])
-
-
-def test_a_saved_result_has_them(tmp_path, planar_cell, lift):
-    left, right = planar_cell.robots
-    cell = replace(planar_cell, robots=(replace(left, contact_rate=np.array([5e3, 6e3, np.inf])), right))
-    mrts.save_result(mrts.scale(cell, lift), tmp_path / "result.npz")
-    again = mrts.load_result(tmp_path / "result.npz").cell.robots
-    np.testing.assert_array_equal(again[0].contact_rate, [5e3, 6e3, np.inf])
-    np.testing.assert_array_equal(again[1].contact_rate, [np.inf] * 3)
-    np.testing.assert_array_equal(cell.without_wrench_limits().robots[0].contact_rate, [np.inf] * 3)
-
-
 @pytest.mark.parametrize(
-    ("rate", "parts"),
-    [
-        ([500, 0], ["robots[0].contact_rate[1]", "= 0"]),
-        ([-1, 50], ["robots[0].contact_rate[0]", "-1"]),
-        ([500], ["robots[0].contact_rate", "[500]", "2"]),
-        ([500] * 6, ["robots[0].contact_rate", "2"]),
-        (500, ["robots[0].contact_rate", "500"]),
-        ([500, float("nan")], ["robots[0].contact_rate[1]", "nan"]),
-        ([500, float("inf")], ["robots[0].contact_rate[1]", "inf"]),
-        (["fast", 50], ["robots[0].contact_rate[0]", "fast"]),
-    ],
+    ("rate", "key"),
+    [([500, 0], "contact_rate[1]"), ([500], "contact_rate"), ([500, float("nan")], "contact_rate[1]")],
 )
-def test_a_wrong_contact_rate_is_refused_by_key(tmp_path, rate, parts):
-    path = cell_file(tmp_path, contact_rate=rate)
+def test_a_wrong_contact_rate_is_refused_by_key(tmp_path, rate, key):
     with pytest.raises(mrts.InputError) as caught:
-        mrts.load_cell(path)
-    for part in (path.name, *parts):
-        assert part in str(caught.value)
-
-
-@pytest.mark.parametrize("rate", [[0.0, 1.0, 1.0], [-1.0, 1, 1], [1.0, 1.0], [np.nan, 1, 1], "fast", np.ones(6)])
-def test_a_wrong_contact_rate_in_python_is_refused(planar_cell, rate):
-    with pytest.raises(mrts.InputError, match="robot 'left': contact_rate = "):
-        replace(planar_cell.robots[0], contact_rate=rate)
+        mrts.load_cell(cell_file(tmp_path, contact_rate=rate))
+    assert f"robots[0].{key}" in str(caught.value)
 
 
 def with_rates(cell, **changes):
@@ -135,3 +106,55 @@ def test_a_multiple_of_no_limit_is_refused(planar_cell):
     motors = replace(JointMotors.unknown(3), torque_rate=np.array([7.0, np.inf, np.inf]))
     known = rate_limits(replace(planar_cell, robots=(replace(free, motors=motors), right)), 11.5)
     np.testing.assert_allclose(known.torque[:3], [7, 11.5, 11.5], rtol=1e-15)
+
+
+def with_all_rates(cell):
+    """Torque rates, jerks and contact rates of one robot that its fastest factor passes."""
+    left, right = cell.robots
+    motors = replace(left.motors, torque_rate=np.array([250.0, np.inf, 200.0]), jerk=np.full(3, 450.0))
+    return replace(cell, robots=(replace(left, motors=motors, contact_rate=np.array([30.0, 30.0, np.inf])), right))
+
+
+def test_rates_are_reported_and_bind_nothing_unless_they_are_kept(planar_cell, lift, lifted):
+    reported = mrts.scale(with_all_rates(planar_cell), lift)
+    assert reported.trajectory.c2 == lifted.trajectory.c2
+    uses = {(use.name.kind, use.name.element): use for use in rate_uses(reported) if use.name.robot == "left"}
+    done, duty = reported.trajectory, reported.trajectory.duty["left"]
+    rates = np.abs(np.diff(done.torque[:, 0])) / np.diff(done.time)
+    shoulder = uses["torque rate", "shoulder"]
+    assert (shoulder.size, shoulder.time) == (np.max(rates), done.time[np.argmax(rates)])
+    assert len(uses) == 2 + 3 + 2
+    for kind, values in (("torque rate", duty.torque_rate_share), ("jerk", duty.jerk_share)):
+        found = [uses[kind, joint].share for joint in ("shoulder", "elbow", "wrist") if (kind, joint) in uses]
+        np.testing.assert_allclose(found, [share for share in values if share > 0], rtol=1e-12)
+    worst = max(uses.values(), key=lambda use: use.share)
+    (warning,) = (one for one in reported.warnings if one.code == "rate-passed")
+    assert f"{worst.name} reaches {worst.size:.4g} {worst.name.unit}" in warning.text
+    kept = mrts.scale(with_all_rates(planar_cell), lift, rates=True)
+    assert kept.trajectory.c2 < done.c2
+    assert rate_uses(kept)[0].share == pytest.approx(1, abs=1e-7)
+    assert [one.code for one in kept.warnings] == ["step-at-ends"]
+    assert {row[0][0] for row in rates_table(kept, limiting_rows(kept, None)).rows} == {
+        str(use.name) for use in rate_uses(kept)
+    }
+
+
+@pytest.mark.parametrize(
+    ("options", "key"),
+    [
+        (["--rates", "cell"], "the cell 'planar_dual_arm' limits no rate"),
+        (["--rates", "nan"], "--rates = 'nan'"),
+        (["--rates", "3", "--distribute", "reserve"], "--distribute = 'reserve': with rates it must be"),
+        (["--rates", "3", "--formulation", "torque"], "--formulation = 'torque': with rates it must be"),
+        (["--rates", "3", "--profile", "optimal"], "--rates"),
+    ],
+)
+def test_what_does_not_go_with_rates_is_refused(options, key, capsys):
+    assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *options]) == 2
+    assert key in capsys.readouterr().err.replace("\n", " ")
+
+
+def test_a_chosen_factor_beyond_the_rates_is_refused(planar_cell, lift):
+    with pytest.raises(mrts.SelectionError, match=r"c² = 2 is outside .*upper end is set .*torque rate"):
+        mrts.scale(planar_cell, lift, 2.0, rates=3.0)
+    assert mrts.scale(planar_cell, lift, 1.0, rates=3.0).trajectory.c2 == 1.0

@@ -1,8 +1,5 @@
 """Ranges of c² against the independent implementation, on planar and spatial random cells of 1 to 4 arms."""
 
-from collections import Counter
-from itertools import product
-
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
@@ -48,25 +45,3 @@ def test_ranges_equal_the_reference(seed, arms, make, tmp_path):
             assert ours.lower[k] == pytest.approx(low, rel=RANGE_TOLERANCE, abs=RANGE_TOLERANCE), where
             if status == "feasible":
                 assert ours.upper[k] == pytest.approx(high, rel=RANGE_TOLERANCE, abs=RANGE_TOLERANCE), where
-
-
-@pytest.mark.slow
-def test_the_random_cells_are_of_every_kind(tmp_path):
-    """They would prove little if they were all of one."""
-    seen = Counter()
-    for make, arms, seed in product((random_planar_cell, random_spatial_cell), (1, 2, 3, 4), range(SEEDS)):
-        case = drawn(make, arms, seed, tmp_path)
-        for sharing in (None, mrts.LoadSharing()):
-            found = mrts.scale(case.cell, case.motion, sharing=sharing, between=None).range.samples
-            seen.update(status.value for status in found.status)
-            seen["minimum speed"] += np.sum(found.lower[np.isfinite(found.lower)] > RANGE_TOLERANCE)
-            seen["velocity"] += sum(
-                any(row.name.kind == "velocity" for row in rows)
-                for status, rows in ((status, found.binding(k, "upper")) for k, status in enumerate(found.status))
-                if status.value == "feasible"
-            )
-    assert seen["feasible"] > 100
-    assert seen["infeasible"] > 20
-    assert seen["unbounded"] > 0
-    assert seen["minimum speed"] > 6
-    assert 20 < seen["velocity"] < seen["feasible"] - 20

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 import mrts
 from mrts.motion.object_courses import geodesic_motion, spline_motion
@@ -14,7 +13,6 @@ from mrts.motion.velocity_profile import PROFILES
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.plots.card import answer_card
 from mrts.report import report_html
-from mrts.scaling.motion_remarks import noise_share
 
 pytestmark = pytest.mark.quick
 
@@ -38,10 +36,6 @@ def table(path, time, heights):
         for t, height in zip(time.tolist(), heights, strict=True):
             lines.writerow([f"{t:.9g}", 1.25, height, 0, 0, 0, 0, 1])
     return mrts.load_motion(path)
-
-
-def quaternions(motion):
-    return Rotation.from_matrix(motion.rotation).as_quat()
 
 
 @pytest.mark.parametrize("samples", [11, 21, 25, 101, 400])
@@ -80,17 +74,6 @@ def test_a_row_out_of_line(planar_cell, tmp_path):
     assert result.warnings[0].sample == 40
 
 
-def test_a_velocity_that_changes_between_two_rows(planar_cell):
-    time = np.linspace(0, 1, 101)
-    speed = np.where(time < 0.405, 0.3, 0.6) * np.minimum(1, 10 * np.minimum(time, 1 - time))
-    height = 1 + np.concatenate([[0], np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(time))])
-    zero = np.zeros(101)
-    position, twist = np.column_stack([zero + 1.25, height, zero]), np.zeros((101, 6))
-    twist[:, 1] = speed
-    motion = mrts.ObjectMotion(time, position, np.tile(np.eye(3), (101, 1, 1)), twist, np.zeros((101, 6)), smooth=False)
-    assert codes(mrts.scale(planar_cell, motion)) == ["jump"]
-
-
 @pytest.mark.parametrize(
     ("samples", "noise", "said"), [(101, 3e-5, True), (101, 3e-9, False), (301, 3e-6, True), (301, 3e-8, False)]
 )
@@ -108,26 +91,6 @@ def test_noise_that_sets_the_range(planar_cell, tmp_path, samples, noise, said, 
     assert set(codes(result)) - {"not-at-rest"} == ({"noise"} if said else set())
     off = abs(result.range.upper.c2 / true.range.upper.c2 - 1)
     assert off > 0.2 if said else off < 0.02
-
-
-@pytest.mark.parametrize(("samples", "digits"), [(101, 4), (301, 3)])
-def test_few_digits_do_not_set_the_range(planar_cell, tmp_path, samples, digits):
-    smooth = straight_lift(samples=samples)
-    heights = [f"{height:.{digits}f}" for height in smooth.position[:, 1]]
-    result = mrts.scale(planar_cell, table(tmp_path / "lift.csv", smooth.time, heights))
-    assert codes(result) == ["smoothed-digits"]
-    assert "misses them by their rounding on the mean" in result.warnings[0].text
-    assert result.range.upper.c2 == pytest.approx(mrts.scale(planar_cell, smooth).range.upper.c2, rel=1e-3)
-
-
-def test_noise_is_measured():
-    rng = np.random.default_rng(5)
-    time = np.linspace(0, 1, 2001)
-    smooth = np.column_stack([np.sin(7 * time), time**3 - time, np.where(time < 0.3, 1.0, -1.0)])
-    assert np.max(noise_share(smooth)) < 1e-3
-    noisy = smooth + 0.2 * rng.normal(size=smooth.shape) * np.max(np.abs(smooth), axis=0)
-    measured = noise_share(noisy) * np.max(np.abs(noisy), axis=0) / np.max(np.abs(smooth), axis=0)
-    assert np.all((measured > 0.18) & (measured < 0.35))  # the largest of all strides, some of few samples
 
 
 def test_a_factor_above_ten(planar_cell):
@@ -160,13 +123,3 @@ def test_a_warning_is_wherever_the_result_is(planar_cell, lift, tmp_path):
     assert timed.warnings == timed.retimed.warnings == (SAID,)
     assert list(retiming_lines(timed, answer_card(timed)))[1] == f"warning: {SAID.text}"
     assert json.loads(timed.json_text())["warnings"] == result.to_json()["warnings"]
-
-
-def test_a_refused_speed_and_an_infeasible_motion_keep_their_warnings(planar_cell, lift):
-    cell = replace(planar_cell, remarks=(SAID,))
-    with pytest.raises(mrts.SelectionError) as refused:
-        mrts.scale(cell, lift, 1e6)
-    assert refused.value.result.warnings == (SAID,)
-    heavy = mrts.scale(replace(cell.with_mass(1000.0)), lift)
-    assert not heavy.status.admits_motion
-    assert codes(heavy) == [SAID.code, "mass-grams"]

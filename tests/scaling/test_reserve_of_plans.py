@@ -1,6 +1,5 @@
 """The reserve of a plan: what it means, that torques keep it, and what a kept reserve does to every question."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -11,9 +10,8 @@ from draws import seeds
 from gantries import along_x, gantries
 
 import mrts
-from mrts.limits import all_rows, limit_rows
-from mrts.output.embedded_limits import embedded_limits
-from mrts.scaling.limit_use import largest_step, limit_uses
+from mrts.limits import limit_rows
+from mrts.scaling.limit_use import limit_uses
 
 BISECTION = 1e-6
 ROUNDING = 1e-8  # of a limit: programs are solved to 1e-9
@@ -81,7 +79,7 @@ def with_motors(cell):
 def test_the_reserve_is_the_largest_that_leaves_c2_in_the_range(seed, tmp_path):
     cell, motion, c2, asked = random_plan(seed, tmp_path, seed)
     asked = asked | {"between": None}  # samples that are added depend on the reserve
-    reserve = mrts.scale(cell, motion, c2, **asked).reserve.whole
+    reserve = mrts.scale(cell, motion, c2, **asked).reserve
     inside, outside = 0.0, 1 - BISECTION
     while outside - inside > BISECTION:
         middle = (inside + outside) / 2
@@ -107,51 +105,12 @@ def test_no_distribution_keeps_more_than_that_of_reserve(seed, tmp_path):
         assert max(residuals.arms, residuals.object) < 1e-7 * (1 + np.max(np.abs(result.trajectory.torque)))
 
 
-@pytest.mark.parametrize("seed", seeds(1, 2))
-def test_the_share_that_must_be_used_is_convex_in_c2(seed, tmp_path):
-    """All rows are linear in wrenches, share and c² together; so it rises above wherever it is least."""
-    cell, motion, c2, _ = random_plan(200 + seed, tmp_path)
-    used = [1 - mrts.scale(cell, motion, c2 * share).reserve.distributed.share for share in np.linspace(0.1, 1, 10)]
-    assert np.all(np.diff(used, 2) >= -ROUNDING)
-
-
-def test_the_shipped_cell_keeps_its_wrenches_far_from_their_limits(dual_ur5):
-    motion = mrts.load_motion("mrts/data/dual_ur5/lift_and_turn.yaml")
-    least, kept = (mrts.scale(dual_ur5, motion, distribute=rule, weights=1) for rule in ("least-torque", "reserve"))
-    assert np.max(largest_share(least, ("wrench",))) == pytest.approx(1, abs=ROUNDING)
-    assert np.max(largest_share(kept, ("wrench",))) < 0.4
-    assert "60 % of those of torques and wrenches if these are distributed for it (" in str(least.reserve)
-    assert kept.reserve.whole.share == 0
-    assert [row.name.kind for row in kept.reserve.whole.rows] == ["velocity"]
-    assert kept.fallbacks == 0
-    steps = [{kind: largest_step(result, kind).step_share for kind in ("torque", "wrench")} for result in (least, kept)]
-    print("largest steps", steps)
-    assert steps[1]["torque"] < steps[0]["torque"]
-    assert steps[1]["wrench"] < 0.3 * steps[0]["wrench"]
-
-
-def test_torques_are_continuous_in_time(dual_ur5):
-    """Ten times as many samples make the steps about ten times as small."""
-    steps = []
-    for samples in (101, 1001):
-        description = {"duration": 0.8, "samples": samples, "profile": "sinusoid"}
-        ends = {"start": {"xyz": [0.0, 0.0, 0.35]}, "end": {"xyz": [0.0, 0.0, 0.5], "rpy": [0, 0, 0.4]}}
-        given = mrts.load_motion("mrts/data/dual_ur5/lift_and_turn.yaml")
-        ends["start"]["xyz"] = given.position[0].tolist()
-        ends["end"]["xyz"] = given.position[-1].tolist()
-        motion = mrts.sample_motion(mrts.MotionDescription.model_validate(description | ends))
-        result = mrts.scale(dual_ur5, motion, 1.0, distribute="reserve")
-        steps.append([largest_step(result, kind).step_share for kind in ("torque", "wrench")])
-    print("largest steps at 101 and 1001 samples", steps)
-    assert np.all(np.array(steps[1]) < 0.2 * np.array(steps[0]))
-
-
 def test_closed_form_on_gantries(tmp_path):
     """Each of two gantries of 4 kg pushes half of 3 kg with 20 N: at c² times the fastest, 1 - c²/c²⁺ is left."""
     cell, motion = gantries(tmp_path, wrench=50.0), along_x()
     fastest = mrts.scale(cell, motion).range.upper.c2
     result = mrts.scale(cell, motion, 0.25 * fastest, distribute="reserve")
-    assert result.reserve.whole.share == pytest.approx(0.75, abs=FORMULAS)
+    assert result.reserve.share == pytest.approx(0.75, abs=FORMULAS)
     shrunk = mrts.scale(cell, motion, reserve=0.1)
     assert shrunk.range.upper.c2 == pytest.approx(0.9 * fastest, rel=FORMULAS)
     assert max(use.share for use in limit_uses(shrunk)) == pytest.approx(0.9, abs=ROUNDING)
@@ -160,7 +119,7 @@ def test_closed_form_on_gantries(tmp_path):
     assert mrts.scale(quick, motion, reserve=0.1).range.upper.c2 == pytest.approx(
         0.81 * mrts.scale(quick, motion).range.upper.c2, rel=FORMULAS
     )
-    assert mrts.scale(quick, motion, 0.01 / 9).reserve.whole.share == pytest.approx(1 - 0.1, abs=FORMULAS)
+    assert mrts.scale(quick, motion, 0.01 / 9).reserve.share == pytest.approx(1 - 0.1, abs=FORMULAS)
 
 
 def test_sides_that_cross_are_an_outcome_that_names_the_reserve(planar_cell, lift):
@@ -194,56 +153,7 @@ def test_one_number_on_both_sides_has_no_size_to_give(planar_cell, lift):
     for rule in ("least-torque", "reserve"):
         result = mrts.scale(cell, lift, 0.5, reserve=0.1, distribute=rule)
         assert np.allclose(result.wrench["left"][:, 0], 0.5, atol=1e-8)
-        assert 0.1 < result.reserve.whole.share < 1
-
-
-@pytest.mark.parametrize("profile", ["constant", "optimal"])
-@pytest.mark.parametrize("rule", ["least-torque", "reserve"])
-def test_torques_keep_the_reserve_that_is_asked_for(planar_cell, lift, profile, rule):
-    if profile == "constant":
-        result = mrts.scale(planar_cell, lift, reserve=0.2, distribute=rule)
-        assert result.reserve.whole.share == pytest.approx(0.2, abs=ROUNDING)
-    else:
-        result = mrts.retime(planar_cell, lift, reserve=0.2, distribute=rule).retimed
-    rows = all_rows(result.cell, result.motion)
-    done = result.trajectory
-    share = rows.share(rows.value(done.torque, done.wrench, 0.0, done.c))
-    assert np.max(share) == pytest.approx(0.8, abs=1e-7)
-    assert result.options.distribute == rule
-
-
-def test_a_known_load_keeps_the_distribution(planar_cell, lift):
-    cell = planar_cell.with_variation(mass=(0.5, 2.0))
-    result = mrts.scale(cell, lift, distribute="reserve", reserve=0.05)
-    carried = mrts.torques_for_load(result, cell.load_box.load_at({"mass": 2.0}))
-    assert carried.options.distribute == "reserve"
-    assert np.max(largest_share(carried)) <= 0.95 + ROUNDING
-    assert carried.reserve.whole.share == pytest.approx(0.05, abs=ROUNDING)
-    assert carried.reserve.whole.load.parameters["mass"] == 2.0
-
-
-def test_configurations_keep_it(planar_cell, lift):
-    whole, kept = (mrts.rank_configurations(planar_cell.with_reserve(part), lift).ranked[0] for part in (0.0, 0.2))
-    assert kept.c2_upper == pytest.approx(mrts.scale(planar_cell, lift, reserve=0.2).range.upper.c2, rel=1e-6)
-    assert kept.c2_upper < whole.c2_upper
-
-
-def test_json_and_saved_results_have_it(planar_cell, lift, tmp_path):
-    cell = planar_cell.with_variation(mass=(0.5, 2.0))
-    for asked in ({}, {"distribute": "reserve", "reserve": 0.1}):
-        result = mrts.scale(cell, lift, 0.4, **asked)
-        said = json.loads(result.json_text())
-        assert said["distribute"] == asked.get("distribute", "least-torque")
-        assert said["kept_reserve"] == asked.get("reserve", 0.0)
-        assert said["reserve"]["share"] == result.reserve.whole.share > said["kept_reserve"]
-        assert said["reserve"]["distributed"]["rows"][0]["limit"] == result.reserve.distributed.rows[0].limit
-        assert said["largest_step"]["wrench"]["step"] == largest_step(result, "wrench").step > 0
-        mrts.save_result(result, tmp_path / "result.npz")
-        again = mrts.load_result(tmp_path / "result.npz")
-        assert again.reserve.to_json() == result.reserve.to_json()
-        assert again.options == result.options
-        assert again.cell.reserve == result.cell.reserve
-        assert json.loads(again.json_text()) == said
+        assert 0.1 < result.reserve.share < 1
 
 
 @pytest.mark.parametrize("reserve", [-0.1, 1.0, 2, np.nan, np.inf, "0.1", True, [0.1]])
@@ -256,11 +166,6 @@ def test_a_share_is_from_0_to_below_1(planar_cell, lift, reserve):
     ):
         with pytest.raises(mrts.InputError, match=r"reserve = .*: must be a number, 0 or more and below 1"):
             ask()
-
-
-def test_an_export_takes_no_reserve(planar_cell):
-    with pytest.raises(mrts.InputError, match=r"reserve = 0.1: an exported library has the limits as they are given"):
-        embedded_limits(planar_cell.with_reserve(0.1))
 
 
 def test_a_distribution_that_is_none_is_refused(planar_cell, lift):

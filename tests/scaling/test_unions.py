@@ -1,16 +1,11 @@
 """The range of c² where samples admit several intervals: the highest, and slower speeds that are asked for."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from gantries import gantries
+from given_ranges import ranges_of
 from slowing_gantries import Slowing
 
 import mrts
-from mrts.program.motion_rows import motion_rows
-from mrts.program.sample_ranges import BindingRows
-from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.range import common_range
 
 SAME = 1e-9
@@ -69,31 +64,6 @@ def test_a_slower_c2_must_carry_every_corner_of_a_box(tmp_path):
         mrts.scale(cell, case.motion(), sum(slow) / 2)
 
 
-def test_torque_speed_curves_leave_several_intervals_too(tmp_path):
-    cell = gantries(tmp_path, gravity=(-4, 0, 0))
-    curve, rotor = (np.array([[0, 30.0], [1.6, 2.0]]), None, None), np.array([3.0, 0, 0])
-    motors = replace(cell.robots[0].motors, armature=rotor, torque_speed=curve)
-    falling = replace(cell, robots=tuple(replace(robot, motors=motors) for robot in cell.robots))
-    low = mrts.scale(falling, Slowing().motion()).range.lower.c2
-    assert low > 1
-    with pytest.raises(mrts.SelectionError, match="no slower one admits it"):
-        mrts.scale(falling, Slowing().motion(), 1.0)
-    motion = mrts.follow_object(falling, Slowing().motion())
-    below = motion_ranges(motion_rows(falling, motion), "kernel", high=1.0)
-    assert np.max(below.lower) < np.min(below.upper) < 1
-    slow = float(np.max(below.lower) + np.min(below.upper)) / 2
-    assert mrts.scale(falling, motion, slow).trajectory.c2 == slow
-
-
-def test_a_saved_result_says_the_same(slowing, tmp_path):
-    result = mrts.scale(slowing, Slowing().motion())
-    mrts.save_result(result, tmp_path / "result.npz")
-    kept = mrts.load_result(tmp_path / "result.npz", slowing)
-    assert kept.json_text() == result.json_text()
-    assert kept.sentence() == result.sentence()
-    assert kept.range.lower.rows == result.range.lower.rows
-
-
 INTERVALS = {
     "both at their highest": ([[(0, 1), (3, 5)], [(0, 2), (4, 6)]], "feasible", (4, 5)),
     "one goes down": ([[(0, 1), (3, 5)], [(0, 2)]], "feasible", (0, 1)),
@@ -108,9 +78,7 @@ INTERVALS = {
 def test_samples_go_down_until_they_have_an_interval_in_common(unions, status, expected):
     def find(high):
         found = [max((one for one in union if one[0] <= high), default=max(union)) for union in unions]
-        lower, upper = np.array(found, dtype=float).T
-        rows, statuses = BindingRows((), np.zeros((2, 0)), np.zeros((2, 2, 0), int)), (mrts.SampleStatus.FEASIBLE,) * 2
-        return mrts.SampleRanges(np.arange(2.0), statuses, lower, upper, rows, (), 0, several=True)
+        return ranges_of(*np.transpose(found), several=True)
 
     found = common_range(find)
     assert (found.status.value, ends(found)) == (status, expected)
@@ -130,13 +98,3 @@ def test_what_is_guaranteed_is_what_all_corners_leave(tmp_path, sharing):
         assert known.trajectory.c2 == found.trajectory.c2
     possible = mrts.scale(cell, case.motion(), load="possible", sharing=sharing)
     assert ends(possible.range) == pytest.approx((min(one[0], other[0]), max(one[1], other[1])), rel=1e-6)
-
-
-def test_a_known_load_is_refused_at_a_c2_in_its_gap(tmp_path):
-    case = Slowing()
-    cell = case.cell(tmp_path, variation={"mass": [0.5, 8.0]})
-    heavy = mrts.scale(cell.with_load(cell.load_box.load_at({"mass": 8.0})), case.motion(), 0.82, load="nominal")
-    with pytest.raises(mrts.SelectionError, match="does not suit this load"):
-        mrts.torques_for_load(heavy, cell.load_box.load_at({"mass": 0.5}))
-    slow = mrts.scale(heavy.cell, case.motion(), 0.01, load="nominal")
-    assert mrts.torques_for_load(slow, cell.load_box.load_at({"mass": 0.5})).trajectory.c2 == 0.01

@@ -100,14 +100,6 @@ def test_end_speeds_count_where_the_motion_does_not_rest(tmp_path):
     assert "[0, 0.5]" in slow.explanation
 
 
-def test_a_speed_that_nothing_limits_is_an_outcome(tmp_path):
-    cell = gantries(tmp_path)
-    loose = [replace(robot, torque_lower=np.full(3, -1e12), torque_upper=np.full(3, 1e12)) for robot in cell.robots]
-    found = mrts.retime(replace(cell, robots=tuple(loose)), along_x())
-    assert found.status.admits_motion  # 10¹² N are a limit, too
-    assert found.duration < 1e-4
-
-
 @pytest.mark.parametrize("sharing", [None, mrts.LoadSharing()])
 def test_a_cell_without_a_single_limit_is_an_outcome(sharing, planar_cell, lift):
     none = np.full(3, np.inf)
@@ -115,14 +107,8 @@ def test_a_cell_without_a_single_limit_is_an_outcome(sharing, planar_cell, lift)
     free = replace(
         planar_cell, robots=tuple(replace(robot, **limits, velocity_limit=none) for robot in planar_cell.robots)
     )
-    for formulation in ("wrench", "torque"):
-        result = mrts.scale(free, lift, sharing=sharing, formulation=formulation)
-        assert result.status.value == "unbounded"
-        assert (result.range.lower.c2, result.trajectory.c2) == (0.0, 1.0)
-        assert result.residuals().arms < 1e-9
-    varied = free.with_variation(mass=(0.5, 1.5))
-    for load in ("guaranteed", "possible", "grid:3"):
-        assert mrts.scale(varied, lift, sharing=sharing, load=load).status.value == "unbounded"
+    result = mrts.scale(free, lift, sharing=sharing)
+    assert (result.status.value, result.range.lower.c2, result.trajectory.c2) == ("unbounded", 0.0, 1.0)
     assert mrts.retime(free, lift, sharing=sharing).status.value == "unbounded"
 
 
@@ -151,3 +137,5 @@ def test_bad_arguments_are_named(planar_cell, lift):
         mrts.retime(planar_cell, lift, end_speed=0.5)
     with pytest.raises(mrts.InputError, match="sharing"):
         mrts.retime(planar_cell, lift, sharing=0.5)
+    with pytest.raises(mrts.InputError, match=r"it is of type RetimingResult. Give its `retimed`\."):
+        mrts.write_trajectory_csv(mrts.retime(planar_cell, lift), "plan.csv")

@@ -52,33 +52,3 @@ def test_speeds_are_those_of_the_oracle(largest):
         for ours, theirs in zip(arrays, others, strict=True):
             np.testing.assert_allclose(ours, theirs, rtol=SAME, atol=SAME)
     assert outcomes == {True, False}
-
-
-def random_polygon(rng, box, cap):
-    """Corners counter-clockwise: none, a point, a segment, one that is too short to have a direction, a hull, a box."""
-    kind = rng.integers(6)
-    if kind == 0:
-        return rng.normal(size=(rng.integers(3), 2))
-    if kind == 1:
-        return np.array([[0.0, 0.0], [1e-170, 1e-170]]) * rng.choice([1e-10, 1.0, 1e170])
-    if kind == 2:
-        corners = np.array([[-1.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0]]) * [box, cap]
-        return corners * (1 - rng.choice([0.0, 5e-7, 2e-6], size=corners.shape))
-    angles = np.sort(rng.uniform(0, 2 * np.pi, rng.integers(3, 12)))
-    corners = np.column_stack([np.cos(angles), 1 + np.sin(angles)]) * 10 ** rng.uniform(-6, 3, 2)
-    return np.repeat(corners, rng.integers(1, 3, len(corners)), axis=0)
-
-
-def test_half_planes_are_those_of_the_oracle():
-    """Bit for bit, of polygons of any kind, and where u or x does not move."""
-    rng, box, near = np.random.default_rng(4), 1e5, 1 - 1e-6
-    for _ in range(50):
-        cap = np.where(rng.random(20) < 0.1, 0.0, 10 ** rng.uniform(-3, 5, 20))
-        polygons = [random_polygon(rng, box, most) for most in cap.tolist()]
-        number = np.array([len(polygon) for polygon in polygons], dtype=np.int32)
-        unit = np.where(rng.random((20, 2)) < 0.2, np.inf, 10 ** rng.uniform(-6, 6, (20, 2)))
-        given = number, np.concatenate(polygons), unit, cap, box, near
-        found = default_programs().half_planes(*given)
-        for ours, expected in zip(found, speed_passes.half_planes(*given), strict=True):
-            np.testing.assert_array_equal(ours, expected, strict=True)
-        assert found.start[-1] == len(found.planes) > 0

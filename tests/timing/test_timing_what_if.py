@@ -20,10 +20,9 @@ def with_left(cell, **values):
     return replace(cell, robots=(replace(cell.robots[0], **values), *cell.robots[1:]))
 
 
-@pytest.mark.parametrize("load", ["nominal", "guaranteed"])
-def test_each_change_is_what_timing_the_changed_cell_gives(load, planar_cell, lift):
+def test_each_change_is_what_timing_the_changed_cell_gives(planar_cell, lift):
     cell = planar_cell.with_variation(mass=(0.5, 2.0))
-    asked = {"load": load, "between": None}
+    asked = {"load": "guaranteed", "between": None}
     result = mrts.retime(cell, lift, **asked)
     found = by_text(result.what_if(share=0.05))
     base, grasp = cell.robots[0].T_world_base, cell.robots[0].T_object_tip
@@ -52,20 +51,6 @@ def test_bang_bang_of_two_gantries_in_closed_form(tmp_path):
         assert one.after.duration / one.before.duration == pytest.approx(np.sqrt(ratio), rel=1e-6)
     assert str(by_text(found)["near/slide_x +10 %"]).startswith("near/slide_x +10 %: time -2.41 %, 1.447 s instead of")
     assert str(found).splitlines()[0].endswith("; now 1.483 s")
-
-
-def test_end_speeds_are_kept(tmp_path):
-    cell, motion = gantries(tmp_path), along_x(samples=61)
-    middle = mrts.ObjectMotion(
-        motion.time[20:41] - motion.time[20],
-        *(getattr(motion, part)[20:41] for part in ("position", "rotation", "twist", "acceleration")),
-    )
-    result = mrts.retime(cell, middle, start_speed=0.5, end_speed=0.8, between=None)
-    found = by_text(result.what_if())
-    again = mrts.retime(cell.with_mass(1.1 * cell.mass), middle, start_speed=0.5, end_speed=0.8, between=None)
-    assert found["mass +10 %"].before.duration == pytest.approx(result.duration, rel=SAME_TIMING)
-    assert found["mass +10 %"].after.duration == pytest.approx(again.duration, rel=SAME_TIMING)
-    assert found["mass +10 %"].matters
 
 
 @pytest.mark.quick

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
+from given_ranges import ranges_of
 from scipy.optimize import linprog
 
 import mrts
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import BindingRows
 from mrts.program.torque_distribution import torque_weights
 from mrts.program.trajectory_programs import motion_torques
 from mrts.scaling.range import intersect
@@ -32,10 +32,7 @@ def turning():
 
 
 def synthetic(lower, upper):
-    lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
-    status = tuple(mrts.SampleStatus.UNBOUNDED if np.isinf(u) else mrts.SampleStatus.FEASIBLE for u in upper)
-    rows = BindingRows((), np.zeros((2, 0)), np.zeros((2, len(lower), 0), int))
-    return intersect(mrts.SampleRanges(np.arange(float(len(lower))), status, lower, upper, rows, (), 0))
+    return intersect(ranges_of(lower, upper))
 
 
 def red_bars(state):

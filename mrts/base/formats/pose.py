@@ -101,14 +101,12 @@ class Pose(Record):
             return f"a quaternion of a rotation has the length 1; the length of {given[0]} is {length:.6g}"
         return ""
 
-    def model_dump(self, *, include: set[str] | None = None, exclude: set[str] | None = None) -> dict[str, Any]:
-        """Keys that it has, and angles of 0 where no rotation is given; arguments as `Record.model_dump`."""
-        whole = super().model_dump(include=include, exclude=exclude)
-        known = {key: value for key, value in whole.items() if value is not None}
-        return known if len(known) > 1 or "xyz" not in known else known | {"rpy": [0.0, 0.0, 0.0]}
+    def model_dump(self) -> dict[str, Any]:
+        """Keys that it has, and angles of 0 where no rotation is given."""
+        known = {key: value for key, value in super().model_dump().items() if value is not None}
+        return known if len(known) > 1 else known | {"rpy": [0.0, 0.0, 0.0]}
 
     def _x_to_w(self) -> list[float] | None:
-        """Its quaternion, if it is given by one, the real part last."""
         if self.quaternion_wxyz is not None:
             return [*self.quaternion_wxyz[1:], self.quaternion_wxyz[0]]
         return self.quaternion_xyzw

@@ -14,37 +14,35 @@ from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, Union, dat
 
 from mrts.base.errors import InputError, Mistakes, as_array
 
-RULES = {
-    "bool_parsing": "must be true or false",
-    "bool_type": "must be true or false",
-    "dict_type": "must be a mapping of keys to values",
-    "finite_number": "must be a finite number",
-    "float_type": "must be a number",
-    "greater_than": "must be > {gt:g}",
-    "greater_than_equal": "must be >= {ge:g}",
-    "int_type": "must be a whole number",
-    "less_than": "must be < {lt:g}",
-    "less_than_equal": "must be <= {le:g}",
-    "list_type": "must be a list",
-    "literal_error": "must be {expected}",
-    "missing": "this key is required",
-    "model_type": "must be a mapping of keys to values",
-    "string_pattern_mismatch": "must be letters, digits and single underscores, and start with a letter",
-    "string_too_short": "must have at least {min_length} character",
-    "string_type": "must be text",
-    "too_long": "has {actual_length} values, at most {max_length} belong here",
-    "too_near_zero": "must be 0, or at least {smallest:g} in size",
-    "too_short": "has {actual_length} values, at least {min_length} belong here",
+TYPES = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+MAPPING, LIST, NUMBER = "must be a mapping of keys to values", "must be a list", "must be a number"
+FINITE = "must be a finite number"
+
+LIMITS: dict[str, tuple[str, Callable[[Any, Any], bool]]] = {
+    "gt": ("must be > {limit:g}", operator.gt),
+    "ge": ("must be >= {limit:g}", operator.ge),
+    "lt": ("must be < {limit:g}", operator.lt),
+    "le": ("must be <= {limit:g}", operator.le),
+    "min_length": ("has {length} values, at least {limit} belong here", lambda value, limit: len(value) >= limit),
+    "max_length": ("has {length} values, at most {limit} belong here", lambda value, limit: len(value) <= limit),
+    "pattern": (
+        "must be letters, digits and single underscores, and start with a letter",
+        lambda value, limit: re.fullmatch(limit, value) is not None,
+    ),
+    "allow_inf_nan": (FINITE, lambda value, limit: limit or math.isfinite(value)),
+    "smallest": (
+        "must be 0, or at least {limit:g} in size",
+        lambda value, limit: value == 0 or abs(value) >= limit,
+    ),
 }
-"""What is wrong with a value, by pydantic's names; fields are numbers and texts of the format, nothing of the file."""
+"""The rule and the check of each limit, by pydantic's names."""
 
 
 class Rule:
     """What numbers, texts and lists must keep.
 
     Attributes:
-        limits: By pydantic's names: gt, ge, lt, le, min_length, max_length, pattern, allow_inf_nan; and `smallest`, the
-            least size of a number that is not 0.
+        limits: By the names of `LIMITS`; `smallest` is the least size of a number that is not 0.
     """
 
     def __init__(self, **limits: Any) -> None:
@@ -53,24 +51,11 @@ class Rule:
     def check(self, value: Any, given: object) -> None:
         """Check a value of the annotated type."""
         for name, limit in self.limits.items():
-            kind, keeps = _LIMITS[name]
+            rule, keeps = LIMITS[name]
             if not keeps(value, limit):
-                length = len(value) if name.endswith("length") else 0
-                kind = "string_too_short" if kind == "too_short" and isinstance(value, str) else kind
-                _fail(kind, given, **{name: limit, "actual_length": length})
-
-
-_LIMITS: dict[str, tuple[str, Callable[[Any, Any], bool]]] = {
-    "gt": ("greater_than", operator.gt),
-    "ge": ("greater_than_equal", operator.ge),
-    "lt": ("less_than", operator.lt),
-    "le": ("less_than_equal", operator.le),
-    "min_length": ("too_short", lambda value, limit: len(value) >= limit),
-    "max_length": ("too_long", lambda value, limit: len(value) <= limit),
-    "pattern": ("string_pattern_mismatch", lambda value, limit: re.fullmatch(limit, value) is not None),
-    "allow_inf_nan": ("finite_number", lambda value, limit: limit or math.isfinite(value)),
-    "smallest": ("too_near_zero", lambda value, limit: value == 0 or abs(value) >= limit),
-}
+                if name == "min_length" and isinstance(value, str):
+                    rule = "must have at least {limit} character"
+                raise _broken(rule.format(limit=limit, length=len(value) if name.endswith("length") else 0), given)
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
@@ -104,7 +89,7 @@ class Record:
         if isinstance(data, cls):
             return data
         if not isinstance(data, dict):
-            raise _broken(f"{RULES['model_type']}, of {', '.join(cls.model_fields)}", data)
+            raise _broken(f"{MAPPING}, of {', '.join(cls.model_fields)}", data)
         record = object.__new__(cls)
         record._fill(data)
         return record
@@ -118,14 +103,10 @@ class Record:
             raise error.inside(where) from None
 
     def _fill(self, data: dict[Any, Any]) -> None:
-        vars(self).update(_checked_fields(self.model_fields, _defaults(type(self)), data))
+        defaults = {name: getattr(type(self), name) for name in self.model_fields if hasattr(type(self), name)}
+        vars(self).update(_checked_fields(self.model_fields, defaults, data))
         if problem := self.problem():
             raise InputError("", f"{problem.rstrip('.')}.")
-
-    @classmethod
-    def model_validate_json(cls, text: str) -> Self:
-        """The record that a JSON text describes."""
-        return cls.model_validate(read_json(text))
 
     def problem(self) -> str:
         """The rule that values break with each other; empty if none."""
@@ -137,15 +118,11 @@ class Record:
         vars(record).update(vars(self) | update)
         return record
 
-    def model_dump(self, *, include: set[str] | None = None, exclude: set[str] | None = None) -> dict[str, Any]:
+    def model_dump(self) -> dict[str, Any]:
         """Dictionaries, lists and values."""
-        names = (name for name in self.model_fields if include is None or name in include)
-        return {name: dumped(getattr(self, name)) for name in names if name not in (exclude or ())}
+        return {name: dumped(value) for name, value in self}
 
     def __setattr__(self, name: str, _value: object) -> None:
-        raise AttributeError(f"{type(self).__name__}.{name} cannot be changed")
-
-    def __delattr__(self, name: str) -> None:
         raise AttributeError(f"{type(self).__name__}.{name} cannot be changed")
 
     def __eq__(self, other: object) -> bool:
@@ -169,11 +146,7 @@ def read_json(text: str) -> Any:
 
 
 def _refuse(constant: str) -> NoReturn:
-    _fail("finite_number", constant)
-
-
-def _defaults(cls: type[Record]) -> dict[str, Any]:
-    return {name: getattr(cls, name) for name in cls.model_fields if hasattr(cls, name)}
+    raise _broken(FINITE, constant)
 
 
 def _checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[Any, Any]) -> dict[str, Any]:
@@ -185,7 +158,7 @@ def _checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[
     for key, name in keys.items():
         try:
             if key not in data and name not in defaults:
-                raise InputError("", f"{RULES['missing']}.", key=key)  # noqa: TRY301 (noted with the others)
+                raise InputError("", "this key is required.", key=key)  # noqa: TRY301 (noted with the others)
             values[name] = _at(key, kinds[name], data[key] if key in data else defaults[name])
         except InputError as error:
             mistakes.add(error)
@@ -247,14 +220,14 @@ def _one_of(value: Any, *kinds: Any) -> Any:
             return checked(kind, value)
         except InputError as error:
             errors.append(error)
-    forms = tuple(RULES[kind] for kind in ("list_type", "model_type", "float_type"))
+    forms = (LIST, MAPPING, NUMBER)
     raise max(errors, key=lambda error: (len(re.findall(r"[^.[]+", error.key)), not error.rule.startswith(forms)))
 
 
 def _dataclass(kind: Any, value: Any) -> Any:
     """A value of a dataclass from a mapping; what its own check refuses is told as a rule of the mapping."""
     if not isinstance(value, dict):
-        _fail("model_type", value)
+        raise _broken(MAPPING, value)
     given: list[Field[Any]] = [field for field in fields(kind) if field.init]
     defaults = {field.name: field.default for field in given if field.default is not MISSING}
     values = _checked_fields({field.name: field.type for field in given}, defaults, value)
@@ -265,47 +238,40 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
     if origin is Literal:
         if not isinstance(value, str) or value not in parts:
             *others, last = map(repr, parts)
-            _fail("literal_error", value, expected=f"{', '.join(others)} or {last}" if others else last)
+            raise _broken(f"must be {', '.join(others)} or {last}" if others else f"must be {last}", value)
         return value
     if origin in {dict, Mapping}:
         if not isinstance(value, dict):
-            _fail("dict_type", value)
+            raise _broken(MAPPING, value)
         names = _each_at((str(name), parts[0], name) for name in value)
         return dict(zip(names, _each_at((str(name), parts[1], entry) for name, entry in value.items()), strict=True))
     if getattr(origin, "__name__", "") == "ndarray":
         return as_array("", value)
     if not isinstance(value, list | tuple):
-        _fail("list_type", value)
+        raise _broken(LIST, value)
     return _items(origin, parts, value)
 
 
 def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ...]) -> Any:
     if origin is list or kinds[-1] is Ellipsis:
         return origin(_each_at((f"[{index}]", kinds[0], item) for index, item in enumerate(value)))
-    if len(value) != len(kinds):
-        kind, length = ("too_long", "max_length") if len(value) > len(kinds) else ("too_short", "min_length")
-        _fail(kind, value, actual_length=len(value), **{length: len(kinds)})
+    Rule(min_length=len(kinds), max_length=len(kinds)).check(value, value)
     return tuple(_each_at((f"[{index}]", *pair) for index, pair in enumerate(zip(kinds, value, strict=True))))
 
 
 def _plain(kind: type, value: Any) -> Any:
-    if kind is float:
-        if isinstance(value, bool) or not isinstance(value, float | int):
-            _fail("float_type", value)
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number):
-            _fail("finite_number", value)
-        return number
-    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
-        _fail({int: "int_type", bool: "bool_type", str: "string_type"}[kind], value)
-    return value
-
-
-def _fail(kind: str, value: object, **of_format: Any) -> NoReturn:
-    raise _broken(RULES[kind].format(**of_format), value)
+    taken: Any = (float, int) if kind is float else kind
+    if not isinstance(value, taken) or (isinstance(value, bool) and kind is not bool):
+        raise _broken(f"must be {TYPES[kind]}", value)
+    if kind is not float:
+        return value
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise _broken(FINITE, value)
+    return number
 
 
 def _broken(rule: str, value: object) -> InputError:

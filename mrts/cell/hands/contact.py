@@ -116,12 +116,7 @@ def check_components(components: object) -> None:
 
 
 def as_given(kind: str, **values: Any) -> dict[str, Any]:
-    """The entry of a cell file that stands for a contact made in Python.
-
-    Args:
-        kind: Such as "pad".
-        **values: What it was made of; None stands for what is left out.
-    """
+    """The entry of a cell file that stands for a contact made in Python."""
     plain_values = {key: plain("contact", value) for key, value in values.items() if value is not None}
     return {kind: plain_values}
 
@@ -200,13 +195,7 @@ def contact_axes(key: str, direction: object, components: Sequence[str]) -> Arra
 
 
 def in_object_axes(rows: Array, R_object_tip: Array, components: Sequence[str]) -> Array:
-    """Rows over a wrench in tip axes as rows over it in object axes, Shape (r, w).
-
-    Args:
-        rows: Shape (r, w).
-        R_object_tip: Rotation of the grasp, Shape (3, 3).
-        components: Of the cell's wrenches.
-    """
+    """Rows over a wrench in tip axes as rows over it in object axes, Shape (r, w)."""
     there = tip_components(components, R_object_tip)
     if there is None:
         raise InputError("contact", NOT_IN_PLANE, key="frame", value="tip")
@@ -215,10 +204,5 @@ def in_object_axes(rows: Array, R_object_tip: Array, components: Sequence[str]) 
 
 
 def in_tip_axes(rows: Array, axes: Array) -> Array:
-    """Rows over a wrench in contact axes as rows over it in tip axes, Shape (r, w).
-
-    Args:
-        rows: Shape (r, w).
-        axes: From `contact_axes`.
-    """
+    """Rows over a wrench in contact axes as rows over it in tip axes, Shape (r, w)."""
     return np.hstack([multiply(part, axes) for part in np.split(rows, rows.shape[1] // 3, axis=1)])

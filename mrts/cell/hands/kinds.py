@@ -40,15 +40,7 @@ class Bounds(Record):
 def wrench_bounds(
     where: Path | str, key: str, lower: Side, upper: Side, components: Sequence[str]
 ) -> tuple[Array, Array]:
-    """Bounds of a wrench, infinite where there is none, each Shape (w,) [N, N m].
-
-    Args:
-        where: The file, or what else they are given in, for messages.
-        key: Of the bounds in it; may be empty.
-        lower: As given.
-        upper: As given.
-        components: Of the wrench.
-    """
+    """Bounds of a wrench, infinite where there is none, each Shape (w,) [N, N m]."""
     size, sides = len(components), []
     for side, given, unbounded in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
         name, values = f"{key}.{side}".lstrip("."), [None] * size if given is None else given
@@ -156,12 +148,7 @@ def rows_contact(
 
 
 def _has_interior(A: Array, upper: Array) -> bool:
-    """Whether a ball lies in A x <= upper: its largest radius, at most the rows' distance from the origin, is not 0.
-
-    Args:
-        A: Rows that are not zero, Shape (r, w).
-        upper: Shape (r,).
-    """
+    """Whether a ball lies in A x <= upper: its largest radius, at most the rows' distance from the origin, is not 0."""
     from scipy.optimize import linprog  # noqa: PLC0415 (build time only, and slow to import)
 
     column = np.max(np.abs(A), axis=0)
@@ -310,7 +297,6 @@ KINDS: dict[str, Callable[..., Contact]] = {
 
 
 def _positive(key: str, value: object) -> float:
-    """A number that a hand needs."""
     if not is_number(value, SMALLEST, LARGEST_NUMBER):
         raise InputError("contact", f"must be a number > 0, at least {SMALLEST:g}.", key=key, value=value)
     return float(value)  # type: ignore[arg-type]  # is_number has seen to it
@@ -327,7 +313,6 @@ def _pyramid(friction: object, components: Sequence[str]) -> float:
 
 
 def _half_widths(key: str, values: object, components: Sequence[str]) -> list[float]:
-    """Half widths of a surface along its axes a and b; in a planar cell along a alone."""
     count = 2 if len(components) == len(WRENCH_COMPONENTS) else 1
     if not holds(values, count):
         what = "[a, b], both half widths" if count > 1 else "[a]: in a planar cell the contact is a line"
@@ -375,16 +360,7 @@ def _surface_contact(
     pressed: float,
     given: dict[str, Any],
 ) -> Contact:
-    """A surface that holds by friction what its normal force and what presses it besides can bear.
-
-    Args:
-        name: Of the contact.
-        needed: Normal force that each demand needs, from `_normal_force_needed`.
-        axes: Turns a triple of a wrench from tip into contact axes (`mrts.cell.hands.contact.contact_axes`).
-        normal_force: Least and most f_n [N].
-        pressed: What presses the surface besides f_n [N].
-        given: Its entry in a cell file.
-    """
+    """A surface that holds by friction what its normal force and what presses it besides can bear."""
     along = np.zeros(len(next(iter(needed.values()))))
     along[2 if len(along) == len(WRENCH_COMPONENTS) else 1] = 1.0
     rows = np.array([along, *(row - along for row in needed.values())])
@@ -401,7 +377,6 @@ def _surface_contact(
 
 
 def _in_plane(mu: float, width: float) -> dict[str, Array]:
-    """Rows over (f_a, f_n, m)."""
     f_a, f_n, m = np.eye(3)
     return {"friction a": f_a / mu, "along the axis": f_n, "tilt": m / width}
 

@@ -90,13 +90,7 @@ class JointMotors:
         return bool(np.any(self.coulomb) or np.any(self.viscous))
 
     def problem_with(self, lower: Array, upper: Array, joints: Sequence[str]) -> tuple[str, str] | None:
-        """What contradicts the torque limits: the key and the rule; None if nothing does.
-
-        Args:
-            lower: Least torques, Shape (n,) [N m].
-            upper: Largest torques, likewise.
-            joints: Their names.
-        """
+        """What contradicts the torque limits: the key and the rule; None if nothing does."""
         for j, joint in enumerate(joints):
             least, most = float(min(-lower[j], upper[j])), float(max(-lower[j], upper[j]))
             if self.coulomb[j] > 0 and not self.coulomb[j] < least:
@@ -113,11 +107,7 @@ class JointMotors:
 
 
 def torque_speed_lines(curve: Array) -> list[tuple[float, float]]:
-    """The falling lines |τ| <= a - m |q̇| of a curve, as pairs a [N m], m [N m s/rad].
-
-    Args:
-        curve: Corners |q̇|, |τ|, Shape (c, 2).
-    """
+    """The falling lines |τ| <= a - m |q̇| of a curve, as pairs a [N m], m [N m s/rad]."""
     steps = np.diff(curve, axis=0)
     slopes = -steps[:, 1] / steps[:, 0]
     return [(float(t + m * v), float(m)) for (v, t), m in zip(curve[:-1], slopes, strict=True) if m > 0]
@@ -165,14 +155,7 @@ TorqueLimits = Annotated[list[Finite], Rule(min_length=1)] | TorqueBounds
 def given_torque_limits(
     where: Path | str, key: str, given: Sequence[float] | TorqueBounds, joints: Sequence[str]
 ) -> tuple[Array, Array]:
-    """Torque limits, one a joint, each Shape (n,) [N m, N for prismatic joints].
-
-    Args:
-        where: The file, or what else they are given in, for messages.
-        key: Of the limits in it.
-        given: As `TorqueLimits`.
-        joints: Their names.
-    """
+    """Torque limits, one a joint, each Shape (n,) [N m, N for prismatic joints]."""
     sides = {f"{key}.{side}": values for side, values in given} if isinstance(given, TorqueBounds) else {key: given}
     for name, values in sides.items():
         if len(values) != len(joints):

@@ -3,9 +3,6 @@
 import os
 import shutil
 import subprocess
-import tempfile
-from functools import cache
-from pathlib import Path
 
 import pytest
 import yaml
@@ -40,25 +37,6 @@ def link(folder, main, program, *flags):
     given = [*sources(folder), main, "-lm"]
     run(tool("gcc", "gcc"), "-std=c99", *flags, f"-I{folder}/include", f"-I{folder}/tests", *given, "-o", program)
     return program
-
-
-def answers(folder, text, place):
-    """What a C program prints that uses a library; both are watched by sanitizers."""
-    (place / "main.c").write_text(text)
-    objects = _objects(*((source, source.stat().st_mtime_ns) for source in sources(folder)))
-    program, compiler = place / "main", [tool("gcc", "gcc"), "-std=c99", *SANITIZED]
-    run(*compiler, f"-I{folder}/include", f"-I{folder}/tests", place / "main.c", *objects, "-lm", "-o", program)
-    return run(program)
-
-
-@cache
-def _objects(*written):
-    """Object files of a library's sources as they were written; several programs are linked with them."""
-    place = Path(tempfile.mkdtemp(dir=written[0][0].parents[2]))
-    for source, _ in written:
-        include = source.parents[1] / "include"
-        run(tool("gcc", "gcc"), "-std=c99", *SANITIZED, f"-I{include}", "-c", source, "-o", place / f"{source.stem}.o")
-    return sorted(place.glob("*.o"))
 
 
 def changed_cell(place, change):

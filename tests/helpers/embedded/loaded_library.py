@@ -1,4 +1,4 @@
-"""An exported library of a cell with motors in this process: its calls with the samples of a motion."""
+"""An exported library of doubles in this process: its calls with the samples of a motion."""
 
 import ctypes
 import re
@@ -28,13 +28,17 @@ class LoadedLibrary:
         run(tool("gcc", "gcc"), "-std=c99", "-O2", "-shared", "-fPIC", f"-I{folder}/include", *sources(folder), "-lm",
             "-o", shared)  # fmt: skip
         self.code = ctypes.CDLL(str(shared))
+        self.motors = "_place;" in text
         joints, limits = self.sizes["JOINTS"], self.sizes["ROWS"]
         moving = {"q": joints, "dq": joints, "ddq": joints, "rotation": 9, "twist": 6, "acceleration": 6}
-        self.Sample = structure([*reals(moving), ("place", ctypes.c_int)])
+        self.Sample = structure([*reals(moving), *([("place", ctypes.c_int)] if self.motors else [])])
         self.Range, self.Horizon = range_structures(self.sizes["UNKNOWNS"])
-        given = {"load": 10, "lower": limits, "upper": limits, "velocity": joints + 2 + self.sizes["ENDS"]}
-        given |= dict.fromkeys(("weight", "armature", "coulomb", "viscous"), joints)
-        self.settings = structure(reals(given | {"rest": 2, "slope": self.sizes["LINES"], "most": None}))()
+        given = {"load": 10, "lower": limits, "upper": limits, "velocity": joints + 2 + self.sizes.get("ENDS", 0)}
+        given["weight"] = joints
+        if self.motors:
+            given |= dict.fromkeys(("armature", "coulomb", "viscous"), joints)
+            given |= {"rest": 2, "slope": self.sizes["LINES"], "most": None}
+        self.settings = structure(reals(given))()
         self.workspace = ctypes.create_string_buffer(BYTES)
         self.call("default_settings", self.settings)
         getattr(self.code, f"{self.name}_row_text").restype = ctypes.c_char_p
@@ -49,7 +53,7 @@ class LoadedLibrary:
         given = motion.object
         fields = (motion.q, motion.dq, motion.ddq, given.rotation, given.twist, given.acceleration)
         place = "start" if index == 0 else "end" if index == motion.samples - 1 else "inside"
-        found = self.Sample(place=PLACES[place])
+        found = self.Sample(place=PLACES[place]) if self.motors else self.Sample()
         for (name, _), field in zip(self.Sample._fields_, fields, strict=False):
             getattr(found, name)[:] = np.ravel(field[index]).tolist()
         return found
@@ -59,6 +63,24 @@ class LoadedLibrary:
         found = self.Range()
         self.call(call, sample, self.settings, found, self.workspace)
         return found.status, *self._interval(found)
+
+    def horizon(self, motion, call="range_of_sample"):
+        """Status, upper end, its sample, row and corner of the load, over a motion."""
+        horizon, sampled = self.Horizon(), None
+        corners = (ctypes.c_double * 10 * self.sizes["CORNERS"]).in_dll(self.code, f"{self.name}_load_corners")
+        self.call("horizon_start", horizon)
+        for index in range(motion.samples):
+            one, low, high = self.Range(), ctypes.c_int(-1), ctypes.c_int(-1)
+            sample = self.sample(motion, index)
+            if call == "guaranteed_range":
+                ends = [ctypes.byref(end) for end in (low, high)]
+                self.call(call, sample, self.settings, corners, len(corners), one, *ends, self.workspace)
+            else:
+                self.call(call, sample, self.settings, one, self.workspace)
+            self.call("horizon_add", horizon, one)
+            if horizon.upper_sample == index:
+                sampled = self._rows(one)[1][0], high.value
+        return horizon.status, horizon.upper, horizon.upper_sample, *sampled
 
     def _interval(self, found):
         if found.status in NO_INTERVAL:

@@ -10,7 +10,7 @@ line w >= start + a γ + b c that every admissible factor keeps. So a factor tha
 it, up to where 1 / c meets that line.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -20,6 +20,7 @@ from scipy.optimize import OptimizeResult, linprog
 
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
+from mrts.base.load_box import LoadPoint
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName
@@ -28,10 +29,13 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import path_program
 from mrts.program.path_solver import KernelSolver
+from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits, rate_names
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.torque_distribution import TORQUE_WIDENING
+from mrts.scaling.motion_remarks import STILL
+from mrts.scaling.range import RangeEnd, ScalingRange, range_status
 
 RATE_MARGIN = 1e-8
 """Share of a rate: factors keep three of it free, less one for rounding, so that torques are more than one point."""
@@ -104,30 +108,13 @@ def _solved(cost: Array, A: sparse.csr_array, b: Array) -> OptimizeResult:
     return found if found.status == 0 else ask(method="highs-ds")
 
 
-@dataclass(frozen=True)
-class RatesAtEnd:
-    """What binds at an end of the factors that rates admit.
-
-    Attributes:
-        c2: c² of the end.
-        sample: Where.
-        rows: What binds there.
-        load: Which of the loads binds; None of a jerk, which no load moves.
-    """
-
-    c2: float
-    sample: int
-    rows: tuple[ActiveRow, ...]
-    load: int | None
-
-
 class RatedFactors:
     """Constant factors of a motion within limits of rates, for all of some loads at once.
 
     Args:
         cell: The cell.
         motion: Its motion.
-        loads: Load vectors, Shape (10,) each; None for the cell's.
+        loads: The loads; None for the cell's.
         sharing: A fixed distribution of the load.
         rates: The limits.
     """
@@ -136,13 +123,15 @@ class RatedFactors:
         self,
         cell: Cell,
         motion: CoordinatedMotion,
-        loads: Sequence[Array | None],
+        loads: Sequence[LoadPoint | None],
         sharing: LoadSharing | None,
         rates: RateLimits,
     ) -> None:
-        self.cell, self.rates = cell, rates
+        self.cell, self.rates, self.loads, self.time = cell, rates, loads, motion.object.time
+        self.stands = float(np.max(np.ptp(motion.q, axis=0))) < STILL
         rows = motion_rows(cell, motion, sharing)
-        self.problems = [build_sample_problem(rows, load=load, varying=True) for load in loads]
+        vectors = [None if point is None else point.load for point in loads]
+        self.problems = [build_sample_problem(rows, load=load, varying=True) for load in vectors]
         self.program = path_program(cell, motion, self.problems, rates)
         self.by_jerk = self._end_by_jerk()
         self._limited = np.flatnonzero(np.isfinite(self.program.change))
@@ -166,7 +155,27 @@ class RatedFactors:
         )
         self._widening = np.where(program.lower < program.upper, TORQUE_WIDENING, 0.0)
 
-    def fastest(self, lower: float, upper: float) -> tuple[float, RatesAtEnd | None]:
+    def within(self, found: ScalingRange, below: Callable[[float], ScalingRange]) -> ScalingRange:
+        """What limits of rates leave of a range that admits motion, whose ends they move inward."""
+        whole, refused = found, None
+        while whole.status.admits_motion and whole.lower is not None and whole.upper is not None:
+            low = whole.lower
+            c2, fast = self.fastest(low.c2, whole.upper.c2)
+            top = fast or whole.upper
+            if c2 >= low.c2:
+                _, slow = self.slowest(low.c2, c2)
+                return ScalingRange(range_status(low.c2, top.c2), slow or low, top, whole.samples)
+            refused = refused or ScalingRange(RangeStatus.EMPTY, low, top, found.samples)
+            if not whole.samples.several:
+                break
+            lower = below(c2)
+            if lower.lower is None or not lower.lower.c2 < low.c2:
+                break
+            whole = lower
+        assert refused is not None  # noqa: S101 (the range admits motion)
+        return refused
+
+    def fastest(self, lower: float, upper: float) -> tuple[float, RangeEnd | None]:
         """The largest c² that rates admit, and what binds there; `upper` and None if they do not bind.
 
         All other limits admit what lies between `lower` and `upper`, which may be infinity. If rates admit nothing of
@@ -174,7 +183,7 @@ class RatedFactors:
         """
         end = self.by_jerk if self.by_jerk is not None and self.by_jerk.c2 < upper else None
         c2 = upper if end is None else end.c2
-        if self._limited.size and not np.isfinite(c2):
+        if self._limited.size and not np.isfinite(c2) and not self.stands:
             c2 = self._ruled_out(lower)
         if not self._limited.size or not np.isfinite(c2) or c2 < lower:
             return c2, end
@@ -183,14 +192,14 @@ class RatedFactors:
         found = self._followed(c2, (lower, np.inf), faster=False)
         return (c2, end) if found is None else (found.c2, found)
 
-    def slowest(self, lower: float, upper: float) -> tuple[float, RatesAtEnd | None]:
+    def slowest(self, lower: float, upper: float) -> tuple[float, RangeEnd | None]:
         """The least c² that rates admit, likewise: `lower` and None if they do not bind, above `upper` if none is."""
         if not self._limited.size or lower <= 0:  # however slowly it may be played, nothing changes fast
             return lower, None
         found = self._followed(lower, (0.0, upper), faster=True)
         return (lower, None) if found is None else (found.c2, found)
 
-    def refused(self, c2: float) -> RatesAtEnd | None:
+    def refused(self, c2: float) -> RangeEnd | None:
         """What binds where rates do not admit a c² > 0 that all other limits admit; None if they admit it."""
         if self.by_jerk is not None and c2 > self.by_jerk.c2 * (1 + RATE_MARGIN):
             return self.by_jerk
@@ -237,7 +246,7 @@ class RatedFactors:
         free = KernelSolver().torques(program, square, nothing)
         return free is not None and program.excess(square, nothing, free) <= RATE_MARGIN
 
-    def _followed(self, c2: float, within: tuple[float, float], *, faster: bool) -> RatesAtEnd | None:
+    def _followed(self, c2: float, within: tuple[float, float], *, faster: bool) -> RangeEnd | None:
         """The first c² from a given one on that rates admit, or the first not ruled out beyond what is of interest."""
         c, refusing = float(np.sqrt(c2)), None
         for _ in range(MOST_CUTS):
@@ -258,7 +267,7 @@ class RatedFactors:
             c *= FASTER
         return float(np.inf)
 
-    def _end_by_jerk(self) -> RatesAtEnd | None:
+    def _end_by_jerk(self) -> RangeEnd | None:
         """The largest c² by c³ |q'''| <= jerk; None if no jerk is limited, or there is none."""
         third, most = self.program.q3, self.program.jerk
         share = np.abs(third) / most
@@ -268,9 +277,10 @@ class RatedFactors:
         names = rate_names(self.cell)[2]
         name = names[np.flatnonzero(np.isfinite(self.rates.jerk))[place]]
         row = _at_limit(name, most[place], rises=bool(third[segment, end, place] > 0))
-        return RatesAtEnd(float(share[segment, end, place] ** (-2 / 3)), segment + end, (row,), None)
+        at = segment + end
+        return RangeEnd(float(share[segment, end, place] ** (-2 / 3)), at, float(self.time[at]), (row,))
 
-    def _binding(self, asked: FactorAsked) -> RatesAtEnd:
+    def _binding(self, asked: FactorAsked) -> RangeEnd:
         """The rates of the segment that matters most, and the limits that bind at its ends."""
         weight = np.sum(asked.changes, axis=0)
         segment, place = (int(one) for one in np.unravel_index(np.argmax(weight), weight.shape))
@@ -284,7 +294,8 @@ class RatedFactors:
             for side, place in np.argwhere(asked.changes[:, segment] > least).tolist()
         ]
         limits = [problem.active_row(row, upper=side == 0) for side, row in np.argwhere(at_ends > least).tolist()]
-        return RatesAtEnd(asked.c**2, segment, (*dict.fromkeys((*rates, *limits)),), load)
+        named = tuple(dict.fromkeys((*rates, *limits)))
+        return RangeEnd(asked.c**2, segment, float(self.time[segment]), named, self.loads[load])
 
     def _rate(self, row: int, *, rises: bool) -> ActiveRow:
         torques, wrenches, _ = rate_names(self.cell)

@@ -11,9 +11,9 @@ from rated_factor import RatedFactor
 
 import mrts
 from mrts.cell.motors.joint_motors import JointMotors
-from mrts.program.constant_rates import RatedFactors
 from mrts.program.rate_limits import rate_limits
 from mrts.program.torque_distribution import torque_weights
+from mrts.scaling.constant_rates import RatedFactors
 from mrts.scaling.limit_use import rate_uses
 
 THIRD = 24.0
@@ -58,65 +58,41 @@ def shares(result):
     return {use.name.kind: use.share for use in reversed(rate_uses(result))}
 
 
+CLOSED = {
+    "torque": (lambda cell: with_motors(cell, torque_rate=10.0), 2 * 10 / MOVED, "torque rate (lower, -10 N/s)"),
+    "wrench": (
+        lambda cell: with_contact_rate(cell, 4.0, 4.0, np.inf),
+        2 * 4 / CARRIED,
+        "contact wrench rate (lower, -4 N/s)",
+    ),
+    "jerk": (lambda cell: with_motors(cell, jerk=3.0), 3.0, "jerk (lower, -3 m/s³)"),
+    "all": (
+        lambda cell: with_contact_rate(with_motors(cell, torque_rate=10.0, jerk=8.0), 4.0, np.inf, np.inf),
+        2 * 10 / MOVED,
+        "torque rate (lower, -10 N/s)",
+    ),
+}
+"""Limits of rates of both gantries, the third derivative that they admit, and what binds."""
+
+
 @pytest.mark.quick
-def test_two_gantries_share_the_change_of_what_accelerates_all(pushed):
-    result = mrts.scale(with_motors(pushed, torque_rate=10.0), along_x(), rates=True)
-    assert result.trajectory.c**3 == pytest.approx(2 * 10 / (MOVED * THIRD), rel=3 * ROUNDED)
-    assert {(row.name.kind, row.name.element, row.side, row.limit) for row in result.range.upper.rows} == {
-        ("torque rate", "slide_x", "lower", -10.0)
-    }
-    assert "within the rates, c² ∈ [0, " in result.sentence()
-    assert "near/slide_x torque rate (lower, -10 N/s)" in result.sentence()
-    assert shares(result)["torque rate"] == pytest.approx(1, abs=ROUNDED)
+@pytest.mark.parametrize("kind", CLOSED)
+def test_two_gantries_share_the_change_of_what_accelerates_all(pushed, kind):
+    rated, third, named = CLOSED[kind]
+    cell, rate = (
+        rated(pushed),
+        {"torque": "torque rate", "wrench": "wrench rate", "jerk": "jerk", "all": "torque rate"}[kind],
+    )
+    result, free = mrts.scale(cell, along_x(), rates=True), mrts.scale(cell, along_x())
+    assert result.trajectory.c**3 == pytest.approx(third / THIRD, rel=3 * ROUNDED)
+    assert {str(row).partition(" ")[2] for row in result.range.upper.rows} == {named}
+    assert shares(result)[rate] == pytest.approx(1, abs=ROUNDED)
+    assert free.trajectory.c2 > 1.2 * result.trajectory.c2
+    assert shares(free)[rate] > 1
     with_both = result.torque["near"][:, 0] + result.torque["far"][:, 0]
     np.testing.assert_allclose(with_both, MOVED * result.trajectory.ddq[:, 0], atol=1e-7)
-
-
-@pytest.mark.quick
-def test_contact_rates_bound_what_reaches_the_object(pushed):
-    result = mrts.scale(with_contact_rate(pushed, 4.0, 4.0, np.inf), along_x(), rates=True)
-    assert result.trajectory.c**3 == pytest.approx(2 * 4 / (CARRIED * THIRD), rel=3 * ROUNDED)
-    assert {str(row) for row in result.range.upper.rows} == {
-        "near/fx contact wrench rate (lower, -4 N/s)",
-        "far/fx contact wrench rate (lower, -4 N/s)",
-    }
-    assert result.to_json()["rates"][0]["share"] == pytest.approx(1, abs=ROUNDED)
-
-
-@pytest.mark.quick
-def test_jerk_grows_with_the_cube_of_the_factor(pushed):
-    result = mrts.scale(with_motors(pushed, jerk=3.0), along_x(), rates=True)
-    assert result.trajectory.c**3 == pytest.approx(3 / THIRD, rel=1e-12)
-    assert [str(row) for row in result.range.upper.rows] == ["near/slide_x jerk (lower, -3 m/s³)"]
-    assert shares(result)["jerk"] == pytest.approx(1, rel=1e-9)
-    without = mrts.scale(with_motors(pushed, jerk=3.0), along_x())
-    assert without.trajectory.c2 > 1.2 * result.trajectory.c2
-    assert shares(without)["jerk"] == pytest.approx(without.trajectory.c**3 * THIRD / 3, rel=1e-9)
-
-
-@pytest.mark.quick
-def test_the_slowest_of_several_rates_counts(pushed):
-    cell = with_contact_rate(with_motors(pushed, torque_rate=10.0, jerk=8.0), 4.0, np.inf, np.inf)
-    result = mrts.scale(cell, along_x(), rates=True)
-    least = min(2 * 10 / MOVED, 2 * 4 / CARRIED, 8.0) / THIRD
-    assert result.trajectory.c**3 == pytest.approx(least, rel=3 * ROUNDED)
-    assert mrts.scale(cell, along_x(), rates=True, reserve=0.2).trajectory.c ** 3 == pytest.approx(
-        0.8 * least, rel=3 * ROUNDED
-    )
-
-
-@pytest.mark.quick
-def test_fixed_shares_leave_no_choice(pushed):
-    cell = with_motors(pushed, torque_rate=10.0)
-    result = mrts.scale(cell, along_x(), rates=True, sharing=mrts.LoadSharing(shares=np.array([0.7, 0.3])))
-    assert result.trajectory.c**3 == pytest.approx(10 / ((4 + 0.7 * CARRIED) * THIRD), rel=3 * ROUNDED)
-    assert {row.name.robot for row in result.range.upper.rows} == {"near"}
-
-
-@pytest.mark.quick
-def test_a_number_is_a_multiple_of_the_torque_limits(pushed):
-    by_number = mrts.scale(pushed, along_x(), rates=0.5)  # 10 N/s of 20 N
-    assert by_number.trajectory.c**3 == pytest.approx(2 * 10 / (MOVED * THIRD), rel=3 * ROUNDED)
+    kept = mrts.scale(cell, along_x(), rates=True, reserve=0.2)
+    assert kept.trajectory.c**3 == pytest.approx(0.8 * third / THIRD, rel=3 * ROUNDED)
 
 
 @pytest.mark.quick
@@ -181,6 +157,13 @@ def test_a_load_that_varies_is_carried_at_its_worst(tmp_path):
     assert shares(heavy)["torque rate"] == pytest.approx(1, abs=ROUNDED)
     nominal = mrts.scale(cell, along_x(), rates=True, load="nominal")
     assert nominal.trajectory.c**3 == pytest.approx(2 * 10 / (MOVED * THIRD), rel=3 * ROUNDED)
+
+
+def test_a_motion_that_stands_still_is_limited_by_no_rate(dual_ur5):
+    here = {"xyz": [0, 0.1, 0.35]}
+    held = mrts.MotionDescription(duration=1.0, samples=21, profile="quintic", start=here, end=here)
+    found = mrts.scale(dual_ur5, mrts.sample_motion(held), rates=0.01).range
+    assert (found.status.value, found.upper.rows) == ("unbounded", ())
 
 
 def easing(samples=21):
@@ -268,13 +251,6 @@ def test_random_cells_against_an_independent_program(seed, tmp_path):
 def every_fifth(motion):
     arrays = (motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration)
     return mrts.ObjectMotion(*(array[::5] for array in arrays))
-
-
-def test_bisection_finds_the_same_factor(planar_cell, lift):
-    result = mrts.scale(planar_cell, every_fifth(lift), rates=2.0, between=None)
-    oracle = RatedFactor(planar_cell, result.motion, rate_limits(planar_cell, 2.0))
-    c = result.trajectory.c
-    assert oracle.fastest(0.5 * c, 1.5 * c) == pytest.approx(c, rel=BISECTED)
 
 
 def test_corners_of_a_box_together_against_an_independent_program(planar_cell, lift):

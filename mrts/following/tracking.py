@@ -1,0 +1,433 @@
+# SPDX-License-Identifier: MIT
+"""Inverse kinematics by Newton steps in the kernel's C: at samples, or along motions of many variants of one cell.
+
+One motion is one variant. What is said of an arm that cannot follow goes by the codes of `mrts.kernel.tracking`.
+"""
+
+import ctypes
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array, cross, rotated
+from mrts.base.errors import MotionError
+from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
+from mrts.cell.cell import Cell
+from mrts.cell.robot import DEGREES_SUSPECTED, Robot
+from mrts.following.null_space import FOLD, LIMIT_PUSH, limit_zone
+from mrts.following.reach import ArmPlaces, arm_reach, has_closed_form, planar_triangles
+from mrts.kernel import tracking
+from mrts.kernel.tracking import PATH, HeldGrasps, follow_variants, hold_grasps
+from mrts.motion.object_motion import ObjectMotion
+
+POSE_TOLERANCE = 1e-10
+"""Largest remaining pose error [m, rad]; Newton's quadratic convergence usually leaves 1e-15."""
+
+SETTLED = 1e-12
+"""Largest joint step [rad or m] at which the iteration ends: what is left is rounding."""
+
+JUMP_LIMIT = 0.5
+"""Largest correction of a predicted joint position [rad or m]; a larger one has changed the branch."""
+
+STARTING_STEPS = 300
+"""Steps from the posture to the grasp at t = 0; a few dozen are usual."""
+
+FURTHER_STEPS = 60
+"""Steps from each further start; those that take more lead nowhere."""
+
+TRACKING_STEPS = 30
+"""Steps from the predicted positions at a sample; two or three are usual."""
+
+STEP_LIMIT = 0.3
+"""Largest joint step [rad or m], so that a far start does not leap over its branch."""
+
+SETTLED_PREFERENCE = 1e-8
+"""Largest step left in the null space of a redundant arm [rad or m]; Newton's convergence usually leaves 1e-15."""
+
+CONDITION_LIMIT = 1e6
+"""Condition number of a Jacobian above which an arm counts as singular: ten digits of q' are left."""
+
+POSITION_TOLERANCE = 1e-9
+"""How far a joint may pass its position limit [rad or m]: rounding."""
+
+PRINTED_TOLERANCE = 1e-4
+"""The same for positions that are given, which may carry few digits."""
+
+FURTHER_STARTS = 40
+"""Starts tried where the posture leads to nothing: an arm of six joints has up to 16 branches."""
+
+SEED = 13
+
+SPREAD = 2.0
+"""The further starts reach from the posture to this far from it in every joint, evenly [rad or m]."""
+
+OUT_OF_REACH = "out of reach"
+
+_NO_REACH = (OUT_OF_REACH, "cannot reach its grasp", "its tip came no nearer than {0:.3g} m and {1:.3g} rad.")
+_MOVED = "Choose another posture, from which another branch may reach it, or move the path, the base or the grasp."
+_PAST = (
+    "past a position limit",
+    "passes a position limit",
+    "joint '{joint}' would be at {0:.6g}, its limits are [{lower:g}, {upper:g}].{hint}",
+)
+_OTHER = "Choose another posture, path, base or grasp."
+_TRIED = f" {1 + FURTHER_STARTS} starts were tried."
+
+WORDINGS = {
+    tracking.NO_START: (*_NO_REACH, _MOVED + _TRIED),
+    tracking.START_PAST: (*_PAST, _OTHER + _TRIED),
+    tracking.OUT_OF_REACH: (*_NO_REACH, _MOVED),
+    tracking.PAST_LIMIT: (*_PAST, _OTHER),
+    tracking.LEFT_LIMITS: (*_PAST, _OTHER),
+    tracking.LOST: (
+        "off their path",
+        "loses its branch",
+        "a joint is {0:.3g} (rad or m) from where its velocity led.",
+        "Use more samples, or keep away from the singularity near there.",
+    ),
+    tracking.FOLDED: (
+        "off their path",
+        "loses its branch",
+        "of all joint positions that hold the grasp, those near its start and away from its limits end there.",
+        "Choose another posture, or a path that keeps nearer to the start.",
+    ),
+    tracking.SINGULAR: (
+        "singular",
+        "is singular",
+        f"the condition number of its Jacobian is {{0:.3g}}, the limit is {CONDITION_LIMIT:.0e}.",
+        "Keep the arm away from full stretch, full fold and aligned axes: move the path, the base or the grasp.",
+    ),
+}
+"""By outcome: its kind, what the arm does, why, and what to do; one that is followed, or passed over, has none."""
+
+
+@dataclass(frozen=True)
+class TrackingFailure:
+    """Why an arm cannot follow.
+
+    Attributes:
+        kind: In a phrase that its fellows share, such as "out of reach".
+        message: With robot, sample and amount.
+        sample: The first that it does not follow.
+    """
+
+    kind: str
+    message: str
+    sample: int
+
+
+def tracking_failure(
+    code: int, robot: Robot, time: Array, sample: int, amounts: Sequence[float], joint: int = 0
+) -> TrackingFailure:
+    """What an outcome says.
+
+    Args:
+        time: Shape (N,) [s].
+    """
+    kind, does, why, advice = WORDINGS[code]
+    degrees = robot.joint_types[joint] == "revolute" and abs(amounts[0]) > DEGREES_SUSPECTED
+    why = why.format(
+        *amounts,
+        joint=robot.joints[joint],
+        lower=robot.position_lower[joint],
+        upper=robot.position_upper[joint],
+        hint=" If these are degrees: positions are in rad." if degrees else "",
+    )
+    at = f"sample {sample} (t = {time[sample]:.6g} s)"
+    return TrackingFailure(kind, f"robot '{robot.name}' {does} at {at}: {why} {advice}", sample)
+
+
+@dataclass(frozen=True)
+class TrackedVariants:
+    """What became of V variants.
+
+    Attributes:
+        robots: Their arms.
+        time: Shape (V or 1, N) [s].
+        q: Shape (V, N, m) [rad or m], inside the limits where whole turns do it; likewise `dq` and `ddq`. Of an arm
+            that fails, what was found before.
+        dq: q'.
+        ddq: q''.
+        outcome: How each ends for each arm, Shape (V, n) of `mrts.kernel.tracking.OUTCOME`.
+        reasons: By variant, why it cannot follow, where that is known without a search.
+    """
+
+    robots: tuple[Robot, ...]
+    time: Array
+    q: Array
+    dq: Array
+    ddq: Array
+    outcome: NDArray[np.void]
+    reasons: dict[int, str]
+
+    @property
+    def followed(self) -> NDArray[np.bool_]:
+        """Variants that all arms followed, Shape (V,)."""
+        return np.asarray(np.all(self.outcome["code"] == tracking.FOLLOWED, axis=1))
+
+    def of_arm(self, variant: int, arm: int) -> TrackingFailure | None:
+        """Why an arm of a variant cannot follow; None if it does."""
+        code, sample, joint, _, amounts = self.outcome[variant, arm].tolist()
+        if code not in WORDINGS:
+            return None
+        return tracking_failure(code, self.robots[arm], _of(self.time, variant), sample, amounts, joint)
+
+    def failure(self, variant: int) -> TrackingFailure | None:
+        """Why a variant cannot follow: of the first arm that ends on the way, or else passes a limit."""
+        if variant in self.reasons:
+            return TrackingFailure(OUT_OF_REACH, self.reasons[variant], 0)
+        code = self.outcome[variant]["code"]
+        ends = code != tracking.FOLLOWED
+        on_the_way = ends & (code != tracking.PAST_LIMIT)
+        return self.of_arm(variant, int(np.argmax(on_the_way if np.any(on_the_way) else ends)))
+
+
+def tracking_rule(cell: Cell) -> Any:
+    """How the arms of a cell hold their grasps and follow, as C reads it."""
+    robots = cell.robots
+    parts = (
+        [robot.position_lower for robot in robots],
+        [robot.position_upper for robot in robots],
+        [limit_zone(robot) for robot in robots],
+        [is_turning(robot) for robot in robots],
+    )
+    arrays = [np.concatenate(part) for part in parts]
+    *wish, turns = (array.ctypes.data for array in arrays)
+    task = tracking.TRACKING(
+        steps=TRACKING_STEPS,
+        settled=SETTLED,
+        longest=STEP_LIMIT,
+        reached=POSE_TOLERANCE,
+        condition=CONDITION_LIMIT,
+        jump=JUMP_LIMIT,
+        drift=SETTLED_PREFERENCE,
+        fold=FOLD,
+        components=(ctypes.c_int * 6)(*cell.wrench_rows),
+        wish=tracking.PREFERENCE(*wish, LIMIT_PUSH),
+        geometry=cell.geometry.ctypes.data,
+    )
+    rule = tracking.FOLLOWING(task, STARTING_STEPS, 0, FURTHER_STEPS, POSITION_TOLERANCE, turns)
+    rule.alive = arrays, cell.geometry
+    return rule
+
+
+def solve_grasps(
+    cell: Cell, motion: ObjectMotion, sample: int | NDArray[np.intp], start: Array, steps: int, *, near: Array | None
+) -> HeldGrasps:
+    """Joint positions that hold the grasps at one sample.
+
+    Args:
+        sample: Which sample; or one for each set of positions, Shape (T,).
+        start: Positions to start from, Shape (T, m) [rad or m].
+        near: Positions that redundant arms stay near, Shape (m,); None moves them no further than needed.
+    """
+    samples = np.atleast_1d(sample)
+    given = {"position": motion.position[samples], "rotation": motion.rotation[samples]}
+    if near is not None:
+        given["reference"] = near[None]
+    rule = tracking_rule(cell)
+    rule.task.steps = steps
+    return hold_grasps(cell.functions.motion_library, rule.task, start, given)
+
+
+def reached(held: HeldGrasps) -> NDArray[np.bool_]:
+    """Which arms hold their grasps, Shape (T, n)."""
+    found: NDArray[np.bool_] = np.maximum(held.gap, held.turn) <= POSE_TOLERANCE
+    return found
+
+
+def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Array]:
+    """Velocity and acceleration of a grasp in the robot's base axes, cell components, each Shape (N, w)."""
+    r = rotated(motion.rotation, robot.T_object_tip.p)
+    v, w = motion.twist[:, :3], motion.twist[:, 3:]
+    a, dw = motion.acceleration[:, :3], motion.acceleration[:, 3:]
+    R = robot.T_world_base.R
+    rows = cell.wrench_rows
+    swing = cross(w, r)
+    velocity = np.concatenate([(v + swing) @ R, w @ R], axis=1)
+    linear = a + cross(dw, r) + cross(w, swing)
+    acceleration = np.concatenate([linear @ R, dw @ R], axis=1)
+    return velocity[:, rows], acceleration[:, rows]
+
+
+def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVariants:
+    """Follow the grasps along a motion from several positions that hold them, each branch by continuity.
+
+    An arm with more joints than wrench components stays near its start, away from its limits
+    (`mrts.following.null_space`).
+
+    Args:
+        start: Positions at t = 0, Shape (V, m) [rad or m].
+    """
+    path = {name: getattr(motion, name)[None] for name in PATH}
+    nothing = np.zeros((1, 0, start.shape[1]))
+    given = {**path, "geometry": cell.geometry[None], "posture": start, "seed": start, "further": nothing}
+    rule = tracking_rule(cell)
+    rule.start_steps = 0
+    found = follow_variants(cell.functions.motion_library, rule, np.zeros(len(start), dtype=bool), given)
+    return TrackedVariants(cell.robots, path["time"], *found, {})
+
+
+def track_variants(
+    cell: Cell, path: Mapping[str, Array], geometry: Array, posture: Array, refused: NDArray[np.bool_]
+) -> TrackedVariants:
+    """Start and follow V variants of one cell along their motions.
+
+    Where an arm cannot reach its grasp at t = 0 from its posture, or only past its limits, further starts are tried. Of
+    what they lead to inside the limits the arm takes the nearest to its posture.
+
+    Args:
+        cell: One of them; its chains, limits of positions and components are those of all.
+        path: Of the object: `mrts.kernel.tracking.PATH` with V, or 1 where all share one, and N before each shape.
+        posture: Of all joints, Shape (V or 1, m) [rad or m].
+        refused: Variants that are passed over, Shape (V,); they end as `REFUSED`.
+    """
+    seed, beyond = _seeds(cell, path, geometry, posture, several=len(refused) > 1)
+    library, rule = cell.functions.motion_library, tracking_rule(cell)
+    given = {**path, "geometry": geometry, "posture": posture, "seed": seed}
+    nothing = np.zeros((1, 0, posture.shape[1]))
+    found = follow_variants(library, rule, refused | beyond, {**given, "further": nothing})
+    tracked = TrackedVariants(cell.robots, path["time"], *found, {})
+    tracked.reasons.update(_reasons(cell, path, geometry, np.flatnonzero(~refused & ~tracked.followed)))
+    code = tracked.outcome["code"]
+    may_start = np.any((code == tracking.NO_START) | (code == tracking.START_PAST), axis=1)
+    may_start[list(tracked.reasons)] = False
+    again = np.flatnonzero(may_start)
+    if again.size:
+        some = {name: _some(value, again) for name, value in given.items()}
+        parts = zip(cell.robots, cell.joint_slices.values(), strict=True)
+        further = [further_starts(robot, some["posture"][:, own]) for robot, own in parts]
+        some["further"] = np.concatenate(further, axis=2)
+        retried = follow_variants(library, rule, np.zeros(len(again), dtype=bool), some)
+        for whole, part in zip(found, retried, strict=True):
+            whole[again] = part
+    return tracked
+
+
+def _seeds(
+    cell: Cell, path: Mapping[str, Array], geometry: Array, posture: Array, *, several: bool
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Where the search for each start begins, Shape (V or 1, m), and which are surely out of reach at t = 0."""
+    position, rotation = path["position"][:, :1], path["rotation"][:, :1]
+    beyond, seed = np.zeros(1, dtype=bool), posture
+    for robot, joints, places in _arms(cell, geometry):
+        if has_closed_form(cell, robot):
+            found = planar_triangles(cell, robot, places, position, rotation)
+            branches = (branch[:, 0] for branch in found.branches())
+            near = np.stack([nearest_turns(robot, branch, posture[:, joints]) for branch in branches])
+            chosen = np.argmin(np.max(np.abs(near - posture[:, joints]), axis=2), axis=0)
+            at = near[chosen, np.arange(near.shape[1])]
+            seed = np.repeat(seed, len(at) // len(seed), axis=0) if len(seed) < len(at) else seed.copy()
+            seed[:, joints] = at
+            beyond = beyond | found.out_of_reach()
+        elif several and (reach := arm_reach(robot)) is not None:  # one is searched in less time
+            beyond = beyond | reach.beyond(reach.distance(places, position[:, 0], rotation[:, 0]))
+    return seed, beyond
+
+
+def _reasons(cell: Cell, path: Mapping[str, Array], geometry: Array, failed: NDArray[np.intp]) -> dict[int, str]:
+    """By variant of those that failed, why it is surely out of reach: of the first arm that is."""
+    reasons: dict[int, str] = {}
+    position, rotation = (_some(path[name], failed) for name in ("position", "rotation"))
+    for robot, _, places in _arms(cell, _some(geometry, failed)) if failed.size else ():
+        reach = arm_reach(robot)
+        if has_closed_form(cell, robot):
+            found = planar_triangles(cell, robot, places, position, rotation)
+            for place in np.flatnonzero(np.broadcast_to(found.out_of_reach(), len(failed))).tolist():
+                variant, which = int(failed[place]), (place if len(found.wrist) > 1 else 0,)
+                reasons.setdefault(variant, found.failure(robot, _of(path["time"], variant), which))
+        elif reach is not None:
+            distance = np.broadcast_to(reach.distance(places, position[:, 0], rotation[:, 0]), len(failed))
+            for place in np.flatnonzero(reach.beyond(distance)).tolist():
+                variant = int(failed[place])
+                failure = reach.failure(robot, _of(path["time"], variant), float(distance[place]))
+                reasons.setdefault(variant, failure)
+    return reasons
+
+
+def _arms(cell: Cell, geometry: Array) -> Iterator[tuple[Robot, slice, ArmPlaces]]:
+    for index, (robot, joints) in enumerate(zip(cell.robots, cell.joint_slices.values(), strict=True)):
+        of = geometry[:, GRAVITY_SIZE + ROBOT_SIZE * index :]
+        base, tip = of[:, :9].reshape(-1, 3, 3), of[:, 12:21].reshape(-1, 3, 3)
+        yield robot, joints, ArmPlaces(base, of[:, 9:12], tip, of[:, 21:24])
+
+
+def starting_reference(cell: Cell) -> Array:
+    """The postures of all arms, moved inside their limits where they are not, Shape (m,) [rad or m]."""
+    inside = [np.clip(robot.posture, robot.position_lower, robot.position_upper) for robot in cell.robots]
+    return np.concatenate(inside)
+
+
+def further_starts(robot: Robot, posture: Array) -> Array:
+    """Where the search goes on from where an arm's posture leads to nothing, Shape (…, FURTHER_STARTS, n_i).
+
+    Always the same: the middle of its limits, and random ones farther and farther from the posture, Shape (…, n_i).
+    """
+    low, high = robot.position_lower, robot.position_upper
+    steps = np.linspace(0, SPREAD, FURTHER_STARTS)[:, None]
+    turns = np.random.default_rng(SEED).uniform(-1, 1, (FURTHER_STARTS, len(robot.joints)))
+    starts: Array = np.clip(posture[..., None, :] + steps * turns, low, high)
+    limited = np.isfinite(low) & np.isfinite(high)
+    starts[..., 0, limited] = (low[limited] + high[limited]) / 2
+    return starts
+
+
+def _some(values: Array, variants: NDArray[np.intp]) -> Array:
+    """What some variants have of values with V or 1 first."""
+    return values if len(values) == 1 else values[variants]
+
+
+def _of(values: Array, variant: int) -> Array:
+    one: Array = values[variant if len(values) > 1 else 0]
+    return one
+
+
+def is_turning(robot: Robot) -> NDArray[np.bool_]:
+    """Joints of which whole turns are the same position, Shape (n_i,)."""
+    return np.array([kind == "revolute" for kind in robot.joint_types])
+
+
+def nearest_turns(robot: Robot, q: Array, posture: Array) -> Array:
+    """Joint positions with whole turns added to come nearest to a posture, each Shape (…, n_i) [rad or m]."""
+    return np.where(is_turning(robot), posture + (q - posture + np.pi) % (2 * np.pi) - np.pi, q)
+
+
+def within_limits(robot: Robot, q: Array) -> Array:
+    """Whole turns added to or taken from a joint's path where that brings it inside its position limits.
+
+    Args:
+        q: Joint positions along a motion, Shape (N, n_i) [rad or m].
+    """
+    turn = np.where(is_turning(robot), 2 * np.pi, np.inf)
+    low, high = np.min(q, axis=0), np.max(q, axis=0)
+    down = np.ceil((high - robot.position_upper) / turn - POSITION_TOLERANCE).clip(min=0)
+    up = np.ceil((robot.position_lower - low) / turn - POSITION_TOLERANCE).clip(min=0)
+    shift = np.where(np.isfinite(turn), turn, 0.0)
+    fits_down = low - shift * down >= robot.position_lower - POSITION_TOLERANCE
+    fits_up = high + shift * up <= robot.position_upper + POSITION_TOLERANCE
+    moved: Array = q + shift * (np.where(fits_up, up, 0.0) - np.where(fits_down, down, 0.0))
+    return moved
+
+
+def check_joint_limits(cell: Cell, time: Array, q: Array, tolerance: float = POSITION_TOLERANCE) -> None:
+    """Check the position limits of all joints along a motion.
+
+    Args:
+        time: Shape (N,) [s].
+        q: Shape (N, m) [rad or m].
+        tolerance: How far a joint may pass [rad or m].
+
+    Raises:
+        MotionError: Names robot, joint, the first such sample, value and limits.
+    """
+    for robot in cell.robots:
+        own = q[:, cell.joint_slices[robot.name]]
+        beyond = np.maximum(robot.position_lower - own, own - robot.position_upper) > tolerance
+        if np.any(beyond):
+            sample = int(np.argmax(np.any(beyond, axis=1)))
+            joint = int(np.argmax(beyond[sample]))
+            at = [float(own[sample, joint])]
+            raise MotionError(tracking_failure(tracking.PAST_LIMIT, robot, time, sample, at, joint).message)
