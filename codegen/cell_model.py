@@ -33,8 +33,8 @@ from mrts.base.load_box import LoadBox, load_vector
 from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, WRENCH_UNITS, ChainsRecord
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
-from mrts.cell.hands.kinds import wrench_bounds
-from mrts.cell.motors.joint_motors import given_torque_limits
+from mrts.cell.hands import wrench_bounds
+from mrts.cell.motors import given_torque_limits
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot
 

@@ -12,8 +12,8 @@ from mrts.base.formats.record import Record
 from mrts.base.input_file import read_data
 from mrts.cell.cell import Cell
 from mrts.cell.loading import load_cell
+from mrts.limits.rows import row_labels
 from mrts.motion.motion_file import load_motion
-from mrts.plots.labels import row_labels
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.result import ScalingResult

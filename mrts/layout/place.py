@@ -280,7 +280,6 @@ def _with_trajectory(result: ScalingResult) -> ScalingResult:
 
 
 def _coarse_samples(start: PlayedLayout) -> NDArray[np.intp]:
-    """Evenly spaced samples with both ends, and the one that binds."""
     count, end = start.result.motion.samples, start.result.range.upper
     spread = np.linspace(0, count - 1, min(COARSE_SAMPLES, count)).round().astype(np.intp)
     return np.union1d(spread, [] if end is None or end.sample is None else [end.sample]).astype(np.intp)

@@ -55,8 +55,7 @@ class PlayedLayout:
     @property
     def c2(self) -> float:
         """c²⁺; infinity if nothing limits it."""
-        end = self.result.range.upper
-        return -np.inf if end is None or not self.result.range.status.admits_motion else end.c2
+        return self.result.range.c2_upper
 
     @property
     def duration(self) -> float:

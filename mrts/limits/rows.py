@@ -22,6 +22,9 @@ TORQUE_SPEED = "torque-speed"
 SPEEDS = {"velocity", "motor speed"}
 """Kinds of rows that limit a speed: alike in both directions, and no load moves them."""
 
+MOST_NAMES = 3
+"""Rows that a short list names."""
+
 FAILURES = {"friction": "slips", "tilt": "tips", "torsion": "twists"}
 """What a hand does at a limit of its contact, by what of the contact is limited."""
 
@@ -54,6 +57,10 @@ class RowName:
             return self.short
         what = f"contact {self.kind}" if self.kind.startswith("wrench") else self.kind
         return " ".join(filter(None, ["/".join(filter(None, [self.robot, self.element])), what]))
+
+    def to_json(self) -> dict[str, str | float]:
+        """Part of the entries of rows in the JSON result."""
+        return {"kind": self.kind, "robot": self.robot, "element": self.element, "unit": self.unit}
 
     @property
     def short(self) -> str:
@@ -125,20 +132,23 @@ class ActiveRow:
 
     def to_json(self) -> dict[str, str | float]:
         """Entry of "rows" in the JSON result."""
-        name = self.name
-        return {
-            "kind": name.kind,
-            "robot": name.robot,
-            "element": name.element,
-            "side": self.side,
-            "limit": self.limit,
-            "unit": name.unit,
-        }
+        return self.name.to_json() | {"side": self.side, "limit": self.limit}
 
 
 def rows_text(rows: Iterable[ActiveRow], between: str = ", ") -> str:
     """Rows in words; those that say the same, as two directions in which a hand slips, are one."""
     return between.join(dict.fromkeys(map(str, rows)))
+
+
+def row_labels(rows: Iterable[ActiveRow], most: int = MOST_NAMES) -> str:
+    """The first rows in a few letters, and how many more there are."""
+    return first_names(list(dict.fromkeys(row.label for row in rows)), most)
+
+
+def first_names(names: Sequence[str], most: int = MOST_NAMES) -> str:
+    """The first names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -65,7 +65,6 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
 def _motors(
     cell: Cell, lines: Sequence[CurveRow], ends: Sequence[CurveRow], line_rows: Sequence[int]
 ) -> EmbeddedMotors | None:
-    """What motors add; None where all are ideal."""
     motors = [robot.motors for robot in cell.robots]
     if not (lines or ends or any(motor.has_effect for motor in motors)):
         return None

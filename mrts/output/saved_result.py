@@ -146,7 +146,6 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
 
 
 def _cell_entry(writer: TreeWriter, cell: Cell, path: str) -> dict[str, Any]:
-    """A cell as its manifest, and what that does not have."""
     return {
         "class": "Cell",
         "manifest": manifest_of(cell).model_dump(),
@@ -167,7 +166,6 @@ def seal(arrays: Arrays) -> NDArray[Any]:
 
 
 def _checked_description(path: Path, text: bytes) -> dict[str, Any]:
-    """What a file says of its arrays, if it is a result of this version."""
     try:
         said: Any = json.loads(text)
     except (ValueError, RecursionError):
@@ -189,7 +187,6 @@ def _checked_description(path: Path, text: bytes) -> dict[str, Any]:
 
 
 def _other_limits(found_with: list[str], given: list[str]) -> Remark:
-    """That a cell was given other limits than the one that the result was found with."""
     text = (
         f"the result was found with a cell with the limits {', '.join(found_with) or 'of its file alone'}, and is read "
         f"with {', '.join(given) or 'no others than those of its file'}: of these it is told how far they are used. "

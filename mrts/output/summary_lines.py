@@ -4,12 +4,11 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from mrts.cell.hands.kinds import NORMAL_FORCE
+from mrts.cell.hands import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.plots.card import Card
 from mrts.plots.labels import range_text
 from mrts.scaling.limit_use import largest_step, limit_tables, limit_uses, rate_uses
-from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:
@@ -47,13 +46,14 @@ def scaling_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
 
 
 def _plan_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
-    """What the plan at the chosen c² asks of arms and hands; nothing where none was chosen."""
     done = result.trajectory
     if done is None:
         return
     given = result.motion.object.time[-1]
     yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
-    yield from _reserve_lines(result, card)
+    yield f"reserve: {result.reserve}"
+    yield from next_limits_line(result) if card is None else ()
+    yield from _step_lines(result)
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
     yield from _limit_lines(result, card)
     for note in result.too_fast():
@@ -69,14 +69,12 @@ def retiming_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
 
 
 def _what_if_lines(changes: "WhatIf | None") -> Iterator[str]:
-    """What changes to the cell would do, apart from what stands before; nothing where that was not asked."""
     if changes is not None:
         yield ""
         yield from changes.lines()
 
 
 def _timing_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
-    """What limits the timing, and what it asks of the arms; nothing without one."""
     if found.retimed is None or found.retimed.trajectory is None or found.excess is None:
         return
     limits = "; ".join(f"{name} {100 * share:.0f} % of the time" for name, share in found.limits[:LIMITS_SHOWN])
@@ -93,15 +91,7 @@ def _timing_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
     yield from _limit_lines(found.retimed, card)
 
 
-def _reserve_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
-    """What is left of the limits, and how far torques and wrenches go at a time."""
-    yield f"reserve: {result.reserve}"
-    yield from next_limits_line(result) if card is None else ()
-    yield from _step_lines(result)
-
-
 def _step_lines(result: ScalingResult) -> Iterator[str]:
-    """How far torques and wrenches go from one sample to the next, where their distribution is chosen."""
     if result.options.distribute == "least-torque":
         return
     steps = (largest_step(result, kind) for kind in ("torque", "wrench"))
@@ -114,7 +104,6 @@ def _step_lines(result: ScalingResult) -> Iterator[str]:
 
 
 def _limit_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
-    """The table of limits, or the nearest ones as bars, and what it leaves to other lines."""
     yield from limit_table(result) if card is None else card.lines()
     yield from _rate_lines(result)
     yield from _motor_lines(result)
@@ -163,7 +152,6 @@ def _motor_lines(result: ScalingResult) -> Iterator[str]:
 
 
 def _rate_lines(result: ScalingResult) -> Iterator[str]:
-    """What changes fastest of each kind whose rate is limited, kept or not."""
     assert result.trajectory is not None  # noqa: S101 (checked by every caller)
     told: set[str] = set()
     for use in rate_uses(result):
@@ -186,12 +174,7 @@ def _contact_lines(result: ScalingResult) -> Iterator[str]:
 
 
 def _load_lines(study: "LoadStudy") -> Iterator[str]:
-    """Ranges by load, the worst first, and what the factors of inertia refer to."""
-
-    def end(found: ScalingRange) -> float:
-        return found.upper.c2 if found.upper else 0
-
-    ordered = sorted(zip(study.points, study.ranges, strict=True), key=lambda pair: end(pair[1]))
+    ordered = sorted(zip(study.points, study.ranges, strict=True), key=lambda pair: pair[1].c2_upper)
     for point, found in ordered[:LOADS_SHOWN]:
         yield f"  {range_text(found):<20} {point}"
     if len(ordered) > LOADS_SHOWN:

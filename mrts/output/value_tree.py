@@ -150,7 +150,6 @@ class TreeReader:
         return value
 
     def _kinds_of(self, kind: type) -> dict[str, Any]:
-        """Kinds of the fields and of the cached properties of a class."""
         kinds = get_type_hints(kind, localns=self._names)
         for name in dir(kind):
             find = getattr(getattr(kind, name), "func", None)
@@ -171,7 +170,6 @@ def _below(path: str, name: str) -> str:
 
 
 def _family(kind: Any) -> dict[str, Any]:
-    """A class and those that are made of it, by name."""
     return {kind.__name__: kind} | {name: one for sub in kind.__subclasses__() for name, one in _family(sub).items()}
 
 

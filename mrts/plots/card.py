@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from mrts.plots.labels import range_facts, row_text, short_name
-from mrts.plots.limit_shares import AT_END, limiting_rows
+from mrts.plots.labels import range_facts, row_text
+from mrts.plots.limit_shares import AT_END, REACHED, limiting_rows
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 MOST_BARS = 5
 """Limits that are told: those of which most is used."""
 
-NEAR, REACHED = 0.9, 0.9995
-"""Share of a limit from which it is near, and from which it reads 100 %."""
+NEAR = 0.9
+"""Share of a limit from which it is near."""
 
 BAR_LETTERS = 20
 
@@ -95,13 +95,10 @@ def _nearest(result: ScalingResult, timing: "RetimingResult | None") -> tuple[Li
     Velocities count only where their limits are kept.
     """
     assert result.trajectory is not None  # noqa: S101 (checked by its caller)
-    limiting = limiting_rows(result, timing)
-    names, shares, first = limiting.names, limiting.shares, {name: at for at, name in enumerate(limiting.setting)}
-    most = np.minimum(np.max(shares, axis=0), REACHED)  # beyond that they are alike
-    bars: dict[str, LimitBar] = {}
-    for place in sorted(range(len(names)), key=lambda place: (first.get(names[place], len(first)), -most[place])):
-        if names[place].kind != "velocity" or result.cell.enforces_velocity_limits:
-            at = int(np.argmax(shares[:, place] >= most[place]))
-            bar = LimitBar(short_name(names[place]), float(np.max(shares[:, place])), float(result.trajectory.time[at]))
-            bars.setdefault(bar.label, bar)
-    return tuple(bars.values())[:MOST_BARS]
+    limiting, time, bars = limiting_rows(result, timing), result.trajectory.time, []
+    for label, (row, *_) in limiting.ranked.items():
+        if limiting.names[row].kind != "velocity" or result.cell.enforces_velocity_limits:
+            share = limiting.shares[:, row]
+            at = int(np.argmax(share >= min(np.max(share), REACHED)))
+            bars.append(LimitBar(label, float(np.max(share)), float(time[at])))
+    return tuple(bars[:MOST_BARS])

@@ -4,10 +4,8 @@
 import numpy as np
 
 from mrts.plots.colours import CONFLICT, END_COLOURS
-from mrts.plots.labels import row_labels
 from mrts.plots.plot import Axis, Bars, Item, Panel, Plot, Points, one_panel
-from mrts.program.range_status import RangeStatus
-from mrts.studies.configurations import Configuration, ConfigurationStudy
+from mrts.studies.configurations import ConfigurationStudy, outcome
 
 MOST_BARS = 64
 """Configurations that are drawn, the best first."""
@@ -37,18 +35,6 @@ def ranking_plot(study: ConfigurationStudy, title: str) -> Plot:
     if np.any(none := c2 == -np.inf):
         items.append(Points(x=0 * rows[none], y=rows[none], symbol="cross", color=CONFLICT))
     names = [", ".join(f"{branch.robot} {branch.number}" for branch in found.branches) for found in shown]
-    y = Axis(names=names, beside=[_reason(found) for found in shown])
+    y = Axis(names=names, beside=[outcome(found) for found in shown])
     panel = Panel(title=title, x=Axis(label="c²⁺ [1]", ends=(0.0, 1.15 * longest)), y=y, items=items)
     return one_panel("configurations", panel)
-
-
-def _reason(configuration: Configuration) -> str:
-    found = configuration.range
-    if found.status is RangeStatus.INFEASIBLE:
-        worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)
-        return f"infeasible: {row_labels(worst.rows)}"
-    if found.upper is None or found.upper.time is None:
-        return str(found.status.value)
-    if found.status is RangeStatus.EMPTY:
-        return f"empty: {row_labels(found.upper.rows)}"
-    return f"{found.upper.time:.3g} s: {row_labels(found.upper.rows)}"

@@ -4,11 +4,8 @@
 from collections.abc import Sequence
 
 from mrts.base.printable import cut, printable
-from mrts.limits.rows import STANDSTILL, ActiveRow, RowName
+from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, row_labels
 from mrts.scaling.range import RangeEnd, ScalingRange
-
-MOST_NAMES = 3
-"""Rows that a short list names."""
 
 LONGEST_LABEL = 44
 """Letters of a label."""
@@ -49,17 +46,6 @@ def row_text(row: ActiveRow) -> str:
     if name == STANDSTILL or name.kind == "speed" or name.failure:
         return str(row)
     return f"{name}{row.arrow}, {row.limit:.4g} {name.unit}".rstrip()
-
-
-def row_labels(rows: Sequence[ActiveRow], most: int = MOST_NAMES) -> str:
-    """The first rows in a few letters, and how many more there are."""
-    return first_names(list(dict.fromkeys(row.label for row in rows)), most)
-
-
-def first_names(names: Sequence[str], most: int = MOST_NAMES) -> str:
-    """The first names, and how many more there are."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
 
 
 def range_text(found: ScalingRange) -> str:

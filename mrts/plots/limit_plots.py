@@ -8,7 +8,6 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.plots.colours import COLOURS
-from mrts.plots.labels import short_name
 from mrts.plots.limit_shares import AT_LIMIT, LimitingRows, LimitShares, all_shares, shares_by_kind
 from mrts.plots.plot import Axis, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel
 from mrts.scaling.result import ScalingResult
@@ -43,7 +42,6 @@ def limits_plot(result: ScalingResult, title: str, without: Sequence[str] = ()) 
 
 
 def _percent_panel(of: LimitShares, result: ScalingResult) -> Panel:
-    """The limit of which most is used first and thick, the others of little use grey."""
     assert result.trajectory is not None  # noqa: S101 (checked by its callers)
     time, percent = result.trajectory.time, 100 * of.share
     steps = of.kind in {"torque rate", "wrench rate", "jerk"}
@@ -68,22 +66,16 @@ def limit_map(result: ScalingResult, limiting: LimitingRows) -> Plot:
     """
     if result.trajectory is None:
         raise ValueError("there is no trajectory to draw")
-    names, shares, time = limiting.names, limiting.shares, result.trajectory.time
-    most = np.max(shares, axis=0)
-    first = {name: place for place, name in enumerate(limiting.setting)}
-    rows: dict[str, list[int]] = {}
-    for row in sorted(range(len(names)), key=lambda row: (first.get(names[row], len(first)), -most[row])):
-        rows.setdefault(short_name(names[row]), []).append(row)
-    shown = dict(list(rows.items())[:MOST_ROWS])
+    time, shares = result.trajectory.time, limiting.shares
+    shown = dict(list(limiting.ranked.items())[:MOST_ROWS])
 
     def largest(values: Array) -> tuple[Array, Array]:
         """Edges of the columns, and of each row and column the largest value."""
-        edges, columns = _columns(time, np.stack([np.max(values[:, members], axis=1) for members in shown.values()], 1))
+        edges, columns = _columns(time, np.stack([np.max(values[:, rows], axis=1) for rows in shown.values()], 1))
         return edges, columns.T
 
     edges, percent = largest(100 * shares)
-    at_limit = shares >= 1 - AT_LIMIT
-    codes = np.where(at_limit, np.where(limiting.forced, 1.0, 0.0), -1.0)
+    codes = np.where(shares >= 1 - AT_LIMIT, np.where(limiting.forced, 1.0, 0.0), -1.0)
     grid: dict[str, Any] = {"x": edges, "y": np.arange(len(shown) + 1, dtype=np.float64) - 0.5}
     reached = HeatMap(
         **grid,
@@ -95,7 +87,7 @@ def limit_map(result: ScalingResult, limiting: LimitingRows) -> Plot:
     panel = Panel(
         title="Per cent of limits along the motion",
         x=Axis(label="time [s]", ends=(float(time[0]), float(time[-1]))),
-        y=Axis(names=list(shown), strong=[names[members[0]] in first for members in shown.values()]),
+        y=Axis(names=list(shown), strong=[limiting.names[rows[0]] in limiting.setting for rows in shown.values()]),
         items=[used, reached],
     )
     return one_panel("limit-map", panel, "played")
@@ -105,7 +97,5 @@ def _columns(time: Array, shares: Array) -> tuple[Array, Array]:
     """Edges of columns of about one width, and the largest share of the samples that touch each."""
     count = min(len(time) - 1, MOST_TIMES)
     starts = np.unique(np.searchsorted(time, np.linspace(time[0], time[-1], count + 1)[:-1], side="right") - 1)
-    edges = np.append(time[starts], time[-1])
-    ends = np.append(starts[1:], len(time) - 1)
-    largest = [np.max(shares[start : end + 1], axis=0) for start, end in zip(starts, ends, strict=True)]
-    return edges, np.stack(largest)
+    steps = np.maximum(shares[:-1], shares[1:])  # each from one sample to the next
+    return np.append(time[starts], time[-1]), np.maximum.reduceat(steps, starts)

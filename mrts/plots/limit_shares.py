@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.limits.rows import SPEEDS, ActiveRow, RowName
+from mrts.plots.labels import short_name
 from mrts.scaling.limit_use import limited_rates, used_shares
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -29,6 +31,9 @@ TITLES = {
     "jerk": "Joint jerks",
 }
 """Of kinds of limits in the order of their pictures; others come after them by their own name."""
+
+REACHED = 0.9995
+"""Share of a limit from which it reads 100 %."""
 
 AT_LIMIT = 1e-4
 """Share of a limit by which what is drawn as reached may miss it: interior points come near limits, not to them."""
@@ -122,6 +127,15 @@ class LimitingRows:
     setting: dict[RowName, str]
     reached: dict[RowName, str]
     forced: NDArray[np.bool_]
+
+    @cached_property
+    def ranked(self) -> dict[str, list[int]]:
+        """Rows by what they limit: those that set the speed first, then by falling share; at 100 % they are alike."""
+        first = {name: place for place, name in enumerate(self.setting)}
+        most, rows = np.minimum(np.max(self.shares, axis=0), REACHED), dict[str, list[int]]()
+        for row in sorted(range(len(most)), key=lambda row: (first.get(self.names[row], len(first)), -most[row])):
+            rows.setdefault(short_name(self.names[row]), []).append(row)
+        return rows
 
 
 def limiting_rows(result: ScalingResult, timing: "RetimingResult | None") -> LimitingRows:

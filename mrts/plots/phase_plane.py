@@ -70,7 +70,6 @@ def _speeds(pieces: Sequence[TimedPiece]) -> list[Array]:
 
 
 def _most(pieces: Sequence[FastestPiece], top: float) -> list[Item]:
-    """The maximum velocity curve, where it is in the picture."""
     bounds = [(part, part.profile.regions.upper) for part in pieces]
     speeds = [part.along_arc(np.where(np.isfinite(most), most, np.nan)) for part, most in bounds]
     seen = any(bool(np.any(speed <= top)) for speed in speeds)
@@ -80,6 +79,5 @@ def _most(pieces: Sequence[FastestPiece], top: float) -> list[Item]:
 def _line(
     label: str, s: Sequence[Array], speeds: Sequence[Array], color: str, dash: int = 0, width: float = 1.5
 ) -> Line:
-    """One curve of all pieces, with a gap between them."""
     x, y = (np.concatenate([np.append(part, np.nan) for part in parts])[:-1] for parts in (s, speeds))
     return Line(x=x, y=y, label=label, color=color, dash=dash, width=width)

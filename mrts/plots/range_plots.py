@@ -219,7 +219,7 @@ def load_study_plot(result: ScalingResult) -> Plot:
     low, high = c2_ends(result.range)
     order = ranked_loads(study)
     worst, best = order[0], order[-1]
-    least, most = (load_end(study.ranges[index]) for index in (worst, best))
+    least, most = (study.ranges[index].c2_upper for index in (worst, best))
     high = max(high, c2_ends(study.ranges[best])[1])
     upper = np.array([found.samples.upper for found in study.ranges])
     items: list[Item] = [
@@ -240,14 +240,9 @@ def _load_panel(title: str, time: Array, items: Sequence[Item], ends: tuple[floa
     return Panel(title=title, x=_given_time(time), y=Axis(label="largest c² [1]", ends=ends), items=items)
 
 
-def load_end(found: ScalingRange) -> float:
-    """c²⁺ of a load over the motion; minus infinity if no c² is admissible."""
-    return found.upper.c2 if found.upper is not None and found.status.admits_motion else -np.inf
-
-
 def ranked_loads(study: LoadStudy) -> list[int]:
     """Indices of the loads, the one with the least c²⁺ over the motion first."""
-    return sorted(range(len(study.ranges)), key=lambda index: load_end(study.ranges[index]))
+    return sorted(range(len(study.ranges)), key=lambda index: study.ranges[index].c2_upper)
 
 
 def _upper(found: ScalingRange, label: str, index: int, width: float = 1.5) -> list[Item]:

@@ -103,7 +103,6 @@ def _knobs(table: StudyTable, over: Sequence[str]) -> list[int]:
 
 
 def _edges(values: Array, most: int) -> Array:
-    """Of a cell for each of the different values, or of cells of one width."""
     if len(values) > most:
         return np.linspace(values[0], values[-1], most + 1)
     if len(values) == 1:

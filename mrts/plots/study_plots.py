@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.limits.rows import first_names
 from mrts.plots.colours import COLOURS
-from mrts.plots.labels import first_names, shortened
+from mrts.plots.labels import shortened
 from mrts.plots.plot import MARGIN, Axis, Bars, HeatMap, Item, Line, Panel, Plot, Points, Rule
 from mrts.plots.plotly_drawer import numbers, plot_text
 from mrts.plots.range_plots import neighbours, upright_areas
@@ -249,7 +250,6 @@ def parallel_figure(table: StudyTable) -> dict[str, Any]:
 
 
 def _some(rows: Index) -> Index:
-    """All, or an even choice with the first."""
     if len(rows) <= MOST_LINES:
         return rows
     return np.asarray(rows[np.linspace(0, len(rows) - 1, MOST_LINES).round().astype(int)])

@@ -4,7 +4,7 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.plots.labels import first_names
+from mrts.limits.rows import first_names
 from mrts.plots.study_map import Weight, ends_reached, weights
 from mrts.plots.study_table import Index, StudyTable
 
@@ -131,7 +131,6 @@ def next_steps(table: StudyTable) -> list[str]:
 
 
 def _widen(table: StudyTable, idle: set[int]) -> list[str]:
-    """Numbers of the best at the end of what was tried, but for those that hardly matter."""
     row = int(table.ranked[0])
     return [
         f"Of the best, {table.knobs[knob].path} is at the {end} end of what was tried "

@@ -12,19 +12,8 @@ from mrts.scaling.limit_use import LimitedQuantities, limited_quantities
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory, accumulated_energy
 
-FULL_STOP = ". "
-"""A title is the first sentence of what was done to a motion."""
-
 SIDE_BY_SIDE = 2
 """More robots than this stand below each other, to fit a page."""
-
-
-def result_title(result: ScalingResult) -> str:
-    """The cell, and how long its motion takes."""
-    if result.trajectory is None or result.origin:
-        return f"{result.cell.name}: {result.origin.split(FULL_STOP)[0] or result.status.value}"
-    given = result.motion.object.time[-1]
-    return f"{result.cell.name}: {given:.4g} s become {result.trajectory.duration:.4g} s"
 
 
 def torque_plots(result: ScalingResult) -> list[Plot]:
@@ -114,9 +103,7 @@ def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
         ValueError: If there is no trajectory.
     """
     torques, wrenches = torque_plots(result), wrench_plots(result)
-    return _by_robot(
-        "torques_and_wrenches", title or result_title(result), result, [torques, wrenches[::2], wrenches[1::2]]
-    )
+    return _by_robot("torques_and_wrenches", title, result, [torques, wrenches[::2], wrenches[1::2]])
 
 
 def power_plot(result: ScalingResult, title: str = "") -> Plot:
@@ -126,7 +113,7 @@ def power_plot(result: ScalingResult, title: str = "") -> Plot:
         ValueError: If there is no trajectory.
     """
     *powers, energy = power_plots(result)
-    whole = _by_robot("power_and_energy", title or result_title(result), result, [powers])
+    whole = _by_robot("power_and_energy", title, result, [powers])
     return Plot(name=whole.name, title=whole.title, rows=[*whole.rows, *energy.rows])
 
 
@@ -135,6 +122,7 @@ def _by_robot(name: str, title: str, result: ScalingResult, plots: Sequence[Sequ
     rows = [[plot.rows[0][0] for plot in of_kind] for of_kind in plots]
     if len(result.cell.robots) > SIDE_BY_SIDE:
         rows = [list(row) for row in zip(*rows, strict=True)]
+    title = title or f"{result.cell.name}: {_trajectory(result).duration:.4g} s"
     return Plot(name=name, title=f"{title} (thin lines: limits)", rows=rows)
 
 
@@ -155,7 +143,6 @@ def _quantities(result: ScalingResult, name: str, title: str, label: str, drawn:
 
 def _limited(result: ScalingResult, name: str, title: str, label: str, values: Array, names: Sequence[tuple[str, str]],
              limits: Array) -> Plot:  # fmt: skip
-    """Lines, each a name and a unit, with their limits, Shape (2 or 0, N, lines)."""
     done, units = _trajectory(result), dict.fromkeys(unit for _, unit in names)
     lines = []
     for index, (of_line, unit) in enumerate(names):

@@ -77,6 +77,11 @@ class ScalingRange(InNotebooks):
     upper: RangeEnd | None
     samples: SampleRanges
 
+    @property
+    def c2_upper(self) -> float:
+        """c²⁺; infinity if nothing limits it, minus infinity if no c² is admissible."""
+        return self.upper.c2 if self.upper is not None and self.status.admits_motion else -np.inf
+
     def __repr__(self) -> str:
         ends = f"c² ∈ {self.text()}, " if self.lower and self.upper else ""
         return f"<ScalingRange {self.status.value}: {ends}{len(self.samples.time)} samples>"

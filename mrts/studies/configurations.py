@@ -15,6 +15,7 @@ from mrts.cell.cell import Cell
 from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.following.tracking import OUT_OF_REACH, TrackedVariants, TrackingFailure, follow_from
+from mrts.limits.rows import row_labels
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
 from mrts.program.load_sharing import LoadSharing
@@ -57,9 +58,7 @@ class Configuration:
     @property
     def c2_upper(self) -> float:
         """c²⁺; infinity if nothing limits it, minus infinity if no c² is admissible."""
-        if not self.range.status.admits_motion or self.range.upper is None:
-            return -np.inf
-        return self.range.upper.c2
+        return self.range.c2_upper
 
     def postures(self) -> dict[str, list[float]]:
         """For `Cell.with_postures` or the cell file, by robot [rad or m]."""
@@ -224,11 +223,12 @@ def _evaluate(
 
 
 def outcome(configuration: Configuration) -> str:
-    """What limits a configuration, or why it is not feasible, in a phrase."""
+    """When and by what a configuration is limited, or why it is not feasible, in a phrase."""
     found = configuration.range
-    if found.upper is None or not found.status.admits_motion:
-        return f"{found.status.value}: {found.explain()}"
-    if found.status is RangeStatus.UNBOUNDED or found.upper.time is None:
-        return "unbounded"
-    rows = ", ".join(row.name.short for row in found.upper.rows)
-    return f"t = {found.upper.time:.3g} s: {rows}"
+    if found.status is RangeStatus.INFEASIBLE:
+        worst = max(found.samples.conflicts, key=lambda conflict: conflict.widening)
+        return f"infeasible: {row_labels(worst.rows)}"
+    if found.upper is None or found.upper.time is None:
+        return str(found.status.value)
+    where = "empty" if found.status is RangeStatus.EMPTY else f"t = {found.upper.time:.3g} s"
+    return f"{where}: {row_labels(found.upper.rows)}"

@@ -108,7 +108,6 @@ def _reversed(low: float, high: float) -> str:
 
 
 def _shape_problem(kind: str, given: dict[str, float]) -> str:
-    """The rule that a distribution breaks; empty if none."""
     names = SHAPES[kind]
     if given.keys() != set(names):
         return f"{kind} takes {', '.join(names)}; here are {', '.join(given) or 'none of them'}"
@@ -291,7 +290,6 @@ def _targets(move: str, listed: list[str] | dict[str, Any], files: dict[str, Any
 
 
 def _moved(move: str, path: str, factor: float, files: dict[str, Any], cell: Cell) -> Iterator[Target]:
-    """The numbers at a path and inside of it, shifted or scaled."""
     numbers = list(numbers_below(files, _keys(files, cell, path)))
     own = [float(value_at(files, number)) for number in numbers]
     if not own:

@@ -109,7 +109,6 @@ def read_study(path: Path | str) -> Study:
 
 
 def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
-    """The files that a cell file names; where that is a xacro, the URDF that it became takes its place in the keys."""
     origins = [reference.path(path, path.resolve().parent).absolute() for reference in described(path).references]
     for number, (robot, (file, _)) in enumerate(zip(given["robots"], urdf_files(path).values(), strict=True)):
         content, origin = read_regular(file, "URDF", MAX_URDF_BYTES), origins[number]
@@ -137,7 +136,6 @@ def _described(path: Path) -> StudyDescription:
 
 
 def _given_motion(path: Path, motion: ObjectMotion | JointTable) -> dict[str, Any]:
-    """Keys and values of a motion file; of a table or a bag by itself those of a motion file that names it."""
     if is_bag(path) or path.suffix.lower() == ".csv":
         return {"joints" if isinstance(motion, JointTable) else "file": str(path.absolute())}
     given = {key: value for key, value in _given_keys(path, "motion file").items() if value is not None}

@@ -225,7 +225,6 @@ def read_study_folder(path: Path | str) -> StudyFolder:
 
 
 def _check(record: Mapping[str, Any]) -> str:
-    """Hash of what `study.json` says beside it."""
     return hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
 
 

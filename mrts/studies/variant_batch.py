@@ -81,7 +81,8 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     """Whether rows and terms of the cell are those of plain torques, wrenches, contacts and velocities."""
     names = {entry.name for entry in entries}
     motors = [robot.motors for robot in cell.robots]
-    ideal = all(not each.has_effect and set(each.torque_speed) <= {None} for each in motors)
+    curves = [curve for each in motors for curve in each.torque_speed if curve is not None]
+    ideal = not curves and not any(each.has_effect for each in motors)
     turned_in_tip = "grasp_rpy" in names and any(of.frame == "tip" for robot in cell.robots for of in robot.contacts)
     bounds = [(robot.wrench_lower, robot.wrench_upper) for robot in cell.robots]
     free = np.concatenate([np.isinf(lower) & np.isinf(upper) for lower, upper in bounds])

@@ -102,7 +102,6 @@ def ends_row(lower: RangeEnd, upper: RangeEnd, given_duration: float) -> Row:
 
 
 def _labels(end: RangeEnd) -> str:
-    """What binds, such as "left/elbow ↑, right/fx ↓"."""
     return LIMIT_SEPARATOR.join(dict.fromkeys(row.label for row in end.rows))
 
 
@@ -167,7 +166,6 @@ def _range_row(result: ScalingResult) -> Row:
 
 
 def _torques(study: Study, result: ScalingResult) -> Row:
-    """Energy and root mean square torques, where they are wanted and there is a fastest speed."""
     done = result.trajectory
     if not study.question.torques or done is None or result.status is not RangeStatus.FEASIBLE:
         return {}

@@ -60,7 +60,6 @@ def write_best(study: Study, folder: StudyFolder, count: int) -> list[BestVarian
 
 
 def _remove_best(folder: Path) -> None:
-    """Remove the files of the best variants, and their folders where nothing else is in them."""
     for path in folder.glob("best-*"):
         if not BEST_FOLDER.fullmatch(path.name) or path.is_symlink():
             continue

@@ -107,17 +107,6 @@ def test_it_is_never_worse_than_its_best_start(seed, arms, tmp_path):
     assert np.all((low <= found.after.values) & (found.after.values <= high))
 
 
-def test_a_layout_out_of_reach_is_an_outcome(tmp_path):
-    vary = {"robots.left.base.xyz[0]": {"from": -9, "to": -8}}
-    found = mrts.place(write_study(tmp_path, shipped("planar_dual_arm"), LIFT, vary), looked_at=4)
-    assert found.after is None
-    assert "none of 4 layouts within the bounds can be played" in found.sentence()
-    assert "robot 'left'" in found.sentence()
-    with pytest.raises(mrts.InputError, match="no layout to write"):
-        found.write(tmp_path / "best.yaml")
-    assert not (tmp_path / "best.yaml").exists()
-
-
 def test_a_cell_that_cannot_be_played_as_it_is_gets_a_layout(tmp_path):
     cell = shipped("planar_dual_arm")
     cell["robots"][0]["base"]["xyz"] = [-3, 0, 0]

@@ -8,6 +8,7 @@ import pytest
 import yaml
 from command_line import mrts_without
 from conftest import DATA
+from layouts import shipped
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
@@ -110,10 +111,8 @@ def test_a_missing_extra_is_named_before_any_work(tmp_path):
 
 
 def test_an_infeasible_motion_is_still_an_outcome_with_files_asked_for(tmp_path, capsys):
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
+    cell = shipped("planar_dual_arm")
     cell["object"]["mass"] = 100.0
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / robot["urdf"])
     (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
     for profile in ("constant", "optimal"):
         command = ["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml"), "--profile", profile]

@@ -9,6 +9,7 @@ import pytest
 import yaml
 from casadi_cells import casadi_cell
 from conftest import DATA
+from layouts import shipped
 from same_cells import same_cell
 from shown_results import result_of, still_motion, with_changes
 
@@ -16,8 +17,6 @@ import mrts
 from mrts.cli import main
 from mrts.limits.cell_limits import torque_limits
 from mrts.output.summary_lines import retiming_lines, scaling_lines
-from mrts.output.trajectory_table import trajectory_csv
-from mrts.plots import range_plot, trajectory_plot, write_plot
 from mrts.plots.card import answer_card
 from mrts.report import report_html
 
@@ -67,21 +66,6 @@ def test_everything_comes_back(kind, planar_cell, lift, tmp_path):
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "result.npz").read_bytes()
 
 
-def test_what_is_made_of_a_result_is_the_same(dual_ur5, tmp_path):
-    result = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-    mrts.save_result(result, tmp_path / "result.npz")
-    again = mrts.load_result(tmp_path / "result.npz")
-    assert trajectory_csv(again) == trajectory_csv(result)
-    np.testing.assert_array_equal(again.trajectory.internal_wrench, result.trajectory.internal_wrench)
-    for name, of in (("one", result), ("two", again)):
-        (tmp_path / name).mkdir()
-        mrts.write_ros_bag(of, tmp_path / name / "bag")
-        write_plot(range_plot(of), tmp_path / name / "range.png")
-        write_plot(trajectory_plot(of, "title"), tmp_path / name / "trajectory.png")
-    for file in ("bag/bag.mcap", "range.png", "trajectory.png"):
-        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "two" / file).read_bytes(), file
-
-
 def test_reading_needs_neither_compiler_nor_symbolic_layer(lifted, tmp_path):
     mrts.save_result(lifted, tmp_path / "result.npz")
     script = (
@@ -121,10 +105,7 @@ def test_the_functions_come_from_the_cell_that_is_given(planar_cell, lift, tmp_p
 
 def test_another_cell_is_refused(lifted, dual_ur5, planar_cell, tmp_path):
     mrts.save_result(lifted, tmp_path / "result.npz")
-    description = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in description["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-        robot["torque"] = [1, 1, 1]  # limits do not enter the functions
+    description = shipped("planar_dual_arm", torque=[1, 1, 1])  # limits do not enter the functions
     (tmp_path / "weak.yaml").write_text(yaml.safe_dump(description))
     whole = mrts.load_result(tmp_path / "result.npz", cell=mrts.load_cell(tmp_path / "weak.yaml"))
     np.testing.assert_array_equal(whole.cell.robots[0].torque_upper, planar_cell.robots[0].torque_upper)

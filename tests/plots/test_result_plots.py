@@ -9,10 +9,8 @@ from legible_figures import boxes_of_texts, check_legible, lines_of
 from shown_results import KINDS, renamed, result_of
 
 import mrts
-from mrts.cli import main
 from mrts.plots import (
     limits_plot,
-    load_study_plot,
     matplotlib_figure,
     power_plot,
     range_plot,
@@ -158,18 +156,6 @@ def test_the_limit_of_which_most_is_used_is_first_and_thick(result):
     np.testing.assert_array_equal(first.y, 100 * shares[:, torques[np.argmax(np.max(shares[:, torques], axis=0))]])
 
 
-@pytest.mark.quick
-def test_what_there_is_not_cannot_be_drawn(planar_cell, lift, result):
-    infeasible = mrts.scale(planar_cell.with_mass(60.0), lift)
-    for draw in (trajectory_plot, power_plot):
-        with pytest.raises(ValueError, match="no trajectory"):
-            draw(infeasible)
-    with pytest.raises(ValueError, match="no trajectory"):
-        limits_plot(infeasible, "")
-    with pytest.raises(ValueError, match="no study of loads"):
-        load_study_plot(result)
-
-
 def test_the_ranking_has_bars_and_marks_infeasible_and_unlimited_configurations(planar_cell, lift):
     study = mrts.rank_configurations(planar_cell, lift)
     panel = ranking_plot(study, "planar").rows[0][0]
@@ -198,7 +184,7 @@ def test_an_object_out_of_reach_gets_a_figure_that_says_so(dual_ur5):
     assert "no configuration reaches" in "".join(text.get_text() for text in boxes_of_texts(figure))
 
 
-def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, tmp_path, capsys):
+def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, tmp_path):
     """An infeasible timing has figures as well: those of the best constant factor."""
     infeasible = mrts.retime(planar_cell.with_mass(60.0), lift)
     for form, start in (("svg", b"<?xml"), ("pdf", b"%PDF")):
@@ -210,14 +196,6 @@ def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, 
     assert {path.name for path in (tmp_path / "once").iterdir()} == {"c2_range.svg", "c2_range.pdf"}
     with pytest.raises(mrts.InputError, match="one of png, svg, pdf"):
         write_result_plots(infeasible, tmp_path / "once", "gif")
-    files = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
-    command = ["configurations", *files, "--plot", str(tmp_path / "out"), "--plot-format", "svg"]
-    assert main(command) == 0
-    assert (tmp_path / "out" / "configurations.svg").read_bytes().startswith(b"<?xml")
-    assert main([*command[:-1], "gif"]) == 2
-    assert "--plot-format" in capsys.readouterr().err
-    assert main(["scale", *files, "--plot-format", "svg"]) == 2
-    assert "give --plot DIR too" in capsys.readouterr().err
 
 
 def test_names_of_rows_are_whole_and_the_figure_as_wide_as_they_want(planar_cell, lift):

@@ -9,16 +9,12 @@ from conftest import DATA
 import mrts
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
-from mrts.plots import matplotlib_figure, trajectory_plot, write_result_plots
+from mrts.plots import write_result_plots
 from mrts.plots.card import answer_card
 from mrts.plots.labels import short_name
 from mrts.plots.limit_shares import limiting_rows
-from mrts.plots.plotly_drawer import plotly_figure
-from mrts.plots.trajectory_plots import torque_plots
-from mrts.report.tables import margins_table, motors_table
+from mrts.report.tables import margins_table
 from mrts.scaling.limit_use import limit_uses, limited_quantities
-from mrts.viewer.panel import bars_html
-from mrts.viewer.player_state import PlayerState
 
 pytestmark = pytest.mark.quick
 
@@ -71,48 +67,6 @@ def test_a_use_of_a_curve_tells_torque_and_limit_at_its_moment(result):
         dq = done.dq[sample, j]
         sides = [(-np.inf, a - m * dq) if dq > 0 else (-a - m * dq, np.inf) for a, m in lines]
         assert any((use.lower, use.upper) == pytest.approx(side) for side in sides)
-
-
-def test_moving_limits_are_drawn_as_lines_over_time(result):
-    axes = matplotlib_figure(trajectory_plot(result)).axes[0]
-    moving = [line for line in axes.lines if line.get_linewidth() < 1 and np.ptp(line.get_ydata()) > 0]
-    assert moving
-    straight = [line for line in axes.lines if line.get_linewidth() < 1 and np.ptp(line.get_ydata()) == 0]
-    assert len(moving) + len(straight) == 6
-    drawn, others = (
-        [trace for trace in plotly_figure(plot)["data"] if trace["line"].get("width") == 0.8]
-        for plot in torque_plots(result)
-    )
-    assert len(drawn) == 6
-    assert sum(len(trace["x"]) > 2 for trace in drawn) == len(moving)
-    assert all(len(trace["x"]) == 2 for trace in others)
-
-
-def test_the_report_says_which_motors_it_is_for(cell, planar_cell):
-    known = {row[0]: row for row in motors_table(cell).rows}
-    assert ("120 N m at 0 rad/s", "110 N m at 1 rad/s", "10 N m at 6 rad/s") in known["left/shoulder"]
-    assert "left/wrist" not in known
-    assert not motors_table(planar_cell).rows
-
-
-def test_a_player_has_bars_of_the_torque_at_its_speed(cell, lift):
-    state = PlayerState(cell, lift)
-    state.sample = 30
-    done = state.trajectory
-    bars = state.bars()
-    assert set(bars) == {"torque", "wrench", "velocity", TORQUE_SPEED, "motor speed"}
-    for bar in bars[TORQUE_SPEED]["left"]:
-        j = ["shoulder", "elbow"].index(bar.name)
-        assert bar.value == pytest.approx(done.torque[30, j])
-        assert not bar.over
-    driving = [bar for bar in bars[TORQUE_SPEED]["left"] if bar.value * done.dq[30, int(bar.name == "elbow")] > 0]
-    for bar in driving:
-        assert abs(bar.limit) >= largest(done.dq[30, int(bar.name == "elbow")]) - 1e-9
-    assert driving
-    assert "left/shoulder" in bars_html(TORQUE_SPEED, bars[TORQUE_SPEED])
-    state.choose_speed(state.speeds.upper)  # beyond: some bar is over its limit, and all is still drawn
-    assert not state.admissible
-    assert bars_html(TORQUE_SPEED, state.bars()[TORQUE_SPEED])
 
 
 def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA, ROOT
+from layouts import shipped
 from study_files import planar_study
 
 import mrts
@@ -29,12 +30,8 @@ def test_a_wrong_study_is_refused_by_file_key_value_and_rule(name, tmp_path):
 
 
 def test_questions_that_do_not_go_together_are_refused(tmp_path):
-    uncertain = tmp_path / "cell.yaml"
-    keys = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
-    keys["object"]["variation"] = {"mass": [0.5, 2]}
-    for robot in keys["robots"]:
-        robot["urdf"] = str(DATA / robot["urdf"])
-    uncertain.write_text(yaml.safe_dump(keys), encoding="utf-8")
+    uncertain = shipped("planar_dual_arm")
+    uncertain["object"]["variation"] = {"mass": [0.5, 2]}
     for text, message in (("load: possible\ntorques: true", "there are no torques"),
                           ("load: grid:5\nprofile: optimal", "where the speed varies")):  # fmt: skip
         with pytest.raises(mrts.InputError, match=message):

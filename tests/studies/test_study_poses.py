@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 import yaml
-from conftest import DATA
+from layouts import shipped
+from study_files import planar_study
 
 import mrts
 from mrts.layout.layout_numbers import LayoutNumbers
@@ -17,23 +18,16 @@ def study(tmp_path):
     """Makes a study of the planar cell; the left tip looks at the bar's middle, the right one is turned by half."""
 
     def read(vary):
-        given = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
-        for robot in given["robots"]:
-            robot["urdf"] = str(DATA / "planar_arm.urdf")
+        given = shipped("planar_dual_arm")
         given["robots"][0]["grasp"] = {"xyz": [-1.1, 0, 0], "look_at": [0, 0, 0], "axis": "x"}
         given["robots"][1]["grasp"] = {"xyz": [1.1, 0, 0], "quaternion_wxyz": HALF}
-        (tmp_path / "cell.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
         motion = {
             "duration": 1.0,
             "profile": "quintic",
             "start": {"xyz": [1.25, 1.0, 0], "quaternion_wxyz": [1, 0, 0, 0]},
+            "end": {"xyz": [1.25, 1.5, 0]},
         }
-        motion["end"] = {"xyz": [1.25, 1.5, 0]}
-        (tmp_path / "motion.yaml").write_text(yaml.safe_dump(motion), encoding="utf-8")
-        (tmp_path / "study.yaml").write_text(
-            yaml.safe_dump({"cell": "cell.yaml", "motion": "motion.yaml", "vary": vary})
-        )
-        return mrts.read_study(tmp_path / "study.yaml")
+        return planar_study(tmp_path, yaml.safe_dump({"vary": vary}), cell=given, motion=motion)
 
     return read
 

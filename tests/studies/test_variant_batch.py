@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from conftest import DATA
 from draws import draws
+from layouts import shipped
 from own_limits import tenth
 from study_files import planar_study
 from wide_studies import wide_study
@@ -93,13 +94,16 @@ def test_a_variant_has_the_same_bits_whatever_it_is_solved_with(tmp_path):
         assert list(values) == [value for piece in pieces for value in piece[name]], name
 
 
-@pytest.mark.parametrize("asked", [
-    "profile: optimal",
-    "torques: true",
-    "between: 1e-3",
+@pytest.mark.parametrize(("asked", "robots"), [
+    ("profile: optimal", {}),
+    ("torques: true", {}),
+    ("between: 1e-3", {}),
+    ("", {"motors": {"armature": 0.5}}),
+    ("", {"motors": {"torque_speed": [[0, 100], [20, 10]]}}),
 ])  # fmt: skip
-def test_what_it_does_not_cover_is_solved_one_by_one(asked, tmp_path):
-    study = planar_study(tmp_path, f"{asked}\nvary: {{object.mass: [1, 2]}}")
+def test_what_it_does_not_cover_is_solved_one_by_one(asked, robots, tmp_path):
+    cell = shipped("planar_dual_arm", **robots)
+    study = planar_study(tmp_path, f"{asked}\nvary: {{object.mass: [1, 2]}}", cell=cell)
     assert batch_for(study) is None
     assert solve_variants(study, 0, 2)["status"] == ["feasible", "feasible"]
 

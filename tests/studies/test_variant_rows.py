@@ -7,6 +7,7 @@ import shutil
 import numpy as np
 import pytest
 from conftest import DATA
+from layouts import shipped
 from study_files import planar_study
 
 import mrts
@@ -149,9 +150,8 @@ def test_a_limit_that_the_file_does_not_give_counts(given, tmp_path):
 
 
 def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
-    cell = tmp_path / "cell.yaml"
-    text = (DATA / "cell.yaml").read_text(encoding="utf-8").replace("urdf: ", f"urdf: {DATA}/")
-    cell.write_text(text.replace("  mass: 0.5", "  variation: {mass: [0.5, 1.5]}\n  mass: 0.5"), encoding="utf-8")
+    cell = shipped("planar_dual_arm")
+    cell["object"]["variation"] = {"mass": [0.5, 1.5]}
     study = planar_study(tmp_path, "vary:\n  object.variation.mass[1]: [1.5, 3]", cell=cell)
     expected = [mrts.scale(planar_cell.with_variation(mass=(0.5, most)), lift, between=None) for most in (1.5, 3.0)]
     found = solve_variants(study, 0, 2)

@@ -13,6 +13,7 @@ import pytest
 import yaml
 from conftest import DATA
 from faulty_study import faulty
+from layouts import shipped
 from own_limits import tenth
 from study_files import planar_study
 from sweep_processes import assert_same_table, driver_command, parts, processes, started, until, workers
@@ -182,14 +183,9 @@ def test_the_best_are_solved_again_and_written(out, study):
 
 
 def test_the_best_of_what_is_possible_has_its_duration(tmp_path):
-    keys = yaml.safe_load((DATA / "cell.yaml").read_text())
+    keys, motion = shipped("planar_dual_arm"), yaml.safe_load((DATA / "lift.yaml").read_text()) | {"samples": 11}
     keys["object"]["variation"] = {"mass": [0.9, 1.1]}
-    cell, motion = tmp_path / "cell.yaml", tmp_path / "motion.yaml"
-    for robot in keys["robots"]:
-        robot["urdf"] = str(DATA / robot["urdf"])
-    cell.write_text(yaml.safe_dump(keys))
-    motion.write_text(yaml.safe_dump(yaml.safe_load((DATA / "lift.yaml").read_text()) | {"samples": 11}))
-    possible = planar_study(tmp_path, "load: possible\nvary: {object.mass: [0.5]}", cell=cell, motion=motion)
+    possible = planar_study(tmp_path, "load: possible\nvary: {object.mass: [0.5]}", cell=keys, motion=motion)
     with opened_study_folder(tmp_path / "out", possible, lambda: 1) as folder:
         folder.write(0, folder.rows([solve_variants(possible, 0, 1)]))
     (best,) = write_best(possible, folder, 1)
