@@ -5,6 +5,7 @@ Document types are refused (entity bombs), and a missing mass or a missing entry
 default. Libraries that read URDFs import all that draws them first: 1 s of each first use of a cell.
 """
 
+from collections import Counter
 from functools import lru_cache
 from math import inf, nan
 from pathlib import Path
@@ -194,12 +195,9 @@ def _check_names_differ(path: Path, root: Any) -> None:
         elements = root.findall(tag)
         if len(elements) > MAX_LINKS:
             raise InputError(path, f"has {len(elements)} <{tag}> elements; mrts reads at most {MAX_LINKS}.")
-        seen: set[str | None] = set()
-        for element in elements:
-            name = element.get("name")
-            if name in seen:
+        for name, count in Counter(element.get("name") for element in elements).items():
+            if count > 1:
                 raise InputError(path, f"two {tag}s have this name.", key=f"{tag} '{name}'")
-            seen.add(name)
 
 
 def _only(path: Path, where: str, element: Any, tag: str) -> Any:

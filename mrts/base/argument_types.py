@@ -31,7 +31,7 @@ def check_type(name: str, value: object, *kinds: type) -> None:
     *others, last = map(_type_name, kinds)
     allowed = f"{', '.join(others)} or {last}" if others else last
     given = "None" if value is None else f"of type {type(value).__name__}"
-    inside = " Give its `retimed`." if isinstance(getattr(value, "retimed", None), kinds) else ""
+    inside = " Give its `retimed`." if isinstance(getattr(value, "retimed", object()), kinds) else ""
     raise InputError(name, f"must be {allowed}; it is {given}.{inside}", value=value)
 
 

@@ -128,7 +128,9 @@ class Command(click.Command):
             if error.where not in options or error.where in map(str, ctx.params.values()):  # a file of that name
                 raise
             value = None if error.value is True else error.value
-            raise InputError(options[error.where], error.rule, key=error.key, value=value) from None
+            raise InputError(
+                options[error.where], error.rule, key=error.key, value=value, others=error.others
+            ) from None
 
     def _check_outputs(self, given: Mapping[str, Any]) -> None:
         inputs = [each for each in self.params if not isinstance(each.type, Written)]

@@ -36,7 +36,7 @@ UNITS = {
 
 @dataclass(frozen=True, eq=False)
 class MotorParameter:
-    """One parameter of every joint of an arm.
+    """One parameter of every joint of an arm, or all of one joint.
 
     Attributes:
         value: Shape (n,), 0 where it is not identified.

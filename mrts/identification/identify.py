@@ -150,7 +150,7 @@ def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors
     limits = np.maximum(np.abs(robot.torque_lower), np.abs(robot.torque_upper))
     recorded = np.max(np.abs(motion.dq), axis=0)
     fastest = np.where(np.isfinite(robot.velocity_limit), robot.velocity_limit, recorded)
-    fits = [
+    parts = [
         fit_joint(
             np.column_stack([acceleration[:, place], velocity[:, place], sign[:, place]]),
             left_over[:, place],
@@ -160,18 +160,19 @@ def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors
         )
         for place in range(len(robot.joints))
     ]
-    fitted = np.column_stack([fit.fitted for fit in fits])
+    fits, offset, columns, residual_rms = zip(*parts, strict=True)
+    fitted = np.column_stack(columns)
     return ArmMotors(
         robot=robot,
         **{
             name: MotorParameter(
                 **{field: np.array([getattr(fit, field)[place] for fit in fits]) for field in FITTED},
-                reasons=tuple(fit.reason[place] for fit in fits),
+                reasons=tuple(fit.reasons[place] for fit in fits),
             )
             for place, name in enumerate(PARAMETERS)
         },
-        offset=np.array([fit.offset for fit in fits]),
-        residual_rms=np.array([fit.residual_rms for fit in fits]),
+        offset=np.array(offset),
+        residual_rms=np.array(residual_rms),
         explained=_explained(effort, left_over - fitted, used),
         cutoff=motion.cutoff,
         time=motion.blocks(motion.time),

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Armature, viscous and Coulomb friction of one joint by bounded least squares, and how sure each is."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.identification.identified_motors import MotorParameter
 
 PARAMETERS = ("armature", "viscous", "coulomb")
 """In the order of the columns of the regression; an offset of the effort follows, which no motor has."""
@@ -28,36 +27,9 @@ BANDWIDTH = 0.5
 narrow where residuals follow each other; more do not help with some hundred blocks."""
 
 
-@dataclass(frozen=True, eq=False)
-class JointFit:
-    """What a regression says of one joint; parameters in the order of `PARAMETERS`.
-
-    Attributes:
-        value: Shape (3,), 0 where nothing is known.
-        standard_error: Shape (3,), infinity where nothing is known.
-        half_width: Of the interval of confidence, Shape (3,).
-        free: The value without the bound at 0, Shape (3,).
-        reason: Why a parameter is not identified, "" where it is.
-        bounded: Whether the bound at 0 holds the value, Shape (3,).
-        offset: Constant part of the effort [N m or N].
-        fitted: What the parameters say of the blocks, Shape (B,) [N m or N].
-        residual_rms: Of the blocks [N m or N].
-    """
-
-    value: Array
-    standard_error: Array
-    half_width: Array
-    free: Array
-    reason: tuple[str, ...]
-    bounded: NDArray[np.bool_]
-    offset: float
-    fitted: Array
-    residual_rms: float
-
-
 def fit_joint(
     columns: Array, left_over: Array, used: NDArray[np.bool_], fastest: float, torque_limit: float
-) -> JointFit:
+) -> tuple[MotorParameter, float, Array, float]:
     """Least squares of effort - τ_rb = I_a q̈ + b q̇ + τ_c sign(q̇) + offset, with I_a, b, τ_c >= 0.
 
     Variances come from the residuals: the larger of the two that ordinary least squares and Newey and West (1987)
@@ -69,13 +41,20 @@ def fit_joint(
         used: Which blocks count, Shape (B,).
         fastest: Speed that the joint may have [rad/s or m/s].
         torque_limit: That it has [N m or N].
+
+    Returns:
+        The parameters of the joint in the order of `PARAMETERS`, each array of Shape (3,); the constant part of the
+        effort [N m or N]; what they say of the blocks, Shape (B,) [N m or N]; root mean square of what is left
+        [N m or N].
     """
     from scipy.special import stdtrit  # noqa: PLC0415 (slow to import)
 
     full = np.column_stack([columns, np.ones(len(columns))])
     X, y = full[used], left_over[used]
     if len(y) <= X.shape[1]:
-        return _unknown(len(columns), "it hardly moves in the recording")
+        nothing, unsure, why = np.zeros(3), np.full(3, np.inf), "it hardly moves in the recording"
+        unknown = MotorParameter(nothing, unsure, unsure.copy(), (why,) * 3, np.zeros(3, bool), nothing.copy())
+        return unknown, 0.0, np.zeros(len(columns)), 0.0
     scale = np.sqrt(np.mean(X**2, axis=0))
     scale[scale == 0] = 1.0
     X = X / scale
@@ -90,25 +69,15 @@ def fit_joint(
     reasons = _reasons(columns[used], independent, doubt, torque_limit)
     known = np.array([not reason for reason in reasons])
     fitted = full @ theta
-    return JointFit(
+    found = MotorParameter(
         value=np.where(known, theta[:3], 0.0),
         standard_error=np.where(known, error[:3], np.inf),
         half_width=np.where(known, half[:3], np.inf),
-        free=np.where(known, free[:3], 0.0),
-        reason=reasons,
+        reasons=reasons,
         bounded=held[:3] & known,
-        offset=float(theta[3]),
-        fitted=fitted,
-        residual_rms=float(np.sqrt(np.mean((left_over - fitted)[used] ** 2))),
+        free=np.where(known, free[:3], 0.0),
     )
-
-
-def _unknown(blocks: int, reason: str) -> JointFit:
-    nothing, unsure = np.zeros(3), np.full(3, np.inf)
-    return JointFit(
-        value=nothing, standard_error=unsure, half_width=unsure, free=nothing, reason=(reason,) * 3,
-        bounded=np.zeros(3, bool), offset=0.0, fitted=np.zeros(blocks), residual_rms=0.0,
-    )  # fmt: skip
+    return found, float(theta[3]), fitted, float(np.sqrt(np.mean((left_over - fitted)[used] ** 2)))
 
 
 def _left_by_others(X: Array, column: int) -> float:

@@ -10,8 +10,7 @@ from dataclasses import replace
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.cell_limits import contact_limits, motor_limits, torque_limits, velocity_limits, wrench_limits
-from mrts.limits.row_check import checked_rows
-from mrts.limits.rows import LimitRows, stack_rows
+from mrts.limits.rows import LimitRows, checked_rows, stack_rows
 
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
 

@@ -10,8 +10,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.hands import in_object_axes
 from mrts.cell.motors import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.object_axes import object_axes
-from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, row_names
+from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, object_axes, row_names
 
 NONE = np.zeros(0)
 

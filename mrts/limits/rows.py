@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: MIT
 """The canonical form of every limit: named two-sided rows `lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper`."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
+from mrts.cell.hands import triple_axes
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import SparseLimits
-from mrts.limits.object_axes import ObjectAxes
 
 Side = Literal["lower", "upper"]
 
@@ -151,6 +153,59 @@ def first_names(names: Sequence[str], most: int = MOST_NAMES) -> str:
     return ", ".join(names[:most]) + more
 
 
+@dataclass(frozen=True, eq=False)
+class ObjectAxes:
+    """What turns the wrenches of n arms from the axes of their bases into the object's at N samples, triple by triple.
+
+    A spatial wrench has two triples, forces and moments, a planar one a single triple of two forces and a moment.
+
+    Attributes:
+        rotation: R of the object, Shape (N, 3, 3).
+        base: Rotation of each base in the world, its columns those of `axes`, Shape (n, 3, 3).
+        axes: x, y, z (0, 1, 2) in the order in which a triple has them.
+    """
+
+    rotation: Array
+    base: Array
+    axes: tuple[int, ...]
+
+    @cached_property
+    def turn(self) -> Array:
+        """The matrices of a triple, Rᵀ R_base, Shape (N, n, 3, 3)."""
+        rows = self.rotation.transpose(0, 2, 1)[:, None, self.axes]
+        return np.asarray(rows @ self.base, dtype=np.float64)
+
+    def turned(self, wrench: Array) -> Array:
+        """Wrenches in object axes, of the same shape.
+
+        Args:
+            wrench: All wrenches in base axes, or columns of a matrix that maps to them, Shape (N, n w, …).
+        """
+        count, arms = len(wrench), len(self.base)
+        triples = wrench.reshape(count, arms, -1, 3, int(np.prod(wrench.shape[2:])))
+        turned: Array = self.turn[:, :, None] @ triples
+        return turned.reshape(wrench.shape)
+
+    def at(self, samples: NDArray[np.int_] | slice) -> "ObjectAxes":
+        """The same at some samples only."""
+        return replace(self, rotation=self.rotation[samples])
+
+    def fit(self, cell: Cell, motion: CoordinatedMotion) -> bool:
+        """Whether these are the axes of a cell along a motion."""
+        theirs = object_axes(cell, motion)
+        pairs = ((self.rotation, theirs.rotation), (self.base, theirs.base))
+        return self.axes == theirs.axes and all(
+            ours is others or np.array_equal(ours, others) for ours, others in pairs
+        )
+
+
+def object_axes(cell: Cell, motion: CoordinatedMotion) -> ObjectAxes:
+    """The axes of a cell's wrenches along a motion."""
+    axes = triple_axes(cell.wrench_components)
+    base = np.array([robot.T_world_base.R[:, axes] for robot in cell.robots])
+    return ObjectAxes(motion.object.rotation, base, tuple(axes))
+
+
 @dataclass(frozen=True, kw_only=True)
 class LimitRows:
     """r rows lower <= M_τ τ + M_F F + M_H H + a r̈ + b ṙ + e ṙ² <= upper of a motion of N samples, played with r(t).
@@ -165,7 +220,7 @@ class LimitRows:
         torque_matrix: M_τ, Shape (r, m).
         wrench_matrix: M_F, Shape (r, n w).
         object_matrix: M_H, Shape (r, n w).
-        object_axes: What turns F into H (`mrts.limits.object_axes.object_axes`); there if M_H is.
+        object_axes: What turns F into H (`mrts.limits.rows.object_axes`); there if M_H is.
         rate: a, Shape (N, r).
         speed: b, Shape (N, r).
         square: e, Shape (N, r).
@@ -403,3 +458,60 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
         square=column([piece.square for piece in pieces]),
         size=np.concatenate([piece.units() for piece in pieces]) if sized else None,
     )
+
+
+def limit_name(limit: Callable[..., object]) -> str:
+    """What a limit is called in messages and files."""
+    return str(getattr(limit, "__name__", repr(limit)))
+
+
+def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+    """The rows of a limit as they are.
+
+    Raises:
+        InputError: If they are no rows of this cell along this motion: other shapes, no numbers, reversed limits.
+    """
+    where, rows = f"limit '{limit_name(limit)}'", limit(cell, motion)
+    if not isinstance(rows, LimitRows):
+        raise InputError(where, f"must give LimitRows, not {type(rows).__name__}.")
+    if not all(isinstance(name, RowName) for name in rows.names):
+        raise InputError(where, "must name its rows by RowName.", key="names")
+    count, samples = len(rows.names), motion.samples
+    wrenches = ((count, len(cell.robots) * len(cell.wrench_components)), "(r, wrench components of all arms)")
+    shapes = {
+        "lower": ((count,), "(r,)"),
+        "upper": ((count,), "(r,)"),
+        "torque_matrix": ((count, motion.q.shape[1]), "(r, joints)"),
+        "wrench_matrix": wrenches,
+        "object_matrix": wrenches,
+        "rate": ((samples, count), "(samples, r)"),
+        "speed": ((samples, count), "(samples, r)"),
+        "square": ((samples, count), "(samples, r)"),
+        "size": ((count,), "(r,)"),
+    }
+    for field, (shape, meaning) in shapes.items():
+        values = getattr(rows, field)
+        if values is None and field in {"object_matrix", "rate", "speed", "square", "size"}:
+            continue
+        if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu" or values.shape != shape:
+            given = (
+                f"{values.dtype} of shape {values.shape}" if isinstance(values, np.ndarray) else type(values).__name__
+            )
+            rule = f"must be real numbers of shape {shape}: {meaning}, r = {count} names; not {given}."
+            raise InputError(where, rule, key=field)
+        bounds = field in {"lower", "upper"}
+        wrong = np.argwhere(np.isnan(values) if bounds else ~np.isfinite(values))
+        if len(wrong):
+            along_motion = field in {"rate", "speed", "square"}
+            row, place = wrong[0][-1 if along_motion else 0], f" at sample {wrong[0][0]}" if along_motion else ""
+            rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
+            raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=field)
+    if rows.object_matrix is not None and not (rows.object_axes and rows.object_axes.fit(cell, motion)):
+        rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."
+        raise InputError(where, rule, key="object_axes")
+    in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
+    if not in_order.all():
+        row = int(np.argmin(in_order))
+        rule = f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}."
+        raise InputError(where, rule, key="lower, upper")
+    return rows

@@ -12,8 +12,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import rows_by_limit
 from mrts.limits.cell_limits import CurveRow, curve_rows, motor_limits, velocity_limits
-from mrts.limits.row_check import limit_name
-from mrts.limits.rows import LimitRows, RowName, stack_rows
+from mrts.limits.rows import LimitRows, RowName, limit_name, stack_rows
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
 

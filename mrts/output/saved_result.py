@@ -23,8 +23,7 @@ from mrts.cell.cell_keys import manifest_of
 from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.record import CellManifest, CellRecord
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.row_check import limit_name
-from mrts.limits.rows import LimitRows
+from mrts.limits.rows import LimitRows, limit_name
 from mrts.output.npz_file import open_arrays
 from mrts.output.value_tree import Arrays, TreeReader, TreeWriter
 from mrts.scaling.result import OTHER_LIMITS, ScalingResult

@@ -107,7 +107,9 @@ def _map_panels(table: StudyTable, drawn: StudyMap) -> list[Panel]:
         low, high = duration_ends(table)
         duration = [HeatMap(**grid, z=best_values(drawn, table.duration), colors=FASTER, low=low, high=high, unit="s",
                             title="shortest duration [s]", contours=drawn.exact)]  # fmt: skip
-    limit: list[Item] = [HeatMap(**grid, z=binding, names=limits, colors=LIMIT_COLOURS)] if limits else []
+    limit: list[Item] = (
+        [HeatMap(**grid, z=binding, names=limits, colors=LIMIT_COLOURS[: len(limits)])] if limits else []
+    )
     x, y = (_knob_axis(table, drawn, place) for place in (0, 1))
     best = _best(table, *(table.values[:, knob] for knob in drawn.knobs))
     return [

@@ -22,7 +22,7 @@ from mrts.cell.source_files import arm_of_urdf, read_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, plane_of, twist_rows
 from mrts.starting.request import ArmRequest, Request
-from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, moved_by, possible_tips
+from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, moved_by
 
 SPATIAL_JOINTS = 6
 """What holding an object takes in space; in a plane `FEWEST_JOINTS`."""
@@ -164,7 +164,8 @@ def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str,
         for at, (_, tree) in enumerate(read):
             seen = sorted(hands(tree), key=lambda hand: hand.side)
             if not 1 <= len(seen) <= MOST_HANDS or (len(seen) == MOST_HANDS and len({h.joints for h in seen}) > 1):
-                ends = possible_tips(tree, seen)
+                movable = [link for link in tree.links if len(moved_by(tree, link)) >= FEWEST_JOINTS]
+                ends = [hand.link for hand in seen] or movable
                 if not ends:
                     raise InputError(robots[at], f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm.")
                 listed = ", ".join(f"{link} ({len(moved_by(tree, link))} joints)" for link in ends)

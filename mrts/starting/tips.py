@@ -80,7 +80,9 @@ def hands(tree: Urdf) -> list[Hand]:
     candidates = _candidates(tree)
     named = [(link, rank) for link in candidates if (rank := _rank(link)) is not None]
     if not named:
-        named = [(link, WHOLE_NAMES) for link in candidates if _speaks_of_a_hand(link)]
+        # a word for a hand beside others, such as that of its maker: `LeftSakePalmLink`
+        kinds = TOOLS[WHOLE_NAMES]
+        named = [(link, WHOLE_NAMES) for link in candidates if any(name <= {*words(link)} for name in kinds)]
     found = []
     for limb in _limbs(tree, [link for link, _ in named]):
         best = min(rank for link, rank in named if link in limb)
@@ -92,11 +94,6 @@ def hands(tree: Urdf) -> list[Hand]:
             why += f"; {fingers} hangs on it, so a link between fingers may be the better one"
         found.append(_hand(tree, link, why))
     return found or _ends(tree)
-
-
-def possible_tips(tree: Urdf, found: Sequence[Hand]) -> list[str]:
-    """Links to choose a tip from: the hands that a URDF seems to have, or else all that enough joints move."""
-    return [hand.link for hand in found] or [link for link in tree.links if len(moved_by(tree, link)) >= FEWEST_JOINTS]
 
 
 def _ends(tree: Urdf) -> list[Hand]:
@@ -132,11 +129,6 @@ def _rank(link: str) -> int | None:
         if beside:
             return rank
     return None
-
-
-def _speaks_of_a_hand(link: str) -> bool:
-    """Whether a name has a word for a hand beside others, such as that of its maker: `LeftSakePalmLink`."""
-    return any(name <= {*words(link)} for name in TOOLS[WHOLE_NAMES])
 
 
 def _beside(name: set[str]) -> frozenset[str]:

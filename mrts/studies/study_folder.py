@@ -24,7 +24,7 @@ from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
 from mrts.base.version import __version__
-from mrts.limits.row_check import limit_name
+from mrts.limits.rows import limit_name
 from mrts.studies.study import Study
 from mrts.studies.variant_rows import column_types
 

@@ -175,12 +175,8 @@ def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_ce
     slow = lift.played(lift.time, 1e-20 * lift.twist, 1e-40 * lift.acceleration)  # rates that are none of its positions
     for call, message in (
         (lambda: mrts.scale(None, lift), "cell: must be of type Cell; it is None."),
-        (lambda: mrts.load_cell(3), "path = 3: must be text or a Path; it is of type int."),
-        (lambda: mrts.load_cell(""), "path = '': must not be empty: name a file or a folder."),
         (lambda: mrts.retime(cell, lift, start_speed=1e200), "start_speed = 1e+200: must be a number from 0 to 1e+12"),
         (lambda: mrts.MotionDescription(start={"xyz": [0.0]}), "motion: start.xyz = [0.0]: has 1 values, at least 3"),
-        (lambda: mrts.MotionDescription(duration=1.0), "motion: a motion is given by one of: start and end, waypoi"),
-        (lambda: mrts.MotionDescription(speed=1), "motion: unknown key 'speed'. The keys here are: duration, sampl"),
         (lambda: followed.at([0]), "samples = [0]: must be two or more whole numbers below 101"),
         (lambda: lift.played(lift.time[::-1], lift.twist, lift.acceleration), "time: must have Shape (N,) with N >= 2"),
         (

@@ -122,6 +122,7 @@ def test_nobody_writes_into_a_cell(planar_cell):
     cell = with_left(planar_cell, torque_upper=mine)
     mine[:] = 0
     np.testing.assert_array_equal(cell.robots[0].torque_upper, 50)
+    assert isinstance(replace(cell, robots=[*cell.robots]).robots, tuple)
     for array in (cell.gravity, cell.load, cell.robots[0].torque_upper, cell.robots[0].T_world_base.p):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1.0

@@ -135,11 +135,6 @@ def test_without_a_home_folder(tmp_path):
     script = "import pwd\ndef gone(uid):\n raise KeyError(uid)\npwd.getpwuid = gone"
     homeless = {name: value for name, value in os.environ.items() if name not in {"HOME", "XDG_CACHE_HOME"}}
     assert run_with(script, "scale", *FILES, env=homeless, cwd=tmp_path).returncode == 0
-    del homeless["MRTS_CACHE_DIR"]
-    done = run_with(script, "scale", *FILES, env=homeless, cwd=tmp_path)
-    assert done.returncode == 0
-    assert "the cache is not used, because there is no home folder" in done.stderr
-    assert "Set MRTS_CACHE_DIR" in done.stderr
 
 
 def small_files(limit):

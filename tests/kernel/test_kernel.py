@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections import Counter
+from dataclasses import replace
 
 import daqp
 import highspy
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from conftest import DATA, ROOT
 from random_programs import cell_programs, hard_programs
+from scaled_paths import scaled_path
 
 import mrts
 from mrts.kernel.c_text import programs_source
@@ -226,6 +228,15 @@ def test_hard_quadratic_programs_pass_their_conditions(kernel):
     assert solved["degenerate vertex", OPTIMAL] == 3 * HARD
 
 
+def test_ten_samples_are_not_taken_for_ten_entries_of_a_load(planar_cell, lift):
+    fields = (lift.time, lift.position, lift.rotation, lift.twist, lift.acceleration)
+    short = mrts.ObjectMotion(*(field[:100:10] for field in fields))
+    for mass in (0.5, 12.67, 40.0):
+        heavy = planar_cell.with_mass(mass)
+        ours, theirs = (mrts.scale(heavy, short, solver=name) for name in ("kernel", "qpsol:qpoases"))
+        assert ours.range.samples.status == theirs.range.samples.status
+
+
 @pytest.mark.quick
 def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
     for q in (np.zeros((1, 6)), np.zeros((50, 5)), np.zeros(7), np.zeros((51, 6))):
@@ -244,6 +255,17 @@ def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     assert status[0] != OPTIMAL
     with pytest.raises(mrts.InputError, match="must be <= 1e"):
         planar_cell.with_mass(1.7e308)
+
+
+def test_a_motion_too_small_to_scale_by_is_at_rest(planar_cell):
+    """An acceleration of 1e-320 rad/s², whose reciprocal is infinite."""
+    followed = mrts.follow_object(planar_cell, scaled_path("planar_dual_arm", 0.3, 101, "quintic"))
+    found = []
+    for small in (1e-320, 0.0):
+        ddq = followed.ddq.copy()
+        ddq[0, 2] = small
+        found.append(mrts.scale(planar_cell, replace(followed, ddq=ddq), between=None).range.to_json())
+    assert found[0] == found[1]
 
 
 def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):

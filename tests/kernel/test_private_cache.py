@@ -125,6 +125,14 @@ def test_a_library_that_others_could_have_written_is_compiled_again(file, tmp_pa
     assert again.read_bytes() == before
 
 
+def test_generated_c_that_others_could_have_written_is_generated_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
+    _, source = generated_in_cache(DATA / "cell.yaml")
+    source.chmod(0o666)
+    assert generated_in_cache(DATA / "cell.yaml")[1] == source
+    assert only_ours(source)
+
+
 def test_a_generated_folder_is_compiled_into_the_cache(tmp_path, monkeypatch):
     """A library that lies beside the C file is never loaded."""
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))

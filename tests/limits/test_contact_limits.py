@@ -11,7 +11,7 @@ from contact_forces import least_pressing
 import mrts
 from mrts.cell.hands import Contact, box_contact, gripper_contact, pad_contact, suction_contact, tip_components
 from mrts.limits import limit_rows
-from mrts.limits.object_axes import object_axes
+from mrts.limits.rows import object_axes
 
 SAME = 1e-8
 """Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""
@@ -86,7 +86,7 @@ def test_compiled_rows_are_those_of_numpy_on_random_cells(draw, tmp_path):
     """With contacts of every kind: ranges and torques by the kernel, and by CasADi's solvers on numpy's rows."""
     rng = np.random.default_rng(7)
     answered = contacts_bind = 0
-    for number in range(16):
+    for number in range(8):
         case = draw(rng, tmp_path / str(number), 2 + number % 2)
         cell = random_contacts(rng, case.cell.without_velocity_limits())
         try:
@@ -109,8 +109,8 @@ def test_compiled_rows_are_those_of_numpy_on_random_cells(draw, tmp_path):
         answered += 1
         limit = np.concatenate([robot.torque_upper for robot in cell.robots])
         assert np.max(np.abs(ours.trajectory.torque - theirs.trajectory.torque) / limit) < 1e-6
-    assert answered > 5
-    assert contacts_bind > 3
+    assert answered > 2
+    assert contacts_bind > 1
 
 
 def test_one_box_in_the_axes_of_tip_object_and_base_is_one_limit(dual_ur5):

@@ -104,57 +104,44 @@ def test_a_topic_that_names_no_robot_is_told_by_its_joints(dual_ur5, given, tmp_
     assert "other/j0" in carried.motion.remarks[0].text
 
 
-def spoiled(change):
-    """Both trajectories, the right one changed; a point is its stamp [ns], positions, velocities, accelerations."""
+def at(point, place, value, joint=...):
+    """A change of one point: its stamp [ns], positions, velocities or accelerations, all or those of a joint."""
 
-    def build(given):
-        names, points = given["right"]
-        names, points = list(names), [[stamp, *(row.copy() for row in rows)] for stamp, *rows in points]
-        names, points = change(names, points) or (names, points)
-        messages = [("/left/joint_trajectory", message(*given["left"]))]
-        return [*messages, ("/right/joint_trajectory", message(names, points))]
-
-    return build
-
-
-def set_at(point, place, value):
     def change(_names, points):
-        points[point][place] = value
+        if joint is ...:
+            points[point][place] = value
+        else:
+            points[point][place][joint] = value
 
-    return spoiled(change)
-
-
-def set_entry(point, part, value):
-    def change(_names, points):
-        points[point][1 + part][2] = value
-
-    return spoiled(change)
+    return change
 
 
-def twice(given):
-    messages = spoiled(lambda *_: None)(given)
-    return [*messages, messages[1]]
+def second_elbow(names, _points):
+    names[0] = "elbow"
 
 
 MISTAKES = {
-    "times differ": (set_at(40, 0, 321_000_000), "right/joint_trajectory: must have the times of /left/joint_traj"),
-    "times back": (set_at(7, 0, 1), "right/joint_trajectory, point 7, time_from_start = 1e-09: must be later"),
-    "no points": (spoiled(lambda names, _: (names, [])), "has 0 points"),
-    "short positions": (set_at(9, 1, np.zeros(5)), "point 9: has 5 positions for 6 joints"),
-    "some velocities": (set_at(9, 2, np.zeros(0)), "point 9: has 0 velocities for 6 joints; other points have 6"),
-    "infinite": (set_entry(5, 2, np.inf), "point 5, accelerations of elbow = inf"),
-    "wrong rates": (set_entry(50, 1, 57.0), "right/elbow: its rates do not lead"),
-    "twice a joint": (
-        spoiled(lambda names, points: (["elbow", *names[1:]], points)), "right/joint_trajectory: the joint 'elbow' of"
-    ),
-    "twice a topic": (twice, "right/joint_trajectory: holds 2 trajectories; a motion is one"),
-}  # fmt: skip
+    "times differ": (at(40, 0, 321_000_000), "right/joint_trajectory: must have the times of /left/joint_traj"),
+    "times back": (at(7, 0, 1), "right/joint_trajectory, point 7, time_from_start = 1e-09: must be later"),
+    "no points": (lambda _, points: points.clear(), "has 0 points"),
+    "short positions": (at(9, 1, np.zeros(5)), "point 9: has 5 positions for 6 joints"),
+    "some velocities": (at(9, 2, np.zeros(0)), "point 9: has 0 velocities for 6 joints; other points have 6"),
+    "infinite": (at(5, 3, np.inf, 2), "point 5, accelerations of elbow = inf"),
+    "wrong rates": (at(50, 2, 57.0, 2), "right/elbow: its rates do not lead"),
+    "twice a joint": (second_elbow, "right/joint_trajectory: the joint 'elbow' of"),
+    "twice a topic": (lambda *_: "again", "right/joint_trajectory: holds 2 trajectories; a motion is one"),
+}
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_mistakes_in_a_trajectory(mistake, dual_ur5, given, tmp_path):
-    build, words = MISTAKES[mistake]
-    bag = write_bag(tmp_path / "bag", build(given))
+    """Of the right arm."""
+    change, words = MISTAKES[mistake]
+    names, points = given["right"]
+    names, points = list(names), [[stamp, *(row.copy() for row in rows)] for stamp, *rows in points]
+    times = 2 if change(names, points) == "again" else 1
+    right = [("/right/joint_trajectory", message(names, points))] * times
+    bag = write_bag(tmp_path / "bag", [("/left/joint_trajectory", message(*given["left"])), *right])
     with pytest.raises(mrts.InputError) as refused:
         mrts.scale(dual_ur5, mrts.load_motion(bag))
     assert words in str(refused.value)

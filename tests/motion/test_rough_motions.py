@@ -254,3 +254,7 @@ def test_smooth_paths_within_the_rounding():
     (spline,), (moved_by,) = splines_through(time, np.sin(time)[:, None])
     assert moved_by == 0
     np.testing.assert_array_equal(spline(time), np.sin(time))
+
+
+def test_the_digits_of_the_smallest_numbers_do_not_overflow():
+    assert rounding(np.array([0.0, 1e-320, 0.25])) == pytest.approx(rounding(np.array([0.0, 0.0, 0.25])))

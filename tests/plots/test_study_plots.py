@@ -8,7 +8,8 @@ from scipy.stats import binned_statistic_2d, norm
 
 import mrts
 from mrts.plots import durations_plot, matplotlib_figure, study_map_plot, write_study_plots
-from mrts.plots.plot import Bars, HeatMap, Line, Points
+from mrts.plots.plot import Bars, HeatMap, Line, Points, one_panel
+from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.study_map import (
     LIMIT_COLOURS,
     MOST_CELLS,
@@ -69,6 +70,9 @@ def test_the_map_is_the_durations_of_the_best():
     assert [star.x[0], star.y[0]] == table.values[table.ranked[0]].tolist()
     limits, _ = (item for item in right.items if isinstance(item, HeatMap))
     assert list(limits.names) == [FORCE, ELBOW]
+    scales = [trace["colorscale"] for panel in (left, right)
+              for trace in plotly_figure(one_panel("map", panel))["data"] if "colorscale" in trace]  # fmt: skip
+    assert [(scale[0][0], scale[-1][0]) for scale in scales] == [(0, 1)] * 4
     assert np.count_nonzero(limits.z >= 0) == np.count_nonzero(np.isfinite(table.duration))
     axes = matplotlib_figure(study_map_plot(table)).axes[0]
     assert any(line.get_paths() for line in axes.collections if "Contour" in type(line).__name__)

@@ -1,6 +1,7 @@
 """Limits between samples: dense evaluation of drawn motions by HiGHS, closed forms, monotony, and what is said."""
 
 import os
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -124,6 +125,15 @@ def test_a_tolerance_that_is_none_is_refused(planar_cell, lift, wrong):
     for asked in (mrts.scale, mrts.retime, mrts.rank_configurations):
         with pytest.raises(mrts.InputError, match="between"):
             asked(planar_cell, lift, between=wrong)
+
+
+def test_an_excess_is_told_with_its_limit_and_moment(dual_ur5):
+    found = mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    told = found.to_json()["excess"]
+    assert 0 < told["share"] == found.excess.share < told["tolerance"] == BETWEEN
+    assert (told["row"]["kind"], found.excess.passes) == ("velocity", False)
+    loud = replace(found, excess=replace(found.excess, share=0.02)).sentence()
+    assert f"overstepped by up to 2 % at t = {told['time']:.4g} s, {found.excess.row}" in loud
 
 
 def test_an_internal_wrench_for_each_sample_is_known_at_these_only(planar_cell, lift):

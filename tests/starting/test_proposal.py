@@ -163,6 +163,12 @@ def test_bases_that_are_given_stay():
         layouts(requested(UR5, bases=apart), 2.0)
 
 
+def test_three_arms_stand_evenly_around_the_box():
+    best = layouts(requested(UR5, tips=["tool0"] * 3), 2.0)[0]
+    sides = np.array([stand.T_world_tip.p - best.position for stand in best.stands])
+    assert sides @ sides.T == pytest.approx(sides[0] @ sides[0] * (1.5 * np.eye(3) - 0.5), abs=PLACED)
+
+
 def test_where_up_lies_along_x_the_hands_stand_beside_the_box():
     for robot, gravity in ((UR5, [9.81, 0, 0]), (PLANAR, [-9.81, 0, 0])):
         best = layouts(requested(robot, gravity=np.array(gravity)), 2.0)[0]

@@ -37,6 +37,15 @@ def test_what_is_read_later_is_of_the_numbers_that_were_given(planar_cell, lift)
     np.testing.assert_array_equal(found.constant.trajectory.torque, best.trajectory.torque)
 
 
+def test_noise_that_sets_the_range_is_told_with_the_timing(planar_cell, lift):
+    """Rates of the object are as rough as the hands allow."""
+    of, rough = lift, lift.acceleration.copy()
+    rough[:, 1] += 0.3 * np.max(np.abs(rough[:, 1])) * np.random.default_rng(5).standard_normal(len(rough))
+    noisy = mrts.ObjectMotion(of.time, of.position, of.rotation, of.twist, rough, smooth=False)
+    motion = mrts.follow_object(planar_cell, noisy)
+    assert "noise" in {remark.code for remark in mrts.retime(planar_cell, motion).warnings}
+
+
 @pytest.mark.parametrize("stride", [5, 1])
 def test_arms_that_cannot_hold_the_object_between_samples_are_told_at_once(stride, planar_cell, lift):
     """Between few samples, and on a course that a user wrote between any number of them."""

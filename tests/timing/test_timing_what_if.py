@@ -53,6 +53,16 @@ def test_bang_bang_of_two_gantries_in_closed_form(tmp_path):
     assert str(found).splitlines()[0].endswith("; now 1.483 s")
 
 
+def test_end_speeds_are_kept(tmp_path):
+    cell, motion = gantries(tmp_path), along_x(samples=61)
+    parts = (getattr(motion, part)[20:41] for part in ("position", "rotation", "twist", "acceleration"))
+    middle = mrts.ObjectMotion(motion.time[20:41] - motion.time[20], *parts)
+    asked = {"start_speed": 0.5, "end_speed": 0.8, "between": None}
+    found = by_text(mrts.retime(cell, middle, **asked).what_if())["mass +10 %"]
+    again = mrts.retime(cell.with_mass(1.1 * cell.mass), middle, **asked)
+    assert found.after.duration == pytest.approx(again.duration, rel=SAME_TIMING)
+
+
 @pytest.mark.quick
 def test_what_is_refused_and_what_has_no_timing(planar_cell, lift):
     smooth = mrts.retime(planar_cell, lift, rates=11.5)

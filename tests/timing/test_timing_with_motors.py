@@ -7,10 +7,10 @@ import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
 from draws import seeds
 from gantries import along_x, gantries
-from motor_transcription import motor_transcription
 from one_arm import by_toppra, duration, one_arm
 from random_motors import drawn_motors, equipped
 from scipy.optimize import linprog
+from transcription import transcribed
 
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
@@ -70,11 +70,11 @@ def test_random_cells_equal_a_nonlinear_program_and_every_step_is_faster(seed, t
     steps = successive_profiles([problem], piece.step, (0.0, 0.0))
     if isinstance(steps, Obstacle):
         slow = np.minimum(np.arange(21), np.arange(21)[::-1]) * 1e-3
-        assert not motor_transcription(cell, motion, slow)[0]
+        assert not transcribed(cell, motion, slow)()[0]
         return
     durations = np.array([duration(piece.step, one.x) for one in steps])
     assert np.all(np.diff(durations) <= FALLING * durations[0])
-    found, theirs = motor_transcription(cell, motion, 0.3 * steps[0].x)
+    found, theirs = transcribed(cell, motion, 0.3 * steps[0].x)()
     assert found
     assert durations[-1] == pytest.approx(duration(piece.step, theirs), rel=TRANSCRIPTION_TOLERANCE)
 
