@@ -193,6 +193,8 @@ def test_a_bar_is_the_share_of_the_limit_on_its_side():
         assert "nan" not in html
         assert "inf" not in html
         assert ("no limit" in html) == (share is None)
+        width = 40 * min(abs(share or 0.0), 1.25)
+        assert f"left:{50 - width * (value < 0):.2f}%;width:{width:.2f}%" in html
     html = bars_html("torque", {"left": [Bar(*each, -4000, 5000, "N m") for each in (("<b>", 1234.5), ("b", -2e-14))]})
     assert "&lt;b&gt;" in html
     assert "1234 of 5000 N m<" in html  # no powers of ten

@@ -361,6 +361,7 @@ def test_lines_are_the_shares_of_limits_and_another_is_dashed_on_one_axis(planar
         np.testing.assert_allclose(share, 100 * of.share[:, column])
         np.testing.assert_allclose(time, lifted.trajectory.time)
         assert name in names.replace("\xa0", " ")
+    assert names.endswith("and 1 more")
     slow = mrts.scale(planar_cell, lift, 0.5)
     ratio = slow.trajectory.duration / lifted.trajectory.duration
     text = lxml.html.fromstring(compared_html(lifted, "<slow>", slow)).text_content()
