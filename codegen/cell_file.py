@@ -16,8 +16,8 @@ from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positiv
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
-from mrts.cell.hands.kinds import Bounds
-from mrts.cell.motors.joint_motors import TorqueLimits
+from mrts.cell.hands import Bounds
+from mrts.cell.motors import TorqueLimits
 
 INERTIA_TOLERANCE = 1e-9
 """Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""

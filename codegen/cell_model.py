@@ -5,7 +5,7 @@ import hashlib
 import logging
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from mrts_codegen.cell_file import (
@@ -28,12 +28,13 @@ from mrts_codegen.urdf.urdf_file import parse_urdf
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.urdf import NO_LIMIT, Urdf
+from mrts.base.input_file import read_data, validated
 from mrts.base.load_box import LoadBox, load_vector
 from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, WRENCH_UNITS, ChainsRecord
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
-from mrts.cell.hands.kinds import wrench_bounds
-from mrts.cell.motors.joint_motors import given_torque_limits
+from mrts.cell.hands import wrench_bounds
+from mrts.cell.motors import given_torque_limits
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot
 
@@ -82,6 +83,39 @@ def read_cell_model(path: Path) -> CellModel:
     for remark in cell.record.remarks:
         logger.warning(remark.text)
     return cell
+
+
+def read_cell(path: Path) -> tuple[CellModel | None, tuple[InputError, ...]]:
+    """A cell file with its URDFs, None if something is wrong, and all that is."""
+    mistakes = Mistakes()
+    with mistakes.noted():
+        data = read_data(path, "cell file")
+        try:
+            description = validated(path, data, CellDescription, "cell file")
+        except InputError as error:
+            mistakes.add(error)
+            _read_robots(path, data, mistakes)
+        else:
+            return build_cell_model(path, description), ()
+    return None, tuple(mistakes.found)
+
+
+def _read_robots(path: Path, data: Any, mistakes: Mistakes) -> None:
+    """Check every robot by itself in a file that does not describe a cell."""
+    robots = data.get("robots") if isinstance(data, dict) else None
+    plane = data.get("plane") if isinstance(data, dict) else None
+    lenient = isinstance(data, dict) and data.get("inertia") == "lenient"
+    known = (plane is None or isinstance(plane, str)) and plane in PLANE_COMPONENTS
+    for index, entry in enumerate(robots if known and isinstance(robots, list) else []):
+        if not isinstance(entry, dict):
+            continue
+        try:
+            robot = RobotDescription.read(path, entry)
+        except InputError:  # it has been noted with its place in the file
+            continue
+        with mistakes.noted():
+            key, folder = f"robots[{index}] ({robot.name})", path.resolve().parent
+            build_robot(path, key, robot, plane, folder, lenient=lenient)
 
 
 def build_cell_model(path: Path, description: CellDescription, folder: Path | None = None) -> CellModel:

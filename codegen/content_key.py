@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 SHAPING = (
     *("base/manifest.py", "base/rigid_transform.py", "base/input_file.py", "base/yaml_parser.py", "base/load_box.py"),
-    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands/*.py", "cell/motors/*.py"),
+    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands.py", "cell/motors.py"),
 )
 """Files of mrts that decide what a manifest says."""
 

@@ -9,8 +9,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite, Vector3
 from mrts.base.formats.record import Record, Rule
-from mrts.cell.hands.contact import NOT_IN_PLANE, Contact, numbered, tip_components
-from mrts.cell.hands.kinds import KINDS, Bounds
+from mrts.cell.hands import KINDS, NOT_IN_PLANE, Bounds, Contact, numbered, tip_components
 
 MOST_CONTACTS = 20
 """Of one robot."""

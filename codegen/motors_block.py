@@ -11,7 +11,7 @@ from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule
 from mrts.base.remark import Remark
-from mrts.cell.motors.joint_motors import NONE_GIVEN, JointMotors
+from mrts.cell.motors import NONE_GIVEN, JointMotors
 
 if TYPE_CHECKING:
     from mrts_codegen.cell_file import RobotDescription

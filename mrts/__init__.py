@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from mrts.base.remark import Remark as Remark
     from mrts.base.rigid_transform import RigidTransform as RigidTransform
     from mrts.cell.cell import Cell as Cell
-    from mrts.cell.hands.contact import Contact as Contact
-    from mrts.cell.hands.kinds import box_contact as box_contact
-    from mrts.cell.hands.kinds import gripper_contact as gripper_contact
-    from mrts.cell.hands.kinds import pad_contact as pad_contact
-    from mrts.cell.hands.kinds import rows_contact as rows_contact
-    from mrts.cell.hands.kinds import suction_contact as suction_contact
+    from mrts.cell.hands import Contact as Contact
+    from mrts.cell.hands import box_contact as box_contact
+    from mrts.cell.hands import gripper_contact as gripper_contact
+    from mrts.cell.hands import pad_contact as pad_contact
+    from mrts.cell.hands import rows_contact as rows_contact
+    from mrts.cell.hands import suction_contact as suction_contact
     from mrts.cell.loading import load_cell as load_cell
-    from mrts.cell.motors.joint_motors import JointMotors as JointMotors
+    from mrts.cell.motors import JointMotors as JointMotors
     from mrts.cell.robot import Robot as Robot
     from mrts.diagnosis.check import check as check
     from mrts.following.coordinated_motion import CoordinatedMotion as CoordinatedMotion
@@ -79,10 +79,9 @@ __all__, __getattr__, __dir__ = lazy_names(
         "base.remark": "Remark",
         "base.rigid_transform": "RigidTransform",
         "cell.cell": "Cell",
-        "cell.hands.contact": "Contact",
-        "cell.hands.kinds": "box_contact gripper_contact pad_contact rows_contact suction_contact",
+        "cell.hands": "Contact box_contact gripper_contact pad_contact rows_contact suction_contact",
         "cell.loading": "load_cell",
-        "cell.motors.joint_motors": "JointMotors",
+        "cell.motors": "JointMotors",
         "cell.robot": "Robot",
         "diagnosis.check": "check",
         "following.coordinated_motion": "CoordinatedMotion follow_object",

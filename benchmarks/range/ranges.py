@@ -16,7 +16,7 @@ from pinocchio_cell import HighsRange, PinocchioArm, PinocchioCell, linprog_rang
 
 import mrts
 from mrts.program.motion_rows import motion_rows
-from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.sample_ranges import motion_ranges
 from mrts.scaling.range import intersect
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

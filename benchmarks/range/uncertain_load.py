@@ -13,8 +13,8 @@ import numpy as np
 
 import mrts
 from mrts.program.motion_rows import motion_rows
+from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.range import intersect
 

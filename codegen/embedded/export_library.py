@@ -7,14 +7,13 @@ from pathlib import Path
 from posixpath import dirname, join, normpath
 
 import casadi as ca
-from mrts_codegen.embedded.c_literals import WIDTH, Precision
-from mrts_codegen.embedded.export_name import check_library_name
-from mrts_codegen.embedded.words import cell_words, memory_words, vector_words
+from mrts_codegen.embedded.words import UNLIMITED, Precision, cell_words, vector_words
 from mrts_codegen.model_c import model_c
 
 from mrts.base.atomic_file import text_writer, write_together
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.errors import InputError
+from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.cell.record import CellRecord
 
 PARTS = ("terms", "range", "share", "torques")
@@ -39,6 +38,17 @@ OURS = "exported/"
 """Folder of the kernel's C for exported libraries; its own includes begin with .. in it."""
 
 
+BUILD_NAMES = frozenset({"all", "c", "clean", "example", "help", "install", "m", "mrts", "package", "test"})
+"""Names that a build system or the kernel uses itself."""
+
+C_HEADERS = frozenset(
+    {"assert", "complex", "ctype", "errno", "features", "fenv", "float", "inttypes", "limits", "locale", "math"}
+    | {"setjmp", "signal", "stdarg", "stdatomic", "stdbool", "stddef", "stdint", "stdio", "stdlib", "string", "tgmath"}
+    | {"threads", "time", "uchar", "wchar", "wctype"}
+)
+"""Headers of the C library, which a header of ours with that name would hide."""
+
+
 def export_library(
     cell: CellRecord,
     functions: dict[str, ca.Function],
@@ -61,13 +71,13 @@ def export_library(
             raise InputError("--functions", f"there are {', '.join(PARTS)}.", value=part)
     if not parts:
         raise InputError("--functions", f"choose at least one of {', '.join(PARTS)}.")
-    if precision not in WIDTH:
+    if precision not in UNLIMITED:
         raise InputError("--precision", "must be double or float.", value=precision)
-    check_library_name(cell.name)
+    _check_name(cell.name)
     holds = conditions(limits, precision, parts)
     name = cell.name
     model = {f"{name}_model_{short}": functions[short] for short, wanted in MODEL_FUNCTIONS.items() if holds[wanted]}
-    words = cell_words(cell, limits, precision) | memory_words(cell, limits, precision)
+    words = cell_words(cell, limits, precision)
     words |= vector_words(vectors, path_samples, precision, limits.motors, name.upper())
     words |= {"NOTICE": NOTICE, "MODEL": model_c(model)}
 
@@ -101,6 +111,18 @@ def export_library(
         file for file in texts if Path(file).parts[0] in {"include", "src"} and file[-1] != "c"
     )
     return texts | {file: template(f"project/{file}") for file in ("Makefile", "CMakeLists.txt", "README.md")}
+
+
+def _check_name(name: str) -> None:
+    if not re.fullmatch(IDENTIFIER, name) or len(name) > LONGEST_NAME:
+        raise InputError(
+            "--name",
+            f"must be letters, digits and single underscores, start with a letter, and have at most {LONGEST_NAME} "
+            "characters.",
+            value=name,
+        )
+    if name in BUILD_NAMES | C_HEADERS:
+        raise InputError("--name", "is taken by build systems, the C library or the kernel; give another.", value=name)
 
 
 def conditions(limits: EmbeddedLimits, precision: Precision, parts: Iterable[str]) -> dict[str, bool]:

@@ -1,17 +1,52 @@
 # SPDX-License-Identifier: MIT
-"""The numbers and names of a cell that the templates of its library want."""
+"""The numbers and names of a cell that the templates of its library want, as C writes them."""
 
+import math
 import re
 from collections.abc import Iterable, Sequence
+from typing import Literal
 
 import numpy as np
-from mrts_codegen.embedded.c_literals import UNLIMITED, WIDTH, Precision, c_number, c_numbers, c_string
 
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors, EmbeddedVector
-from mrts.base.manifest import LOAD_ENTRIES
 from mrts.base.torque_weights import weights_by_limits
 from mrts.cell.record import CellRecord
+
+Precision = Literal["double", "float"]
+
+UNLIMITED: dict[Precision, str] = {"double": "1e300", "float": "1e30f"}
+"""What stands for infinity: `MRTS_INFINITY` of the kernel."""
+
+PLAIN = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789 _-+./:^>=()")
+"""Characters that mean themselves in a C string, trigraphs and format strings included."""
+
+
+def c_number(value: float, precision: Precision) -> str:
+    """A C literal that gives back the value, rounded to the precision.
+
+    Args:
+        value: Any but not-a-number; what the precision does not reach is unlimited.
+        precision: Of the literal.
+    """
+    with np.errstate(over="ignore"):
+        rounded = float(np.float32(value)) if precision == "float" else float(value)
+    if not math.isfinite(rounded):
+        return ("-" if rounded < 0 else "") + UNLIMITED[precision]
+    text = f"{rounded:.9g}" if precision == "float" else repr(rounded)
+    if not re.search(r"[.e]", text):
+        text += ".0"
+    return text + ("f" if precision == "float" else "")
+
+
+def c_numbers(values: Iterable[float], precision: Precision) -> str:
+    """Literals with commas between."""
+    return ", ".join(c_number(float(value), precision) for value in values)
+
+
+def c_string(text: str) -> str:
+    """A C string literal of any text: what is not plain is written as octal escapes of its UTF-8 bytes."""
+    return '"' + "".join(chr(byte) if chr(byte) in PLAIN else f"\\{byte:03o}" for byte in text.encode()) + '"'
 
 
 def cell_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
@@ -65,33 +100,6 @@ def _motor_words(motors: EmbeddedMotors, precision: Precision) -> dict[str, str]
         "VISCOUS": c_numbers(motors.viscous, precision),
         "SLOPE": c_numbers(motors.slope, precision),
         "REST": c_number(motors.rest, precision),
-    }
-
-
-def memory_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -> dict[str, str]:
-    """Bytes of the structures and tables, as the header lays them out."""
-    size, robots, width = len(cell.wrench_components), len(cell.robots), WIDTH[precision]
-    joints = sum(len(robot.joints) for robot in cell.robots)
-    rows, velocities = len(limits.lower), len(limits.velocity)
-    k = size * (robots - 1) + 1
-    reals = (k + 1) * (joints + size * robots) + rows * (k + 3) + 3 * k + 3 * k * k + 7 * k
-    reals += 0 if limits.base is None else (k + 1) * size * robots
-    integers = 2 * k + 2 * rows + 6 * k
-    settings = len(LOAD_ENTRIES) + 2 * rows + velocities + joints
-    if limits.motors is not None:
-        settings += 3 * joints + 3 + len(limits.motors.line_rows)
-        reals += 3 * joints + 4 * rows + (rows + 1) * (k + 1) + 2 * (rows + k + 2) + (k + 1) * (k + 5) + 1
-        integers += 3 * (k + 1) + rows + 7 + 6 * k
-    texts = (*limits.texts, *limits.velocity_texts)
-    entries = int(np.count_nonzero(limits.matrix))
-    tables = width * (len(LOAD_ENTRIES) * len(_loads(cell)[0]) + settings + entries)
-    tables += 4 * (2 * rows + 1 + entries) + sum(len(text.encode()) + 9 for text in texts)
-    tables += 0 if limits.base is None else width * limits.base.size + 4 * len(limits.axes)
-    return {
-        "WORKSPACE": str(width * (reals + -(-4 * integers // width))),
-        "SETTINGS": str(width * settings),
-        "TABLES": str(tables),
-        "STACK": str(width * 60 * joints),
     }
 
 

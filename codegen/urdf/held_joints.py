@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Joints that a cell holds still (`fixed` in the cell file): that they can be, and where they stand."""
 
-import difflib
 from pathlib import Path
 
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, did_you_mean
 from mrts.base.formats.urdf import Urdf, UrdfJoint
 
 
@@ -33,9 +32,10 @@ def _check_joint(
 ) -> None:
     if name not in joints:
         movable = [joint.name for joint in joints.values() if joint.moves]
-        close = difflib.get_close_matches(name, movable, n=1)
-        hint = f"did you mean '{close[0]}'?" if close else f"those that move are {', '.join(movable) or 'none'}."
-        raise InputError(path, f"{urdf_path.name} has no such joint; {hint}", key=key)
+        rule = (
+            f"{urdf_path.name} has no such joint{did_you_mean(name, movable)} Those that move are {', '.join(movable)}."
+        )
+        raise InputError(path, rule, key=key)
     joint = joints[name]
     if not joint.moves:
         still = "does not move anyway: leave it out" if joint.type == "fixed" else "has no single position"

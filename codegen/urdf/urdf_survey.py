@@ -13,7 +13,7 @@ from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.urdf import NO_LIMIT, Link, Urdf, UrdfJoint
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.cell.robot import Robot
 
 

@@ -22,7 +22,6 @@ WORDS = {
     "int": "a whole number",
     "str": "text",
 }
-"""What types that are not ours are called in a message."""
 
 
 def check_type(name: str, value: object, *kinds: type) -> None:

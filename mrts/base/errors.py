@@ -7,7 +7,7 @@ quotes is escaped, and cut where it is very long.
 """
 
 import reprlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -82,6 +82,14 @@ class InputError(MrtsError):
 def joined(key: str, inner: str) -> str:
     """A key and what is below it, such as "robots[0].name" of "robots" and "[0].name"."""
     return f"{key}.{inner}" if key and inner and not inner.startswith("[") else f"{key}{inner}"
+
+
+def did_you_mean(wrong: str, known: Iterable[str]) -> str:
+    """End of a sentence that refuses a name, with the known one that is nearest."""
+    import difflib  # noqa: PLC0415 (for messages only)
+
+    close = difflib.get_close_matches(wrong, known, n=1)
+    return f"; did you mean '{close[0]}'?" if close else "."
 
 
 class Mistakes:

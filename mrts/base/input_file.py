@@ -15,7 +15,6 @@ MAX_FILE_BYTES = 30_000_000
 """Far above any cell, motion, URDF or generated C file: a larger one is a mistake."""
 
 MAX_URDF_BYTES = 3_000_000
-"""Some thousand links."""
 
 LARGEST_NUMBER = 1e12
 """Largest magnitude of a number in an input file, in SI units: anything larger is a mistake and would overflow."""
@@ -37,7 +36,6 @@ KEYS_OF = {
 """Keys that only one kind of file has."""
 
 XML = ("<?xml", "<robot", "<mujoco", "<sdf")
-"""How files of robots begin."""
 
 CLEARLY_OTHER = 2
 """Keys of another kind of file, and none of its own, that tell what a file is."""

@@ -22,7 +22,6 @@ WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
 """Names of a six-component wrench, forces before moments; a planar cell uses three of them."""
 
 WRENCH_UNITS = dict(zip(WRENCH_COMPONENTS, ("N", "N", "N", "N m", "N m", "N m"), strict=True))
-"""Unit of each component: of a force, or of a moment."""
 
 LOAD_ENTRIES = ("mass", "mx", "my", "mz", "ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 """Layout of a load vector, in the object frame: mass [kg], first moments mass × com [kg m], and the inertia about the
@@ -33,7 +32,6 @@ GRAVITY_SIZE, ROBOT_SIZE = 3, 24
 rows, its position [m], and those of its tip in the object frame; then `held_numbers` of all (`mrts.Robot`)."""
 
 ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form", "fixed_distribution")
-"""Functions that every cell has."""
 
 FOR_REDUNDANT_ARMS = ("geometric_stiffness", "geometric_stiffness_rate")
 """Functions that a cell has besides if an arm has more joints than wrench components."""

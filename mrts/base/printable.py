@@ -5,10 +5,8 @@ import re
 from html import escape
 
 LONGEST_WORD = 300
-"""Letters without a space: longer than any path or name that is meant."""
 
 LONGEST_MESSAGE = 4000
-"""Letters of a message: what a terminal shows at once."""
 
 
 def printable(text: str, *, lines: bool = False) -> str:

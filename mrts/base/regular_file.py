@@ -15,7 +15,6 @@ FLAGS = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) 
 """Nothing that stands at the path by then may make us wait or become our terminal."""
 
 NEIGHBOURS = 1000
-"""Files of a folder among which a misspelt name is looked for."""
 
 FILES_READ: set[str] = set()
 """Of this process, by their real paths: what a command has read, none of its outputs may overwrite."""

@@ -12,7 +12,6 @@ MAX_YAML_VALUES = 20_000
 """Nearly two thousand waypoints: read in a second, and far above any cell. Larger data go into tables."""
 
 LINE = 110
-"""Characters of a line that is written."""
 
 MAX_YAML_DEPTH = 20
 """A cell file is 5 deep."""

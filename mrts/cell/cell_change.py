@@ -13,13 +13,12 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
-from mrts.cell.hands.contact import Contact
+from mrts.cell.hands import Contact
 from mrts.cell.robot import Robot
 
 AXES = "xyz"
 
 POSES: tuple[Literal["base", "grasp"], ...] = ("base", "grasp")
-"""Kinds of changes that move arms."""
 
 ChangeKind = Literal["torque", "wrench", "contact", "velocity", "motor speed", "reserve", "mass", "base", "grasp"]
 """What a change is of: a limit, the reserve that is kept of all of them, the mass, or a pose."""
@@ -28,7 +27,6 @@ SMALLEST_STEP = 1e-9
 """Of a step, whatever its unit: the programs are right to as much."""
 
 LARGEST_STEP = 0.9
-"""Of a step: a larger one is another cell."""
 
 
 Changed = tuple[ChangeKind, str, str]
@@ -40,7 +38,6 @@ SIDES: dict[ChangeKind, tuple[str, ...]] = {
     "wrench": ("wrench_lower", "wrench_upper"),
     "velocity": ("velocity_limit",),
 }
-"""Attributes of a robot that are sides of its limits."""
 
 SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
     "torque": ("a torque limit", "torque limits"),

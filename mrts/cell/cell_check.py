@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from mrts.cell.cell import Cell
 
 OF_CELL = ("name", "plane", "wrench_components", "machines")
-"""Attributes of a cell that its functions were generated with."""
 
 OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
 """Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""

@@ -22,8 +22,8 @@ from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.generation import described_model
-from mrts.cell.hands.kinds import Bounds, wrench_bounds
-from mrts.cell.motors.joint_motors import TorqueLimits, given_torque_limits
+from mrts.cell.hands import Bounds, wrench_bounds
+from mrts.cell.motors import TorqueLimits, given_torque_limits
 from mrts.cell.number_paths import Keys, PathError, find_keys, set_value
 from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot, RobotSource

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Paths to numbers of a cell and a motion file, such as `robots.left.base.xyz[0]`, `motion.duration`; their units."""
 
-import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from typing import Any
 
 from mrts.base.argument_types import is_number
+from mrts.base.errors import did_you_mean
 from mrts.cell.robot import Robot
 
 Keys = tuple[str | int, ...]
@@ -39,7 +39,6 @@ BY_KEY = {
     "force": "N",
     "holding_force": "N",
 }
-"""Unit of every number at or inside of a key."""
 
 OF_VARIATION = {"m": "kg m", "c": "m"}
 """Unit of a range of the object's variation by the first letter of its key (mx, com_x); factors have none."""
@@ -58,7 +57,6 @@ OF_JOINT = {
 
 
 OF_CURVE = ("rad/s", "N m"), ("m/s", "N")
-"""Units of a corner of a torque-speed curve, likewise."""
 
 
 class PathError(Exception):
@@ -201,6 +199,4 @@ def _step(here: Any, keys: Keys, rest: str, files: Mapping[str, Any]) -> tuple[s
         name = max(fitting, key=len)  # names may hold dots
         return names[name], path[len(name) :]
     wrong = re.split(r"[.\[]", path)[0]
-    close = difflib.get_close_matches(wrong, names, n=1)
-    hint = f"; did you mean '{close[0]}'?" if close else "."
-    raise PathError(f"there is no '{wrong}' in {where}{hint} There are {', '.join(names)}.")
+    raise PathError(f"there is no '{wrong}' in {where}{did_you_mean(wrong, names)} There are {', '.join(names)}.")

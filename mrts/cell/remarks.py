@@ -46,7 +46,6 @@ STRAIGHT = 0.9
 """Share of gravity along one axis from which on that is the vertical."""
 
 TORQUE_UNIT = "torque-millimetres"
-"""Code of the hint on torques in N mm."""
 
 MOST_INERTIA = 2.0
 """Times the moment of inertia of a body whose mass is all at the corners of the box around its shape, which no body
@@ -83,10 +82,8 @@ ALIKE = 1e-6
 """Share by which masses and lengths of arms that are alike may differ: their URDFs may be printed with few digits."""
 
 WEIGHTLESS = "no mass in the URDF, so its links weigh nothing: torques come out too small, and speeds too high"
-"""Said of joints whose links have no mass."""
 
 POINT_MASSES = "a mass but no inertia in the URDF, so it counts as a point: turning it costs too little torque"
-"""Said of links."""
 
 NO_COLLISIONS = "collisions are not looked at: not of arms and hands with each other, the object or the room"
 """Said wherever somebody could think they were: of cells that are begun, checked, or laid out."""
@@ -115,10 +112,8 @@ JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[["Robot"], NDArray[np.bool_]]]
         lambda robot: robot.motors.armature == 0,
     ),
 )
-"""Code, text, and of which joints it is assumed."""
 
 NAMES_SHOWN = 12
-"""Joints or links that a sentence names."""
 
 
 def cell_remarks(cell: "Cell") -> Iterator[Remark]:
@@ -189,7 +184,7 @@ def urdf_remarks(robot: "Robot") -> Iterator[Remark]:
             "exporters write it that were told none. Give the joint's own limits, or the type 'continuous'; the cell "
             "file's 'fixed' holds a joint on purpose.",
         )
-    turning = _turning(robot)
+    turning = robot.turns
     far = turning & np.isfinite(lower) & np.isfinite(upper) & (np.maximum(-lower, upper) > DEGREES_SUSPECTED)
     if np.any(far):
         worst = int(np.argmax(far))
@@ -203,13 +198,8 @@ def urdf_remarks(robot: "Robot") -> Iterator[Remark]:
 def arm_length(robot: "Robot") -> float:
     """From the first joint to the tip along the links, and what prismatic joints add where they have limits [m]."""
     length = float(np.sum(link_lengths(robot)))
-    slides = np.array([kind == "prismatic" for kind in robot.joint_types])
-    stroke = (robot.position_upper - robot.position_lower)[slides]
+    stroke = (robot.position_upper - robot.position_lower)[~robot.turns]
     return length + float(np.sum(stroke[np.isfinite(stroke)]))
-
-
-def _turning(robot: "Robot") -> NDArray[np.bool_]:
-    return np.array([kind == "revolute" for kind in robot.joint_types])
 
 
 def link_lengths(robot: "Robot") -> Array:
@@ -236,7 +226,7 @@ def _gravity(gravity: Array) -> Iterator[Remark]:
 
 
 def _angles(robot: "Robot") -> Iterator[Remark]:
-    turning = _turning(robot)
+    turning = robot.turns
     far = turning & (np.abs(robot.posture) > WHOLE_TURN)
     if np.any(far):
         radians = np.where(turning, np.radians(robot.posture), robot.posture)
@@ -286,7 +276,7 @@ def _torques(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
         if robot.name in without_efforts:
             continue
         weight = STANDARD_GRAVITY * sum(robot.source.carried_mass) * arm_length(robot)
-        turning = robot.torque_upper[_turning(robot)]
+        turning = robot.torque_upper[robot.turns]
         if len(turning) and weight > 0 and median(turning) > STRONG * weight:
             source = torque_source(robot)
             yield Remark.hint(
@@ -377,7 +367,7 @@ def _half_sides(shape: "ShapeRecord") -> Array:
 def _placeholder_efforts(cell: "Cell") -> dict[str, float]:
     found = {}
     for robot in cell.robots:
-        efforts = robot.torque_upper[_turning(robot)].tolist()
+        efforts = robot.torque_upper[robot.turns].tolist()
         if not robot.has_urdf_torque or len(efforts) < FEWEST_JOINTS or len({*efforts}) > 1:
             continue
         if efforts[0] >= ANY_JOINT or (efforts[0] >= LARGE and _share_of_load(robot) > UNLIKE):

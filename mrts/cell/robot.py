@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_list, check_type
 from mrts.base.arrays import Array, freeze_array
@@ -15,20 +16,18 @@ from mrts.base.interval_text import interval_text
 from mrts.base.manifest import MOST, WRENCH_COMPONENTS
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
-from mrts.cell.hands.contact import Contact
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.hands import Contact
+from mrts.cell.motors import JointMotors
 
 ARRAYS = (
     *("axes", "points", "held_numbers", "position_lower", "position_upper", "velocity_limit", "posture"),
     *("torque_lower", "torque_upper", "wrench_lower", "wrench_upper", "contact_rate"),
 )
-"""Attributes of a robot that are arrays."""
 
 DEGREES_SUSPECTED = 4 * np.pi
 """A joint position beyond two turns is rather degrees than radians."""
 
 JOINT_HEAD = ("type", "torque", "position", "velocity")
-"""Of `Robot.joint_rows`, after the name."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -201,6 +200,11 @@ class Robot(InNotebooks):
     def has_urdf_friction(self) -> bool:
         """Whether its friction is that of its URDF."""
         return self.source.friction == ((*self.motors.coulomb.tolist(),), (*self.motors.viscous.tolist(),))
+
+    @property
+    def turns(self) -> NDArray[np.bool_]:
+        """Which joints are revolute, Shape (n_i,)."""
+        return np.array([kind == "revolute" for kind in self.joint_types])
 
     @property
     def position_units(self) -> tuple[str, ...]:

@@ -106,7 +106,7 @@ def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) ->
 
 def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:
     """A cell with its URDFs (None if something is wrong), and all that is wrong."""
-    from mrts_codegen.cell_reading import read_cell  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.cell_model import read_cell  # noqa: PLC0415 (build time, on demand)
 
     model, mistakes = read_cell(path)
     return model, mistakes

@@ -37,18 +37,7 @@ def sides(text: str) -> list[str]:
 
 
 def write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: float | None, *, within: bool) -> int:
-    """Write a picture and a film.
-
-    Args:
-        clips: What is played.
-        png: The picture; None for none.
-        video: The film; None for none.
-        at: Moment of the picture [s]; None for the middle.
-        within: Whether all of it keeps its limits.
-
-    Returns:
-        Exit code: that of the outcome.
-    """
+    """Write a picture, at a moment [s] or in the middle, and a film; the exit code is whether all keeps its limits."""
     from mrts.film.film import write_film, write_picture
 
     if len(clips) > MOST_SIDES:

@@ -72,11 +72,7 @@ class Written(Named):
         self.needs, self.extra = needs, extra
 
     def check(self, option: str, path: Path) -> None:
-        """Fail before any work if it cannot be written.
-
-        Raises:
-            InputError: Names the option, or the file and why it cannot be written.
-        """
+        """Fail before any work if it cannot be written."""
         require(option, self.extra, *self.needs)
         if self.suffixes and path.suffix.lower() not in self.suffixes:
             raise InputError(option, f"writes a file that ends in {' or '.join(self.suffixes)}.", value=str(path))
@@ -158,11 +154,7 @@ def _shown(param: click.Parameter) -> str:
 
 
 def require(option: str, extra: str, *packages: str) -> None:
-    """Fail before any work if a package of an option is missing.
-
-    Raises:
-        InputError: If one is missing.
-    """
+    """Fail before any work if a package of an option is missing."""
     for package in packages:
         if importlib.util.find_spec(package) is None:
             raise InputError(option, f"needs {package}: pip install 'mrts[{extra}]'.")
@@ -211,11 +203,7 @@ def take(given: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:
 
 
 def numbers(where: str, text: str, rule: str, counts: Container[int] = range(1, 1 << 30)) -> list[float]:
-    """Finite numbers with commas between them.
-
-    Raises:
-        InputError: If it is something else, or there are not so many.
-    """
+    """Finite numbers with commas between them."""
     try:
         found = [float(word) for word in text.split(",")]
     except ValueError:
@@ -243,11 +231,7 @@ def array(values: list[float]) -> "Array":
 def named_numbers(
     where: str, text: str, example: str, units: Mapping[str, tuple[str, float]] | None = None
 ) -> dict[str, float]:
-    """Numbers as KEY=NUMBER, with commas between them.
-
-    Raises:
-        InputError: If it is something else.
-    """
+    """Numbers as KEY=NUMBER, with commas between them."""
     found: dict[str, float] = {}
     for part in text.split(","):
         name, number = (word.strip() for word in part.partition("=")[::2])
@@ -400,11 +384,7 @@ def limited_cell(
 
 
 def xacro_arguments(given: tuple[str, ...]) -> dict[str, str]:
-    """Values of a xacro's arguments by name.
-
-    Raises:
-        InputError: If one has no name, or no value, or stands twice.
-    """
+    """Values of a xacro's arguments by name."""
     arguments: dict[str, str] = {}
     for text in given:
         name, sign, value = text.partition("=")

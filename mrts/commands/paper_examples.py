@@ -70,11 +70,7 @@ class DemoRow:
 
 
 def run_demo(solver: str = DEFAULT_SOLVER, progress: Progress = lambda _done, _total: None) -> list[DemoRow]:
-    """Scale every example of section VI.
-
-    Raises:
-        MrtsError: If the compiler or a solver fails.
-    """
+    """Scale every example of section VI."""
     with as_file(files("mrts") / "data") as data:
         given = read_data(data / "paper_section_6.yaml", "case file")
         cells = [load_cell(data / given[name]) for name in ("cell", "identified_cell")]

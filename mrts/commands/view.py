@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
     from mrts.scene.arm_meshes import Urdfs
     from mrts.studies.study import Study
-    from mrts.viewer.plots.other_result import Others
+    from mrts.viewer.choices import Given
+    from mrts.viewer.film_controls import Others
     from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
-    from mrts.viewer.workbench.choices import Given
 
 EXAMPLES = """\
 examples:
@@ -142,15 +142,7 @@ def _check_films(cell: Path, png: Path | None, video: Path | None, of_films: dic
 def _files(
     cell: Path, motion: Path | None, variant: int | None, changing: Iterable[str], needing: Iterable[str]
 ) -> Iterator[tuple[Path, Path | None]]:
-    """The files of cell and motion, as long as they are shown.
-
-    Args:
-        cell: As named on the line.
-        motion: As named on the line.
-        variant: Of the study that `cell` names.
-        changing: Names of the arguments given that change the answer.
-        needing: Names of those that need a motion besides.
-    """
+    """The files of cell and motion, as long as they are shown; `changing` and `needing` are arguments given."""
     if _is_saved(cell):
         if motion is not None:
             raise InputError(cell, "a saved result holds its motion.", key="MOTION")
@@ -222,11 +214,11 @@ def _read(cell: Path, motion: Path, given: dict[str, Any]) -> "tuple[Cell, Objec
 
 
 def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[str, Any]) -> "Given":
-    from mrts.viewer.workbench.choices import Given
+    from mrts.viewer.choices import Given
 
     if motion is None:
         from mrts.cell.loading import cell_to_compile
-        from mrts.viewer.workbench.held_poses import still_motion
+        from mrts.viewer.held_poses import still_motion
 
         alone = cell_to_compile(cell) or options.compiled_cell(cell)
         return Given(cell=alone, motion=still_motion(alone), cell_path=cell_path, stands=True)
@@ -244,7 +236,7 @@ def _serve(
     from mrts.viewer.player_state import PlayerState
     from mrts.viewer.server import close_server, open_server
     from mrts.viewer.viewer import Viewer
-    from mrts.viewer.workbench.workbench import Workbench
+    from mrts.viewer.workbench import Workbench
 
     name, code = source.cell.name, FEASIBLE
     server = open_server(host, port, f"mrts: {name}")

@@ -27,7 +27,6 @@ DIRECTIONS = 0.05
 """Share of a move along an axis below which it is not named."""
 
 URDF_ENDINGS = (".urdf", ".xacro", ".xml")
-"""Of names of files that are checked as URDFs."""
 
 ANGLE_SHOWN = 0.01
 """[rad]: an angle that is missed beside a distance is named from here on."""

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
 """A film of played motions as a file, and a picture of one moment."""
 
-import subprocess
-import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import closing, suppress
+from contextlib import closing
+from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 
@@ -15,7 +14,6 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
-from mrts.base.printable import message_text
 from mrts.film.frames import Composition
 from mrts.film.renderer import Clip, Frame, silent
 from mrts.scene.arm_meshes import Warn
@@ -76,9 +74,11 @@ def write_film(
                 yield frame
 
         def write(temporary: Path) -> None:
-            with tempfile.TemporaryDirectory(prefix="mrts-film-") as folder:
-                coded = _mp4() if ending == ".mp4" else _gif(composition, times, Path(folder) / "palette.png")
-                _encode(temporary, drawn(), composition.size, rate, coded)
+            if ending == ".mp4":
+                _write_mp4(temporary, drawn(), composition.size, rate)
+            else:
+                some = [composition.frame(times[number]) for number in np.linspace(0, frames - 1, SAMPLES).astype(int)]
+                _write_gif(temporary, drawn(), np.concatenate(some), rate)
 
         write_atomically(path, write)
 
@@ -114,45 +114,30 @@ def check_film(path: Path) -> None:
     """Say before any work what would keep a film from being written.
 
     Raises:
-        InputError: If its name ends otherwise than .gif or .mp4, or there is nothing to code it by.
+        InputError: If its name ends otherwise than .gif or .mp4, or there is nothing to code an mp4 by.
     """
     if path.suffix.lower() not in RATES:
         raise InputError("--video", "writes a file that ends in .gif or .mp4.", value=str(path))
-    _ffmpeg()
+    if path.suffix.lower() == ".mp4" and find_spec("imageio_ffmpeg") is None:
+        raise InputError("--video", "an mp4 needs imageio-ffmpeg: pip install 'mrts[film]'.")
 
 
-def _mp4() -> list[str]:
-    size = "pad=ceil(iw/2)*2:ceil(ih/2)*2"
-    return ["-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-vf", size, "-f", "mp4", "-movflags", "+faststart"]
+def _write_mp4(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate: int) -> None:
+    from imageio_ffmpeg import write_frames  # noqa: PLC0415 (not for a GIF)
+
+    options = ["-crf", "20", "-f", "mp4", "-movflags", "+faststart"]
+    coder = write_frames(
+        path, size, fps=rate, codec="libx264", quality=None, macro_block_size=1, output_params=options,
+        ffmpeg_log_level="error",
+    )  # fmt: skip
+    with closing(coder):
+        coder.send(None)
+        for frame in frames:
+            coder.send(frame)
 
 
-def _gif(composition: Composition, times: Sequence[float], palette: Path) -> list[str]:
-    """Arguments of ffmpeg; one palette for all frames, so that what stands still is stored once."""
-    some = [composition.frame(times[number]) for number in np.linspace(0, len(times) - 1, SAMPLES).astype(int)]
-    few = Image.fromarray(np.concatenate(some)).quantize(255, dither=Image.Dither.NONE)
-    colours = np.array(few.getpalette("RGB"), dtype=np.uint8).reshape(-1, 3)
-    whole = np.concatenate([colours, np.zeros((256 - len(colours), 3), dtype=np.uint8)])
-    Image.fromarray(whole.reshape(16, 16, 3)).save(palette)
-    return ["-i", str(palette), "-lavfi", "paletteuse=dither=none:diff_mode=rectangle", "-f", "gif"]
-
-
-def _encode(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate: int, coded: Sequence[str]) -> None:
-    width, height = size
-    source = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(rate), "-i", "pipe:"]
-    command = [_ffmpeg(), "-nostdin", "-loglevel", "error", *source, *coded, "-y", f"file:{path}"]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as coder:  # noqa: S603 (our words)
-        assert coder.stdin is not None  # noqa: S101 (asked for)
-        with suppress(BrokenPipeError):  # it says why it ended
-            for frame in frames:
-                coder.stdin.write(frame.tobytes())
-        _, said = coder.communicate()
-    if coder.returncode != 0:
-        raise InputError(path, f"cannot be made: {message_text(said.decode(errors='replace'))}")
-
-
-def _ffmpeg() -> str:
-    try:
-        import imageio_ffmpeg  # noqa: PLC0415 (an extra)
-    except ImportError:
-        raise InputError("--video", "a film needs imageio-ffmpeg: pip install 'mrts[film]'.") from None
-    return str(imageio_ffmpeg.get_ffmpeg_exe())
+def _write_gif(path: Path, frames: Iterator[Frame], some: Frame, rate: int) -> None:
+    """One palette for all frames, of some of them below each other, so that what stands still is stored once."""
+    palette = Image.fromarray(some).quantize(255, dither=Image.Dither.NONE)
+    images = (Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
+    next(images).save(path, "GIF", save_all=True, append_images=images, duration=1000 // rate, loop=0)

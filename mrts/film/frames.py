@@ -3,11 +3,12 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from mrts.base.arrays import Array
@@ -38,6 +39,9 @@ DPI = 72
 TITLE, TEXT, SMALL, SMALLEST = 15, 12, 10, 6
 """Of letters [pixels]; what does not fit at the smallest is cut in its middle."""
 
+LETTER = 0.6
+"""Width of a letter by its size, about."""
+
 INK, FAINT, GRID = "#242a32", "#68707a", "#d8dce2"
 
 ARROW = 0.3
@@ -54,6 +58,9 @@ AT_LIMIT = 0.999
 
 KIND_COLOURS = tuple(COLOURS[place] for place in (2, 3, 6, 4, 5, 0, 1))
 """Of lines, by kind of limit: last come those of the first two arms."""
+
+
+Loc = Literal["center left", "center right"]
 
 
 class Composition:
@@ -81,7 +88,7 @@ class Composition:
         self._clips = tuple(clips)
         self.duration = max(clip.trajectory.duration for clip in clips)
         width = WIDTHS[len(clips)]
-        self._width, self._height = width, int(width * SHAPE)
+        self._width, self._height = width, 2 * int(width * SHAPE / 2)  # an mp4 has even sides
         self.size = width * len(clips), HEADING + self._height + PLOT + FOOT
         scenes = [clip.scene for clip in clips]
         views = [look_at_cell(scene.cell, scene.q, scene.position) for scene in scenes]
@@ -146,11 +153,9 @@ class Composition:
             )
             top = min(max(used, 1.0), HIGHEST) * HEADROOM
             axes.set(xlim=(0, self.duration), ylim=(0, top), yticks=(0, 0.5, 1), yticklabels=("0 %", "50 %", "100 %"))
-            axes.set_xticks([0, self.duration / 2, self.duration], [
-                f"{share * self.duration:.3g} s" for share in (0, 0.5, 1)
-            ])  # fmt: skip
-            axes.get_xticklabels()[0].set_horizontalalignment("left")
-            axes.get_xticklabels()[2].set_horizontalalignment("right")
+            ends = axes.set_xticks([0, self.duration], ["0 s", f"{self.duration:.3g} s"])
+            ends[0].label1.set_horizontalalignment("left")
+            ends[1].label1.set_horizontalalignment("right")
             axes.tick_params(length=0, labelsize=SMALL, labelcolor=FAINT)
             axes.spines[:].set_visible(False)
             axes.grid(axis="y", color=GRID, linewidth=1)
@@ -169,11 +174,10 @@ class Composition:
         self._still = self._canvas.copy_from_bbox(self._figure.bbox)
 
     def _put_heading(self, number: int, clip: Clip) -> None:
-        """Cell, title, names of the arms, duration, and the limit that is used most."""
         left, room, done = number * self._width + RIGHT, self._width - 2 * RIGHT, clip.trajectory
         alone = len(self._clips) == 1
         title = f"{done.cell.name}: {clip.title}"
-        self._put(left, 22, title, TITLE, 0.6 * room if alone else room, color=INK, weight="bold")
+        self._put(left, 22, title, TITLE, (0.55 if alone else 0.9) * room, color=INK, weight="bold")
         text = f"{done.duration:.3g} s"
         if number > 0:
             text += f", {self._clips[0].trajectory.duration / done.duration:.3g} × as fast"
@@ -182,46 +186,48 @@ class Composition:
             share, time = clip.deciding.share, done.time[clip.deciding.sample]
             used = f"limit: {clip.deciding.name.short}, {100 * share:.0f} % at {time:.2g} s"
             self._put(left, 60, used, TEXT, room, color=FAINT if share < AT_LIMIT else _share(OVER_LIMIT))
-        here: float = left + room
-        robots = done.cell.robots if alone else ()
-        for place, robot in reversed([*enumerate(robots)]):
-            put = self._put(here, 22, f"■ {robot.name}", TEXT, 0.36 * room / len(robots),
-                            color=_share(arm_colour(place)), ha="right")  # fmt: skip
-            here -= self._width_of(put) + SMALL
+        if alone:
+            arms = [(robot.name, _share(arm_colour(place))) for place, robot in enumerate(done.cell.robots)]
+            self._put_legend(arms, "center right", self._width - RIGHT, 17, 0.36 * room)
 
     def _put_foot(self, titles: dict[str, str], colours: dict[str, str], pace: str) -> None:
-        words = [("nearest to a limit:", FAINT), *((f"— {text}", colours[kind]) for kind, text in titles.items())]
-        words += [(pace, FAINT)] if pace else []
-        room = self.size[0] - LEFT - RIGHT - 6 * TEXT - SMALL * (len(words) - 1)
-        put = [self._put(0, self.size[1] - 10, text, TEXT, color=colour) for text, colour in words]
-        size = max(SMALLEST, int(TEXT * min(1.0, room / sum(map(self._width_of, put)))))
-        here = float(LEFT)
-        for text in put:
-            text.set_fontsize(size)
-            text.set_x(here / self.size[0])
-            here += self._width_of(text) + SMALL
+        width, height = self.size
+        first, clock = "nearest to a limit:", 7 * TEXT
+        self._put(LEFT, height - 10, first, TEXT, color=FAINT)
+        self._put(width - RIGHT - clock, height - 10, pace, TEXT, color=FAINT, ha="right")
+        left = LEFT + LETTER * TEXT * len(first)
+        room = width - RIGHT - clock - LETTER * TEXT * len(pace) - left
+        self._put_legend(
+            [(text, colours[kind]) for kind, text in titles.items()], "center left", left, height - 14, room
+        )
+
+    def _put_legend(
+        self, entries: Sequence[tuple[str, Any]], loc: Loc, across: float, down: float, room: float
+    ) -> None:
+        width, height = self.size
+        size, _ = _fitted("".join(f"{name}      " for name, _ in entries), TEXT, room)
+        handles = [Line2D([], [], color=colour, label=printable(name)) for name, colour in entries]
+        legend = self._figure.legend(
+            handles=handles, loc=loc, bbox_to_anchor=(across / width, 1 - down / height), ncols=len(handles),
+            fontsize=size, labelcolor="linecolor", handlelength=1, columnspacing=1, borderpad=0, borderaxespad=0,
+            frameon=False,
+        )  # fmt: skip
+        for text in legend.get_texts():
+            text.set_parse_math(False)
 
     def _put(self, across: float, down: float, text: str, size: int, room: float = np.inf, **style: Any) -> Text:
-        """One line of text, smaller where it would be wider than its room."""
+        """One line of text, smaller where it would be wider than its room, and at last cut."""
         width, height = self.size
-        put = self._figure.text(
-            across / width, 1 - down / height, printable(text), fontsize=size, parse_math=False, va="baseline", **style
+        fitted, shown = _fitted(printable(text), size, room)
+        return self._figure.text(
+            across / width, 1 - down / height, shown, fontsize=fitted, parse_math=False, va="baseline", **style
         )
-        self._fit(put, room)
-        return put
 
-    def _fit(self, put: Text, room: float) -> None:
-        whole, size = put.get_text(), float(put.get_fontsize())
-        while self._width_of(put) > room and size > SMALLEST:
-            size -= 1
-            put.set_fontsize(size)
-        kept = len(whole)
-        while self._width_of(put) > room and kept > 3:  # noqa: PLR2004 (letters that `cut` leaves)
-            kept -= 1
-            put.set_text(cut(whole, kept))
 
-    def _width_of(self, put: Text) -> float:
-        return float(put.get_window_extent(self._canvas.get_renderer()).width)
+def _fitted(text: str, size: int, room: float) -> tuple[float, str]:
+    """A size of letters at which a text has room, and as much of the text as has."""
+    fitted = min(size, max(SMALLEST, room / (LETTER * max(len(text), 1))))
+    return fitted, text if len(text) * LETTER * fitted <= room else cut(text, int(room / (LETTER * fitted)))
 
 
 def _share(colour: tuple[int, int, int]) -> tuple[float, float, float]:

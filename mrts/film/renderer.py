@@ -267,12 +267,8 @@ class SceneRenderer:
         tile = round_down(view.size / TILES)
         floor = spec.add_material(name="floor", texrepeat=(1 / tile, 1 / tile), texuniform=True, specular=0.0)
         floor.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
-        across = np.cross(view.up, np.eye(3)[np.argmin(np.abs(view.up))])
-        across /= np.linalg.norm(across)
-        world.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_PLANE, size=(0, 0, 0.1), pos=view.floor, material="floor",
-            quat=wxyz(np.stack([across, np.cross(view.up, across), view.up], axis=1)),
-        )  # fmt: skip
+        plane = mujoco.mjtGeom.mjGEOM_PLANE
+        world.add_geom(type=plane, size=(0, 0, 0.1), pos=view.floor, material="floor", quat=wxyz(view.level))
 
     def _add_mesh(
         self, body: Any, name: str, vertices: Array, normals: Array, faces: NDArray[np.integer], colour: Rgb
@@ -293,7 +289,6 @@ class SceneRenderer:
         self._data.mocap_pos[body], self._data.mocap_quat[body] = p, wxyz(R)
 
     def _connect(self, shape: Any, start: Array, end: Array, radius: float, colour: Rgb) -> None:
-        """Add a shape from one point to another; it casts no shadow."""
         mujoco, scene = self._mujoco, self._renderer.scene
         if scene.ngeom >= scene.maxgeom or np.linalg.norm(end - start) == 0:
             return

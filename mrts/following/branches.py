@@ -73,5 +73,5 @@ def _random_starts(robot: Robot, count: int) -> Array:
 
 
 def _apart(robot: Robot, a: Array, b: Array) -> Array:
-    turns = np.array([kind == "revolute" for kind in robot.joint_types])
+    turns = robot.turns
     return np.where(turns, (a - b + np.pi) % (2 * np.pi) - np.pi, a - b)

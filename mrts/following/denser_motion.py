@@ -21,7 +21,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, carried_object, tip_motions
 from mrts.following.grasp_closure import holds, joints_on_grasps, mean_object, nearest_rates
 from mrts.motion.object_courses import ProfiledPath
-from mrts.motion.object_motion import ObjectMotion
+from mrts.motion.object_motion import SHAPES, ObjectMotion
 from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS
 
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
@@ -66,10 +66,13 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> Coord
     rough = CoordinatedMotion(target, q, dq, ddq, travel=_travel(motion, dq, [0, -1]))
     if holds(cell, rough, (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP) or not _closed(cell, motion):
         return rough
+    target = known or mean_object(cell, at, tips)
     try:
-        return _on_grasps(cell, known or mean_object(cell, at, tips), rough)
+        q = joints_on_grasps(cell, target, q)
+        dq, ddq = nearest_rates(cell, target, q, dq, ddq)
     except MotionError as error:
         raise MotionError(f"between the samples, {error} Or look at the samples alone (--between off).") from None
+    return CoordinatedMotion(target, q, dq, ddq, travel=rough.travel)
 
 
 def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[np.intp]) -> CoordinatedMotion:
@@ -84,17 +87,10 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     def merged(given: Array, added: Array) -> Array:
         return np.concatenate([given, added[chosen]])[order]
 
-    carried = ObjectMotion(
-        merged(ours.time, theirs.time),
-        merged(ours.position, theirs.position),
-        merged(ours.rotation, theirs.rotation),
-        merged(ours.twist, theirs.twist),
-        merged(ours.acceleration, theirs.acceleration),
-        smooth=False,
-        remarks=moved_remarks(ours.remarks, ours.time, theirs.time[chosen]),
-        course=ours.course,
-    )
-    q, dq, ddq = merged(motion.q, more.q), merged(motion.dq, more.dq), merged(motion.ddq, more.ddq)
+    samples: dict[str, Any] = {name: merged(getattr(ours, name), getattr(theirs, name)) for name in SHAPES}
+    told = moved_remarks(ours.remarks, ours.time, theirs.time[chosen])
+    carried = ObjectMotion(**samples, smooth=False, remarks=told, course=ours.course)
+    q, dq, ddq = (merged(getattr(motion, name), getattr(more, name)) for name in ("q", "dq", "ddq"))
     remarks = moved_remarks(motion.remarks, ours.time, theirs.time[chosen])
     travel = _travel(motion, dq, np.flatnonzero(order < motion.samples))
     return CoordinatedMotion(carried, q, dq, ddq, remarks, travel=travel, course=motion.course)
@@ -220,9 +216,3 @@ def _closed(cell: Cell, motion: CoordinatedMotion) -> bool:
         return motion.course.closed
     places = dict.fromkeys(np.linspace(0, motion.samples - 1, CHECKED).astype(np.intp).tolist())
     return holds(cell, motion.at(np.array(list(places))), (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP)
-
-
-def _on_grasps(cell: Cell, target: ObjectMotion, rough: CoordinatedMotion) -> CoordinatedMotion:
-    q = joints_on_grasps(cell, target, rough.q)
-    dq, ddq = nearest_rates(cell, target, CoordinatedMotion(target, q, rough.dq, rough.ddq))
-    return CoordinatedMotion(target, q, dq, ddq, travel=rough.travel)

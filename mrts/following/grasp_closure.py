@@ -26,7 +26,7 @@ from mrts.following.tracking import (
     tip_rates,
     tracking_failure,
 )
-from mrts.kernel.tracking import OUT_OF_REACH, closure_sizes
+from mrts.kernel.tracking import OUT_OF_REACH, SINGULAR, closure_sizes
 from mrts.motion.joint_table import Source
 from mrts.motion.object_motion import ObjectMotion
 
@@ -208,7 +208,8 @@ def close_chain(
         target = given.object
     q = joints_on_grasps(cell, target, given.q)
     check_joint_limits(cell, target.time, q, PRINTED_TOLERANCE)
-    dq, ddq = _rates_on_grasps(cell, target, q, given)
+    _check_regular(cell, target.time, q)
+    dq, ddq = nearest_rates(cell, target, q, given.dq, given.ddq)
     moved = float(np.max(np.abs(q - given.q)))
     return CoordinatedMotion(target, q, dq, ddq, remarks + _correction(cell, gaps, bound, moved))
 
@@ -294,30 +295,25 @@ def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     return held.q
 
 
-def _rates_on_grasps(cell: Cell, target: ObjectMotion, q: Array, given: CoordinatedMotion) -> tuple[Array, Array]:
+def _check_regular(cell: Cell, time: Array, q: Array) -> None:
     jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         condition = np.linalg.cond(jacobians[:, :, joints])
         if not np.all(condition < CONDITION_LIMIT):
-            sample = int(np.argmax(condition))
-            raise MotionError(
-                f"robot '{robot.name}' is singular at sample {sample} (t = {target.time[sample]:.6g} s): its joints "
-                "cannot be moved onto its grasp there. Give joints that close the chain, or keep the arm away from "
-                "full stretch, full fold and aligned axes."
-            )
-    return nearest_rates(cell, target, CoordinatedMotion(target, q, given.dq, given.ddq))
+            worst = int(np.argmax(condition))
+            raise MotionError(tracking_failure(SINGULAR, robot, time, worst, condition[[worst]].tolist()).message)
 
 
-def nearest_rates(cell: Cell, target: ObjectMotion, given: CoordinatedMotion) -> tuple[Array, Array]:
+def nearest_rates(cell: Cell, target: ObjectMotion, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array]:
     """Velocities and accelerations nearest to the given ones that keep the tips on the grasps, each Shape (N, m).
 
     A direction that a singular arm has lost is left as given.
 
     Args:
-        given: Joint positions on the grasps, and velocities and accelerations that may be off.
+        q: Joint positions on the grasps, Shape (N, m).
+        dq: Velocities that may be off, Shape (N, m); likewise the accelerations `ddq`.
     """
-    q, dq, ddq = given.q, given.dq.copy(), given.ddq.copy()
-    samples = len(q)
+    dq, ddq, samples = dq.copy(), ddq.copy(), len(q)
     rates = [tip_rates(cell, robot, target) for robot in cell.robots]
     jacobians = cell.functions("kinematics", samples, {"q": q})["jacobian"]
     inverses = []

@@ -192,7 +192,7 @@ def tracking_rule(cell: Cell) -> Any:
         [robot.position_lower for robot in robots],
         [robot.position_upper for robot in robots],
         [limit_zone(robot) for robot in robots],
-        [is_turning(robot) for robot in robots],
+        [robot.turns for robot in robots],
     )
     arrays = [np.concatenate(part) for part in parts]
     *wish, turns = (array.ctypes.data for array in arrays)
@@ -385,14 +385,9 @@ def _of(values: Array, variant: int) -> Array:
     return one
 
 
-def is_turning(robot: Robot) -> NDArray[np.bool_]:
-    """Joints of which whole turns are the same position, Shape (n_i,)."""
-    return np.array([kind == "revolute" for kind in robot.joint_types])
-
-
 def nearest_turns(robot: Robot, q: Array, posture: Array) -> Array:
     """Joint positions with whole turns added to come nearest to a posture, each Shape (…, n_i) [rad or m]."""
-    return np.where(is_turning(robot), posture + (q - posture + np.pi) % (2 * np.pi) - np.pi, q)
+    return np.where(robot.turns, posture + (q - posture + np.pi) % (2 * np.pi) - np.pi, q)
 
 
 def within_limits(robot: Robot, q: Array) -> Array:
@@ -401,7 +396,7 @@ def within_limits(robot: Robot, q: Array) -> Array:
     Args:
         q: Joint positions along a motion, Shape (N, n_i) [rad or m].
     """
-    turn = np.where(is_turning(robot), 2 * np.pi, np.inf)
+    turn = np.where(robot.turns, 2 * np.pi, np.inf)
     low, high = np.min(q, axis=0), np.max(q, axis=0)
     down = np.ceil((high - robot.position_upper) / turn - POSITION_TOLERANCE).clip(min=0)
     up = np.ceil((robot.position_lower - low) / turn - POSITION_TOLERANCE).clip(min=0)

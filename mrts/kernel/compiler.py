@@ -8,7 +8,6 @@ import shutil
 import signal
 import subprocess  # fixed flags, no shell, the command is the user's own CC
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
@@ -28,6 +27,7 @@ PROCESSOR = 4096
 
 CANDIDATES = ("cc", "gcc", "clang")
 SHOWN_LINES = 6
+ADVICE = "Set CC to a working C compiler."
 
 PATIENCE = 600.0
 """The longest that a compiler may take [s]: a cell takes a few seconds, and a minute on a small board."""
@@ -80,17 +80,10 @@ def compile_library(command: tuple[str, ...], source: Path, library: Path) -> No
     def run(output: Path) -> None:
         arguments = [*command, *flags(), str(source), "-o", str(output), "-lm"]
         code, said = _run(arguments)
-        if code != 0:
-            raise CompilerError(
-                f"the C compiler failed with exit code {code}: {shlex.join(arguments)}\n"
-                + "\n".join(said.strip().splitlines()[:SHOWN_LINES] or ["(it printed nothing)"])
-                + "\nSet CC to a working C compiler."
-            )
-        if not output.is_file():
-            raise CompilerError(
-                f"the C compiler succeeded, but made no library: {shlex.join(arguments)}\n"
-                "Set CC to a working C compiler."
-            )
+        problem = f"failed with exit code {code}" if code else "succeeded, but made no library"
+        if code or not output.is_file():
+            told = "\n".join(said.strip().splitlines()[:SHOWN_LINES] or ["(it printed nothing)"])
+            raise CompilerError(f"the C compiler {problem}: {shlex.join(arguments)}\n{told}\n{ADVICE}")
 
     write_atomically(library, run, private=True)
 
@@ -115,24 +108,12 @@ def _run(arguments: list[str]) -> tuple[int, str]:
             output, errors = process.communicate(timeout=PATIENCE)
         except subprocess.TimeoutExpired:
             raise CompilerError(
-                f"the C compiler was not done after {PATIENCE:g} s and was stopped: {shlex.join(arguments)}\n"
-                "Set CC to a working C compiler."
+                f"the C compiler was not done after {PATIENCE:g} s and was stopped: {shlex.join(arguments)}\n{ADVICE}"
             ) from None
         finally:
             if process.returncode is None:  # too slow, or Ctrl-C: its own children end with it
-                _stop(process)
+                os.killpg(process.pid, signal.SIGKILL)
     return process.returncode, errors or output
-
-
-def _stop(process: "subprocess.Popen[str]") -> None:
-    """End a compiler and its children; one that tidies up has a second for it."""
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGTERM)
-        try:
-            with suppress(subprocess.TimeoutExpired):
-                process.wait(timeout=1)
-        finally:  # Ctrl-C comes again
-            os.killpg(process.pid, signal.SIGKILL)
 
 
 def library_or_rebuilt(

@@ -19,7 +19,7 @@ from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
-from mrts.cell.hands.contact import triple_axes
+from mrts.cell.hands import triple_axes
 from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched

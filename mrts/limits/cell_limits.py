@@ -7,8 +7,8 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.cell.hands.contact import in_object_axes
-from mrts.cell.motors.joint_motors import torque_speed_lines
+from mrts.cell.hands import in_object_axes
+from mrts.cell.motors import torque_speed_lines
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.object_axes import object_axes
 from mrts.limits.rows import TORQUE_SPEED, LimitRows, RowName, row_names

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.cell.hands.contact import triple_axes
+from mrts.cell.hands import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
 
 

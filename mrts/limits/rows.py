@@ -58,6 +58,10 @@ class RowName:
         what = f"contact {self.kind}" if self.kind.startswith("wrench") else self.kind
         return " ".join(filter(None, ["/".join(filter(None, [self.robot, self.element])), what]))
 
+    def to_json(self) -> dict[str, str | float]:
+        """Part of the entries of rows in the JSON result."""
+        return {"kind": self.kind, "robot": self.robot, "element": self.element, "unit": self.unit}
+
     @property
     def short(self) -> str:
         """`left/elbow` for its torque, `left/fx` for that wrench, `left/elbow velocity`; in full without a robot."""
@@ -128,15 +132,7 @@ class ActiveRow:
 
     def to_json(self) -> dict[str, str | float]:
         """Entry of "rows" in the JSON result."""
-        name = self.name
-        return {
-            "kind": name.kind,
-            "robot": name.robot,
-            "element": name.element,
-            "side": self.side,
-            "limit": self.limit,
-            "unit": name.unit,
-        }
+        return self.name.to_json() | {"side": self.side, "limit": self.limit}
 
 
 def rows_text(rows: Iterable[ActiveRow], between: str = ", ") -> str:

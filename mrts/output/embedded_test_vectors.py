@@ -14,10 +14,9 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import SampleRanges
+from mrts.program.sample_ranges import SampleRanges, motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import distribute_torques, torque_weights
-from mrts.program.trajectory_programs import motion_ranges
 
 SAMPLES = 101
 MASS_FACTORS = (1.0, 0.2, 3.0, 10.0, 40.0)

@@ -4,7 +4,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from mrts.cell.hands.kinds import NORMAL_FORCE
+from mrts.cell.hands import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.plots.card import Card
 from mrts.plots.labels import range_text

@@ -87,13 +87,10 @@ class Conflict:
 def find_conflicts(
     problem: SampleProblem, time: Array, samples: NDArray[np.int_], solver: str
 ) -> list[Conflict | None]:
-    """Decide feasibility of some samples and explain the infeasible ones.
+    """What conflicts at some samples; None where the limits hold together.
 
     The elastic program min s, lower - s <= A x <= upper + s (in rows of limits) always has a solution; s > 0 exactly
     where the sample is infeasible, and its multipliers are the Farkas certificate.
-
-    Returns:
-        For each of `samples` the conflict, or None where the limits hold together.
     """
     part = problem.at(samples)
     if part.speed is not None:

@@ -70,11 +70,6 @@ class MotionRows:
         """Largest ṙ² that keeps all caps, Shape (N,)."""
         return largest_square(self.cap_share)
 
-    @property
-    def one_unknown(self) -> bool:
-        """Whether c² is all that is unknown."""
-        return self.sharing is not None or len(self.cell.robots) == 1
-
     def inputs(self, load: Array | None) -> dict[str, Array]:
         """Of the generated formulation, by name; the load is the cell's where none is given."""
         inputs = self.motion.inputs(self.cell.load if load is None else load) | {GEOMETRY: self.cell.geometry}

@@ -331,17 +331,10 @@ def _largest_distance(A: Array, lower: Array, upper: Array, row: NDArray[np.int_
 def _away_from(
     A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Unknowns that keep as far as they can from all sides of a program at once, at most 1, and whether it was solved.
+    """Unknowns that keep as far as they can, at most 1, from all sides of each of p programs at once.
 
-    Args:
-        A: Shape (r, k).
-        lower: Shape (r,).
-        upper: Shape (r,).
-        row: Of each program, Shape (p, s).
-        sign: Likewise, 1 of upper sides.
-
-    Returns:
-        Unknowns, Shape (p, k), distances, Shape (p,), and Shape (p,).
+    Sides are given by row and sign, 1 of upper ones, Shape (p, s). Returns unknowns, Shape (p, k), distances, Shape
+    (p,), and which were solved.
     """
     (rows, unknowns), (count, sides) = A.shape, row.shape
     asked = np.zeros((count, rows + sides, unknowns + 1))

@@ -17,9 +17,8 @@ from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow, LimitRows, side_size
 from mrts.program.motion_rows import MotionRows
 from mrts.program.range_ends import BINDING_TOLERANCE
-from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.torque_distribution import BLOCK
 from mrts.program.widening import least_widening
 
 LEAST_SHARE = 0.01

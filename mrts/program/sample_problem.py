@@ -21,6 +21,9 @@ TORQUE_FORM_CONDITION_LIMIT = 1e6
 """J^-T is formed explicitly by the torque form: at this condition number ten digits are left."""
 
 
+BLOCK = 4096
+"""Samples whose rows are put together at a time."""
+
 MAPS = ("torque_map", "torque_offset", "torque_speed", "wrench_map", "wrench_offset")
 OF_ROWS = ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
 OF_SAMPLES = ("A", "lower", "upper", "speed")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The admissible range of c² at every sample."""
+"""The admissible range of c² at every sample: by the compiled kernel in one call, or from rows for another solver."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -12,12 +12,26 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.programs import OPTIMAL
 from mrts.limits.rows import STANDSTILL, ActiveRow, RowName, Side
 from mrts.program.infeasibility import CERTIFICATE_TOLERANCE, Conflict, find_conflicts
-from mrts.program.range_ends import Codes, RangeEnds, ends_of_problem, rows_at_end, same_width
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import MotionRows, motion_rows
+from mrts.program.range_ends import (
+    Codes,
+    RangeEnds,
+    ends_of_problem,
+    intervals_below,
+    kernel_ends,
+    rows_at_end,
+    same_width,
+    with_caps,
+)
 from mrts.program.range_status import RangeStatus
-from mrts.program.sample_problem import SampleProblem
+from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
+from mrts.program.solvers import DEFAULT_SOLVER, takes_kernel
 
 REST_TOLERANCE = 1e-12
 """A sample is at rest where c² moves no row by more than this share of what it does elsewhere."""
@@ -123,6 +137,46 @@ class SampleRanges:
         }
 
 
+def motion_ranges(
+    rows: MotionRows, solver: str = DEFAULT_SOLVER, load: Array | None = None, high: float = np.inf
+) -> SampleRanges:
+    """Least and largest c² at every sample (step 1 of MMTSF), by the compiled path where it applies.
+
+    A load stands instead of the cell's, Shape (10,), or one a sample, Shape (N, 10). Of several intervals it is the
+    highest that does not begin above `high`.
+    """
+    time, of_sample = rows.motion.object.time, partial(_problem_of_sample, rows.cell, rows.motion, rows.sharing, load)
+    if not takes_kernel(rows, solver):
+        return replace(sample_ranges(build_sample_problem(rows, load=load), time, solver, high), problem=of_sample)
+    find = partial(kernel_ends, rows.cell.library, rows.inputs(load), rows)
+    ends = intervals_below(find, rows.most, high) if rows.has_speed_terms else find(rows.most)
+    ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
+    effect = float(np.max(ends.effect, initial=0.0))
+    at_rest = ends.effect <= REST_TOLERANCE * effect
+    ends.upper[at_rest], ends.codes[1, at_rest] = rows.most[at_rest], 0
+    suspects = np.flatnonzero((ends.status != OPTIMAL) | (at_rest & (ends.lower > 0)))
+    ends, conflicts = with_caps(ends, rows.cap_share, rows.cap_code), []
+    for start in range(0, len(suspects), BLOCK):
+        block = suspects[start : start + BLOCK]
+        problem = without_speed_at_rest(build_sample_problem(rows, load=load, samples=block), effect)
+        conflicts += decide(ends, block, problem, time, solver, high)
+    found = ranges_of_ends(time, ends, conflicts, rows.given.names, (rows.given.lower, rows.given.upper))
+    return replace(found, problem=of_sample)
+
+
+def _problem_of_sample(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    sharing: LoadSharing | None,
+    known: Array | None,
+    sample: int,
+    load: Array | None,
+) -> SampleProblem:
+    """It holds no rows: those of C stay in their process, where results may leave it."""
+    given = known if load is None else load
+    return build_sample_problem(motion_rows(cell, motion, sharing), load=given, samples=np.array([sample]))
+
+
 def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float = np.inf) -> SampleRanges:
     """Step 1 of MMTSF for rows along a motion: min and max of c² at every sample; see `motion_ranges`."""
     still = without_speed_at_rest(problem)
@@ -153,13 +207,7 @@ def decide(
 ) -> list[Conflict]:
     """Find the ends of some samples that one solver did not find, or the conflicts of those that have none.
 
-    Args:
-        ends: Of all samples; changed in place.
-        samples: Indices of those, s of them.
-        problem: Rows of these alone, or of all.
-        time: Of all samples [s].
-        solver: As in `sample_ranges`.
-        high: Likewise.
+    `ends` and `time` are those of all samples; ends are changed in place. The problem is of these samples, or of all.
 
     Raises:
         SolverError: If no solver answers.

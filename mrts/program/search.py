@@ -80,15 +80,8 @@ def refine(
     """Look between the samples of a motion wherever its range of c² may be narrower, and add what samples that takes.
 
     The least c²⁺ and the largest c²⁻ along the motion are looked for in the gaps between samples; a place joins the
-    samples where limits would have to move outward by more than the tolerance to admit the ends of the range. So the
-    ends become those at the worst places, and no other place forbids them.
-
-    Args:
-        given: Of a cell along its motion.
-        found: The ranges at its samples, which have a c² in common.
-        whole: c²⁻ and c²⁺, the ends of the interval of the largest speeds that they have in common.
-        ranges: Finds them at other places.
-        tolerance: Share of a limit by which it may be overstepped.
+    samples where limits would have to move outward by more than the tolerance to admit the ends of the range, c²⁻ and
+    c²⁺ as `whole`. So the ends become those at the worst places, and no other place forbids them.
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.

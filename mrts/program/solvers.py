@@ -23,6 +23,7 @@ from mrts.program.convex_program import (
     Mask,
     optimality_error,
 )
+from mrts.program.motion_rows import MotionRows
 
 DEFAULT_SOLVER = "kernel"
 
@@ -125,6 +126,18 @@ def check_solver(name: str) -> None:
     check_type("solver", name, str)
     if name not in SOLVERS:
         raise InputError("solver", f"there is no such solver; there are {', '.join(SOLVERS)}.", value=name)
+
+
+MOST_ROWS = 32_767
+"""The compiled path keeps the rows of each sample's answer as 16-bit numbers."""
+
+
+def takes_kernel(rows: MotionRows, solver: str) -> bool:
+    """Whether the programs of a motion are those that the compiled path has."""
+    check_solver(solver)
+    few = len(rows.kept.names) + rows.cell.library.unknowns <= MOST_ROWS
+    free = rows.formulation == "wrench" and rows.sharing is None
+    return solver == "kernel" and free and rows.sparse is not None and few
 
 
 @dataclass(frozen=True)

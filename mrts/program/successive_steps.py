@@ -68,17 +68,11 @@ def successive_steps(
     solver: KernelSolver,
     told: Callable[[int, float], None] = lambda _step, _cost: None,
 ) -> StepsTaken | NoProfile:
-    """Profiles within all limits, each better than the one before.
+    """Profiles within all limits, each better than the one before, from one whose x is `likely`, > 0, Shape (n,).
 
     In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
     which lie below them: a convex program inside the given one, which the last profile keeps. So the cost only falls.
-
-    Args:
-        program: The program.
-        likely: x of a profile that may be admissible, > 0, Shape (n,).
-        goal: What is the best; within a longest duration it starts from a profile that is fast enough.
-        solver: Solves the convex programs.
-        told: Told the number of each step and its cost.
+    Within a longest duration it starts from a profile that is fast enough.
     """
     found = _first(program, likely, goal if goal.longest is None else Goal(), solver)
     if isinstance(found, NoProfile):

@@ -12,27 +12,21 @@ from mrts.base.errors import InputError, as_array
 from mrts.base.torque_weights import WEIGHT_SPREAD, weights_by_limits
 from mrts.cell.cell import Cell
 from mrts.kernel.cell_library import CellLibrary, SparseLimits
-from mrts.kernel.programs import STOPPED
+from mrts.kernel.programs import OPTIMAL, STOPPED
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.program.convex_program import ConvexPrograms
-from mrts.program.motion_rows import MotionRows
-from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.solvers import require_verified, solve_programs
-
-BLOCK = 4096
-"""Samples whose rows are put together at a time."""
+from mrts.program.formulation import DistributionName
+from mrts.program.motion_rows import MotionRows, motion_rows
+from mrts.program.reserve import reserved
+from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
+from mrts.program.solvers import require_verified, solve_programs, takes_kernel
 
 TORQUE_WIDENING = 1e-9
 """Of each limit, as a share of it: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
 
 
 def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
-    """W as a matrix, Shape (m, m).
-
-    Args:
-        weights: None weighs each torque by its limit (`weights_by_limits`), a number all alike, else the diagonal,
-            Shape (m,), or the matrix, Shape (m, m).
-        cell: With m joints.
+    """W as a matrix, Shape (m, m): None weighs each torque by its limit, a number all alike, else diagonal or matrix.
 
     Raises:
         InputError: Unless W is symmetric and positive definite.
@@ -58,14 +52,29 @@ def torque_weights(weights: Array | float | None, cell: Cell) -> Array:
     return W
 
 
+def motion_torques(
+    rows: MotionRows, solver: str, c2: float, weights: Array, distribute: DistributionName = "least-torque"
+) -> tuple[Array, Array, int]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at a chosen c², and how many programs another solver solved.
+
+    The weights are W, Shape (m, m). By "reserve" the limits count as they are given, whatever reserve the cell keeps.
+    """
+    if distribute == "reserve":
+        whole = motion_rows(rows.cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation)
+        return torques_by_blocks(whole, solver, c2, weights, within=lambda problem: reserved(problem, c2, solver))
+    if rows.sparse is None or not takes_kernel(rows, solver):
+        return torques_by_blocks(rows, solver, c2, weights)
+    terms, square = rows.terms(float(np.sqrt(c2))), np.full(rows.motion.samples, c2)
+    torque, wrench, status = least_torques(rows.cell.library, rows.inputs(None), rows.sparse, terms, square, weights)
+    missing = np.flatnonzero(status != OPTIMAL)
+    torque[missing], wrench[missing], fallbacks = torques_by_blocks(rows, solver, c2, weights, missing)
+    return torque, wrench, fallbacks
+
+
 def distribute_torques(problem: SampleProblem, c2: float | Array, weights: Array, solver: str) -> tuple[Array, int]:
     """Eqs. (31), (32), (33), (34): minimise Φ = τᵀ W τ subject to the object's balance and every limit, at c².
 
-    Args:
-        problem: Rows along the motion, in any formulation.
-        c2: Chosen c², inside the range; one for all samples, or one a sample, Shape (N,).
-        weights: W, Shape (m, m), positive definite.
-        solver: Name in the registry.
+    c² is one for all samples, or Shape (N,); W has Shape (m, m) and is positive definite.
 
     Returns:
         Unknowns x with c² last, Shape (N, k), and the programs that a fallback had to solve.

@@ -27,23 +27,15 @@ def least_widening(
 ) -> tuple[Array, Array, int]:
     """Solve min s, lower - s l <= A x <= upper + s u for limits, lower <= A x <= upper for laws; it has a solution.
 
-    Args:
-        A: Shape (N, r, k).
-        lower: Shape (N, r).
-        upper: Shape (N, r).
-        is_limit: False for laws, which do not move, Shape (r,).
-        x_lower: Lower bounds of the unknowns, Shape (k,).
-        solver: Name in the registry.
-        what: What is found, for the message.
-        sizes: l and u, how far s = 1 moves each side, each Shape (r,); None is 1.
-        least: Least s: below 0 limits move inward.
+    A has Shape (N, r, k), its limits (N, r); laws are where `is_limit`, Shape (r,), is False. Unknowns are at least
+    `x_lower`, Shape (k,), and s is at least `least`: below 0 limits move inward. `sizes` are l and u, Shape (r,), or 1.
 
     Returns:
         Least s, Shape (N,); multipliers of the rows, positive at an upper limit, Shape (N, r); and how many programs
         another solver solved.
 
     Raises:
-        SolverError: If no solver answers.
+        SolverError: If no solver answers; it says `what` was looked for.
     """
     count, rows, unknowns = A.shape
     below, above = (np.ones(rows), np.ones(rows)) if sizes is None else sizes
@@ -91,11 +83,7 @@ def motion_widening(
 ) -> Array:
     """By how much all limits must move outward before a motion keeps them, in shares of each: Shape (k,).
 
-    Args:
-        rows: Of a cell along its motion.
-        c2: c² at each sample asked for, Shape (k,).
-        load: Load vector instead of the cell's, Shape (10,), or one a sample asked for, Shape (k, 10).
-        samples: Indices of those that are asked for, Shape (k,); None takes all N.
+    c² is that of each of k samples, Shape (k,), all or some; a load is one for all, Shape (10,), or Shape (k, 10).
     """
     count = rows.motion.samples
     places = np.arange(count) if samples is None else samples

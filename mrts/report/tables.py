@@ -280,7 +280,6 @@ def rates_table(result: ScalingResult, limiting: LimitingRows) -> Table:
 
 
 def _cleared(value: float) -> float:
-    """A number without what is left over from sums of larger terms."""
     return float(np.round(value, DECIMALS) + 0.0)
 
 

@@ -71,19 +71,6 @@ class LimitUse:
         """The largest value without its sign."""
         return max(-self.least, self.largest)
 
-    def step_json(self) -> dict[str, str | float]:
-        """Entry of "largest_step" in the JSON result."""
-        name = self.name
-        place = {"robot": name.robot, "element": name.element, "unit": name.unit}
-        return place | {"step": self.step, "share": self.step_share}
-
-    def rate_json(self) -> dict[str, str | float]:
-        """Entry of "rates" in the JSON result."""
-        name = self.name
-        place: dict[str, str | float] = {"kind": name.kind, "robot": name.robot, "element": name.element}
-        numbers = {"limit": self.upper, "largest": self.size, "share": self.share, "time": self.time}
-        return place | {"unit": name.unit} | numbers
-
 
 @dataclass(frozen=True)
 class LimitedQuantities:

@@ -310,10 +310,7 @@ class ScalingResult(Result):
         return Residuals(_largest_excess(cell, done), arms, carried)
 
     def checked(self, rows: LimitRows | None = None) -> Self:
-        """This result, if its trajectory keeps every limit.
-
-        Args:
-            rows: From `limit_rows`, where they are at hand; None puts them together.
+        """This result, if its trajectory keeps every limit; rows are those of `limit_rows`, where they are at hand.
 
         Raises:
             SolverError: If it oversteps one by more than `LIMIT_TOLERANCE`.
@@ -353,11 +350,19 @@ class ScalingResult(Result):
 
     def played_json(self, done: ScaledTrajectory) -> dict[str, Any]:
         """Entries of the JSON result of a trajectory of this cell, and how far all goes from sample to sample."""
-        steps = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
+        found = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
+        steps = {
+            kind: use and {**use.name.to_json(), "step": use.step, "share": use.step_share}
+            for kind, use in found.items()
+        }
+        rates = [
+            use.name.to_json() | {"limit": use.upper, "largest": use.size, "share": use.share, "time": use.time}
+            for use in rate_uses(self)
+        ]
         return {
             **done.to_json(),
-            "largest_step": {kind: step and step.step_json() for kind, step in steps.items()},
-            "rates": [use.rate_json() for use in rate_uses(self)],
+            "largest_step": steps,
+            "rates": rates,
         }
 
 

@@ -31,11 +31,10 @@ from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges
+from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, motion_ranges
 from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.program.torque_distribution import TORQUE_WIDENING, torque_weights
-from mrts.program.trajectory_programs import motion_ranges, motion_torques
+from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.program.widening import motion_widening
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.loads import range_at_samples
@@ -160,10 +159,7 @@ def chosen_factor(
     options: Options,
     progress: Progress = lambda _done, _total: None,
 ) -> tuple[ScalingResult, MotionRows]:
-    """Steps 1 to 3 of MMTSF: `scale` before the torques are distributed.
-
-    Returns:
-        The result, and the limits along its motion.
+    """Steps 1 to 3 of MMTSF, `scale` before the torques are distributed: the result, and the limits along its motion.
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
@@ -197,17 +193,14 @@ def admissible_range(
 ) -> tuple[ScalingResult, MotionRows, Refinement | None]:
     """The range of c² of a motion, rates apart (steps 1 and 2 of MMTSF), between its samples too.
 
-    Of what is possible with some load, and with an internal wrench for each sample, only the given samples are looked
-    at.
+    For what is possible with some load, and with an internal wrench a sample, only the given samples are looked at.
 
     Returns:
         A result without a c², of the motion with the samples that were added, the limits along it, and what was found
         between the samples; None if that was not looked at.
 
     Raises:
-        InputError: If an argument breaks a rule.
-        MotionError: If the arms cannot hold the object between the samples.
-        SolverError: If no solver answers.
+        InputError, MotionError, SolverError: As `scale`.
     """
     sharing, tolerance = options.sharing, options.between
     rows = motion_rows(cell, motion, sharing, options.formulation)
@@ -294,8 +287,7 @@ def choose_c2(
 ) -> float:
     """Step 3.1 of MMTSF: choose c² in an admissible range.
 
-    Args:
-        conflict: What forbids a c²; only asked of one below the range where a sample admits several intervals.
+    `conflict` tells what forbids a c²: asked of one below the range where a sample admits several intervals.
 
     Raises:
         SelectionError: If the value is not admissible, not finite, or not above 0.
@@ -377,12 +369,9 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
 def with_torques(
     result: ScalingResult, given: tuple[Array, Array] | None = None, rows: MotionRows | None = None
 ) -> ScalingResult:
-    """A result with the torques of its options at its c², and with what is to be said of them.
+    """A result with the torques of its options at its c², if it has one, and with what is to be said of them.
 
-    Args:
-        result: Any result, whose cell has the load that is carried; without a c² it stays as it is.
-        given: Torques and wrenches that were distributed already, Shape (N, m) and (N, n w).
-        rows: From `motion_rows`, where they are at hand; None puts them together.
+    Torques and wrenches may be `given`, Shape (N, m) and (N, n w), and the rows from `motion_rows`.
 
     Raises:
         SolverError: If no solver answers, or the torques overstep a limit.

@@ -10,7 +10,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
-from mrts.cell.motors.joint_duty import JointDuty, joint_duty
+from mrts.cell.motors import JointDuty, joint_duty
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.cell_limits import torque_limits
 from mrts.program.motor_terms import motor_terms

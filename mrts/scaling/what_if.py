@@ -265,11 +265,8 @@ def ask_changes(
 ) -> WhatIf:
     """Change every number of a cell, one at a time up and down, and ask again.
 
-    Arms whose base or grasp is moved follow the same motion of the object again, from the same postures.
-
-    Args:
-        answer: The answer of a cell and its motion, changed or, where the last is None, as it is; the last is that as
-            it is. May raise what solvers raise.
+    Arms whose base or grasp is moved follow the same motion of the object again, from the same postures. `answer` is
+    that of a cell and its motion and, but for the cell as it is, the answer of that; it may raise what solvers raise.
     """
     follows, motion = following_again(cell, motion)
     before = answer(cell, motion, None)

@@ -37,6 +37,12 @@ def name_place(cell: Cell, robot: Robot) -> Array:
     return base.p + base.R @ robot.points[0] if shares_base(cell, robot) else base.p
 
 
+def perpendicular(direction: Array) -> Array:
+    """A unit vector at right angles to a direction, Shape (3,)."""
+    across = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+    return np.asarray(across / np.linalg.norm(across))
+
+
 def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
     """What takes each body of the arm from where it is in base axes with every joint at zero to the world.
 

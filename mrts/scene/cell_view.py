@@ -8,7 +8,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
-from mrts.scene.cell_shapes import joint_points
+from mrts.scene.cell_shapes import joint_points, perpendicular
 from mrts.scene.held_body import held_body
 
 FIELD_OF_VIEW = np.deg2rad(45.0)
@@ -60,6 +60,12 @@ class CellView:
     floor: Array
     size: float
 
+    @property
+    def level(self) -> Array:
+        """Axes of the floor, the third one upward, as columns of Shape (3, 3)."""
+        across = perpendicular(self.up)
+        return np.stack([across, np.cross(self.up, across), self.up], axis=1)
+
     def camera(self, aspect: float = 1.0, direction: Array | None = None) -> Camera:
         """The nearest camera that has all points in its picture.
 
@@ -76,7 +82,7 @@ class CellView:
         back = back / np.linalg.norm(back)
         right = np.cross(self.up, back)
         if np.linalg.norm(right) < STEEPEST:
-            right = np.cross(self.up, np.eye(3)[np.argmin(np.abs(self.up))])  # from right above any level axis will do
+            right = perpendicular(self.up)  # from right above any level axis will do
             back = np.sign(back @ self.up) * self.up
         right /= np.linalg.norm(right)
         axes = np.stack([right, np.cross(back, right), -back])
@@ -139,8 +145,6 @@ def _widest_level_axis(points: Array, up: Array) -> Array:
     axis = np.linalg.eigh(level.T @ level)[1][:, -1]
     axis = axis - axis @ up * up
     length = float(np.linalg.norm(axis))
-    if length < 0.5:  # noqa: PLR2004 (all points on one upright line: any level axis will do)
-        axis = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
-        length = float(np.linalg.norm(axis))
-    axis = axis / length
+    # with all points on one upright line any level axis will do
+    axis = axis / length if length > 0.5 else perpendicular(up)  # noqa: PLR2004
     return np.asarray(axis * np.sign(axis[np.argmax(np.abs(axis))]))

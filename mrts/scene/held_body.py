@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, unpacked_surface
 from mrts.cell.cell import Cell
-from mrts.scene.cell_shapes import object_box
+from mrts.scene.cell_shapes import object_box, perpendicular
 
 CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
 """Of a box with sides of 1."""
@@ -93,10 +93,8 @@ def _narrowed(half: Array, contacts: Array) -> Array:
 
 
 def _bar(start: Array, end: Array, half_width: float) -> HeldBody:
-    """A square bar from a point to another, which differ."""
     along = (end - start) / np.linalg.norm(end - start)
-    across = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
-    across = across / np.linalg.norm(across)
+    across = perpendicular(along)
     axes = np.stack([2 * half_width * across, 2 * half_width * np.cross(along, across), end - start])
     return HeldBody((start + end) / 2 + CORNERS @ axes, TRIANGLES)
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, cross
 from mrts.base.rigid_transform import PLANE_TOLERANCE, plane_normal
@@ -72,11 +71,6 @@ class Arm:
                 return direction
         return np.array([0.0, 0.0, 1.0])
 
-    @cached_property
-    def turns(self) -> NDArray[np.bool_]:
-        """Which joints turn, Shape (n,)."""
-        return np.array([kind == "revolute" for kind in self.robot.joint_types])
-
     def at(self, q: Array) -> ArmState:
         """The arm at joint positions, Shape (N, n) [rad or m]."""
         R, p = body_poses(self.robot, q)
@@ -84,7 +78,7 @@ class Arm:
         points = np.einsum("nkij,kj->nki", R[:, :-1], self.robot.points) + p[:, :-1]
         com = np.einsum("nkij,kj->nki", R[:, 1:], self.com) + p[:, 1:]
         tip = p[:, -1] + R[:, -1] @ self.robot.T_base_tip.p
-        turns = self.turns[:, None]
+        turns = self.robot.turns[:, None]
         linear = np.where(turns, cross(axes, tip[:, None] - points), axes)
         angular = np.where(turns, axes, 0.0)
         jacobian = np.concatenate([linear, angular], axis=2).transpose(0, 2, 1)
@@ -100,7 +94,7 @@ class Arm:
         moments = np.cumsum((mass[:, None] * state.com)[:, ::-1], axis=1)[:, ::-1]  # Σ m c of all behind a joint
         arms = moments - held[:, None] * state.points
         own = np.where(
-            self.turns,
+            self.robot.turns,
             np.einsum("nki,nki->nk", state.axes, cross(arms, np.broadcast_to(gravity, arms.shape))),
             (state.axes @ gravity) * held,
         )

@@ -16,7 +16,6 @@ from mrts.starting.proposal import Proposal
 from mrts.starting.request import ArmRequest
 
 COMMENT_AT = 50
-"""Column of the comments behind short values."""
 
 
 def cell_file(proposal: Proposal) -> str:

@@ -12,7 +12,6 @@ from mrts.base.rigid_transform import vectors_from_rotations
 from mrts.starting.arm import Arm, ArmState
 
 SAMPLES = 4000
-"""Random postures of an arm that are looked at."""
 
 SETTLED_SAMPLES = 600
 """Of these, the ones whose hands stand nearest to a wanted direction are moved to it."""
@@ -22,7 +21,6 @@ SEED = 19
 SETTLING_STEPS = 40
 LIFTING_STEPS = 8
 LIFT_SAMPLES = 5
-"""Places along the lift that are looked at."""
 
 LONGEST_STEP = 0.3
 """Of a joint in one step [rad or m]."""
@@ -40,7 +38,6 @@ FREE_TURN = np.pi
 """A joint without limits, or with wider ones, is drawn from this far to either side of its middle [rad]."""
 
 FREE_SLIDE = 0.5
-"""Likewise of one that slides [m]."""
 
 EASY_MARGIN, EASY_CONDITION = 0.25, 0.15
 """Share of a joint's range to its limit, and inverse condition number, beyond which more is hardly worth anything."""
@@ -150,13 +147,13 @@ def _error(state: ArmState, R: Array, p: Array) -> Array:
 
 def _unwound(arm: Arm, q: Array) -> Array:
     """The same positions of turning joints, as near to the middle as whole turns bring them."""
-    turns = arm.turns
+    turns = arm.robot.turns
     middle = arm.middle()
     return np.asarray(np.where(turns, middle + (q - middle + np.pi) % (2 * np.pi) - np.pi, q), dtype=np.float64)
 
 
 def _half_range(arm: Arm) -> Array:
-    free = np.where(arm.turns, FREE_TURN, FREE_SLIDE)
+    free = np.where(arm.robot.turns, FREE_TURN, FREE_SLIDE)
     span = arm.robot.position_upper - arm.robot.position_lower
     half: Array = np.minimum(np.where(np.isfinite(span), span / 2, free), free)
     return half

@@ -28,10 +28,8 @@ LOADS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 """Shares of the load that are tried, until the motors bear it."""
 
 LIFTS = (1.0, 0.5, 0.25)
-"""Shares of the lift that are tried."""
 
 TRIED_LAYOUTS = 4
-"""With each load."""
 
 FIRST_DURATION = 2.0
 """[s]; then the one in which the motion may be played about twice as fast as given."""
@@ -52,7 +50,6 @@ WEAKEST, WEAKEST_SHARE = 1.0, 0.1
 """Least torque that is assumed [N m or N], and as a share of the largest of its arm: a wrist turns the load."""
 
 DIGITS = 6
-"""Decimals of postures, which are those at which the motion starts."""
 
 Tell = Callable[[int, int, str], None]
 """To be told which of how many tries it is, and what is tried."""

@@ -28,7 +28,6 @@ SPATIAL_JOINTS = 6
 """What holding an object takes in space; in a plane `FEWEST_JOINTS`."""
 
 MOST_HANDS = 2
-"""Of a URDF that are taken without asking."""
 
 MOST_STEPS_UP = 3
 """Folders that a relative path may climb; a URDF farther away is named by its whole path."""
@@ -40,7 +39,6 @@ STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
 """World axes [m/s²]."""
 
 ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
-"""Whose values they are, for messages."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,10 +201,9 @@ def _posture(posture: Array, chain: Robot, *, degrees: bool) -> Array:
     if len(posture) != len(chain.joints):
         rule = f"must have {len(chain.joints)} values, one for each of {', '.join(chain.joints)}."
         raise InputError(POSTURE, rule, value=posture.tolist())
-    turns = np.array([kind == "revolute" for kind in chain.joint_types])
     if degrees:
-        posture = np.where(turns, np.radians(posture), posture)
-    elif np.any(np.abs(posture[turns]) > DEGREES_SUSPECTED):
+        posture = np.where(chain.turns, np.radians(posture), posture)
+    elif np.any(np.abs(posture[chain.turns]) > DEGREES_SUSPECTED):
         rule = "is more than two turns: these seem to be degrees. Say --degrees, or give radians."
         raise InputError(POSTURE, rule, value=posture.tolist())
     for name, position, lower, upper in zip(

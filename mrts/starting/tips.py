@@ -11,10 +11,8 @@ FEWEST_JOINTS = 3
 """Of a chain that may be an arm: a planar one."""
 
 SIDES = {"left": ("left", "l"), "right": ("right", "r")}
-"""Words that say which arm it is."""
 
 LEGS = frozenset({"foot", "feet", "sole", "ankle", "leg", "toe", "hip", "knee", "wheel", "thigh", "calf"})
-"""Words in names of joints and links of a chain that is no arm."""
 
 NEVER = frozenset({
     "finger", "fingertip", "thumb", "index", "middle", "ring", "pinky", "little", "knuckle", "jaw", "mover",

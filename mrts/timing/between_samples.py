@@ -18,9 +18,9 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import rate_names
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import motion_ranges
 from mrts.program.search import COARSE
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.trajectory_programs import motion_ranges
 from mrts.program.widening import motion_widening
 from mrts.timing.path_pieces import PLACES, with_samples
 from mrts.timing.result import RetimingResult

@@ -16,7 +16,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import RowName, rows_text
 from mrts.program.infeasibility import Conflict, find_conflicts
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_problem import OF_ROWS, SampleProblem, build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
@@ -310,25 +310,13 @@ def segment_conflict(
     if problem.speed is not None:
         return _at_pairs(problem, time, sample, step, reach, x)
     here, there = problem.at(np.array([sample])), problem.at(np.array([sample + 1]))
-    rows, unknowns = problem.A.shape[1:]
-    free = unknowns - 2
-    A = np.zeros((1, 2 * rows, 2 * free + 2))
-    A[0, :rows, :free], A[0, :rows, -2:] = here.A[0, :, :free], here.A[0, :, -2:]
-    A[0, rows:, free:-2], A[0, rows:, -1] = there.A[0, :, :free], there.square[0]
-    A[0, rows:, -2] = there.rate[0] + 2 * step * there.square[0]
-    nothing = {"torque_map": np.zeros((1, 0, 2 * free + 2)), "torque_offset": np.zeros((1, 0))}
-    nothing |= {"wrench_map": nothing["torque_map"], "wrench_offset": nothing["torque_offset"]}
-    both = SampleProblem(
-        **nothing,
-        names=(*problem.names, *problem.names),
-        unit=np.tile(problem.unit, 2),
-        is_limit=np.tile(problem.is_limit, 2),
-        is_cap=np.zeros(2 * rows, dtype=bool),  # at the end of the segment u moves them, too
-        A=A,
-        lower=np.concatenate([here.lower, there.lower], axis=1),
-        upper=np.concatenate([here.upper, there.upper], axis=1),
-        limit_lower=np.tile(problem.limit_lower, 2),
-        limit_upper=np.tile(problem.limit_upper, 2),
+    free = problem.unknowns - 2
+    none = np.zeros((1, problem.A.shape[1], free))
+    of_end = np.stack([there.rate + 2 * step * there.square, there.square], axis=2)  # there x is that of here + 2 h u
+    both = replace(here, A=np.concatenate([here.A[:, :, :free], none, here.A[:, :, -2:]], axis=2)).with_rows(
+        problem.names,
+        A=np.concatenate([none, there.A[:, :, :free], of_end], axis=2),
+        **{name: getattr(there, name) for name in (*OF_ROWS, "lower", "upper")},
     )
     column = np.zeros(2 * free + 2)
     column[-1] = 1.0

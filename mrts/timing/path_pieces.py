@@ -216,7 +216,9 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
     path, continued = piece.path, piece.continued
     some = path.at(np.concatenate([[0], continued, [-1]]))  # two samples at least
     dq, ddq = path.dq.copy(), path.ddq.copy()
-    dq[continued], ddq[continued] = (rates[1:-1] for rates in nearest_rates(cell, some.object, some))
+    dq[continued], ddq[continued] = (
+        rates[1:-1] for rates in nearest_rates(cell, some.object, some.q, some.dq, some.ddq)
+    )
     return replace(piece, path=unchecked_coordinated_motion(path.object, path.q, dq, ddq, path.travel))
 
 

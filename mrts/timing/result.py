@@ -24,11 +24,11 @@ from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
+from mrts.program.sample_ranges import motion_ranges
 from mrts.program.smooth_program import Goal
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
-from mrts.program.trajectory_programs import motion_ranges
 from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.options import Options
 from mrts.scaling.result import Result, ScalingResult, check_own_limits, kept_text

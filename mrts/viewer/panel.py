@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""What a player says of its state, as HTML: outcome, speed, time, and bars against the limits."""
+"""What the panel says of an answer, as HTML: outcome, speed, time, and bars against the limits."""
 
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
+from math import inf
 from types import MappingProxyType
 
 import numpy as np
+import viser
 
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
@@ -13,9 +15,10 @@ from mrts.base.printable import html_text
 from mrts.cell.cell import Cell
 from mrts.limits.rows import ActiveRow
 from mrts.program.range_status import RangeStatus
-from mrts.scene.scene import Rgb
+from mrts.scene.scene import FORCE, MOMENT, Rgb
+from mrts.viewer.held_poses import HeldPoses
 from mrts.viewer.player_state import Bar, PlayerState
-from mrts.viewer.workbench.held_poses import HeldPoses
+from mrts.viewer.scene import ViewerScene
 
 WITHIN, OVER, PASSED = "#0072B2", "var(--mrts-over)", "#B36B00"
 """Colours of a value within its limit, beyond it, and beyond a limit that is only reported."""
@@ -79,16 +82,16 @@ def held_html(held: HeldPoses) -> str:
     lost = [
         f"{html_text(robot.name)}{'' if stands else f' at {np.count_nonzero(~reached)} of {len(reached)} samples'}, "
         f"by up to {1000 * float(np.max(gap)):.3g} mm"
-        for robot, reached, gap in zip(held.cell.robots, held.reached.T, held.gap.T, strict=True)
+        for robot, reached, gap in zip(held.scene.cell.robots, held.reached.T, held.gap.T, strict=True)
         if not np.all(reached)
     ]
     missing = f" Red in the scene is what is missing: {'; '.join(lost)}." if lost else ""
     if held.message:
         return _paragraph("outcome", f"<b>No motion:</b> {html_text(held.message)}{missing}", OVER)
-    arms = ", ".join(f"{html_text(robot.name)} ({len(robot.joints)} joints)" for robot in held.cell.robots)
+    arms = ", ".join(f"{html_text(robot.name)} ({len(robot.joints)} joints)" for robot in held.scene.cell.robots)
     text = (
-        f"{html_text(held.cell.name)} stands where {html_text(held.cell.robots[0].name)} holds the object "
-        f"({held.cell.mass:.4g} kg) at its posture: {arms}. No motion was given: mrts view CELL MOTION plays one."
+        f"{html_text(held.scene.cell.name)} stands where {html_text(held.scene.cell.robots[0].name)} holds the object "
+        f"({held.scene.cell.mass:.4g} kg) at its posture: {arms}. No motion was given: mrts view CELL MOTION plays one."
     )
     return _paragraph("outcome", text + missing, OVER if lost else "inherit")
 
@@ -114,7 +117,8 @@ def speed_html(state: PlayerState | None) -> str:
         return _paragraph("speed", "")
     done, samples = state.trajectory, len(state.excess)
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
-    if fast := state.joints_beyond_velocity():
+    passed = state.violations()
+    if fast := sum(name.kind == "velocity" and name.robot != "object" for name, _, _ in passed):
         text += f"{fast} of {done.q.shape[1]} joints beyond their velocity limit. "
     if state.admissible:
         return _paragraph("speed", f"{text}Inside the admissible range.")
@@ -124,9 +128,9 @@ def speed_html(state: PlayerState | None) -> str:
         load = ", though the load shown keeps all limits" if state.result.load is not None else ""
         return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
     text += f"{over} of {samples} samples beyond a limit (red): "
-    passed = state.violations()
     text += "; ".join(
-        f"{html_text(one.name.short)} by {_percent(one.excess)} at {one.time:.3g} s" for one in passed[:MOST_NAMED]
+        f"{html_text(name.short)} by {_number(100 * excess)} % at {time:.3g} s"
+        for name, excess, time in passed[:MOST_NAMED]
     )
     text += f"; and {len(passed) - MOST_NAMED} more. " if len(passed) > MOST_NAMED else ". "
     if state.result.options.sharing is not None or len(state.result.cell.robots) == 1:
@@ -160,30 +164,6 @@ def moment_html(state: PlayerState | None) -> str:
     return _paragraph("moment", f"{text}.")
 
 
-def arrows_html(force: Rgb, newtons: float, moment: Rgb, newton_metres: float) -> str:
-    """What the arrows mean: colours, 0 to 255, and what a metre of each is."""
-    text = (
-        f'<b style="color:rgb{force}">force</b>: 1 m of arrow is {newtons:.4g} N, '
-        f'<b style="color:rgb{moment}">moment</b>: 1 m of arrow is {newton_metres:.4g} N m'
-    )
-    return _paragraph("arrows", text)
-
-
-def note_html(text: str) -> str:
-    """A remark."""
-    return _paragraph("note", html_text(text))
-
-
-def saved_html(text: str) -> str:
-    """What was saved."""
-    return _paragraph("saved", html_text(text))
-
-
-def error_html(text: str) -> str:
-    """Why the last wish was not granted."""
-    return _paragraph("error", html_text(text), OVER)
-
-
 def bars_html(
     kind: str, groups: dict[str, list[Bar]], colours: Mapping[str, Rgb] = MappingProxyType({}), *, kept: bool = True
 ) -> str:
@@ -198,27 +178,18 @@ def bars_html(
 
 def _table(rows: Sequence[str], widths: Sequence[int] = BAR_COLUMNS) -> str:
     columns = "".join(f'<col style="width:{width}%">' for width in widths)
-    return (
-        '<table data-bars style="width:100%;border-spacing:0;font-size:11px;'
-        'line-height:14px;table-layout:fixed">'
-        f"<colgroup>{columns}</colgroup>{''.join(rows)}</table>"
-    )
+    return f"<table data-bars><colgroup>{columns}</colgroup>{''.join(rows)}</table>"
 
 
 def _robot_row(robot: str, colours: Mapping[str, Rgb], *columns: str) -> str:
     mark = f'<span style="color:rgb{colours[robot]}">■</span> ' if robot in colours else ""
-    cells = "".join(f'<td style="padding-top:2px">{column}</td>' for column in columns)
-    span = 3 - len(columns)
-    return f'<tr><td colspan="{span}" style="padding-top:2px">{mark}<b>{html_text(robot)}</b></td>{cells}</tr>'
+    cells = "".join(f"<td>{column}</td>" for column in columns)
+    return f'<tr class="robot"><td colspan="{3 - len(columns)}">{mark}<b>{html_text(robot)}</b></td>{cells}</tr>'
 
 
 def _limit_row(robot: str, name: str, *values: str) -> str:
     cells = "".join(f"<td>{html_text(value)}</td>" for value in values)
     return f'<tr data-limit="{html_text(f"{robot}/{name}")}"><td>{html_text(name)}</td>{cells}</tr>'
-
-
-def _percent(share: float) -> str:
-    return f"{_number(100 * share)} %"
 
 
 def _rows(rows: Sequence[ActiveRow], loads: Sequence[LoadPoint] | None, sample: int) -> str:
@@ -231,17 +202,14 @@ def _bar_row(kind: str, robot: str, bar: Bar, over: str) -> str:
     colour = over if bar.over else WITHIN
     share = 0.0 if bar.share is None else float(np.clip(bar.share, -FULL, FULL))
     left, width = 50 + min(share, 0) * 100 * SPLIT, abs(share) * 100 * SPLIT
-    place = f"position:absolute;top:2px;bottom:2px;left:{left:.2f}%;width:{width:.2f}%"
-    drawn = f'<div style="{place};background:{colour}"></div>'
+    drawn = f'<div class="value" style="left:{left:.2f}%;width:{width:.2f}%;background:{colour}"></div>'
     marks = [50.0] if bar.share is None else [50 - 100 * SPLIT, 50.0, 50 + 100 * SPLIT]
-    line = "position:absolute;top:0;height:100%;width:1px"
-    drawn += "".join(f'<div class="limit" style="{line};left:{at:.1f}%"></div>' for at in marks)
-    weight = f";color:{over};font-weight:bold" if bar.over else ""
+    drawn += "".join(f'<div class="limit" style="left:{at:.1f}%"></div>' for at in marks)
+    weight = f"color:{over};font-weight:bold" if bar.over else ""
     return (
         f'<tr data-bar="{kind} {html_text(f"{robot}/{bar.name}")}" data-over="{str(bar.over).lower()}">'
-        f"<td>{html_text(bar.name)}</td>"
-        f'<td><div class="track" style="position:relative;height:12px">{drawn}</div></td>'
-        f'<td style="text-align:right{weight}">{_value(bar)}</td></tr>'
+        f'<td>{html_text(bar.name)}</td><td><div class="track">{drawn}</div></td>'
+        f'<td style="{weight}">{_value(bar)}</td></tr>'
     )
 
 
@@ -259,6 +227,51 @@ def _number(value: float) -> str:
     return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"  # noqa: PLR2004 (no powers of ten)
 
 
-def _paragraph(name: str, text: str, colour: str = "inherit") -> str:
-    style = f"font-size:12px;line-height:16px;padding:0 9px;color:{colour}"
-    return f'<div data-text="{name}" style="{style}">{text}</div>'
+def text_html(kind: str, text: str) -> str:
+    """A text of the panel, such as a "note", what was "saved", or an "error"."""
+    return _paragraph(kind, html_text(text), OVER if kind == "error" else "inherit")
+
+
+def _paragraph(kind: str, text: str, colour: str = "inherit") -> str:
+    return f'<div data-text="{kind}" style="color:{colour}">{text}</div>'
+
+
+class Readings:
+    """Bars of the moment that is shown, under the limits that are nearest all along the motion."""
+
+    def __init__(self, gui: viser.GuiApi, scene: ViewerScene) -> None:
+        self._scene = scene
+        with gui.add_folder("Nearest limits, at most"):
+            self._nearest = gui.add_html("")
+        with gui.add_folder("Joint torques"):
+            self._torques = gui.add_html("")
+        with gui.add_folder("Contact wrenches on the object, base axes"):
+            self._wrenches, self._arrows = gui.add_html(""), gui.add_html("")
+        with gui.add_folder("Joint velocities", expand_by_default=False):
+            self._velocities = gui.add_html("")
+
+    def show_answer(self, state: PlayerState | None) -> None:
+        """Show the limits that are nearest, and say what the arrows mean; None empties all."""
+        nearest, arrows = "", ""
+        if state is None:
+            self._torques.content = self._wrenches.content = self._velocities.content = ""
+        else:
+            bars = [Bar(one.label, 100 * one.share, -inf, 100.0, "%") for one in state.card.bars]
+            nearest = bars_html("nearest", {"": bars} if bars else {})
+            newtons, newton_metres = 1 / self._scene.metres_per_newton, 1 / self._scene.metres_per_newton_metre
+            arrows = (
+                f'<b style="color:rgb{FORCE}">force</b>: 1 m of arrow is {newtons:.4g} N, '
+                f'<b style="color:rgb{MOMENT}">moment</b>: 1 m of arrow is {newton_metres:.4g} N m'
+            )
+        self._nearest.content, self._arrows.content = nearest, _paragraph("arrows", arrows)
+
+    def show_moment(self, state: PlayerState) -> None:
+        """Show the numbers at the chosen sample."""
+        colours, bars = self._scene.colours, state.bars()
+        self._torques.content = bars_html("torque", bars.pop("torque"), colours)
+        self._wrenches.content = bars_html("wrench", bars.pop("wrench"), colours)
+        velocities = {robot: of for robot, of in bars.pop("velocity").items() if robot != "object"}
+        kept = state.result.cell.enforces_velocity_limits
+        self._velocities.content = bars_html("velocity", velocities, colours, kept=kept) + "".join(
+            bars_html(kind, of_kind, colours) for kind, of_kind in bars.items()
+        )

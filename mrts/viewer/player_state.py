@@ -1,42 +1,110 @@
 # SPDX-License-Identifier: MIT
-"""What a player of a motion shows: the chosen speed and time, and all that follows from them."""
+"""A motion that is played at a chosen speed, admissible or not: speeds on offer, torques, and all limits."""
 
 import re
 from copy import copy
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import ceil, floor, isfinite, log10, sqrt
 from typing import Any, Literal
 
 import numpy as np
 
-from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
-from mrts.following.grasp_closure import ClosureBound
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import all_rows, limit_rows
 from mrts.limits.rows import RowName
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.plots.card import Card, answer_card
-from mrts.program.excess import BETWEEN
-from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import Rates
-from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.reserve import reserved
+from mrts.program.sample_problem import SampleProblem
+from mrts.program.torque_distribution import torque_weights, torques_by_blocks
+from mrts.program.widening import widening_at
+from mrts.scaling.options import Options
+from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, conflict_at, distributed_torques, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.scene import DecidingLimit, Scene, deciding_limit
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime
-from mrts.viewer.offered_speeds import OF_TIMINGS, Speeds, offered_speeds
-from mrts.viewer.widened_limits import widened_torques
+
+BEYOND = 1.2
+"""Speeds are offered up to this factor beyond an end of the range, so that one sees what forbids them."""
+
+FASTEST_INFEASIBLE, FASTEST_UNBOUNDED = 2.0, 3.0
+"""Largest offered c where no end gives one."""
+
+SLOWEST = 0.02
+"""Least offered c, as a share of the largest, where the cell may stand still."""
+
+STEPS = 400
+"""Least number of speeds on offer."""
+
+INTERIOR = 1e-6
+"""A widened limit is widened by this share more: at the least widening the feasible set is a point."""
 
 DIRECTION = re.compile(r" ([+-][ab]?|[ab]|\d+)$")
 """The end of a contact's row that tells it from others of its kind: `+a` of "pad friction +a"."""
 
 Profile = Literal["constant", "optimal", "smooth"]
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """The speeds that are offered.
+
+    Attributes:
+        ends: c² of "c⁻" and "c⁺", as far as they are finite and > 0.
+        lower: Least c on offer.
+        upper: Largest.
+        step: Between neighbours, a power of ten; `lower` and `upper` are multiples of it.
+        start: First choice.
+    """
+
+    ends: dict[str, float]
+    lower: float
+    upper: float
+    step: float
+    start: float
+
+    @property
+    def digits(self) -> int:
+        """Decimal places that tell neighbours apart."""
+        return max(0, -round(log10(self.step)))
+
+    def c2(self, c: float) -> float:
+        """The c² that a c on offer stands for: the exact end where the end lies within half a step."""
+        near = [c2 for c2 in self.ends.values() if abs(sqrt(c2) - c) <= self.step / 2]
+        return near[-1] if near else c * c
+
+
+def offered_speeds(found: ScalingRange) -> Speeds:
+    """Speeds to slightly beyond both ends of a range of c²; without an admissible one c = 1 is the first choice."""
+    both = [end.c2 for end in (found.lower, found.upper) if end is not None]
+    ends = {name: c2 for name, c2 in zip(("c⁻", "c⁺"), both, strict=False) if isfinite(c2) and c2 > 0}
+    of_ends = [sqrt(c2) for c2 in ends.values()]
+    least = both[0] if both and not found.samples.several else 0.0
+    moves = found.status.admits_motion and both[1] > 0
+    if moves and isfinite(both[1]):
+        start = upper = sqrt(both[1])
+        upper *= BEYOND
+    else:
+        start = max(1.0, sqrt(both[0])) if moves else 1.0
+        upper = FASTEST_UNBOUNDED if moves else FASTEST_INFEASIBLE
+        upper = max([upper, *(BEYOND * c for c in of_ends)])
+    lower = min([start, *of_ends]) / BEYOND if least > 0 else SLOWEST * upper
+    power = floor(log10((upper - lower) / STEPS))
+    step = 10.0**power
+    lower, upper = (round(count * step, -power) for count in (max(floor(lower / step), 1), ceil(upper / step)))
+    return Speeds(ends, lower, upper, step, start)
+
+
+OF_TIMINGS = Speeds(ends={"r(t)": 1.0}, lower=0.1, upper=BEYOND, step=1e-3, start=1.0)
+"""Speeds of a timing that was found: shares of its own."""
 
 
 @dataclass(frozen=True)
@@ -71,34 +139,15 @@ class Bar:
         return max(self.lower - self.value, self.value - self.upper) > LIMIT_TOLERANCE * size
 
 
-@dataclass(frozen=True)
-class Violation:
-    """A limit that is passed.
-
-    Attributes:
-        name: Of the limit.
-        excess: Beyond it at most, as a share of it.
-        time: When that is, at the chosen speed [s].
-    """
-
-    name: RowName
-    excess: float
-    time: float
-
-
 class PlayerState:
     """A motion at a chosen speed, at a chosen time: at first the fastest admissible one, or c = 1 if there is none.
 
     Args:
         cell: The cell.
         motion: As given.
-        sharing: A fixed distribution of the load; None leaves it to the quadratic program.
-        solver: Name in the registry.
-        closure: As in `mrts.scale`.
         profile: One factor of speed, the fastest timing, or a smooth one.
         rates: Of the smooth profile, as in `mrts.retime`.
-        between: As in `mrts.scale`.
-        progress: Told how far the work on an uncertain load is.
+        **asked: Options of `mrts.scale` and `mrts.retime` alike.
 
     Attributes:
         result: The range, or of a timing what is played, whose c² = 1 is the timing itself.
@@ -108,15 +157,16 @@ class PlayerState:
         trajectory: The motion at the chosen speed.
         excess: Share by which a limit is overstepped at most at each sample, 0 for rounding, Shape (N,).
         sample: Index of the chosen time.
-        is_saved: Whether it is that of a saved result.
 
     Raises:
         MrtsError: As `mrts.scale`; an infeasible motion is no error.
     """
 
+    timing: RetimingResult | None = None
+    refusal: str = ""
+    profile: Profile = "constant"
+    sample: int = 0
     result: ScalingResult
-    timing: RetimingResult | None
-    refusal: str
     speeds: Speeds
     trajectory: ScaledTrajectory
     excess: Array
@@ -126,32 +176,28 @@ class PlayerState:
         cell: Cell,
         motion: ObjectMotion | JointTable,
         *,
-        sharing: LoadSharing | None = None,
-        closure: ClosureBound | None = None,
-        solver: str = DEFAULT_SOLVER,
         profile: Profile = "constant",
         rates: Rates = False,
-        between: float | None = BETWEEN,
-        progress: Progress = lambda _done, _total: None,
+        **asked: Any,
     ) -> None:
-        self.sample, self.profile = 0, profile
-        self.timing, self.refusal, self.is_saved = None, "", False
-        asked: dict[str, Any] = {"sharing": sharing, "closure": closure, "between": between, "progress": progress}
+        self.profile = profile
         if profile == "constant":
-            self.result = _scaled(cell, motion, solver, asked)
-            self.speeds = offered_speeds(self.result.range)
+            try:
+                self.result = scale(cell, motion, **asked)
+            except SelectionError as error:  # it can only hold still, or c = 1 is too slow where nothing is too fast
+                if error.result is None:
+                    raise
+                self.result = error.result
         else:
             found = retime(cell, motion, rates=rates if profile == "smooth" else False, **asked)
-            self._take_timing(found)
+            self.result = found.retimed or found.factor
+            if found.retimed is None:
+                self.refusal = found.sentence()
+            else:
+                self.timing = found
+                found.factor, found.retimed.range.samples  # noqa: B018 (found here, not by whoever shows them)
+        self.speeds = OF_TIMINGS if self.timing is not None else offered_speeds(self.result.range)
         self._play(self.speeds.c2(self.speeds.start))
-
-    def _take_timing(self, found: RetimingResult) -> None:
-        if found.retimed is None:
-            self.refusal, self.result = found.sentence(), found.factor
-            self.speeds = offered_speeds(self.result.range)
-        else:
-            self.timing, self.result, self.speeds = found, found.retimed, OF_TIMINGS
-            found.factor, found.retimed.range.samples  # noqa: B018 (found here, not by whoever shows them)
 
     @classmethod
     def saved(cls, result: ScalingResult) -> "PlayerState":
@@ -159,7 +205,6 @@ class PlayerState:
         done = result.trajectory
         assert done is not None  # noqa: S101 (what is shown has one)
         state = cls.__new__(cls)
-        state.sample, state.profile, state.timing, state.refusal, state.is_saved = 0, "constant", None, "", True
         state.result, state.speeds = result, Speeds({}, done.c, done.c, 1.0, done.c)
         state._take(done)  # noqa: SLF001 (its own)
         return state
@@ -193,10 +238,9 @@ class PlayerState:
         return self.refusal or found.sentence()
 
     def at_speed(self, c: float) -> "PlayerState":
-        """The same outcome played at another speed: torques are distributed anew; this state stays as it is.
+        """The same outcome played at another speed; this state stays as it is.
 
         Raises:
-            InputError: As `choose_speed`.
             SolverError: If no solver answers.
         """
         other = copy(self)
@@ -215,28 +259,13 @@ class PlayerState:
             return True
         return self._admits(self.trajectory.c2)
 
-    def choose_time(self, time: float) -> None:
-        """Go to the sample nearest to a time at the chosen speed [s]."""
-        self.sample = int(np.argmin(np.abs(self.trajectory.time - time)))
-
     def choose_speed(self, c: float) -> None:
-        """Play at another speed: torques are distributed anew.
-
-        Args:
-            c: Factor of speed; one within half a step of an end of the range is that end.
+        """Play at another speed, a factor > 0: one within half a step of an end of the range is that end.
 
         Raises:
-            InputError: Unless it is finite, > 0, and at least a thousandth of the least on offer; if the state is that
-                of a saved result, and has another speed.
             SolverError: If no solver answers.
         """
-        if self.is_saved and c != self.trajectory.c:
-            raise InputError("c", "a saved result is played as it was saved: view the cell and its motion.", value=c)
-        least = 1e-3 * self.speeds.lower  # far below, c² and what is divided by it leave the range of numbers
-        if not (isfinite(c) and c >= least):
-            raise InputError("c", f"must be finite and >= {least:.3g}.", value=c)
-        if not self.is_saved:
-            self._play(self.speeds.c2(c))
+        self._play(self.speeds.c2(c))
 
     def bars(self) -> dict[str, dict[str, list[Bar]]]:
         """What is limited at the chosen time, by kind and robot; of what a hand holds, the worst direction in %."""
@@ -255,23 +284,13 @@ class PlayerState:
             found["contact"][robot].append(Bar(what, 100 * share, -np.inf, 100.0, "%"))
         return found
 
-    def violations(self) -> list[Violation]:
-        """Limits that are passed at some sample, the worst first."""
-        worst, samples = np.max(self._beyond, axis=0), np.argmax(self._beyond, axis=0)
-        found = [
-            Violation(name, float(share), float(self.trajectory.time[sample]))
-            for name, share, sample in zip(self._rows.names, worst, samples, strict=True)
-            if share > LIMIT_TOLERANCE
-        ]
-        return sorted(found, key=lambda one: -one.excess)
-
-    def joints_beyond_velocity(self) -> int:
-        """How many joints pass their velocity limit at some time."""
-        rows = [name.kind == "velocity" and name.robot != "object" for name in self._rows.names]
-        return int(np.count_nonzero(np.any(self._beyond[:, rows] > LIMIT_TOLERANCE, axis=0)))
+    def violations(self) -> list[tuple[RowName, float, float]]:
+        """Limits that are passed at some sample, the worst first: by which share at most, and when [s]."""
+        worst, times = np.max(self._beyond, axis=0), self.trajectory.time[np.argmax(self._beyond, axis=0)]
+        found = zip(self._rows.names, worst.tolist(), times.tolist(), strict=True)
+        return sorted((one for one in found if one[1] > LIMIT_TOLERANCE), key=lambda one: -one[1])
 
     def _admits(self, c2: float) -> bool:
-        """Whether a c² is in the range, or in a lower interval."""
         result = self.result
         found = result.range
         if found.lower is None or not found.status.admits_motion or c2 >= found.lower.c2:
@@ -303,11 +322,33 @@ class PlayerState:
         self.trajectory, self.excess = done, np.where(excess > LIMIT_TOLERANCE, excess, 0.0)
 
 
-def _scaled(cell: Cell, motion: ObjectMotion | JointTable, solver: str, asked: dict[str, Any]) -> ScalingResult:
-    """The range; where nothing is selected too."""
-    try:
-        return scale(cell, motion, solver=solver, **asked)
-    except SelectionError as error:  # the cell can only hold still, or c = 1 is too slow where nothing is too fast
-        if error.result is None:
-            raise
-        return error.result
+def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2: float) -> tuple[Array, Array]:
+    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at any c² > 0.
+
+    At a sample that keeps its limits at this c² they are those of `distributed_torques`. At any other, all limits are
+    first moved outward by the least share of their size that leaves a solution, so that what is beyond its limit is
+    what forbids the speed. A fixed distribution asks no limits.
+
+    Raises:
+        InputError: If an option breaks a rule.
+        SolverError: If no solver answers.
+    """
+    solver, by_reserve = options.solver, options.distribute == "reserve"
+    cell = cell.with_reserve(0.0) if by_reserve else cell  # it is of the limits as they are given
+    W = torque_weights(options.weights, cell)
+
+    def widened(problem: SampleProblem) -> tuple[SampleProblem, int]:
+        problem = problem.only(np.flatnonzero(~problem.is_cap))  # no torques change what the speed alone moves
+        widening = _least_widening(problem, c2, solver)[:, None]
+        problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
+        return reserved(problem, c2, solver) if by_reserve else (problem, 0)
+
+    rows = motion_rows(cell, motion, options.sharing, options.formulation)
+    return torques_by_blocks(rows, solver, c2, W, within=widened)[:2]
+
+
+def _least_widening(problem: SampleProblem, c2: float, solver: str) -> Array:
+    if problem.unknowns == 1:
+        return np.zeros(problem.samples)
+    share = widening_at(problem, c2, solver, f"how far limits are passed at c² = {c2:g}")
+    return np.where(share > INTERIOR, share * (1 + INTERIOR), share)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""The cell in a viser scene: arms, the body they hold, its path, contact wrenches, gaps; needs the extra 'view'."""
+"""The cell in a viser scene: arms, the body they hold, its path, contact wrenches, gaps, another result beside it."""
 
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import viser
@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
-from mrts.scene.arm_meshes import Urdfs, drawn_arms
+from mrts.cell.cell import Cell
+from mrts.plots.labels import shortened
+from mrts.scaling.result import ScalingResult
+from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
-from mrts.scene.held_body import held_body, object_edges
+from mrts.scene.held_body import HeldBody, held_body, object_edges
 from mrts.scene.scene import (
     FORCE,
     MOMENT,
@@ -24,16 +27,15 @@ from mrts.scene.scene import (
     PATH,
     DecidingLimit,
     Moment,
+    Rgb,
     Scene,
     arm_colour,
     blended,
     round_down,
     wxyz,
 )
+from mrts.viewer.held_poses import HeldPoses
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.scene_arms import DrawnArm, z_along
-from mrts.viewer.workbench.answer import Answer
-from mrts.viewer.workbench.held_poses import HeldPoses
 
 THICKNESS = 0.02
 """That hands, arrows and the path are drawn by, as a share of the cell's size."""
@@ -62,12 +64,64 @@ MOVED_AWAY = 0.02
 """How far a camera is from where it was put, as a share of its distance, once somebody moved it."""
 
 
+class DrawnCell:
+    """Arms, a frame for each body that carries its meshes, and the object that they carry.
+
+    Attributes:
+        carried: The object's frame.
+        ends: By robot, the names of its first and its last body.
+    """
+
+    def __init__(
+        self, scene: viser.SceneApi, name: str, cell: Cell, urdfs: Urdfs, warn: Warn, colour: Rgb | None = None
+    ) -> None:
+        self._scene, self._name, self._opacity = scene, name, 0.9 if colour is None else 0.6
+        self._frames, self._parts, self.ends = [], [], dict[str, tuple[str, str]]()
+        for robot, parts in zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True):
+            names = [f"{name}/arms/{robot.name}/body{body}" for body in range(len(robot.joints) + 1)]
+            self.ends[robot.name] = names[0], names[-1]
+            self._frames.append([scene.add_frame(of, show_axes=False) for of in names])
+            for number, part in enumerate(parts):
+                mesh, at = part.mesh, f"{names[part.body]}/mesh{number}"
+                drawn = scene.add_mesh_simple(
+                    at, mesh.vertices, mesh.faces, color=colour or part.own, flat_shading=False
+                )
+                self._parts.append((robot, part, drawn))
+        self.carried = scene.add_frame(f"{name}/carried", show_axes=False)
+        self._body_key = b""
+        self.show_body(cell)
+
+    def show_body(self, cell: Cell) -> HeldBody | None:
+        """Draw the object where its shape is another one; None where it is as it was."""
+        body = held_body(cell)
+        if body.vertices.tobytes() == self._body_key:
+            return None
+        self._body_key = body.vertices.tobytes()
+        self._scene.add_mesh_simple(
+            f"{self._name}/carried/object", body.vertices.astype(np.float32), body.faces.astype(np.uint32),
+            color=OBJECT, opacity=self._opacity, flat_shading=True,
+        )  # fmt: skip
+        return body
+
+    def move(self, moment: Moment) -> None:
+        """Move all that moves."""
+        for frames, (R, p) in zip(self._frames, moment.bodies, strict=True):
+            for frame, at, turn in zip(frames, p, wxyz(R), strict=True):
+                frame.position, frame.wxyz = at, turn
+        self.carried.position, self.carried.wxyz = moment.position, wxyz(moment.rotation)
+
+    def mark(self, deciding: DecidingLimit | None) -> None:
+        """Let the body stand out that decides how fast the motion may be played, or none."""
+        for robot, part, drawn in self._parts:
+            drawn.color = part.colour(None if deciding is None else deciding.body(robot))
+
+
 class ViewerScene:
     """Draws answers and moments.
 
     Args:
         server: Where.
-        answer: The first.
+        shown: What is shown first.
         urdfs: URDF and base link by robot, as far as there are any.
         warn: Told which arm is drawn without its meshes, and why.
 
@@ -78,41 +132,32 @@ class ViewerScene:
         metres_per_newton_metre: Likewise of a moment's.
     """
 
-    def __init__(self, server: viser.ViserServer, answer: Answer, urdfs: Urdfs, warn: Callable[[str], None]) -> None:
+    def __init__(self, server: viser.ViserServer, shown: Scene, urdfs: Urdfs, warn: Warn) -> None:
         self._server, self._scene = server, server.scene
-        shown = answer.state or answer.held
-        assert shown is not None  # noqa: S101 (a workbench starts with one)
-        self._course = shown.scene
+        self._course = shown
         cell = self._course.cell
         self._view = self._alone = look_at_cell(cell, self._course.q, self._course.position)
         self.size = self._view.size
         self.colours = {robot.name: arm_colour(index) for index, robot in enumerate(cell.robots)}
         self.metres_per_newton = self.metres_per_newton_metre = 1.0
         self._look()
-        self.show_shadows(visible=False)
+        self.show_shadows(on=False)
         self._draw_surroundings()
         radius = THICKNESS * self.size
-        self._arms = [
-            DrawnArm(self._scene, f"/arms/{robot.name}", len(robot.joints) + 1, parts)
-            for robot, parts in zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True)
-        ]
+        drawn = self._drawn = DrawnCell(self._scene, "", cell, urdfs, warn)
         self._names = [
             self._scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
         ]
-        self._hands = [
-            self._scene.add_icosphere(f"/hands/{robot.name}", 1.7 * radius, self.colours[robot.name])
-            for robot in cell.robots
-        ]
-        self._frames = self._scene.add_batched_axes(
-            "/frames",
-            np.zeros((0, 4)),
-            np.zeros((0, 3)),
-            axes_length=FRAME * self.size,
-            axes_radius=0.04 * FRAME * self.size,
-            visible=False,
-        )
+        axes: dict[str, Any] = {"axes_length": FRAME * self.size, "axes_radius": 0.04 * FRAME * self.size}
+        self._frames = [self._scene.add_frame("/carried/frame", visible=False, **axes)]
+        for robot in cell.robots:
+            base, (end, tip) = drawn.ends[robot.name][0], (drawn.ends[robot.name][1], robot.T_base_tip)
+            self._scene.add_icosphere(f"{end}/hand", 1.7 * radius, self.colours[robot.name], position=tip.p)
+            self._frames += [
+                self._scene.add_frame(f"{base}/base", visible=False, **axes),
+                self._scene.add_frame(f"{end}/tip", visible=False, wxyz=wxyz(tip.R), position=tip.p, **axes),
+            ]
         thin = 0.4 * radius
-        self._carried = self._scene.add_frame("/carried", show_axes=False)  # a page draws new poses before new arrows
         self._forces, self._moments = (
             self._scene.add_arrows(
                 name, NO_LINES, colour, shaft_radius=thin, head_radius=2.2 * thin, head_length=5 * thin
@@ -133,18 +178,16 @@ class ViewerScene:
             self._scene.add_label("/start_name", "start", anchor="top-left"),
             self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
         ]
-        self._body_key: bytes = b""
+        self._draw_outlines(held_body(cell))
         self._named = True
         self._fitted: dict[int, tuple[float, Camera]] = {}
-        self.show_answer(answer)
+        self.show(shown)
 
-    def show_answer(self, answer: Answer) -> None:
+    def show(self, course: Scene) -> None:
         """Draw what does not move along the motion: the body that is held, its path, its ends, where arms stand."""
-        shown = answer.state or answer.held
-        if shown is None:
-            return
-        course = self._course = shown.scene
-        self._draw_body(course)
+        self._course = course
+        if (body := self._drawn.show_body(course.cell)) is not None:
+            self._draw_outlines(body)
         for name, robot in zip(self._names, course.cell.robots, strict=True):
             name.position = name_place(course.cell, robot)
         for outline, at in zip(self._outlines, (0, -1), strict=True):
@@ -159,8 +202,7 @@ class ViewerScene:
 
     def mark(self, deciding: DecidingLimit | None) -> None:
         """Let the joint or the hand stand out whose limit decides how fast the motion may be played."""
-        for arm, robot in zip(self._arms, self._course.cell.robots, strict=True):
-            arm.mark(None if deciding is None else deciding.body(robot))
+        self._drawn.mark(deciding)
 
     def rescale(self, state: PlayerState) -> None:
         """Choose the arrows' lengths for a trajectory as it is now."""
@@ -174,13 +216,13 @@ class ViewerScene:
     def show_moment(self, state: PlayerState, place: float) -> None:
         """Draw a state at one of its samples, or between two while it plays."""
         moment = self._course.moment(place)
-        self._pose(moment)
+        self._drawn.move(moment)
         contacts = moment.contacts(blended(state.trajectory.wrench, place))
         points = (contacts.point - moment.position) @ moment.rotation
         forces, moments = contacts.force @ moment.rotation, contacts.moment @ moment.rotation
         self._forces.points = self._arrows(points, forces * self.metres_per_newton)
         self._moments.points = self._arrows(points, moments * self.metres_per_newton_metre)
-        self._show_gaps(NO_LINES, [])
+        self._show_gaps({})
 
     def held_pose(self, sample: int) -> RigidTransform:
         """The object in the world at a sample of what is shown."""
@@ -188,37 +230,34 @@ class ViewerScene:
 
     def show_gap(self, held: HeldPoses, sample: int) -> None:
         """Draw how near the arms come to their grasps at one of the samples looked at."""
-        course = self._course
-        tips = self._pose(course.moment(sample))
-        grasps = [
-            course.position[sample] + course.rotation[sample] @ robot.T_object_tip.p for robot in course.cell.robots
-        ]
-        lost = [index for index, reached in enumerate(held.reached[sample]) if not reached]
-        lines = np.array([[tips[index], grasps[index]] for index in lost], dtype=np.float32).reshape(-1, 2, 3)
-        named = []
-        for index in lost:
-            gap, robot = held.gap[sample, index], course.cell.robots[index]
-            words = f"{robot.name}: {1000 * gap:.0f} mm short" if gap >= SHORTEST else f"{robot.name}: cannot turn so"
-            named.append((index, words, (tips[index] + grasps[index]) / 2))
-        self._forces.points = self._moments.points = NO_LINES
-        self._show_gaps(lines, named)
+        moment, self._forces.points, self._moments.points = self._course.moment(sample), NO_LINES, NO_LINES
+        self._drawn.move(moment)
+        lines: dict[int, tuple[Array, Array]] = {}
+        for index in np.flatnonzero(~held.reached[sample]).tolist():
+            tip, robot = moment.lines[index][-1], moment.cell.robots[index]
+            lines[index] = tip, moment.position + moment.rotation @ robot.T_object_tip.p
+            gap, label = held.gap[sample, index], self._gap_names[index]
+            short = f"{1000 * gap:.0f} mm short" if gap >= SHORTEST else "cannot turn so"
+            label.text, label.position = f"{robot.name}: {short}", np.mean(lines[index], axis=0)
+        self._show_gaps(lines)
 
-    def show_frames(self, *, visible: bool) -> None:
+    def show_frames(self, *, on: bool) -> None:
         """Show or hide the frames of bases, tips and the object."""
-        self._frames.visible = visible
+        for frame in self._frames:
+            frame.visible = on
 
-    def show_names(self, *, visible: bool) -> None:
+    def show_names(self, *, on: bool) -> None:
         """Show or hide what is written in the scene."""
-        self._named = visible
+        self._named = on
         self._show_names()
 
-    def show_shadows(self, *, visible: bool) -> None:
+    def show_shadows(self, *, on: bool) -> None:
         """Cast shadows, or none: without a good graphics card they cost most of the frames."""
-        self._scene.configure_default_lights(enabled=True, cast_shadow=visible)
+        self._scene.configure_default_lights(enabled=True, cast_shadow=on)
 
-    def darken(self, *, dark: bool) -> None:
+    def darken(self, *, on: bool) -> None:
         """Draw the floor for a dark page, or for a light one."""
-        self._floor.cell_color, self._floor.section_color = ((60,) * 3, (90,) * 3) if dark else ((220,) * 3, (180,) * 3)
+        self._floor.cell_color, self._floor.section_color = ((60,) * 3, (90,) * 3) if on else ((220,) * 3, (180,) * 3)
 
     def fit(self, client: viser.ClientHandle) -> None:
         """Let a browser look at the whole cell, whatever the shape of its picture."""
@@ -263,46 +302,18 @@ class ViewerScene:
         for label in self._end_names:
             label.visible = self._named and moves
 
-    def _pose(self, moment: Moment) -> list[Array]:
-        """Move all that moves; where the tips are, each Shape (3,) [m]."""
-        cell, tips = moment.cell, [line[-1] for line in moment.lines]
-        position, rotation = moment.position, moment.rotation
-        for arm, (R, p) in zip(self._arms, moment.bodies, strict=True):
-            arm.update(R, p)
-        for part in (self._body, self._carried):
-            part.position, part.wxyz = position, wxyz(rotation)
-        for hand, tip in zip(self._hands, tips, strict=True):
-            hand.position = tip
-        if self._frames.visible:
-            bases = [robot.T_world_base for robot in cell.robots]
-            rotations = [R[-1] @ robot.T_base_tip.R for robot, (R, _) in zip(cell.robots, moment.bodies, strict=True)]
-            turns = np.array([rotation, *rotations, *(base.R for base in bases)])
-            self._frames.batched_wxyzs = np.array([wxyz(R) for R in turns], dtype=np.float32)
-            places = np.array([position, *tips, *(base.p for base in bases)])
-            self._frames.batched_positions = places.astype(np.float32)
-        return tips
-
     def _arrows(self, start: Array, step: Array) -> NDArray[np.float32]:
         long = np.linalg.norm(step, axis=1) > SHORTEST * self.size
         return np.stack([start[long], start[long] + step[long]], axis=1).astype(np.float32)
 
-    def _show_gaps(self, lines: NDArray[np.float32], named: list[tuple[int, str, Array]]) -> None:
-        self._gaps.points = lines
-        words = {index: (text, place) for index, text, place in named}
+    def _show_gaps(self, lines: dict[int, tuple[Array, Array]]) -> None:
+        """Gaps of arms by their index; their labels stand already."""
+        self._gaps.points = np.array([*lines.values()], dtype=np.float32).reshape(-1, 2, 3)
         for index, label in enumerate(self._gap_names):
-            label.visible = index in words
-            if index in words:
-                label.text, label.position = words[index]
+            label.visible = index in lines
 
-    def _draw_body(self, course: Scene) -> None:
-        """The body that is held, and its outlines at both ends; drawn anew where its shape changed."""
-        body = held_body(course.cell)
-        key = body.vertices.tobytes()
-        if key == self._body_key:
-            return
-        self._body_key = key
-        mesh = body.vertices.astype(np.float32), body.faces.astype(np.uint32)
-        self._body = self._scene.add_mesh_simple("/object", *mesh, color=OBJECT, opacity=0.9, flat_shading=True)
+    def _draw_outlines(self, body: HeldBody) -> None:
+        """The object's edges at both ends of its path."""
         edges = object_edges(body.vertices, body.faces)
         lines = body.vertices[edges if len(edges) else body.faces[:, :2]]  # a ball has no edges
         self._outlines = [
@@ -327,7 +338,56 @@ class ViewerScene:
             height=side,
             cell_size=cell_size,
             section_size=5 * cell_size,
-            wxyz=wxyz(z_along(view.up)),
+            wxyz=wxyz(view.level),
             position=view.floor,
         )
-        self.darken(dark=False)
+        self.darken(on=False)
+
+
+OTHER, BESIDE, OVER, HIDDEN = "/other", "beside it", "over it", "hidden"
+
+APART = 1.9
+"""From the middle of one cell to that of the other, as a share of the cell's size."""
+
+GREY: Rgb = (140, 146, 156)
+"""Of the arms of another result."""
+
+
+class OtherResult:
+    """Arms and object of another result at the time of the first; it stands where it has ended.
+
+    Attributes:
+        frame: What holds all of it.
+        drawn: Its arms and what they carry.
+        offset: From where it stands over the first to where it stands beside it, Shape (3,) [m].
+    """
+
+    def __init__(self, server: viser.ViserServer, scene: ViewerScene, name: str, result: ScalingResult) -> None:
+        assert result.trajectory is not None  # noqa: S101 (what is read to be played has one)
+        self._done, self._view, drawing, cell = result.trajectory, scene, server.scene, result.cell
+        self._scene = Scene.of(self._done)
+        view = look_at_cell(cell, self._scene.q, self._scene.position)
+        across = np.cross(view.up, view.direction)
+        self.offset = APART * view.size * across / np.linalg.norm(across)
+        self.frame = drawing.add_frame(OTHER, show_axes=False)
+        self.drawn = DrawnCell(drawing, OTHER, cell, {}, lambda _text: None, GREY)
+        self._label = drawing.add_label(f"{OTHER}/name", shortened(name), anchor="bottom-center")
+        self._above = 0.5 * view.size * view.up
+        with server.gui.add_folder("Other result"):
+            self._place = server.gui.add_dropdown("stands", (BESIDE, OVER, HIDDEN), initial_value=BESIDE)
+        self._shown = ""
+        self.step()
+
+    def show_moment(self, time: float) -> None:
+        """Go to the time of the first [s]."""
+        moment = self._scene.moment(int(np.argmin(np.abs(self._done.time - time))))
+        self.drawn.move(moment)
+        self._label.position = moment.position + self._above
+
+    def step(self) -> None:
+        """Stand where it is wanted."""
+        if self._place.value != self._shown:
+            self._shown = self._place.value
+            offset = self.offset if self._shown == BESIDE else np.zeros(3)
+            self.frame.position, self.frame.visible = offset, self._shown != HIDDEN
+            self._view.look_beside(offset)

@@ -7,52 +7,123 @@ slider never queues up work. Answers are found in the workbench's own thread.
 
 import contextlib
 import time
-from collections.abc import Callable
 from functools import partial
-from math import sqrt
-from queue import Empty, SimpleQueue
+from math import floor, log10, sqrt
+from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
 import viser
 
 from mrts.base.errors import MrtsError
-from mrts.scene.arm_meshes import Urdfs
-from mrts.viewer.controls.change_controls import ChangeControls
-from mrts.viewer.controls.save_controls import add_save_controls
-from mrts.viewer.controls.view_controls import ViewControls
-from mrts.viewer.offered_speeds import Speeds
+from mrts.scene.arm_meshes import Urdfs, Warn
+from mrts.scene.scene import PACES, suited_pace
+from mrts.viewer.choices import Choices
+from mrts.viewer.controls import (
+    DECIMALS,
+    ChangeControls,
+    Later,
+    add_save_controls,
+    add_view_controls,
+    assign,
+    configure_theme,
+)
+from mrts.viewer.film_controls import FilmControls, Others
 from mrts.viewer.panel import (
     PANEL,
     STYLE,
-    error_html,
+    Readings,
     held_html,
     limits_html,
     moment_html,
-    note_html,
     outcome_html,
     speed_html,
+    text_html,
     verdict_html,
 )
-from mrts.viewer.playback import Playback, set_slider
-from mrts.viewer.player_state import PlayerState
-from mrts.viewer.plots.film_controls import FilmControls
-from mrts.viewer.plots.other_result import OtherResult, Others
-from mrts.viewer.plots.time_plots import PlotPanel
-from mrts.viewer.readings import Readings
-from mrts.viewer.scene import ViewerScene
-from mrts.viewer.workbench.answer import Answer
-from mrts.viewer.workbench.choices import Choices
-from mrts.viewer.workbench.workbench import Workbench
+from mrts.viewer.player_state import PlayerState, Speeds
+from mrts.viewer.scene import OtherResult, ViewerScene
+from mrts.viewer.time_plots import PlotPanel
+from mrts.viewer.workbench import Answer, Workbench
 
 FRAME = 1 / 40
 """Time between looks at the controls [s]: with room for late ones a motion plays at thirty frames a second."""
 
+READING = 0.1
+"""Time between numbers while the motion plays: faster, nobody reads them [s]."""
+
 PATIENCE = 60.0
 """How long a script waits for answers [s]."""
 
+PACE_NAMED = {name: pace for pace, name in PACES.items()}
+
 FIXED = "A saved result is played at the speed it was saved with. To change something, view its cell and motion."
 """Of a panel with nothing to change."""
+
+
+class Playback:
+    """The time of a motion that is played: its slider and Play; `add_pace` adds two more controls.
+
+    Attributes:
+        duration: Of the motion as it is shown [s].
+        plays: Whether the time goes on by itself.
+    """
+
+    def __init__(self, gui: viser.GuiApi, duration: float, later: Later, *, start: float, visible: bool) -> None:
+        self.duration, self.plays, self._toggled = duration, False, False
+        self._share, self._unread, self._shown = start, 0.0, 0.0
+        self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
+        self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
+        self._play.on_click(lambda _: later(self.toggle))
+
+    def add_pace(self, gui: viser.GuiApi) -> None:
+        """Add how fast it plays, and whether it begins again, to the container that is open."""
+        with gui.add_folder("Playback"):
+            suited = PACES[suited_pace(self.duration)]
+            self._pace = gui.add_dropdown("pace", tuple(PACES.values()), initial_value=suited)
+            self._loop = gui.add_checkbox("loop", initial_value=True)
+
+    @property
+    def time(self) -> float:
+        """That is to be shown [s]."""
+        return self._share * self.duration
+
+    def toggle(self) -> None:
+        """Play, or stop playing."""
+        self.plays, self._toggled = not self.plays, True
+        self._play.label = "Pause" if self.plays else "Play"
+        self._play.icon = viser.Icon.PLAYER_PAUSE if self.plays else viser.Icon.PLAYER_PLAY
+        if self.plays and self._share >= 1:
+            self._share = 0.0
+
+    def follow(self, elapsed: float) -> tuple[bool, bool]:
+        """Take over what was changed since the last call, and play on.
+
+        Args:
+            elapsed: Since then [s].
+
+        Returns:
+            Whether another moment is to be shown, and whether its numbers are to be read too.
+        """
+        changed, self._toggled = self._toggled, False
+        if self._time.value != self._shown:
+            self._shown, changed = self._time.value, True
+            self._share = min(self._shown / self.duration, 1.0)  # which was rounded
+        if self.plays:
+            self._unread += elapsed
+            self._share += elapsed * PACE_NAMED[self._pace.value] / self.duration
+            if self._share > 1 and self._loop.value:
+                self._share %= 1
+            elif self._share > 1:
+                self._share = 1.0
+                self.toggle()
+        return changed or self.plays or self._toggled, changed or self._unread >= READING
+
+    def show(self) -> None:
+        """Show the time on the slider, unless a user has just moved it."""
+        self._unread = 0.0
+        digits = max(0, 3 - floor(log10(self.duration)))  # four tell times along the motion apart
+        self._shown = set_slider(self._time, (0.0, round(self.duration, digits)), digits, self.time, self._shown)
 
 
 class Viewer:
@@ -68,49 +139,72 @@ class Viewer:
     Attributes:
         server: As given.
         bench: As given; None of a saved result.
-        parts: What follows the scene and the panel, by the thread that follows the controls: nothing of it may wait.
         playback: Its time.
+        plots: Along time; None of a cell that is looked at without a motion.
+        films: Buttons that make files; likewise.
+        other: The first of the others; None without any.
     """
 
     def __init__(
-        self,
-        server: viser.ViserServer,
-        bench: Workbench | PlayerState,
-        urdfs: Urdfs,
-        warn: Callable[[str], None],
-        others: Others = (),
+        self, server: viser.ViserServer, bench: Workbench | PlayerState, urdfs: Urdfs, warn: Warn, others: Others = ()
     ) -> None:
-        self.server, self._sample = server, 0
+        self.server = server
         self.bench = bench if isinstance(bench, Workbench) else None
         answer = self._answer = bench.answer if isinstance(bench, Workbench) else Answer(Choices(), bench)
-        self._stands = answer.state is None and not answer.message
-        self._urdfs, self._others = urdfs, others
-        self.parts: list[PlotPanel | OtherResult | FilmControls] = []
-        self._readings: Readings | None = None
-        self._todo: SimpleQueue[Callable[[], None]] = SimpleQueue()
-        self._scene = ViewerScene(server, answer, urdfs, warn)
-        gui = server.gui
-        gui.configure_theme(control_width="large", show_logo=False, show_share_button=False)
+        stands = answer.state is None and not answer.message
+        self._sample = 0
+        self._todo: SimpleQueue[Any] = SimpleQueue()
+        later, gui = self._todo.put, server.gui
+        self._scene = ViewerScene(server, answer.scene, urdfs, warn)
+        configure_theme(gui)
         gui.main_panel.dock_right()
         gui.main_panel.set_width(PANEL)
         gui.add_html(STYLE)
         self._verdict, self._outcome, self._error = gui.add_html(""), "", ""
-        self._changes: ChangeControls | None = None
         if self.bench is None:
-            gui.add_html(note_html(FIXED))
+            gui.add_html(text_html("note", FIXED))
         else:
             self._speed = gui.add_slider(
-                "speed c", 0.0, 1.0, 1.0, 0.0, marks=((0.0, ""),), hint="× as fast as given", visible=not self._stands
+                "speed c", 0.0, 1.0, 1.0, 0.0, marks=((0.0, ""),), hint="× as fast as given", visible=not stands
             )
             self._shown_speed = self._speed.value
-        self._add_player()
+        duration = float(answer.times[-1])
+        found = None if answer.state is None else answer.state.deciding
+        start = 0.0 if found is None else float(answer.times[found.sample]) / duration
+        self.playback = Playback(gui, duration, later, start=start, visible=not stands)
         if self.bench is not None:
             steps = gui.add_button_group("change", ("Undo", "Redo", "Reset"))
-            steps.on_click(lambda event: self._todo.put(partial(self._step_back, event.target.value)))
-        visible = not self._stands
-        self._speed_text, self._moment_text = gui.add_html("", visible=visible), gui.add_html("", visible=visible)
-        self._add_tabs()
+            steps.on_click(lambda event: later(partial(self._step_back, event.target.value)))
+        self._speed_text, self._moment_text = (gui.add_html("", visible=not stands) for _ in range(2))
+        self._add_tabs(urdfs, others, later, stands=stands)
         self._show_answer(answer)
+
+    def _add_tabs(self, urdfs: Urdfs, others: Others, later: Later, *, stands: bool) -> None:
+        server, gui = self.server, self.server.gui
+        tabs = gui.add_tab_group()
+        self._limits = self._readings = self.plots = self.films = self.other = self._changes = None
+        with tabs.add_tab("Limits" if stands else "Readings"):
+            if stands:
+                self._limits = gui.add_html("")
+            else:
+                self._readings = Readings(gui, self._scene)
+        if not stands:
+            with tabs.add_tab("Plots") as tab:
+                self.plots = PlotPanel(gui, tab, others[0] if others else None)
+        if self.bench is not None:
+            with tabs.add_tab("Change"):
+                self._changes = ChangeControls(server, self.bench, self._scene.size, later)
+        with tabs.add_tab("View"):
+            if not stands:
+                self.playback.add_pace(gui)
+            add_view_controls(gui, self._scene, later)
+            if others:  # more than one have no room
+                self.other = OtherResult(server, self._scene, *others[0])
+        with tabs.add_tab("Save"):
+            if self.bench is not None:
+                add_save_controls(gui, self.bench, later)
+            if not stands:
+                self.films = FilmControls(server, urdfs, others, later)
 
     @property
     def state(self) -> PlayerState | None:
@@ -131,25 +225,26 @@ class Viewer:
     def step(self, elapsed: float) -> None:
         """Do what the controls ask for, show what is new, and play on."""
         try:
-            with contextlib.suppress(Empty):
-                while True:
-                    asked = self._todo.get_nowait()
-                    try:
-                        self._follow_changes(0.0)  # controls that were changed before it was asked
-                    finally:
-                        asked()
+            another = not self._todo.empty()
+            while not self._todo.empty():
+                self._follow_changes(0.0)  # controls that were changed before it was asked
+                self._todo.get()()
             self._follow_choices(elapsed)
-            another, read = self.playback.follow(elapsed)
-            another = self._view.follow() or another
+            moves, read = self.playback.follow(elapsed)
+            another = another or moves
             if another:
                 self._show_moment(read=read)
             self._scene.follow_windows()
-            for part in self.parts:
-                part.step(elapsed)
+            if self.plots is not None:
+                self.plots.step(elapsed)
+            if self.other is not None:
+                self.other.step()
+            if self.films is not None:
+                self.films.step(self._answer)
             if another:
                 self.server.flush()  # viser waits up to twice a sixtieth of a second for more to send
         except MrtsError as error:
-            self._say(error)
+            self._error = text_html("error", str(error))
         self._show_verdict()
 
     def settle(self, patience: float = PATIENCE) -> None:
@@ -172,15 +267,13 @@ class Viewer:
     def _follow_choices(self, elapsed: float) -> None:
         if (bench := self.bench) is None:
             return
-        news = bench.take()
-        answers = [one for one in news if isinstance(one, Answer)]
-        if answers:
-            self._show_answer(answers[-1])
+        for one in bench.take():
+            if isinstance(one, Answer):
+                self._show_answer(one)
+            else:
+                self._error = text_html("error", str(one))
         if self._changes is not None:
             self._changes.show_study()
-        for one in news:
-            if not isinstance(one, Answer):
-                self._say(one)
         self._follow_changes(elapsed)
         if self._speed.value != self._shown_speed:
             self._shown_speed = self._speed.value
@@ -202,49 +295,6 @@ class Viewer:
             {"Undo": self.bench.undo, "Redo": self.bench.redo, "Reset": self.bench.reset}[which]()
             self._changes.show()
 
-    def _renew_speed_slider(self, state: PlayerState) -> None:
-        """Show the speed, unless a user has moved on to another."""
-        if self.bench is None:
-            return
-        speeds = state.speeds
-        c = self._shown_speed if self.bench.is_asked else state.trajectory.c
-        self._shown_speed = set_slider(self._speed, (speeds.lower, speeds.upper), speeds.digits, c, self._shown_speed)
-        set_marks(self._speed, speeds)
-
-    def _add_player(self) -> None:
-        start, state = 0.0, self.state
-        if state is not None and (found := state.deciding) is not None:
-            start = float(state.trajectory.time[found.sample]) / self._duration()
-        self.playback = Playback(self.server.gui, self._duration, self._todo.put, start=start, visible=not self._stands)
-
-    def _add_tabs(self) -> None:
-        gui = self.server.gui
-        tabs = gui.add_tab_group()
-        if self._stands:
-            with tabs.add_tab("Limits"):
-                self._limits = gui.add_html("")
-        else:
-            with tabs.add_tab("Readings"):
-                self._readings = Readings(gui, self._scene)
-            with tabs.add_tab("Plots") as tab:
-                self.parts.append(PlotPanel(gui, tab, self._others))
-        if self.bench is not None:
-            with tabs.add_tab("Change"):
-                self._changes = ChangeControls(self.server, self.bench, self._scene.size, self._todo.put)
-        with tabs.add_tab("View"):
-            if not self._stands:
-                self.playback.add_pace(gui)
-            self._view = ViewControls(self.server, self._scene, self._todo.put)
-            self.parts += [OtherResult(self.server, self._scene, *other) for other in self._others[:1]]  # more: no room
-        with tabs.add_tab("Save"):
-            if self.bench is not None:
-                add_save_controls(gui, self.bench, self._todo.put)
-            if not self._stands:
-                self.parts.append(FilmControls(self.server, self._urdfs, self._others))
-
-    def _say(self, error: MrtsError) -> None:
-        self._error = error_html(str(error))
-
     def _show_verdict(self) -> None:
         computing = outdated = False
         if (bench := self.bench) is not None:
@@ -252,23 +302,16 @@ class Viewer:
             outdated = computing or shown is not bench.answer or shown.choices is not bench.choices
         self._verdict.content = verdict_html(self._outcome, self._error, computing=computing, outdated=outdated)
 
-    def _duration(self) -> float:
-        answer = self._answer
-        if answer.state is not None:
-            return answer.state.trajectory.duration
-        assert answer.held is not None  # noqa: S101 (one of the two is shown)
-        return float(answer.held.time[-1])
-
     def _show_answer(self, answer: Answer) -> None:
         before, state = self._answer.state, answer.state
-        others = answer is self._answer or state is None or before is None or state.result is not before.result
-        self._error = "" if answer.error is None else error_html(str(answer.error))
+        self._error = "" if answer.error is None else text_html("error", str(answer.error))
         if answer.error is not None:
             return  # what was shown before stays
-        self._answer = answer
+        others = answer is self._answer or state is None or before is None or state.result is not before.result
+        self._answer, self.playback.duration = answer, float(answer.times[-1])
         with self.server.atomic():
             if others:
-                self._scene.show_answer(answer)
+                self._scene.show(answer.scene)
             self._scene.mark(None if state is None else state.deciding)
             if state is not None:
                 if others:
@@ -276,44 +319,69 @@ class Viewer:
                 self._outcome = outcome_html(state, coarse=answer.coarse)
             elif answer.held is not None:
                 self._outcome = held_html(answer.held)
-                if self._stands:
-                    self._limits.content = limits_html(answer.held.cell, self._scene.colours)
+                if self._limits is not None:
+                    self._limits.content = limits_html(answer.scene.cell, self._scene.colours)
             self._show_verdict()
             self._speed_text.content = speed_html(state)
             if self._readings is not None:
-                self._readings.show_answer(answer)
-            for part in self.parts:
-                part.show_answer(answer)
+                self._readings.show_answer(state)
+            if self.plots is not None:
+                self.plots.show_answer(state)
             self._show_moment(read=True)
-        if state is not None:
-            self._renew_speed_slider(state)
-
-    def _place(self, state: PlayerState, time: float) -> float:
-        """Where along the samples the picture is: at one of them, or between two while the motion plays."""
-        if not self.playback.plays:
-            return state.sample
-        return float(np.interp(time, state.trajectory.time, np.arange(len(state.trajectory.time))))
+        if state is not None and self.bench is not None:  # unless a user has moved on to another speed
+            speeds, shown = state.speeds, self._shown_speed
+            c = shown if self.bench.is_asked else state.trajectory.c
+            self._shown_speed = set_slider(self._speed, (speeds.lower, speeds.upper), speeds.digits, c, shown)
+            set_marks(self._speed, speeds)
 
     def _show_moment(self, *, read: bool) -> None:
         answer, at = self._answer, self.playback.time
+        self._sample = int(np.argmin(np.abs(answer.times - at)))
         with self.server.atomic():
             if answer.state is not None:
-                answer.state.choose_time(at)
-                self._sample = answer.state.sample
-                self._scene.show_moment(answer.state, self._place(answer.state, at))
-                for part in self.parts:
-                    part.show_moment(answer.state)
+                answer.state.sample = self._sample
+                between = float(np.interp(at, answer.times, np.arange(len(answer.times))))
+                self._scene.show_moment(answer.state, between if self.playback.plays else self._sample)
+                if self.plots is not None:
+                    self.plots.show_moment(answer.state)
+                if self.other is not None:
+                    self.other.show_moment(answer.state.time)
             elif answer.held is not None:
-                self._sample = answer.held.nearest(at)
                 self._scene.show_gap(answer.held, self._sample)
         if self._changes is not None:
             self._changes.follow_gizmo(self._scene.held_pose(self._sample))
-        if not read:
-            return
-        self.playback.show()
-        self._moment_text.content = moment_html(answer.state)
-        if self._readings is not None:
-            self._readings.show_moment(answer.state)
+        if read:
+            self.playback.show()
+            self._moment_text.content = moment_html(answer.state)
+            if self._readings is not None and answer.state is not None:
+                self._readings.show_moment(answer.state)
+
+
+def set_slider(
+    slider: viser.GuiSliderHandle[float], ends: tuple[float, float], digits: int, value: float, shown: float
+) -> float:
+    """Give a slider other ends, steps and another value; what is as it was is not sent again.
+
+    Args:
+        slider: The slider.
+        ends: Multiples of a step.
+        digits: Decimal places of a step, if they are more than `DECIMALS`.
+        value: Rounded to a step between the ends.
+        shown: Value that was set or taken over last: a user who has moved it since keeps what is under the hand.
+
+    Returns:
+        What is shown now, for the next call.
+    """
+    digits = max(digits, DECIMALS)
+    step = 10.0**-digits
+    if (slider.min, slider.max, slider.step) != (*ends, step):
+        slider.min, slider.max = ends
+        slider.step, slider.precision = step, digits
+    if slider.value != shown:
+        return shown
+    value = min(max(round(value, digits), ends[0]), ends[1])
+    assign(slider, value)
+    return value
 
 
 def set_marks(slider: viser.GuiSliderHandle[float], speeds: Speeds) -> None:

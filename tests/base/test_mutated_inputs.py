@@ -22,7 +22,7 @@ from mrts.cli import main
 from mrts.studies.dry_run import study_lines
 from mrts.studies.variant_rows import solve_variants
 
-CASES = int(os.environ.get("FUZZ_CASES", "1100"))
+CASES = int(os.environ.get("FUZZ_CASES", "600"))
 SEED = int(os.environ.get("FUZZ_SEED", "0"))
 
 PATIENCE = 5.0

@@ -11,7 +11,7 @@ import mrts
 from mrts.following.coordinate import coordinate
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.sample_ranges import motion_ranges
 from mrts.program.widening import widening_at
 
 DENSE = 50

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 
 
 def equipped(cell, **given):

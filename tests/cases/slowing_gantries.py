@@ -6,7 +6,7 @@ import numpy as np
 from gantries import gantries
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 
 GANTRY_MASS, OBJECT_MASS, FORCE = 4.0, 3.0, 20.0
 

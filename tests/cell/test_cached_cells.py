@@ -2,6 +2,7 @@
 
 import shutil
 import time
+from pathlib import Path
 
 import pytest
 from conftest import DATA
@@ -116,3 +117,8 @@ def test_a_urdf_written_while_it_is_read_does_not_take_the_place_of_the_old_one(
     assert reach(cell) == REACH
     urdf.write_bytes(old)
     assert reach(cell) != REACH
+
+
+def test_whatever_decides_what_a_manifest_says_is_in_its_key():
+    package = Path(mrts.__file__).parent
+    assert [pattern for pattern in content_key.SHAPING if not list(package.glob(pattern))] == []

@@ -5,7 +5,7 @@ import pytest
 from contact_forces import axes_of, least_pressing, least_squeezing
 
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.cell.hands.kinds import gripper_contact, pad_contact, suction_contact
+from mrts.cell.hands import gripper_contact, pad_contact, suction_contact
 
 WRENCHES = 2_000
 SHAPES = 5

@@ -9,7 +9,7 @@ import yaml
 from conftest import DATA
 
 import mrts
-from mrts.cell.motors.joint_motors import torque_speed_lines
+from mrts.cell.motors import torque_speed_lines
 
 pytestmark = pytest.mark.quick
 

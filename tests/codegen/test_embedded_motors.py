@@ -11,14 +11,14 @@ from loaded_library import PLACES, LoadedLibrary, reals, structure
 from scipy.optimize import linprog
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.cli import main
 from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import distribute_torques, torque_weights
-from mrts.program.trajectory_programs import motion_ranges
 
 OK, INFEASIBLE, EMPTY, BAD_ARGUMENT = 0, 2, 3, 5
 FREE, EVEN = "range_of_sample", "equal_share_range"

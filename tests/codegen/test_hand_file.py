@@ -6,7 +6,7 @@ import yaml
 from conftest import DATA
 
 import mrts
-from mrts.cell.hands.kinds import pad_contact
+from mrts.cell.hands import pad_contact
 from mrts.scaling.limit_use import limit_uses
 
 UR5 = DATA.parent / "dual_ur5"

@@ -111,25 +111,13 @@ def test_an_mp4_has_the_same_frames(clips, tmp_path, monkeypatch):
     monkeypatch.setitem(film.RATES, ".mp4", FEW)
     path = tmp_path / "lift.mp4"
     write_film(clips[1:], path)
-    read = [
-        imageio_ffmpeg.get_ffmpeg_exe(),
-        "-loglevel",
-        "error",
-        "-i",
-        path,
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "rgb24",
-        "-",
-    ]
+    read = [imageio_ffmpeg.get_ffmpeg_exe(), *f"-loglevel error -i {path} -f rawvideo -pix_fmt rgb24 -".split()]
     content = subprocess.run(read, capture_output=True, check=True).stdout
     width, height = Composition(clips[1:]).size
-    frames = np.frombuffer(content, dtype=np.uint8).reshape(-1, height + height % 2, width + width % 2, 3)
+    frames = np.frombuffer(content, dtype=np.uint8).reshape(-1, height, width, 3)
     assert len(frames) >= 3 * FEW
-    shown = frames[-1, :height, :width]
     expected = Composition(clips[1:], PACES[0.1] + " of real time").frame(clips[1].trajectory.duration)
-    assert np.mean(np.abs(shown.astype(float) - expected)) < 6
+    assert np.mean(np.abs(frames[-1].astype(float) - expected)) < 6
 
 
 def test_a_picture_has_arms_object_forces_and_lines_of_each_limit(clips, tmp_path):
@@ -213,19 +201,17 @@ def test_what_cannot_be_a_film_is_told(clips, tmp_path, monkeypatch):
     long = SimpleNamespace(trajectory=SimpleNamespace(duration=1e5))
     with pytest.raises(mrts.InputError, match="at most 3600 frames"):
         write_film([long], tmp_path / "lift.gif")
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    for name in ("lift.mp4", "lift.gif"):
-        with pytest.raises(mrts.InputError, match=r"pip install 'mrts\[film\]'"):
-            write_film(clips, tmp_path / name)
+    monkeypatch.setattr(film, "find_spec", lambda _name: None)
+    with pytest.raises(mrts.InputError, match=r"pip install 'mrts\[film\]'"):
+        write_film(clips, tmp_path / "lift.mp4")
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("way", ["egl", "osmesa"])
-def test_where_nothing_can_draw_what_to_install_is_told(way, tmp_path):
+def test_where_nothing_can_draw_what_to_install_is_told(tmp_path):
     """In a process whose libEGL and libOSMesa are not found: exit code 2, before any work."""
     moment = str(tmp_path / "x.png")
     command = [sys.executable, "-c", HIDDEN, "view", DATA / "cell.yaml", DATA / "lift.yaml", "--png", moment]
-    environment = os.environ | {"MUJOCO_GL": way}
+    environment = os.environ | {"MUJOCO_GL": "egl"}
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     assert done.returncode == 2, done.stderr
     assert "libegl1" in done.stderr

@@ -96,8 +96,7 @@ def test_a_singular_arm_keeps_what_it_was_given_in_the_direction_it_lost(elbow, 
     motion = mrts.follow_object(planar_cell, lift)
     q, dq = motion.q.copy(), motion.dq + 0.1
     q[-1, 1] = elbow
-    given = CoordinatedMotion(motion.object, q, dq, motion.ddq)
-    ours = nearest_rates(planar_cell, motion.object, given)[0]
+    ours = nearest_rates(planar_cell, motion.object, q, dq, motion.ddq)[0]
     jacobians = planar_cell.functions("kinematics", len(q), {"q": q})["jacobian"]
     for robot, joints in zip(planar_cell.robots, planar_cell.joint_slices.values(), strict=True):
         J, (velocity, _) = jacobians[:, :, joints], tip_rates(planar_cell, robot, motion.object)

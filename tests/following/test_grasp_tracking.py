@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pinocchio as pin
 import pytest
 import yaml
 from casadi_cells import casadi_cell
@@ -11,7 +10,6 @@ from cell_bank import random_spatial_cell
 from conftest import DATA
 from followed_motions import assert_consistent, motion
 from published_robots import CASES, ROBOTS
-from random_cells import chain_model, configuration
 
 import mrts
 from mrts.following.coordinate import coordinate
@@ -177,37 +175,3 @@ def test_an_object_motion_given_by_hand_is_checked():
     for spoil, message in OBJECT_MISTAKES.values():
         with pytest.raises(mrts.InputError, match=message):
             replace(given, **spoil(given))
-
-
-def test_one_arm_equals_hollerbachs_scaling(tmp_path):
-    """n = 1 without wrench limits: c² from the torque rows of inverse dynamics alone, object welded to the hand."""
-    case = random_spatial_cell(np.random.default_rng(3), tmp_path, 1)
-    cell = case.cell.without_wrench_limits().without_velocity_limits()
-    strong = np.array([60.0, 60, 60, 60, 60, 60])
-    cell = replace(cell, robots=(replace(cell.robots[0], torque_lower=-strong, torque_upper=strong),))
-    followed = mrts.follow_object(cell, case.motion)
-    robot = cell.robots[0]
-    model = chain_model(tmp_path / "arm0.urdf")
-    model.gravity.linear = robot.T_world_base.R.T @ cell.gravity
-    # Hollerbach (1984): the load is part of the last link
-    frame = model.frames[model.getFrameId("tip")]
-    tip_object = pin.SE3(robot.T_object_tip.R, robot.T_object_tip.p).inverse()
-    load = pin.Inertia(cell.mass, np.zeros(3), cell.inertia)
-    model.appendBodyToJoint(frame.parentJoint, load, frame.placement * tip_object)
-    data = model.createData()
-    lower, upper = np.zeros(followed.samples), np.zeros(followed.samples)
-    feasible = np.ones(followed.samples, dtype=bool)
-    for k in range(followed.samples):
-        q = configuration(model, followed.q[k])
-        G = pin.computeGeneralizedGravity(model, data, q).copy()
-        a = pin.rnea(model, data, q, followed.dq[k], followed.ddq[k]) - G
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ends = np.sort(np.stack([(robot.torque_lower - G) / a, (robot.torque_upper - G) / a]), axis=0)
-        lower[k], upper[k] = max(0.0, np.max(ends[0])), np.min(ends[1])
-        feasible[k] = lower[k] <= upper[k]
-    samples = mrts.scale(cell, followed).range.samples
-    assert [status.value != "infeasible" for status in samples.status] == feasible.tolist()
-    moving = feasible & np.isfinite(samples.upper)
-    assert np.sum(moving) > 5
-    np.testing.assert_allclose(samples.upper[moving], upper[moving], rtol=1e-8)
-    np.testing.assert_allclose(samples.lower[moving], lower[moving], rtol=1e-8, atol=1e-8)

@@ -23,33 +23,7 @@ SMALLEST = {
     "variants/rates.py": {"variants": 4, "alone": 1, "repeats": 1},
 }
 
-ELSEWHERE = {
-    "interleaved.py": "what the others measure with",
-    "cases.py": "what the others ask about",
-    "range/pinocchio_cell.py": "the rival of range/ranges.py",
-    "range/instructions.py": "needs valgrind",
-    "timing/timing_alone.py": "what two others time",
-    "timing/whole_call_instructions.py": "needs valgrind; its calls are those of table.py",
-    "closed_loop.py": "its trial is that of tests/program/test_closed_loop.py",
-    "smooth_timing.py": "its paths and its rival are those of tests/program/test_against_copp.py",
-    "startup/end_to_end.py": "takes 9 s: a dozen processes; table.py asks the same of one",
-    "startup/generation_cost.py": "takes 6 s: it generates and compiles",
-    "differential/drawn_cases.py": "what compare.py asks",
-    "differential/answers.py": "what compare.py compares",
-    "differential/compare.py": "tests/house/test_differential.py",
-    "embedded/embedded_counts.py": "its helpers are those of tests/codegen",
-    "variants/sweep_speed.py": "its sweeps are those of tests/sweeps",
-    "paper/paper_identification.py": "tests/commands/test_demo.py",
-    "paper/paper_readings.py": "read by paper_identification.py",
-}
-"""Scripts that are not run here, and why."""
-
 NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*(?:e[-+]?\d+)?|nan|inf)(?![\w.])")
-
-
-def test_every_script_is_run_or_named():
-    scripts = {str(path.relative_to(FOLDER)) for path in FOLDER.rglob("*.py")}
-    assert scripts == SMALLEST.keys() | ELSEWHERE.keys()
 
 
 @pytest.mark.parametrize(

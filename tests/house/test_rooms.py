@@ -10,37 +10,15 @@ pytestmark = pytest.mark.quick
 
 PACKAGE = ROOT / "mrts"
 
-ROOMS = (
-    "base",
-    "kernel",
-    "cell",
-    "motion",
-    "following",
-    "diagnosis",
-    "limits",
-    "program",
-    "scaling",
-    "timing",
-    "identification",
-    "studies",
-    "sweeps",
-    "layout",
-    "plots",
-    "scene",
-    "starting",
-    "output",
-    "report",
-    "film",
-    "viewer",
-    "console",
-    "commands",
-)
-"""A room imports itself and what stands above it; of the last rooms, each has its own library and none the others'."""
+PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+ROOMS = dict(re.findall(r"^\| `(\w+)` \| .+ \| `([\w.]+)` \|$", PAGE, re.MULTILINE))
+"""In the order of the contributors' table, with where to start. A room imports itself and what stands above it."""
 
 SHARED = ("mrts.cell.record", "mrts.cell.robot", "mrts.cell.hands", "mrts.cell.motors")
 """What the build time makes of a cell."""
 
 APART = ("report", "viewer")
+"""Each has its own library, and none the other's."""
 
 ROOT_FILES = {"__init__.py", "__main__.py", "cli.py", "py.typed"}
 
@@ -76,19 +54,13 @@ def room(name):
 def test_every_folder_is_a_room_of_the_table():
     folders = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"}
     assert folders - {"data"} == set(ROOMS)
+    assert [name for name, start in ROOMS.items() if not (PACKAGE / name / start).is_file()] == []
     assert {path.name for path in PACKAGE.iterdir() if path.is_file()} == ROOT_FILES
 
 
 def above(name):
     """What a room may import, itself aside."""
-    return [other for other in ROOMS[: ROOMS.index(name)] if not {name, other} <= set(APART)]
-
-
-def test_the_table_for_contributors_has_the_rooms_in_order():
-    page = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
-    listed = re.findall(r"^\| `(\w+)` \| .+ \| `([\w.]+)` \|$", page, re.MULTILINE)
-    assert [name for name, _ in listed] == list(ROOMS)
-    assert [start for name, start in listed if not (PACKAGE / name / start).is_file()] == []
+    return [other for other in list(ROOMS)[: list(ROOMS).index(name)] if not {name, other} <= set(APART)]
 
 
 def test_a_room_imports_only_what_stands_above_it():

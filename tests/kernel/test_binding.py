@@ -9,6 +9,7 @@ import pytest
 
 from mrts.kernel.binding import bind, structure
 from mrts.kernel.c_text import one_text
+from mrts.kernel.cell_library import SparseLimits
 
 STRUCTURES = {
     "mrts_limits": "rows.h",
@@ -45,3 +46,8 @@ def test_arguments_have_the_types_that_c_declares(planar_cell):
 def test_a_library_that_lacks_a_function_is_refused():
     with pytest.raises(AttributeError):
         bind(ctypes.CDLL(None), ("batch.c",))
+
+
+def test_reversed_limits_are_refused():
+    with pytest.raises(ValueError, match=r"rows \[1\]"):
+        SparseLimits(matrix=np.eye(2), lower=np.array([0.0, 1.0]), upper=np.array([1.0, 0.0]), group=("N", "N"))

@@ -20,9 +20,9 @@ from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_program
 from mrts.program.convex_program import ConvexPrograms, optimality_error
 from mrts.program.solvers import solve_programs
 
-LINEAR_PROGRAMS = 12_000
+LINEAR_PROGRAMS = 34_000
 
-QUADRATIC_PROGRAMS = 1_680
+QUADRATIC_PROGRAMS = 3_360
 
 HARD = 20
 

@@ -9,12 +9,9 @@ from conftest import DATA
 from contact_forces import least_pressing
 
 import mrts
-from mrts.cell.hands.contact import Contact, tip_components
-from mrts.cell.hands.kinds import box_contact, gripper_contact, pad_contact, suction_contact
+from mrts.cell.hands import Contact, box_contact, gripper_contact, pad_contact, suction_contact, tip_components
 from mrts.limits import limit_rows
 from mrts.limits.object_axes import object_axes
-from mrts.program.motion_rows import motion_rows
-from mrts.program.sample_problem import build_sample_problem
 
 SAME = 1e-8
 """Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""
@@ -199,10 +196,3 @@ def test_zero_limits_of_a_contact_are_measured_by_its_own_force(dual_ur5, lift_a
     unit = {str(name): unit for name, unit in zip(rows.names, rows.units(), strict=True)}
     assert unit["left/pad friction +a"] == 70.0
     assert unit["left/tie sum"] == 1.0
-    problem = build_sample_problem(
-        motion_rows(cell.without_velocity_limits(), mrts.follow_object(dual_ur5, lift_and_turn))
-    )
-    assert (
-        problem.names == limit_rows(cell.without_velocity_limits(), mrts.follow_object(dual_ur5, lift_and_turn)).names
-    )
-    assert {str(name): unit for name, unit in zip(problem.names, problem.unit, strict=True)}.items() <= unit.items()

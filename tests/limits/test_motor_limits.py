@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors, torque_speed_lines
+from mrts.cell.motors import JointMotors, torque_speed_lines
 from mrts.limits.cell_limits import motor_limits
 
 CURVE = np.array([[0.0, 90.0], [2.0, 90.0], [4.0, 60.0], [5.0, 10.0]])

@@ -12,7 +12,6 @@ from shown_results import with_all_rates
 import mrts
 from mrts.cli import main
 from mrts.output.trajectory_table import played_rows
-from mrts.viewer.player_state import PlayerState
 
 LIMITS = {"shoulder": 1100, "elbow": 880, "wrist": 550}
 """11 times the torque limits of a planar arm [N m/s]."""
@@ -75,11 +74,6 @@ def test_a_table_read_back_can_be_played_as_fast_and_no_faster_within_its_rates(
     assert again.range.upper.c2 == pytest.approx(1, abs=NO_FASTER)
     assert {row.name.kind for row in again.range.upper.rows} & {"torque rate", "wrench rate"}
     assert not any(warning.code == "step-at-ends" for warning in again.warnings)
-    state = PlayerState(found.cell, mrts.load_motion(tmp_path / "trajectory.csv"))
-    half = state.trajectory.duration / 2
-    state.choose_time(half)
-    steps = np.diff(state.trajectory.time)
-    assert abs(state.time - half) <= np.max(steps) / 2
 
 
 def test_torques_for_another_load_keep_the_rates_or_are_refused(planar_cell, lift):

@@ -1,7 +1,6 @@
 """Limits between samples: dense evaluation of drawn motions by HiGHS, closed forms, monotony, and what is said."""
 
 import os
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,13 +11,10 @@ from motion_tables import columns_of, write_table
 from motions_between import DENSE, KINDS, corner_of, dense_excess, draw
 
 import mrts
-from mrts.following.denser_motion import between_samples, denser
 from mrts.program.excess import BETWEEN
 
 DRAWN = int(os.environ.get("BETWEEN_MOTIONS", "10"))
 SEED = 11
-CORNER = 3e-4  # the tolerance of each, as limits of torque without gravity along x move with c² in proportion
-COURSE = 1e-4  # of the largest acceleration: polynomials of third degree through velocities at 21 samples
 
 
 @pytest.fixture(scope="module")
@@ -72,18 +68,6 @@ def test_a_velocity_whose_peak_lies_between_samples(tmp_path, samples, between):
         assert found.excess.share <= between
 
 
-@pytest.mark.parametrize(("legs", "off"), [(1, 0.07), (2, 0.28), (5, 1.3)])
-def test_more_samples_change_no_refined_range_of_a_corner(planar_cell, legs, off):
-    """What 22 samples around a right angle say, refined, 1001 say too; the bare ones miss the corner by far."""
-    keys = {"duration": 0.8, "profile": "quintic", "waypoints": corner_of(planar_cell, 0.3, legs)}
-    bare, few, many = (
-        mrts.scale(planar_cell, mrts.sample_motion(mrts.MotionDescription(**keys, samples=n)), between=b).range.upper.c2
-        for n, b in ((22, None), (22, 1e-4), (1001, 1e-4))
-    )
-    assert few == pytest.approx(many, rel=CORNER)
-    assert bare > few * (1 + off)
-
-
 def test_a_coarse_table_of_joints_says_that_its_splines_are_ours(cells, tmp_path):
     """21 rows around a corner, 64 samples on their splines: told by how much c²⁺ is less than at the samples."""
     cell = cells[0]
@@ -98,34 +82,6 @@ def test_a_coarse_table_of_joints_says_that_its_splines_are_ours(cells, tmp_path
     bare = mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml"), between=None)
     fall = 100 * (1 - found.range.upper.c2 / bare.range.upper.c2)
     assert f"{fall:.2g} % less" in told[0].text
-
-
-@pytest.mark.parametrize("name", ["planar", "spatial"])
-def test_every_motion_is_known_between_its_samples(cells, name):
-    """A described motion on its course; the same as bare samples on polynomials, near it; both hold the grasps."""
-    cell = cells[name == "spatial"]
-    given = mrts.sample_motion(
-        mrts.MotionDescription(
-            duration=0.8,
-            samples=41,
-            profile="quintic",
-            start={"xyz": [1.25, 1.0, 0] if name == "planar" else [0, 0.1, 0.35]},
-            end={"xyz": [1.2, 1.3, 0]} if name == "planar" else {"xyz": [0.03, 0.2, 0.5], "rpy": [0.2, 0, 0.3]},
-        )
-    )
-    followed = mrts.follow_object(cell, given)
-    at = (given.time[:-1] + given.time[1:]) / 2
-    known = between_samples(cell, followed, at)
-    whole = denser(followed, known, np.arange(1, len(at) + 1))
-    again = mrts.follow_object(cell, whole.object)
-    np.testing.assert_allclose(whole.q, again.q, atol=1e-9)
-    np.testing.assert_allclose(whole.ddq, again.ddq, atol=COURSE * np.max(np.abs(again.ddq)))
-    np.testing.assert_array_equal(whole.q[::2], followed.q)
-    np.testing.assert_array_equal(whole.object.time[::2], given.time)
-    bare = replace(followed, object=replace(given, course=None))
-    guessed = between_samples(cell, bare, at)
-    np.testing.assert_allclose(guessed.object.position, known.object.position, atol=1e-7)
-    np.testing.assert_allclose(guessed.q, known.q, atol=1e-6)
 
 
 @pytest.fixture(scope="module")

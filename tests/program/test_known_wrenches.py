@@ -37,9 +37,7 @@ def along_spline(cell, path, samples):
     return carried_by_first(cell, s, path(s), path(s, 1), path(s, 2), smooth=False)
 
 
-@pytest.mark.parametrize(
-    "kind", ["arm", "arm with velocities", "reserve", "motors", "shared", "squeezed", "infeasible"]
-)
+@pytest.mark.parametrize("kind", ["arm", "velocities", "reserve", "motors", "shared", "squeezed", "infeasible"])
 def test_ends_and_the_rows_that_set_them(kind, tmp_path, planar_cell, lift, dual_ur5):
     arm, path = arm_and_path(tmp_path)
     motion, sharing, cell = (

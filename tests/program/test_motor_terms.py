@@ -4,18 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import DATA
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms, travel_directions
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.torque_distribution import distribute_torques
-from mrts.program.trajectory_programs import motion_torques
-
-SAME = 1e-6
-"""Torques of two solvers of one quadratic program, relative to their size."""
 
 
 def with_motors(cell, **given):
@@ -66,25 +60,3 @@ def test_at_a_turning_point_limits_move_inward_by_the_dry_friction(planar_cell, 
     moving[4, 1] = False
     shift = given.upper[:, : dq.shape[1]] - narrowed.upper[:, : dq.shape[1]]
     np.testing.assert_allclose(shift[moving], torque[moving], atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("fixture", "file"), [("planar_cell", "lift.yaml"), ("dual_ur5", "../dual_ur5/lift_and_turn.yaml")]
-)
-def test_the_kernel_distributes_the_same_motor_torques_as_numpy(fixture, file, request):
-    cell = request.getfixturevalue(fixture)
-    motion = mrts.follow_object(cell, mrts.load_motion(DATA / file))
-    curve = [[0, 400.0], [2.0, 400.0], [30.0, 100.0]]
-    cell = with_motors(cell, armature=0.1, coulomb=1.5, viscous=0.7, torque_speed=curve)
-    c2, W = 0.05, np.eye(motion.q.shape[1])
-    torque, wrench, fallbacks = motion_torques(motion_rows(cell, motion), "kernel", c2, W)
-    assert fallbacks == 0
-    problem = build_sample_problem(motion_rows(cell, motion))
-    x, _ = distribute_torques(problem, c2, W, "scipy:highs")
-    np.testing.assert_allclose(torque, problem.torque(x), atol=SAME * np.max(np.abs(torque)))
-    np.testing.assert_allclose(wrench, problem.wrench(x), atol=SAME * np.max(np.abs(wrench)))
-    terms = motor_terms(cell, motion)
-    plain = problem.torque(x) - terms.torque(np.sqrt(c2))
-    np.testing.assert_allclose(
-        plain + 0.1 * motion.ddq * c2 + 0.7 * motion.dq * np.sqrt(c2) + terms.dry, problem.torque(x), atol=1e-12
-    )

@@ -15,7 +15,7 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.reserve import least_shares
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.program.trajectory_programs import motion_torques
+from mrts.program.torque_distribution import motion_torques
 
 SHARE_TOLERANCE = 1e-8  # of a limit; HiGHS is asked for 1e-10
 COST_TOLERANCE = 1e-5  # HiGHS's active-set solver stops near 1e-7 of a limit, where the cost falls by 20 per limit

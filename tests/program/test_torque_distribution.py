@@ -14,8 +14,8 @@ from mrts.base.manifest import GEOMETRY
 from mrts.base.torque_weights import WEIGHT_SPREAD
 from mrts.kernel.programs import OPTIMAL, STOPPED
 from mrts.program.motion_rows import motion_rows
+from mrts.program.sample_ranges import motion_ranges
 from mrts.program.torque_distribution import least_torques, torque_weights
-from mrts.program.trajectory_programs import motion_ranges
 
 pytestmark = pytest.mark.quick
 

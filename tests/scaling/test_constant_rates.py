@@ -10,7 +10,7 @@ from gantries import along_x, gantries
 from rated_factor import RatedFactor
 
 import mrts
-from mrts.cell.motors.joint_motors import JointMotors
+from mrts.cell.motors import JointMotors
 from mrts.program.rate_limits import rate_limits
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.constant_rates import RatedFactors
@@ -246,17 +246,3 @@ def test_random_cells_against_an_independent_program(seed, tmp_path):
     assert result.range.upper.rows
     residuals = result.residuals()
     assert max(residuals.arms, residuals.object) < 1e-7 * np.max(np.abs(result.trajectory.torque))
-
-
-def every_fifth(motion):
-    arrays = (motion.time, motion.position, motion.rotation, motion.twist, motion.acceleration)
-    return mrts.ObjectMotion(*(array[::5] for array in arrays))
-
-
-def test_corners_of_a_box_together_against_an_independent_program(planar_cell, lift):
-    cell = planar_cell.with_variation(mass=(0.4, 2.0), izz=(0.5, 1.5))
-    result = mrts.scale(cell, every_fifth(lift), rates=3.0, between=None)
-    corners = [point.load for point in cell.load_box.corners(cell.load_box.varying)]
-    oracle = RatedFactor(cell, result.motion, rate_limits(cell, 3.0), corners)
-    c = result.trajectory.c
-    assert oracle.excess(c * (1 - BISECTED)) < 0 < oracle.excess(c * (1 + BISECTED))

@@ -68,20 +68,6 @@ def test_a_bad_variation_is_refused(mistake, tmp_path, capsys):
     assert "cell.yaml: object.variation" in said
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--load", "guaranteed"], "add 'variation' under 'object'"),
-        (["--load", "sometimes"], "add 'variation' under 'object'"),
-        (["--carry", "mass=2"], "gives no object.variation"),
-        (["--carry", "mass"], "gives no object.variation"),
-    ],
-)
-def test_questions_without_a_box_are_refused(options, words, capsys):
-    assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *options]) == 2
-    assert words in capsys.readouterr().err
-
-
 def test_bad_questions_and_loads_are_refused(planar_cell, lift):
     cell = planar_cell.with_variation(mass=(0.2, 6.0))
     for load in ("grid:1", "grid:99999", "sometimes", "grid:x", 3):

@@ -2,11 +2,9 @@
 
 import xml.etree.ElementTree as ET
 
-import numpy as np
 import pytest
 
 import mrts
-from mrts.output.summary_lines import limit_table
 
 LONGEST = 2000
 """Characters of any of them; the longest says why a motion is infeasible."""
@@ -56,17 +54,8 @@ def test_the_tables_have_outcome_range_speed_and_what_is_made_of_each_limit(resu
         ["3.062"],
     ]
     assert tables["torque"]["left/elbow"][2:] == ["100 %", "[-80, 80] N m, binds"]
-    shoulder = results["feasible"].torque["left"][:, 0]
-    least, largest = float(np.min(shoulder)), float(np.max(shoulder))
-    used = f"{round(100 * max(-least, largest) / 100, 1):g} %"
-    assert tables["torque"]["left/shoulder"] == [f"{least:.4g}", f"{largest:.4g}", used, "[-100, 100] N m"]
     for result in results.values():
-        tables, _ = shown(result)
-        assert ("torque" in tables) == (result.trajectory is not None)
-        listed = [row for row in limit_table(result) if "[" in row] if result.trajectory is not None else []
-        assert [row.split()[0] for row in listed] == [
-            name for title, rows in tables.items() if title for name, cells in rows.items() if "[" in cells[-1]
-        ], "as on the command line"
+        assert ("torque" in shown(result)[0]) == (result.trajectory is not None)
     assert shown(results["infeasible"])[0] == {"": {"outcome": ["infeasible"]}}
     assert set(shown(results["possible"])[0][""]) == {"outcome", "range of c²"}
     assert shown(results["unbounded"])[0][""]["range of c²"] == ["[0, ∞)"]

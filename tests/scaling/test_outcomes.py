@@ -51,7 +51,7 @@ def test_an_infeasible_motion_is_explained_by_a_certificate(planar_cell, lift):
     assert "elbow" in result.summary()
 
 
-@pytest.mark.parametrize("k", [1e-9, 1e-3, 1e3, 1e9])
+@pytest.mark.parametrize("k", [1e-9, 1e9])
 @pytest.mark.parametrize("formulation", ["wrench", "torque"])
 def test_units_do_not_matter(planar_cell, lift, k, formulation, tmp_path):
     """All masses, inertias and limits times k: the same range, and limits kept to the same share of themselves."""
@@ -116,17 +116,6 @@ def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
     assert result.to_json()["c2"] == {"lower": 0.0, "upper": None}
     with pytest.raises(mrts.SelectionError, match="no limit depends"):
         mrts.scale(planar_cell, still, "fastest")
-
-
-@pytest.mark.parametrize(
-    ("solver", "formulation"), [("kernel", "wrench"), ("kernel", "torque"), ("qpsol:qpoases", "wrench")]
-)
-def test_where_nothing_bounds_the_speed_no_row_is_named(dual_ur5, solver, formulation):
-    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
-    samples = mrts.scale(dual_ur5, motion, solver=solver, formulation=formulation).range.samples
-    unbounded = np.flatnonzero(np.isinf(samples.upper))
-    assert unbounded.size
-    assert [samples.binding(sample, "upper") for sample in unbounded] == [()] * len(unbounded)
 
 
 @pytest.mark.parametrize("c2", [3.1, 0.0, -1.0, float("nan"), float("inf"), 10**400])

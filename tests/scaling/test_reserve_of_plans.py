@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from conftest import DATA
-from draws import seeds
 from gantries import along_x, gantries
 
 import mrts
@@ -16,14 +15,6 @@ from mrts.scaling.limit_use import limit_uses
 BISECTION = 1e-6
 ROUNDING = 1e-8  # of a limit: programs are solved to 1e-9
 FORMULAS = 1e-9
-
-
-def largest_share(result, kinds=("torque", "wrench")):
-    """Of some kinds of limits, at every sample."""
-    done = result.trajectory
-    rows = limit_rows(result.cell.with_reserve(0.0), result.motion)
-    rows = rows.only(np.array([name.kind in kinds for name in rows.names], dtype=bool))
-    return np.max(rows.share(rows.value(done.torque, done.wrench, 0.0, done.c)), axis=1)
 
 
 def admits(cell, motion, c2, reserve, **asked):
@@ -88,21 +79,6 @@ def test_the_reserve_is_the_largest_that_leaves_c2_in_the_range(seed, tmp_path):
     assert reserve.share == pytest.approx(inside, abs=BISECTION)
     assert reserve.rows
     assert 0 <= reserve.time <= motion.time[-1]
-
-
-@pytest.mark.parametrize("seed", seeds(1, 2))
-def test_no_distribution_keeps_more_than_that_of_reserve(seed, tmp_path):
-    cell, motion, c2, _ = random_plan(100 + seed, tmp_path)
-    kept = mrts.scale(cell, motion, c2, distribute="reserve", weights=1)
-    least = mrts.scale(cell, motion, c2, weights=1)
-    assert np.all(largest_share(least) >= largest_share(kept) - ROUNDING)
-    assert np.max(largest_share(kept)) == pytest.approx(1 - kept.reserve.distributed.share, abs=ROUNDING)
-    assert least.reserve == kept.reserve
-    torques = [np.sum(result.trajectory.torque**2, axis=1) for result in (least, kept)]
-    assert np.all(torques[0] <= torques[1] * (1 + ROUNDING) + ROUNDING)
-    for result in (least, kept):
-        residuals = result.residuals()
-        assert max(residuals.arms, residuals.object) < 1e-7 * (1 + np.max(np.abs(result.trajectory.torque)))
 
 
 def test_closed_form_on_gantries(tmp_path):

@@ -47,12 +47,6 @@ def test_the_arms_start_at_their_postures(dual_ur5):
     assert [robot.T_world_base for robot in held.robots] == [robot.T_world_base for robot in dual_ur5.robots]
 
 
-def test_a_planar_cell_stays_in_its_plane(planar_cell, lift):
-    held = hold_here(planar_cell, lift.position[0])
-    start = mrts.follow_object(held, lift).q[0]
-    assert start == pytest.approx(np.concatenate([robot.posture for robot in planar_cell.robots]), abs=SAME)
-
-
 def test_grasps_are_put_into_the_text_and_nothing_else_changes():
     grasps = {name: {"xyz": [index, 0, 0]} for index, name in enumerate(("left", "right", "third", "fourth"))}
     text = with_grasps(Path("cell.yaml"), ROBOTS, grasps)

@@ -136,11 +136,10 @@ def test_arms_of_one_machine_hold_in_front_of_it():
     model = pin.buildModelFromUrdf(str(BAXTER))
     data, whole = model.createData(), pin.neutral(model)
     for each, stand in zip(request.arms, best.stands, strict=True):
-        for joint, position in zip(each.arm.robot.joints, stand.posture, strict=True):
+        chain = each.arm.robot
+        assert np.all((stand.posture >= chain.position_lower) & (stand.posture <= chain.position_upper))
+        for joint, position in zip(chain.joints, stand.posture, strict=True):
             whole[model.joints[model.getJointId(joint)].idx_q] = position
-        assert np.all(
-            (stand.posture >= each.arm.robot.position_lower) & (stand.posture <= each.arm.robot.position_upper)
-        )
     pin.framesForwardKinematics(model, data, whole)
     for each, stand in zip(request.arms, best.stands, strict=True):
         tip = data.oMf[model.getFrameId(each.arm.robot.source.tip_link)]

@@ -17,7 +17,7 @@ import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.trajectory_programs import motion_ranges
+from mrts.program.sample_ranges import motion_ranges
 from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
 from mrts.timing.path_pieces import path_pieces
 from mrts.timing.speed_regions import speed_regions
@@ -188,7 +188,7 @@ def test_regions_reach_as_far_as_highs_finds(seed, tmp_path):
 
 
 def test_what_a_reviewer_broke(tmp_path):
-    """A straight path whose ṡ² has no effect but rounding; many samples from rest; one slow joint."""
+    """A straight path whose ṡ² has no effect but rounding; one slow joint."""
     cell = gantries(tmp_path)
     pushed = [
         replace(robot, wrench_lower=np.array([2.0, -np.inf, -np.inf]), wrench_upper=np.array([10.0, np.inf, np.inf]))
@@ -201,9 +201,6 @@ def test_what_a_reviewer_broke(tmp_path):
     motion = mrts.ObjectMotion(time, columns[0, :, :3], eye, columns[1], columns[2])
     found = mrts.retime(replace(cell, robots=tuple(pushed)), motion, start_speed=0.1, end_speed=1.5)
     assert found.status.admits_motion, found.summary()
-    many = mrts.retime(cell, along_x(samples=30_001, profile="quintic"))
-    assert many.duration == pytest.approx(2 * np.sqrt(2 * 11 / 40), rel=1e-6)
-    assert many.excess.share < EXCESS_GOAL
     assert mrts.retime(replace(cell, robots=slowed(cell, 1e-4)), along_x()).status.admits_motion
 
 

@@ -68,12 +68,6 @@ def test_arms_that_are_alike_but_for_the_last_digits(difference, planar_cell):
     assert durations[1] == pytest.approx(durations[0], rel=10 * difference)
 
 
-def test_a_trapezoid_has_any_number_of_samples():
-    """Its corner may be a sample."""
-    for samples in range(31, 800, 13):
-        scaled_path("planar_dual_arm", 0.1, samples, "trapezoid")
-
-
 def test_a_fast_start_on_a_short_path(planar_cell):
     """It rolls over a micrometre so fast that its accelerations hardly count."""
     time = np.linspace(0, 1e-6, 101)

@@ -91,3 +91,21 @@ def test_a_sample_without_a_projection_leaves_those_beside_it_as_they_are():
         if len(ours):
             reaches = [np.max(points @ directions(), axis=0) for points in (ours, clean)]
             np.testing.assert_allclose(*reaches, rtol=SAME, atol=SAME)
+
+
+@pytest.mark.quick
+def test_a_projection_without_area_is_two_corners():
+    """What lies between them on their line bounds nothing, and hides that they bound u along itself."""
+    rng = np.random.default_rng(10)
+    count, rows, unknowns = 60, 9, 5
+    A = rng.normal(size=(count, rows, unknowns))
+    lower, upper = -rng.uniform(0.1, 1, (count, rows)), rng.uniform(0.1, 1, (count, rows))
+    A[:, 0, :3] = 0.0  # a line in u and x
+    A[: count // 3, 0, 3] = 0.0  # along u
+    lower[:, 0] = upper[:, 0] = 0.0
+    A[:, 1:4, :3] = np.eye(3)
+    scale, bound = np.ones((count, unknowns)), np.full((count, 2), 3.0)
+    number, corners, status = default_programs().projections(A, lower, upper, scale, (-bound, bound))
+    assert np.all(status == OPTIMAL)
+    assert np.all(number == 2)
+    assert np.all(np.abs(np.sum(corners * np.repeat(A[:, 0, 3:], 2, axis=0), axis=1)) < 1e-9)

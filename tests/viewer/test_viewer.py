@@ -1,190 +1,284 @@
-"""The viewer: arms where they are, all of them in the picture, and the real page in a real browser."""
+"""The viewer without a browser: its controls are set as a browser's messages set them, its scene is read back."""
 
-import socket
-from functools import partial
+from dataclasses import replace
 
+import lxml.html
 import numpy as np
 import pytest
 import viser
-import yaml
-import yourdfpy
-from casadi_cells import casadi_cell
 from cell_bank import random_planar_cell, random_spatial_cell
-from command_line import mrts_without
-from conftest import DATA, ROOT
-from published_robots import ROBOTS
+from conftest import DATA
 from scipy.spatial.transform import Rotation
-from shown_results import as_if_generated
-from viewer_browser import SIZE, chromium, in_picture, interrupt, open_page, running_viewer
+from shown_viewer import UR5, cell_of_real_arms, news_of, planar_given, shown_viewer, spatial_given
+from viewer_socket import connected, messages_of
 
 import mrts
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.source_files import urdf_files
 from mrts.cli import main
-from mrts.scene.arm_meshes import arm_meshes, bars, drawn_arms
-from mrts.scene.cell_shapes import body_poses, joint_points
-from mrts.scene.cell_view import look_at_cell
-from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour, deciding_limit
-from mrts.viewer.scene import ViewerScene
-from mrts.viewer.server import close_server, open_server
-from mrts.viewer.viewer import Viewer
-from mrts.viewer.workbench.choices import Given
-from mrts.viewer.workbench.workbench import Workbench
+from mrts.plots.limit_shares import limit_shares
+from mrts.plots.plot import Axis, Line, Panel
+from mrts.plots.plotly_drawer import MOST_SAMPLES
+from mrts.scene.arm_meshes import bars
+from mrts.scene.cell_shapes import joint_points
+from mrts.viewer.choices import Given, Place
+from mrts.viewer.controls import DECIMALS, assign
+from mrts.viewer.held_poses import still_motion, tip_pose
+from mrts.viewer.player_state import PlayerState
+from mrts.viewer.time_plots import PHASE, compared_html, names_html, time_panels, uplot_props
+from mrts.viewer.viewer import FRAME, Viewer
 
-assert chromium  # a fixture, imported for pytest
+PATIENCE = 60.0
+"""[s]"""
 
-UR5 = DATA.parent / "dual_ur5"
-UR5_URDF = ROBOTS / "ur_description" / "urdf" / "ur5_robot.urdf"
+WANTED = 30
+"""Frames a second."""
+
+MOST_PARTS = 40
+"""Of a frame; viser cuts at 128, and then a page draws half of it."""
+
+BLENDED = 1e-3
+"""By how much less a turn between samples is than a rotation: the square of a step, which is at most 0.06 rad here."""
+
 SINGLE = 2e-6
 """Of positions in a scene [m]: single precision of some metres."""
 
-SAME_PLACE = 1e-9
-"""[m]; meshes pass through single precision nowhere, but yourdfpy's angles are its own."""
+SUMMED = 5e-3
+"""Of the width or height of a plot: the way is a sum over samples, the timing knows it better."""
+
+TORQUES = "Joint torques"
 
 
-def cell_of_real_arms(folder, urdf=UR5_URDF):
-    """The shipped cell of two UR5-class arms, with the manufacturer's arms instead."""
-    description = yaml.safe_load((UR5 / "cell.yaml").read_text())
-    for robot in description["robots"]:
-        robot["urdf"] = str(urdf)
-    (folder / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
-    return folder / "cell.yaml"
+@pytest.fixture
+def viewer(planar_cell):
+    with shown_viewer(planar_given(planar_cell)) as opened:
+        yield opened
 
 
-def arm_of(folder, urdf, base_link, tip_link, joints):
-    """A cell of one arm of a URDF."""
-    robot = {"name": "arm", "urdf": str(urdf), "base_link": base_link, "tip_link": tip_link}
-    robot |= {"posture": [0.1] * joints, "torque": [100.0] * joints, "base": {"xyz": [1, 2, 3], "rpy": [0.3, 0.2, 0.1]}}
-    cell = {"name": "arm", "gravity": [0, 0, -9.81], "object": {"mass": 1.0, "inertia": [0.01, 0.01, 0.01]}}
-    (folder / "cell.yaml").write_text(yaml.safe_dump(cell | {"robots": [robot]}), encoding="utf-8")
-    return folder / "cell.yaml"
+@pytest.fixture(scope="module")
+def spatial(dual_ur5):
+    with shown_viewer(spatial_given(dual_ur5)) as opened:
+        yield opened
 
 
-@pytest.mark.parametrize(
-    ("urdf", "base_link", "tip_link", "joints"),
-    [
-        ("ur_description/urdf/ur5_robot.urdf", None, "tool0", 6),
-        ("panda_description/urdf/panda.urdf", "panda_link0", "panda_hand_tcp", 7),
-        ("baxter_description/urdf/baxter.urdf", "torso", "left_gripper", 7),
-        ("baxter_description/urdf/baxter.urdf", "left_upper_shoulder", "left_wrist", 6),
-    ],
-)
-def test_meshes_stand_where_yourdfpy_puts_them(urdf, base_link, tip_link, joints, tmp_path):
-    """The independent side is yourdfpy's kinematics at q; ours turns the meshes at zero by the manifest's axes."""
-    cell = casadi_cell(arm_of(tmp_path, ROBOTS / urdf, base_link, tip_link, joints))
-    (robot,) = cell.robots
-    (path, base), *_ = urdf_files(tmp_path / "cell.yaml").values()
-    assert base == base_link
-    found = arm_meshes(path, base, robot.joints)
-    assert {body for body, _ in found} >= set(range(1, joints - 1))
-    handler = partial(yourdfpy.filename_handler_magic, dir=str(path.parent))
-    model = yourdfpy.URDF.load(str(path), filename_handler=handler)
-    q = np.random.default_rng(3).uniform(-1, 1, joints)
-    model.update_cfg(dict(zip(robot.joints, q, strict=True)))
-    first = base or model.base_link
-    ours = []
-    R, p = body_poses(robot, q[None])
-    for body, mesh in found:
-        ours.append(mesh.vertices[0] @ R[0, body].T + p[0, body])
-    theirs = []
-    for node in model.scene.graph.nodes_geometry:
-        pose, name = model.scene.graph.get(node, first)
-        vertex = model.scene.geometry[name].vertices[0] @ pose[:3, :3].T + pose[:3, 3]
-        theirs.append(vertex @ robot.T_world_base.R.T + robot.T_world_base.p)
-    for vertex in ours:
-        assert np.min(np.linalg.norm(np.array(theirs) - vertex, axis=1)) < SAME_PLACE
-    tip = model.get_transform(tip_link, first)[:3, 3]
-    line = joint_points(robot, q[None])[0]
-    np.testing.assert_allclose(line[-1], robot.T_world_base.R @ tip + robot.T_world_base.p, atol=SAME_PLACE)
+def choose(viewer, **values):
+    """Set controls, and wait for the answer."""
+    for label, value in values.items():
+        assign(viewer.controls[label.replace("_", " ")], value)
+    viewer.shown.settle()
 
 
-def test_one_arm_of_two_does_not_draw_the_other():
-    joints = tuple(f"left_{joint}" for joint in ("s0", "s1", "e0", "e1", "w0", "w1", "w2"))
-    found = arm_meshes(ROBOTS / "baxter_description/urdf/baxter.urdf", "torso", joints)
-    assert {body for body, _ in found} == set(range(8))
-    vertices = np.concatenate([mesh.vertices for _, mesh in found])
-    assert np.max(vertices[:, 1]) > 0.8
-    assert np.min(vertices[:, 1]) > -0.6  # the right arm would reach as far to the other side
+def drawn(viewer, name):
+    return viewer.server.scene.get_handle_by_name(name)
 
 
-def test_a_joint_that_is_held_is_drawn_where_it_stands():
-    """The right arm hangs on Baxter's torso; held bent, its meshes stand with the base, not left out or at zero."""
-    path = ROBOTS / "baxter_description/urdf/baxter.urdf"
-    joints = tuple(f"left_{joint}" for joint in ("s0", "s1", "e0", "e1", "w0", "w1", "w2"))
-    held = {"left_s0": 0.7, "right_s0": 0.4, "right_s1": -0.3}
-    found = arm_meshes(path, "torso", joints[1:], held)
-    handler = partial(yourdfpy.filename_handler_magic, dir=str(path.parent))
-    model = yourdfpy.URDF.load(str(path), filename_handler=handler)
-    model.update_cfg(held)
-    theirs = []
-    for node in model.scene.graph.nodes_geometry:
-        pose, name = model.scene.graph.get(node, "torso")
-        theirs.append(model.scene.geometry[name].vertices[0] @ pose[:3, :3].T + pose[:3, 3])
-    assert min(mesh.vertices[0][1] for _, mesh in found) < -0.3  # the right upper arm
-    for _, mesh in found:
-        assert np.min(np.linalg.norm(np.array(theirs) - mesh.vertices[0], axis=1)) < SAME_PLACE
+def test_another_profile_is_played_at_its_own_speed(viewer):
+    """A chosen c is a factor of the given motion; of a timing it would be a share."""
+    choose(viewer, speed_c=0.5)
+    assert viewer.shown.state.trajectory.c == pytest.approx(0.5)
+    choose(viewer, profile="optimal")
+    assert viewer.shown.state.trajectory.c == 1
+    assert viewer.shown.state.admissible
+    choose(viewer, speed_c=0.5)
+    choose(viewer, profile="constant")
+    assert viewer.shown.state.trajectory.c == viewer.shown.state.speeds.start
 
 
-@pytest.mark.parametrize("shared", [True, False])
-def test_what_two_arms_stand_on_has_the_colour_of_neither(shared, monkeypatch):
-    path = DATA.parent / "upper_body" / "cell.yaml"
-    if not shared:
-        monkeypatch.setattr("mrts.scene.arm_meshes.shares_base", lambda _cell, _robot: False)
-    for index, parts in enumerate(drawn_arms(mrts.load_cell(path), urdf_files(path), pytest.fail)):
-        base = {part.colour() for part in parts if part.body == 0}
-        assert base == {SHARED_BASE if shared else arm_colour(index)}
-        assert {part.colour() for part in parts if part.body} == {arm_colour(index)}
+def test_every_slider_changes_its_number(viewer):
+    """Of one number field without decimal places the page drops the point: a typed 1.5 is 15."""
+    sliders = {name: each for name, each in viewer.controls.items() if isinstance(each, viser.GuiSliderHandle)}
+    assert len(sliders) == 13
+    assert all(slider.precision >= DECIMALS for slider in sliders.values())
+    for label, value in (("mass [kg]", 1.0), ("left torques [%]", 87.5), ("right wrenches [%]", 50.0)):
+        choose(viewer, **{label: value})
+    choices, left = viewer.bench.choices, viewer.bench.given.cell.robots[0]
+    assert choices.mass == 1.0
+    assert {choices.limits["torque", "left", joint] for joint in left.joints} == {0.875}
+    assert {share for (kind, robot, _), share in choices.limits.items() if (kind, robot) == ("wrench", "right")} == {
+        0.5
+    }
+    choose(viewer, one_limit="left/elbow torque")
+    assert viewer.controls["of that limit [%]"].value == 87.5
+    choose(viewer, **{"of that limit [%]": 60.0})
+    assert viewer.bench.choices.limits["torque", "left", "elbow"] == 0.6
+    choose(viewer, **{"fixed shares of the load": True, "share of left [%]": 70.0})
+    assert viewer.bench.choices.shares == pytest.approx((0.7, 0.3))
+    choose(viewer, move="left base")
+    choose(viewer, **{"along x [mm]": 20.0, "about z [°]": 10.0})
+    pose, given = viewer.bench.choices.poses[Place("base", "left")], left.T_world_base
+    np.testing.assert_allclose(pose.p - given.p, [0.02, 0, 0], atol=1e-9)
+    turn = Rotation.from_matrix(pose.R @ given.R.T).as_rotvec(degrees=True)
+    np.testing.assert_allclose(turn, [0, 0, 10], atol=1e-9)
+    viewer.bench.reset()
+    viewer.shown._changes.show()  # noqa: SLF001 (as its button does)
+    assert [sliders[name].value for name in ("along x [mm]", "left torques [%]")] == [0, 100]
 
 
-def test_the_joint_that_decides_stands_out(dual_ur5):
-    """The range of this cell ends where the right arm's fifth joint reaches its velocity limit."""
-    result = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-    found = deciding_limit(result.trajectory, result.range)
-    (row,) = result.range.upper.rows
-    assert found.name == row.name
-    assert found.sample == result.range.upper.sample
-    assert found.share == pytest.approx(1.0)
-    slow = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"), 1.0)
-    assert deciding_limit(slow.trajectory, slow.range).share == pytest.approx(result.trajectory.c2**-0.5)
-    left, right = drawn_arms(dual_ur5, {}, pytest.fail)
-    assert [found.body(robot) for robot in dual_ur5.robots] == [None, 5]
-    assert {part.body for part in right if part.colour(5) == OVER_LIMIT} == {5}
-    assert all(part.colour(None) != OVER_LIMIT for part in (*left, *right))
+def test_a_hand_on_the_slider_is_not_pushed_back(viewer, monkeypatch):
+    """An answer to where the slider was comes after it has moved on."""
+    slider, bench = viewer.controls["speed c"], viewer.bench
+    slider.value = 0.5
+    viewer.shown.step(0.0)
+    slider.value = 0.7
+    news = news_of(bench)
+    with monkeypatch.context() as just_ready:
+        just_ready.setattr(bench, "take", lambda: news)
+        viewer.shown.step(0.0)
+    assert viewer.shown.state.trajectory.c == pytest.approx(0.5)
+    assert slider.value == 0.7
+    viewer.shown.settle()
+    assert slider.value == 0.7
+    assert viewer.shown.state.trajectory.c == pytest.approx(0.7)
 
 
-@pytest.mark.parametrize("spoil", ["gone", "broken", "http"])
-def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
-    text = UR5_URDF.read_text()
-    mesh = "package://example-robot-data/robots/ur_description/meshes/ur5/visual/forearm.dae"
-    assert mesh in text
-    other = {"gone": "package://nowhere/forearm.dae", "broken": "broken.dae", "http": "http://127.0.0.1:9/x.dae"}[spoil]
-    (tmp_path / "broken.dae").write_text("<not a mesh")
-    text = text.replace(mesh, other).replace("package://example-robot-data", f"file://{ROBOTS.parent}")
-    (tmp_path / "arm.urdf").write_text(text)
-    path = cell_of_real_arms(tmp_path, tmp_path / "arm.urdf")
-    bench = Workbench(Given(mrts.load_cell(path), mrts.load_motion(UR5 / "lift_and_turn.yaml")))
-    warnings = []
-    server = open_server("127.0.0.1", 0, "test")
-    try:
-        Viewer(server, bench, urdf_files(path), warnings.append).step(0.0)
-        drawn = [server.scene.get_handle_by_name(f"/arms/{name}/body6/mesh1") for name in ("left", "right")]
-    finally:
-        close_server(server)
-    assert all(handle is not None for handle in drawn)
-    assert len(warnings) == 2
-    assert all("is drawn with simple shapes" in warning and "arm.urdf" in warning for warning in warnings)
-    assert spoil == "broken" or other in warnings[0]
+def test_ranking_again_keeps_the_chosen_configuration(viewer):
+    bench, menu = viewer.bench, viewer.controls["configuration"]
+    bench.rank()
+    viewer.shown.settle()
+    second = menu.options[2]
+    choose(viewer, configuration=second)
+    postures = bench.choices.postures
+    bench.edit(replace(bench.choices, mass=2 * bench.given.cell.mass))
+    bench.rank()
+    viewer.shown.settle()
+    assert second not in bench.configuration_labels()  # its c²⁺ is another one
+    assert bench.choices.postures == postures
+    assert menu.value == second
+    choose(viewer, configuration=bench.configuration_labels()[0])
+    assert bench.choices.postures != postures
 
 
-def assert_links_join(scene, robot, line):
+def test_what_was_changed_just_before_a_button_is_older_than_it(viewer):
+    """Both come between two frames: the change is taken back with the rest, and is a step of its own."""
+    shown, bench, shares = viewer.shown, viewer.bench, viewer.controls["fixed shares of the load"]
+
+    def press(which):
+        assign(viewer.controls["change"], which)
+        shown.settle()
+
+    assign(shares, value=True)
+    press("Reset")
+    assert (bench.choices.shares, shares.value) == (None, False)
+    press("Undo")
+    assert bench.choices.shares is not None
+    assert shares.value
+
+
+def test_an_answer_is_outdated_as_soon_as_a_control_changes(viewer):
+    shown, bench = viewer.shown, viewer.bench
+
+    def verdict():
+        content = shown._verdict.content  # noqa: SLF001 (what the page shows)
+        return 'data-text="computing"' in content, 'data-text="error"' in content, "--mrts-answer" in content
+
+    shown.settle()
+    assert verdict() == (False, False, False)
+    for label, value in (("mass [kg]", 1.0), ("speed c", 0.5)):
+        assign(viewer.controls[label], value)
+        shown.step(0.0)
+        assert verdict() == (True, False, True), label
+        shown.settle()
+        assert verdict() == (False, False, False), label
+    bench.edit(replace(bench.choices, mass=-1.0))
+    shown.settle()
+    assert verdict() == (False, True, True)  # the last answer stays, of the values before
+    bench.undo()
+    shown.step(0.0)
+    assert verdict() == (True, False, True)
+    shown.settle()
+    assert verdict() == (False, False, False)
+
+
+def test_it_opens_at_the_moment_that_decides(spatial):
+    state, upper = spatial.shown.state, spatial.shown.state.result.range.upper
+    assert 0 < upper.sample < len(state.trajectory.time) - 1
+    assert state.sample == upper.sample
+    assert spatial.controls["time [s]"].value == pytest.approx(state.trajectory.time[upper.sample], abs=1e-4)
+
+
+def test_a_cell_alone_has_nothing_to_play_and_shows_gaps(planar_cell, monkeypatch, capsys):
+    with shown_viewer(Given(planar_cell, still_motion(planar_cell), stands=True)) as viewer:
+        assert not any(viewer.controls[name].visible for name in ("speed c", "time [s]", "Play"))
+        base = planar_cell.robots[0].T_world_base
+        far = RigidTransform(base.R, base.p - np.array([0.0, 3.0, 0.0]))
+        viewer.bench.edit(viewer.bench.choices.with_pose(Place("base", "left"), far))
+        viewer.shown.settle()
+        ((tip, grasp),) = drawn(viewer, "/gaps").points
+        held = viewer.bench.answer.held
+        assert np.linalg.norm(grasp - tip) == pytest.approx(held.gap[0, 0], rel=1e-5)
+        label = drawn(viewer, "/gap_names/left")
+        assert (label.visible, label.text) == (True, f"left: {1000 * held.gap[0, 0]:.0f} mm short")
+    monkeypatch.setattr(Viewer, "run", lambda _viewer: None)  # Ctrl-C comes at once
+    assert main(["view", str(DATA / "cell.yaml"), "--port", "0", "--no-open"]) == 0
+    assert "no motion was given, the cell stands at its posture" in capsys.readouterr().out
+
+
+def frame_after(opened):
+    """Parts of the next message in which the object moves."""
+    while True:
+        parts = messages_of(opened.recv(timeout=PATIENCE))
+        if any(part.get("name") == "/carried" and part["type"] == "SetPositionMessage" for part in parts):
+            return parts
+
+
+def test_a_second_of_playing_is_thirty_frames_each_whole(spatial):
+    """Each step of the viewer is one message with every part that moves, counted through a raw websocket."""
+    moving = {"/carried", "/carried/forces"}
+    moving |= {f"/arms/{arm}/body{body}" for arm in ("left", "right") for body in range(1, 7)}
+    viewer = spatial.shown
+    for spatial.controls["pace"].value in ("1/10", "1/50"):
+        with connected(spatial.url) as opened:
+            viewer.playback.toggle()
+            viewer.step(FRAME)
+            frame_after(opened)
+            frames, clock, seen = 0, 0.0, set()
+            while clock < 1:
+                viewer.step(FRAME)
+                clock += FRAME
+                parts = frame_after(opened)
+                frames += moving <= {part.get("name") for part in parts}
+                assert sum("position" in part or "wxyz" in part for part in parts) <= MOST_PARTS
+                seen.add(tuple(next(part["position"] for part in parts if part.get("name") == "/carried")))
+            viewer.playback.toggle()
+            viewer.step(FRAME)
+        assert frames >= WANTED
+        assert len(seen) >= WANTED
+
+
+def turned(handle):
+    return Rotation.from_quat(np.roll(handle.wxyz, -1)).as_matrix()
+
+
+def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(spatial):
+    viewer = spatial.shown
+    state, course = viewer.state, viewer.state.scene
+    for place in (3.25, 50.5, 99.99):
+        moment = course.moment(place)
+        low, high = int(place), int(place) + 1
+        between = course.position[low] + (place - low) * (course.position[high] - course.position[low])
+        np.testing.assert_allclose(moment.position, between)
+        for robot, (R, p) in zip(state.result.cell.robots, moment.bodies, strict=True):
+            grasp = moment.position + moment.rotation @ robot.T_object_tip.p
+            np.testing.assert_allclose(tip_pose(robot, R, p).p, grasp, atol=1e-6)
+            np.testing.assert_allclose(np.linalg.det(R), 1, atol=BLENDED)
+    viewer.playback.toggle()
+    viewer.step(0.4 * FRAME)
+    viewer.playback.toggle()
+    viewer.step(FRAME)
+    np.testing.assert_array_equal(drawn(spatial, "/carried").position, course.position[state.sample])
+    np.testing.assert_allclose(turned(drawn(spatial, "/carried")), course.rotation[state.sample], atol=1e-12)
+
+
+def assert_links_join(viewer, robot, line):
     """The middle of each bar, as the page moves it, is between neighbours of a line, unless the next joint slides."""
     seen = 0
     for number, part in enumerate(bars(robot, (1, 2, 3))):
         slides = (*robot.joint_types, "tip")[part.body] == "prismatic"
         if part.marks or slides:
             continue
-        frame = scene.get_handle_by_name(f"/arms/{robot.name}/body{part.body}")
-        mesh = scene.get_handle_by_name(f"/arms/{robot.name}/body{part.body}/mesh{number}")
-        middle = Rotation.from_quat(np.roll(frame.wxyz, -1)).apply(np.mean(mesh.vertices, axis=0)) + frame.position
+        frame = drawn(viewer, f"/arms/{robot.name}/body{part.body}")
+        mesh = drawn(viewer, f"/arms/{robot.name}/body{part.body}/mesh{number}")
+        middle = turned(frame) @ np.mean(mesh.vertices, axis=0) + frame.position
         between = line[part.body : part.body + 2]
         is_ball = number == 0
         np.testing.assert_allclose(middle, between[0] if is_ball else np.mean(between, axis=0), atol=SINGLE)
@@ -192,212 +286,144 @@ def assert_links_join(scene, robot, line):
     assert seen > 0
 
 
-@pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("arms", [1, 3])
+@pytest.mark.parametrize(("make", "arms"), [(random_planar_cell, 3), (random_spatial_cell, 1)])
 def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
-    """Balls at the tips, and arrows that start there, at the contacts of the moving object; sliding joints too."""
+    """Arrows start at the contacts of the moving object, as long as the panel states; sliding joints too."""
     case = make(np.random.default_rng([11, arms]), tmp_path, arms)
-    answer = Workbench(Given(case.cell, case.motion)).answer
-    state = answer.state
-    moved = state.result.motion.object
-    server = open_server("127.0.0.1", 0, "test")
-    try:
-        scene = ViewerScene(server, answer, {}, pytest.fail)
-        scene.rescale(state)
+    with shown_viewer(Given(case.cell, case.motion)) as viewer:
+        state, scene = viewer.shown.state, viewer.shown._scene  # noqa: SLF001 (what it is drawn by)
+        cell, moved = state.result.cell, state.result.motion.object
+        for name, at in (("/start", 0), ("/goal", -1)):
+            assert len(drawn(viewer, name).points) >= 12  # sides of a box
+            np.testing.assert_allclose(drawn(viewer, name).position, moved.position[at])
         for sample in (0, 4, 10):
-            state.choose_time(float(state.trajectory.time[sample]))
-            scene.show_moment(state, state.sample)
-            arrows = server.scene.get_handle_by_name("/carried/forces").points
+            viewer.controls["time [s]"].value = float(state.trajectory.time[sample])
+            viewer.shown.step(0.0)
+            assert state.sample == sample
+            arrows = drawn(viewer, "/carried/forces").points
             arrows = moved.position[sample] + arrows @ moved.rotation[sample].T
-            contacts = []
-            for robot in state.result.cell.robots:
+            contacts, sizes = [], []
+            for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
                 contacts.append(moved.position[sample] + moved.rotation[sample] @ robot.T_object_tip.p)
-                joints = state.result.cell.joint_slices[robot.name]
                 line = joint_points(robot, state.result.motion.q[sample : sample + 1, joints])[0]
                 np.testing.assert_allclose(line[-1], contacts[-1], atol=1e-6)
-                assert_links_join(server.scene, robot, line)
-            assert all(np.min(np.linalg.norm(contacts - start, axis=1)) < 1e-6 for start in arrows[:, 0])
-            box = server.scene.get_handle_by_name("/object")
-            np.testing.assert_allclose(box.position, moved.position[sample])
-            turned = Rotation.from_quat(np.roll(box.wxyz, -1)).as_matrix()
-            np.testing.assert_allclose(turned, moved.rotation[sample], atol=1e-12)
-    finally:
-        close_server(server)
+                assert_links_join(viewer, robot, line)
+                force = state.trajectory.wrench[sample, cell.wrench_slices[robot.name]]
+                sizes.append(np.linalg.norm(force[[unit == "N" for unit in cell.wrench_units]]))
+            for start, end in arrows:
+                index = int(np.argmin(np.linalg.norm(contacts - start, axis=1)))
+                np.testing.assert_allclose(start, contacts[index], atol=SINGLE)
+                length = np.linalg.norm(end - start) / scene.metres_per_newton
+                assert length == pytest.approx(sizes[index], rel=1e-4, abs=1e-3)
+            np.testing.assert_allclose(drawn(viewer, "/carried").position, moved.position[sample])
+            np.testing.assert_allclose(turned(drawn(viewer, "/carried")), moved.rotation[sample], atol=1e-12)
+        assert scene.metres_per_newton == float(f"{scene.metres_per_newton:.0e}")  # one digit
 
 
-def test_arrows_have_the_length_that_the_panel_states(dual_ur5):
-    answer = Workbench(Given(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))).answer
-    state = answer.state
-    server = open_server("127.0.0.1", 0, "test")
-    try:
-        scene = ViewerScene(server, answer, {}, pytest.fail)
-        scene.rescale(state)
-        state.choose_time(0.5 * state.trajectory.duration)
-        scene.show_moment(state, state.sample)
-        arrows = {name: server.scene.get_handle_by_name(f"/carried/{name}").points for name in ("forces", "moments")}
-    finally:
-        close_server(server)
-    wrench = state.trajectory.wrench[state.sample].reshape(2, 6)
-    kinds = (
-        ("forces", wrench[:, :3], scene.metres_per_newton),
-        ("moments", wrench[:, 3:], scene.metres_per_newton_metre),
-    )
-    for name, values, scale in kinds:
-        lengths = np.linalg.norm(arrows[name][:, 1] - arrows[name][:, 0], axis=1)
-        np.testing.assert_allclose(lengths, np.linalg.norm(values, axis=1) * scale, rtol=1e-5)
-        assert scale == float(f"{scale:.0e}")  # one digit
+@pytest.mark.parametrize("spoil", ["gone", "broken", "http"])
+def test_an_arm_without_its_meshes_is_drawn_simply(spoil, tmp_path):
+    other = {"gone": "package://nowhere/forearm.dae", "broken": "broken.dae", "http": "http://127.0.0.1:9/x.dae"}[spoil]
+    (tmp_path / "broken.dae").write_text("<not a mesh")
+    path = cell_of_real_arms(tmp_path, forearm=other)
+    warnings = []
+    given = Given(mrts.load_cell(path), mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+    with shown_viewer(given, urdfs=urdf_files(path), warn=warnings.append) as viewer:
+        viewer.shown.step(0.0)
+        assert all(drawn(viewer, f"/arms/{name}/body6/mesh1") is not None for name in ("left", "right"))
+    assert len(warnings) == 2
+    assert all("is drawn with simple shapes" in warning and "arm.urdf" in warning for warning in warnings)
+    assert spoil == "broken" or other in warnings[0]
 
 
-@pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("arms", [1, 3])
-def test_the_cell_is_in_the_picture_and_upright(make, arms, tmp_path):
-    case = make(np.random.default_rng([9, arms]), tmp_path, arms)
-    cell = case.cell
-    motion = mrts.follow_object(cell, case.motion)
-    view = look_at_cell(cell, motion.q, motion.object.position)
-    np.testing.assert_allclose(view.up, -cell.gravity / np.linalg.norm(cell.gravity))
-    lines = [joint_points(robot, motion.q[:, cell.joint_slices[robot.name]]) for robot in cell.robots]
-    points = np.concatenate([line.reshape(-1, 3) for line in lines])
-    for aspect in (SIZE["width"] / SIZE["height"], 0.5, 3.0):
-        across, high = in_picture(view, points, aspect)
-        assert np.max(np.abs(high)) < 1
-        assert np.max(np.abs(across)) < 1
-    bases = np.array([robot.T_world_base.p for robot in cell.robots])
-    assert np.min((bases - view.floor) @ view.up) == pytest.approx(0, abs=1e-9)
+def curves_of(props):
+    """What the page is sent of each line: abscissae and ordinates without what is beyond its ends, by its name."""
+    x, *values = props["data"]
+    names = [line["label"] for line in props["series"][1:]]
+    return {name: (x[~np.isnan(y)], y[~np.isnan(y)]) for name, y in zip(names, values, strict=True)}
 
 
-@pytest.mark.parametrize(("plane", "up"), [("xy", [0, 1, 0]), ("xz", [0, 0, 1]), (None, [0, 0, 1])])
-def test_without_gravity_something_is_up(plane, up, planar_cell, lift):
-    cell, motion = as_if_generated(planar_cell, gravity=[0.0] * 3, plane=plane), mrts.follow_object(planar_cell, lift)
-    np.testing.assert_array_equal(look_at_cell(cell, motion.q, motion.object.position).up, up)
-
-
-def test_a_port_that_is_taken_is_refused():
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        with pytest.raises(mrts.InputError, match=f"--port = {port}.*in use.*any free one"):
-            open_server("127.0.0.1", port, "test")
-
-
-@pytest.mark.parametrize(
-    ("host", "port", "match"),
-    [
-        ("no.such.host.invalid", 0, "not a name or address"),
-        ("203.0.113.1", 0, "--host = .*cannot be listened at"),
-        ("127.0.0.1", 70000, "65535"),
-    ],
-)
-def test_a_wrong_address_is_refused(host, port, match):
-    with pytest.raises(mrts.InputError, match=match):
-        open_server(host, port, "test")
+def shares_of(result):
+    (of,) = (of for of in limit_shares(result.trajectory) if of.title == TORQUES)
+    return of
 
 
 @pytest.mark.quick
-def test_bad_input_ends_before_any_server(tmp_path, capsys):
-    assert main(["view", str(tmp_path / "no.yaml"), str(DATA / "lift.yaml")]) == 2
-    assert "no.yaml" in capsys.readouterr().err
-
-
-def test_a_missing_viser_is_named_before_any_work():
-    done = mrts_without("viser", "view", "no.yaml", "no.yaml")
-    assert done.returncode == 2
-    assert "pip install 'mrts[view]'" in done.stderr
-
-
-def numbers(page, kind):
-    return page.locator(f'[data-text="{kind}"]').inner_text()
-
-
-OVER = '[data-over="true"]:not([data-bar^=nearest])'
-"""Bars of this moment that pass their limit; the card's are of the whole motion."""
-
-
-def red(page):
-    return page.locator(OVER).evaluate_all("rows => rows.map(row => row.dataset.bar)")
+def test_lines_are_the_shares_of_limits_and_another_is_dashed_on_one_axis(planar_cell, lift, lifted):
+    panels, of = time_panels(lifted), shares_of(lifted)
+    assert list(panels) == ["Range of c² of each sample", TORQUES, "Contact wrenches", PHASE]
+    curves = curves_of(uplot_props(panels[TORQUES]))
+    names = lxml.html.fromstring(f"<p>{names_html(panels[TORQUES])}</p>").text_content()
+    for column in of.ranked[:4]:
+        (name,) = (name for name in curves if name.startswith(f"{of.labels[column]}:"))
+        time, share = curves[name]
+        np.testing.assert_allclose(share, 100 * of.share[:, column])
+        np.testing.assert_allclose(time, lifted.trajectory.time)
+        assert name in names.replace("\xa0", " ")
+    slow = mrts.scale(planar_cell, lift, 0.5)
+    ratio = slow.trajectory.duration / lifted.trajectory.duration
+    text = lxml.html.fromstring(compared_html(lifted, "<slow>", slow)).text_content()
+    assert f"{ratio:.3g} × as fast as <slow>" in text
+    props = uplot_props(panels[TORQUES], time_panels(slow)[TORQUES])
+    assert props["scales"]["x"]["range"] == (0.0, slow.trajectory.duration)
+    lines = curves_of(props)
+    time, share = lines.pop("the other")
+    np.testing.assert_allclose(share, np.interp(time, slow.trajectory.time, 100 * shares_of(slow).largest))
+    assert time[-1] == slow.trajectory.duration
+    assert all(time[-1] == lifted.trajectory.duration for name, (time, _) in lines.items() if name)
 
 
 @pytest.mark.quick
-def test_the_page_follows_the_speed_slider(chromium):
-    """The planar lift binds at its first sample, so there the bars turn red as soon as c passes c⁺."""
-    with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (process, url), open_page(chromium, url) as page:
-        page.wait_for_selector("canvas")
-        assert "[0, 3.062]" in numbers(page, "outcome")
-        assert "c² = 3.062" in numbers(page, "speed")
-        assert red(page) == []
-        before = page.locator('[data-bar="torque left/shoulder"]').inner_text()
-        speed, time = page.get_by_role("slider").all()
-        speed.press("Home")
-        page.wait_for_function("document.querySelector('[data-text=speed]').innerText.includes('c = 0.0')")
-        assert page.locator('[data-bar="torque left/shoulder"]').inner_text() != before
-        assert "Inside" in numbers(page, "speed")
-        speed.press("End")
-        page.wait_for_selector(OVER)
-        assert {"torque left/elbow", "torque right/elbow", "wrench left/fx", "wrench right/nz"} <= set(red(page))
-        assert "Outside the admissible range" in numbers(page, "speed")
-        time.press("End")
-        page.wait_for_selector(OVER, state="detached")
-        assert "given motion: 0.5236 s" in numbers(page, "moment")
-        assert page.problems == []
-        out, err, code = interrupt(process)  # while the page is open
-    assert code == 0
-    assert err == ""
-    assert len(out.splitlines()) == 2  # the outcome and the address: no banner
+def test_no_peak_is_lost_and_names_are_text():
+    x, y = np.linspace(0, 1, 5 * MOST_SAMPLES), np.full(5 * MOST_SAMPLES, 20.0)
+    y[1333] = 100.0
+    panel = Panel(x=Axis(ends=(0.0, 1.0)), y=Axis(ends=(0.0, 160.0)), items=[Line(x=x, y=y, label="<b>/&")])
+    time, curve = curves_of(uplot_props(panel))["<b>/&"]
+    assert len(time) <= MOST_SAMPLES + 2
+    assert np.max(curve) == 100.0
+    names = lxml.html.fromstring(f"<p>{names_html(panel)}</p>")
+    assert not names.xpath("//b")
+    assert "<b>/&" in names.text_content()
 
 
-CONNECTS = """([url, protocol]) => new Promise(done => {
-    const socket = new WebSocket(url, [protocol]);
-    socket.onopen = () => done(true);
-    socket.onerror = () => done(false);
-})"""
+def test_a_saved_timing_has_its_phase_plane(planar_cell, lift, tmp_path):
+    """The independent side is the profile that was found, along the arc length that the timing itself counts."""
+    found = mrts.retime(planar_cell, lift)
+    mrts.save_result(found.retimed, tmp_path / "timed.npz")
+    panel = time_panels(mrts.load_result(tmp_path / "timed.npz"))[PHASE]
+    ((along, height),) = curves_of(uplot_props(panel)).values()
+    (piece,) = found.pieces
+    np.testing.assert_allclose(along / along[-1], piece.piece.arc / piece.piece.arc[-1], atol=SUMMED)
+    np.testing.assert_allclose(height / np.max(height), piece.arc_speed / np.max(piece.arc_speed), atol=SUMMED)
 
 
-@pytest.mark.slow
-def test_the_page_can_be_loaded_again_and_no_other_page_connects(chromium):
-    with running_viewer(DATA / "cell.yaml", DATA / "lift.yaml") as (_, url):
-        ours = [url.replace("http", "ws"), f"viser-v{viser.__version__}"]
-        with open_page(chromium, url) as page:
-            page.reload()
-            page.wait_for_selector("[data-bar]")
-            assert page.problems == []
-            assert page.evaluate(CONNECTS, ours)
-        other = chromium.new_page()
-        other.goto("about:blank")
-        assert not other.evaluate(CONNECTS, ours)
-        without_token = other.goto(url[: url.rindex("/", 0, -1) + 1])
-        assert without_token.status == 403
-        other.close()
-
-
-@pytest.mark.slow
-def test_the_motion_plays_and_stops(chromium):
-    with (
-        running_viewer(ROOT / "generated" / "dual_ur5", UR5 / "lift_and_turn.yaml") as (_, url),
-        open_page(chromium, url) as page,
-    ):
-        assert len(page.locator("[data-bar]").all()) >= 24
-        page.get_by_role("button", name="Play").click()
-        start = numbers(page, "moment")
-        page.wait_for_function("text => document.querySelector('[data-text=moment]').innerText != text", arg=start)
-        page.get_by_role("button", name="Pause").click()
-        page.get_by_role("button", name="Play").wait_for()
-        held = numbers(page, "moment")
-        page.wait_for_timeout(300)
-        assert numbers(page, "moment") == held
-        assert page.problems == []
-
-
-@pytest.mark.slow
-def test_an_infeasible_motion_opens_with_real_arms(chromium, tmp_path):
-    path = cell_of_real_arms(tmp_path)
-    description = yaml.safe_load(path.read_text())
-    description["object"]["mass"] = 80.0
-    path.write_text(yaml.safe_dump(description))
-    with running_viewer(path, UR5 / "lift_and_turn.yaml") as (process, url):
-        with open_page(chromium, url) as page:
-            assert "these limits conflict" in numbers(page, "outcome")
-            assert "c = 1, c² = 1" in numbers(page, "speed")
-            assert red(page)
-            assert page.problems == []
-        _, err, code = interrupt(process)
-    assert code == 1
-    assert err == ""
+def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_cell, lift, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    mrts.save_result(lifted, tmp_path / "fast.npz")
+    mrts.save_result(mrts.scale(planar_cell, lift, 0.5), tmp_path / "slow.npz")
+    fast, slow = (mrts.load_result(tmp_path / name) for name in ("fast.npz", "slow.npz"))
+    state = PlayerState.saved(fast)
+    assert state.admissible
+    with shown_viewer(state, others=[("slow", slow)]) as opened:
+        viewer, stands = opened.shown, opened.controls["stands"]
+        viewer.playback.toggle()
+        viewer.step(1.0)
+        before = state.sample
+        for _ in range(4):
+            viewer.step(0.2)
+        assert state.sample > before
+        assert opened.controls["Play"].label == "Pause"
+        (line,) = time_panels(fast)[PHASE].items
+        style = viewer.plots.cursor.content
+        assert f"--mrts-cursor: {state.time / slow.trajectory.duration:.4f}" in style
+        assert f"--mrts-along: {line.x[state.sample] / line.x[-1]:.4f}" in style
+        other = viewer.other
+        sample = int(np.argmin(np.abs(slow.trajectory.time - state.time)))
+        np.testing.assert_allclose(other.drawn.carried.position, slow.motion.object.position[sample], atol=1e-6)
+        np.testing.assert_allclose(other.frame.position, other.offset, atol=1e-6)
+        stands.value = "over it"
+        viewer.step(0.0)
+        np.testing.assert_allclose(other.frame.position, 0.0)
+        stands.value = "hidden"
+        viewer.step(0.0)
+        assert not other.frame.visible

@@ -19,7 +19,6 @@ VARIABLES = ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH")
 """That messages name; resolve-robotics-uri-py knows those of older simulators too."""
 
 LONGEST_MANIFEST = 100_000
-"""Bytes of a package.xml that are looked at."""
 
 
 def is_uri(reference: str) -> bool:

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, Union, dataclass_transform, get_args, get_origin
 
-from mrts.base.errors import InputError, Mistakes, as_array
+from mrts.base.errors import InputError, Mistakes, as_array, did_you_mean
 
 TYPES = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
 MAPPING, LIST, NUMBER = "must be a mapping of keys to values", "must be a list", "must be a number"
@@ -154,7 +154,8 @@ def _checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[
     keys = {name.rstrip("_"): name for name in kinds}
     for key in data:
         if key not in keys:
-            mistakes.add(_unknown_key(key, list(keys)))
+            rule = f"unknown key '{key}'{did_you_mean(str(key), keys)} The keys here are: {', '.join(keys)}."
+            mistakes.add(InputError("", rule))
     for key, name in keys.items():
         try:
             if key not in data and name not in defaults:
@@ -164,15 +165,6 @@ def _checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[
             mistakes.add(error)
     mistakes.raise_noted()
     return values
-
-
-def _unknown_key(key: object, known: list[str]) -> InputError:
-    import difflib  # noqa: PLC0415 (for this message only)
-
-    close = difflib.get_close_matches(str(key), known, n=1)
-    hint = f"; did you mean '{close[0]}'?" if close else ""
-    rule = f"unknown key '{key}'{hint or '.'} The keys here are: {', '.join(known)}."
-    return InputError("", rule)
 
 
 def _at(key: str, kind: Any, value: object) -> Any:

@@ -12,7 +12,6 @@ from mrts.base.arrays import Array
 from mrts.base.input_file import LARGEST_NUMBER
 
 MOST_VERTICES = 6000
-"""Of a surface that is drawn."""
 
 MOST_DRAWN = 2000
 """Triangles of a surface that is drawn; a finer mesh is drawn coarser."""
@@ -21,7 +20,6 @@ CELLS = 96
 """Of the grid of a coarser surface along its longest side, at first."""
 
 CORNERS = 3
-"""Numbers of a vertex, and vertices of a triangle."""
 
 
 def packed_surface(vertices: Array, triangles: NDArray[np.integer[Any]]) -> tuple[str, str]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from mrts.base.printable import html_text
 
 MOST_ROWS = 24
-"""Of a table; the rest is counted."""
 
 
 @dataclass(frozen=True)

@@ -83,5 +83,6 @@ int main(void) {
     }
     printf("%d vectors: %d ok, %d unbounded, %d infeasible, %d undecided; %d mismatches\n", PLANAR_DUAL_ARM_VECTORS,
            seen[PLANAR_DUAL_ARM_OK], seen[PLANAR_DUAL_ARM_UNBOUNDED], seen[PLANAR_DUAL_ARM_INFEASIBLE], undecided, failures);
+    printf("workspace %u bytes, settings %u bytes\n", (unsigned)sizeof workspace, (unsigned)sizeof settings);
     return failures != 0 || undecided > ALLOWED || seen[PLANAR_DUAL_ARM_OK] == 0;
 }

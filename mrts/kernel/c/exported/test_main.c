@@ -88,5 +88,6 @@ int main(void) {
     }
     printf("%d vectors: %d ok, %d unbounded, %d infeasible, %d undecided; %d mismatches\n", CELL_VECTORS,
            seen[CELL_OK], seen[CELL_UNBOUNDED], seen[CELL_INFEASIBLE], undecided, failures);
+    printf("workspace %u bytes, settings %u bytes\n", (unsigned)sizeof workspace, (unsigned)sizeof settings);
     return failures != 0 || undecided > ALLOWED || seen[CELL_OK] == 0;
 }

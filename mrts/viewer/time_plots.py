@@ -19,8 +19,6 @@ from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends
 from mrts.scaling.result import ScalingResult
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.plots.other_result import Others
-from mrts.viewer.workbench.answer import Answer
 
 HEIGHT = 130
 """Of a plot [pixels]."""
@@ -98,7 +96,6 @@ def uplot_props(panel: Panel, other: Panel | None = None) -> dict[str, Any]:
 
 
 def _joint_end(panel: Panel, other: Panel | None) -> float:
-    """Where the level axis of a panel ends, which shows all of another one too."""
     return max(each.x.ends[1] for each in (panel, other) if each is not None and each.x.ends is not None)
 
 
@@ -121,20 +118,20 @@ class PlotPanel:
         cursor: The style sheet that says where it stands.
     """
 
-    def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle, others: Others = ()) -> None:
+    def __init__(self, gui: viser.GuiApi, tab: viser.GuiTabHandle, other: tuple[str, ScalingResult] | None) -> None:
         self._gui, self._tab = gui, tab
         self.cursor, self._compared = gui.add_html(""), gui.add_html("")
         self._plots: dict[str, tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle, viser.GuiHtmlHandle]] = {}
-        self._other = next(iter(others), None)
-        self._others = {} if self._other is None else time_panels(self._other[1])
+        self._other = other
+        self._others = {} if other is None else time_panels(other[1])
         self._wanted: PlayerState | None = None
         self._shown: dict[str, Panel] = {}
         self._since, self._at = RENEWAL, (0.0, 0.0)
 
-    def show_answer(self, answer: Answer) -> None:
-        """Plot an answer as soon as the last plots have been seen."""
-        self._wanted = answer.state
-        if answer.state is None:
+    def show_answer(self, state: PlayerState | None) -> None:
+        """Plot an answer as soon as the last plots have been seen; None empties them."""
+        self._wanted = state
+        if state is None:
             self._show({})
 
     def show_moment(self, state: PlayerState) -> None:

@@ -24,54 +24,32 @@ class HeldPoses:
     """Where arms are at some poses of the object.
 
     Attributes:
-        cell: The cell.
-        time: Of the samples looked at, k of them, Shape (k,) [s].
-        position: Of the object there, Shape (k, 3) [m].
-        rotation: Likewise, Shape (k, 3, 3).
-        q: Joint positions that come nearest, Shape (k, m) [rad or m].
+        scene: What is drawn of it: joint positions that come nearest, at k poses.
+        time: Of the samples looked at, Shape (k,) [s].
         gap: What is left between tip and grasp, Shape (k, robots) [m].
         reached: Whether an arm holds its grasp, Shape (k, robots); by itself, perhaps in another branch.
         message: Why some arm cannot follow the motion, with robot, sample and amount; empty where none was given.
     """
 
-    cell: Cell
+    scene: Scene
     time: Array
-    position: Array
-    rotation: Array
-    q: Array
     gap: Array
     reached: NDArray[np.bool_]
     message: str = ""
-
-    @property
-    def scene(self) -> Scene:
-        """What is drawn of it."""
-        return Scene(self.cell, self.q, self.position, self.rotation, ~np.all(self.reached, axis=1))
-
-    def nearest(self, time: float) -> int:
-        """Index of the sample looked at that is nearest to a time [s]."""
-        return int(np.argmin(np.abs(self.time - time)))
 
 
 def still_motion(cell: Cell) -> ObjectMotion:
     """The object at rest where the first arm holds it at its posture."""
     robot = cell.robots[0]
     R, p = body_poses(robot, robot.posture[None])
-    turn, tip = tip_pose(robot, R[0], p[0])
-    held = RigidTransform(turn, tip) @ robot.T_object_tip.inverse()
+    held = tip_pose(robot, R[0], p[0]) @ robot.T_object_tip.inverse()
     rest = np.zeros((2, 6))
     return ObjectMotion(np.array([0.0, 1.0]), np.tile(held.p, (2, 1)), np.tile(held.R, (2, 1, 1)), rest, rest)
 
 
-def tip_pose(robot: Robot, R: Array, p: Array) -> tuple[Array, Array]:
-    """Rotation, Shape (3, 3), and position, Shape (3,) [m], of a tip in the world.
-
-    Args:
-        robot: The arm.
-        R: Of its bodies, Shape (n_i + 1, 3, 3).
-        p: Likewise, Shape (n_i + 1, 3) [m].
-    """
-    return R[-1] @ robot.T_base_tip.R, p[-1] + R[-1] @ robot.T_base_tip.p
+def tip_pose(robot: Robot, R: Array, p: Array) -> RigidTransform:
+    """A tip in the world, of bodies at R, Shape (n_i + 1, 3, 3), and p, Shape (n_i + 1, 3) [m]."""
+    return RigidTransform(R[-1], p[-1]) @ robot.T_base_tip
 
 
 def held_poses(cell: Cell, motion: ObjectMotion, message: str = "") -> HeldPoses:
@@ -84,16 +62,7 @@ def held_poses(cell: Cell, motion: ObjectMotion, message: str = "") -> HeldPoses
     """
     count = min(MOST_SAMPLES, len(motion.time))
     samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
-    start = cell.posture
-    starts = np.tile(start, (len(samples), 1))
-    held = solve_grasps(cell, motion, samples, starts, FURTHER_STEPS, near=None)
-    return HeldPoses(
-        cell=cell,
-        time=motion.time[samples],
-        position=motion.position[samples],
-        rotation=motion.rotation[samples],
-        q=held.q,
-        gap=held.gap,
-        reached=reached(held),
-        message=message,
-    )
+    held = solve_grasps(cell, motion, samples, np.tile(cell.posture, (len(samples), 1)), FURTHER_STEPS, near=None)
+    holds = reached(held)
+    scene = Scene(cell, held.q, motion.position[samples], motion.rotation[samples], ~np.all(holds, axis=1))
+    return HeldPoses(scene=scene, time=motion.time[samples], gap=held.gap, reached=holds, message=message)

@@ -1,16 +1,24 @@
 # SPDX-License-Identifier: MIT
-"""What was given to a workbench, and what its user changed since: numbers of the cell, ends of the motion, timing."""
+"""What was given to a workbench, and what its user changed since: numbers of the cell, places, timing."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 
+from mrts.base.arrays import Array
 from mrts.base.formats.pose import Pose
-from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
+from mrts.base.rigid_transform import (
+    RigidTransform,
+    plane_normal,
+    rotations_from_vectors,
+    vectors_from_rotations,
+)
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import CellChange, Changed, with_machine_at
+from mrts.cell.cell_change import CellChange, Changed, machine_of, with_machine_at
+from mrts.cell.cell_keys import pose_keys
 from mrts.following.grasp_closure import ClosureBound
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
@@ -21,9 +29,11 @@ from mrts.viewer.player_state import Profile
 TORQUE_RATE = 11.0
 """Of the smooth profile, where the cell gives none: a multiple of the torque limit per second [1/s]; a Panda's."""
 
-
 COARSE_SAMPLES = 101
 """Most samples of a coarse answer, where the motion is described by poses."""
+
+DECIMALS = 6
+"""Of a position that was moved [m]: no hand is as exact as a number of a gizmo."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +70,46 @@ class Given:
         return tuple(shares.tolist())
 
 
+@dataclass(frozen=True)
+class Place:
+    """Something with a pose that can be moved.
+
+    Attributes:
+        kind: A base in the world, a grasp in the object's frame, or an end of the motion in the world.
+        robot: Whose it is; empty of the motion.
+    """
+
+    kind: Literal["base", "grasp", "start", "end"]
+    robot: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.robot} {self.kind}" if self.robot else f"{self.kind} of the motion"
+
+    def given(self, given: Given) -> RigidTransform:
+        """Its pose as it was given."""
+        if not self.robot:
+            described = given.description
+            assert described is not None  # noqa: S101 (else it is no place)
+            poses: Sequence[Pose | None] = described.waypoints or [described.start, described.end]
+            pose = poses[0 if self.kind == "start" else -1]
+            assert pose is not None  # noqa: S101 (a description has either)
+            return pose.transform
+        robot = next(robot for robot in given.cell.robots if robot.name == self.robot)
+        return robot.T_world_base if self.kind == "base" else robot.T_object_tip
+
+    def in_world(self, pose: RigidTransform, held: RigidTransform) -> RigidTransform:
+        """Where a pose of it is in the world, with the object held somewhere."""
+        return held @ pose if self.kind == "grasp" else pose
+
+
+def places(given: Given) -> list[Place]:
+    """All that can be moved: of a machine with several arms the base of the first, of a table's motion no end."""
+    cell = given.cell
+    bases = [Place("base", robot.name) for robot in cell.robots if machine_of(cell, robot.name)[0] == robot.name]
+    grasps = [Place("grasp", robot.name) for robot in cell.robots]
+    return [*bases, *grasps, *([Place("start"), Place("end")] if given.description is not None else [])]
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Choices:
     """What differs from what was given; as they are, nothing does.
@@ -68,10 +118,7 @@ class Choices:
         mass: Of the object [kg]; None is the given one.
         corner: Parameters of one load of the cell's box, to look at it alone; None leaves the load uncertain.
         limits: Share of a given limit by its name, both sides alike.
-        bases: Bases in the world, by robot.
-        grasps: Tips in the object frame, by robot.
-        start: Object in the world at the start of the motion; None is the given one.
-        end: Likewise at its end.
+        poses: Of places that were moved.
         postures: Joint positions near which the motion starts, by robot [rad or m]; None are the given ones.
         configuration: What they are called; empty for the given ones.
         profile: How the speed may vary.
@@ -82,10 +129,7 @@ class Choices:
     mass: float | None = None
     corner: Mapping[str, float] | None = None
     limits: Mapping[Changed, float] = field(default_factory=dict)
-    bases: Mapping[str, RigidTransform] = field(default_factory=dict)
-    grasps: Mapping[str, RigidTransform] = field(default_factory=dict)
-    start: RigidTransform | None = None
-    end: RigidTransform | None = None
+    poses: Mapping[Place, RigidTransform] = field(default_factory=dict)
     postures: Mapping[str, list[float]] | None = None
     configuration: str = ""
     profile: Profile = "constant"
@@ -98,24 +142,28 @@ class Choices:
         Raises:
             InputError: If a number breaks a rule of the cell.
         """
-        cell = self.saved_cell(given)
+        cell = self.saved_cell(given.cell)
         if self.corner is None or cell.load_box is None:
             return cell
         return cell.with_load(cell.load_box.load_at(self.corner))
 
-    def saved_cell(self, given: Given) -> Cell:
-        """The cell as a cell file would hold it: with its whole range of loads.
+    def saved_cell(self, cell: Cell) -> Cell:
+        """A given cell as a cell file would hold it now: with its whole range of loads.
 
         Raises:
             InputError: If a number breaks a rule of the cell.
         """
-        cell = given.cell if self.mass is None else given.cell.with_mass(self.mass)
         for (kind, robot, element), share in self.limits.items():
             cell = CellChange(kind=kind, robot=robot, element=element, step=share - 1).applied(cell)
-        for name, base in self.bases.items():
-            cell = with_machine_at(cell, name, base)
-        values: dict[str, object] = {f"robots.{name}.grasp": _pose(pose) for name, pose in self.grasps.items()}
-        return cell.with_values(values | {f"robots.{name}.posture": q for name, q in (self.postures or {}).items()})
+        values: dict[str, object] = {f"robots.{name}.posture": q for name, q in (self.postures or {}).items()}
+        if self.mass is not None:
+            values["object.mass"] = self.mass
+        for place, pose in self.poses.items():
+            if place.kind == "base":
+                cell = with_machine_at(cell, place.robot, pose)
+            elif place.kind == "grasp":
+                values[f"robots.{place.robot}.grasp"] = pose
+        return cell.with_values(values)
 
     def motion(self, given: Given, most: int | None = None) -> ObjectMotion | JointTable:
         """The motion as it was chosen.
@@ -131,15 +179,15 @@ class Choices:
     def description(self, given: Given) -> MotionDescription | None:
         """The description of the motion as it was chosen; None of a table."""
         described = given.description
-        if described is None or (self.start is None and self.end is None):
+        moved: dict[str, Any] = {
+            place.kind: Pose(**pose_keys(pose)) for place, pose in self.poses.items() if not place.robot
+        }
+        if described is None or not moved:
             return described
-        ends = {"start": self.start, "end": self.end}
-        moved = {name: _pose(end) for name, end in ends.items() if end is not None}
         keys = {key: value for key, value in described if value is not None}
         if described.waypoints:
-            poses = list(described.waypoints)
-            poses[0], poses[-1] = moved.get("start", poses[0]), moved.get("end", poses[-1])
-            return MotionDescription(**keys | {"waypoints": poses})
+            start, *between, end = described.waypoints
+            moved = {"waypoints": [moved.get("start", start), *between, moved.get("end", end)]}
         return MotionDescription(**keys | moved)
 
     def sharing(self) -> LoadSharing | None:
@@ -151,22 +199,38 @@ class Choices:
         others = {key: value for key, value in self.limits.items() if key != name}
         return replace(self, limits=others if share == 1 else others | {name: share})
 
-    def with_base(self, robot: str, pose: RigidTransform) -> "Choices":
-        """With the base of a robot, and all of its machine, elsewhere in the world."""
-        return replace(self, bases={**self.bases, robot: pose})
-
-    def with_grasp(self, robot: str, pose: RigidTransform) -> "Choices":
-        """With a robot that holds the object elsewhere."""
-        return replace(self, grasps={**self.grasps, robot: pose})
+    def with_pose(self, place: Place, pose: RigidTransform) -> "Choices":
+        """With a place elsewhere, of a base with all of its machine; positions are rounded."""
+        return replace(self, poses={**self.poses, place: RigidTransform(pose.R, np.round(pose.p, DECIMALS))})
 
     def edited(self) -> list[str]:
         """What was changed, in words."""
         words = [] if self.mass is None else [f"mass {self.mass:.4g} kg"]
         words += [f"{robot}/{element} × {share:.4g}" for (_, robot, element), share in self.limits.items()]
-        words += [f"{name} base" for name in self.bases] + [f"{name} grasp" for name in self.grasps]
-        words += [name for name in ("start", "end") if getattr(self, name) is not None]
-        return words + ([f"configuration {self.configuration}"] if self.configuration else [])
+        return words + [*map(str, self.poses)] + ([f"configuration {self.configuration}"] * bool(self.configuration))
 
 
-def _pose(pose: RigidTransform) -> Pose:
-    return Pose(xyz=pose.p.tolist(), rpy=rpy_from_rotation(pose.R))
+def free_axes(cell: Cell) -> tuple[str, str]:
+    """Axes along which, and about which poses of a cell may move: two and one in a plane."""
+    if cell.plane is None:
+        return "xyz", "xyz"
+    return cell.plane, "".join(sorted({*"xyz"} - {*cell.plane}))
+
+
+def offset_of(pose: RigidTransform, given: RigidTransform) -> tuple[Array, Array]:
+    """How far a pose is from the given one: the shift [m] and the turn as a vector [rad], each Shape (3,)."""
+    return pose.p - given.p, vectors_from_rotations((pose.R @ given.R.T)[None])[0]
+
+
+def moved_by(given: RigidTransform, shift: Array, turn: Array) -> RigidTransform:
+    """The opposite of `offset_of`."""
+    return RigidTransform(rotations_from_vectors(turn[None])[0] @ given.R, given.p + shift)
+
+
+def in_plane(cell: Cell, pose: RigidTransform, given: RigidTransform) -> RigidTransform:
+    """The pose nearest to one that a planar cell may have; of a spatial cell itself."""
+    if cell.plane is None:
+        return pose
+    shift, turn = offset_of(pose, given)
+    normal = plane_normal(cell.plane)
+    return moved_by(given, shift - normal * (normal @ shift), normal * (normal @ turn))

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Choices saved as a cell file and a motion file: what was edited and nothing else, or not at all."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,7 @@ from mrts.cell.cell_keys import cell_keys, pose_keys
 from mrts.cell.generation import cell_model, described_model
 from mrts.cell.loading import uncompiled_cell
 from mrts.motion.motion_file import MotionDescription
-from mrts.viewer.workbench.choices import Choices, Given
+from mrts.viewer.choices import Choices, Given
 
 SUFFIXES = {".yaml", ".yml"}
 LONGEST_NAME = 100
@@ -60,7 +59,7 @@ def save_choices(
     folder = given.cell_path.resolve().parent
     texts: dict[Path, str] = {}
     target = _target(folder, "cell file", cell_name)
-    texts[target], remark = _cell_text(given, choices, given.cell_path, target)
+    texts[target], remark = _cell_text(choices, given.cell_path, target)
     if motion_name:
         motion = _target(folder, "motion file", motion_name)
         if motion == target:
@@ -84,10 +83,10 @@ def _target(folder: Path, where: str, name: str) -> Path:
     return folder / name
 
 
-def _cell_text(given: Given, choices: Choices, path: Path, target: Path) -> tuple[str, str]:
+def _cell_text(choices: Choices, path: Path, target: Path) -> tuple[str, str]:
     """The original text with the edited keys; where that does not read back to the cell, a text written anew."""
     original = uncompiled_cell(cell_model(path), path.resolve().parent)
-    wanted = choices.saved_cell(replace(given, cell=original))
+    wanted = choices.saved_cell(original)
 
     def is_wanted(read: Any) -> bool:
         return _same(uncompiled_cell(described_model(read, target.parent), target.parent), wanted)
@@ -98,15 +97,6 @@ def _cell_text(given: Given, choices: Choices, path: Path, target: Path) -> tupl
 def _edited_or_anew(
     what: str, path: Path, edits: Edits, is_wanted: Callable[[Any], bool], anew: Callable[[], str]
 ) -> tuple[str, str]:
-    """The original text with other values where these read back, else a text written anew; and a remark.
-
-    Args:
-        what: The file, for people: "cell" or "motion".
-        path: Of the original.
-        edits: Other values.
-        is_wanted: Whether what a text reads as is what was chosen.
-        anew: The text without the original.
-    """
     before = read_text(path, f"{what} file")
     try:
         text = edited_yaml(before, edits)
@@ -131,21 +121,16 @@ def _cell_edits(original: Cell, wanted: Cell) -> Edits:
     return edits
 
 
-def _numbers(cell: Cell) -> Mapping[str, Array]:
-    found = {"geometry": cell.geometry, "load": cell.load}
-    for robot in cell.robots:
-        for key in ("posture", "torque_lower", "torque_upper", "wrench_lower", "wrench_upper", "velocity_limit"):
-            found[f"{robot.name} {key}"] = getattr(robot, key)
-        for contact in robot.contacts:
-            found |= {f"{robot.name} {contact.name}": np.concatenate([contact.lower, contact.upper])}
-    return found
-
-
 def _same(one: Cell, other: Cell) -> bool:
-    ours, theirs = _numbers(one), _numbers(other)
-    return ours.keys() == theirs.keys() and all(
-        np.allclose(ours[key], theirs[key], rtol=SAME, atol=SAME) for key in ours
-    )
+    ours, theirs = cell_keys(one), cell_keys(other)
+    for robot in [*ours["robots"], *theirs["robots"]]:
+        del robot["base"], robot["grasp"]
+    return ours == theirs and np.allclose(_numbers(one), _numbers(other), rtol=SAME, atol=SAME)
+
+
+def _numbers(cell: Cell) -> Array:
+    contacts = [side for robot in cell.robots for own in robot.contacts for side in (own.lower, own.upper)]
+    return np.concatenate([cell.geometry, *contacts])
 
 
 def motion_text(given: Given, choices: Choices) -> tuple[str, str]:
@@ -164,15 +149,10 @@ def motion_text(given: Given, choices: Choices) -> tuple[str, str]:
     described = choices.description(given)
     if described is None or given.motion_path is None:
         raise InputError("motion file", "a motion from a table has no ends that could have moved: save the cell alone.")
-    last = len(described.waypoints or ()) - 1
-    places: dict[str, tuple[Key, ...]] = {"start": ("start",), "end": ("end",)}
+    where: dict[str, tuple[Key, ...]] = {"start": ("start",), "end": ("end",)}
     if described.waypoints:
-        places = {"start": ("waypoints", 0), "end": ("waypoints", last)}
-    edits: Edits = {}
-    for name, keys in places.items():
-        pose = choices.start if name == "start" else choices.end
-        if pose is not None:
-            edits[keys] = pose_keys(pose)
+        where = {"start": ("waypoints", 0), "end": ("waypoints", len(described.waypoints) - 1)}
+    edits = {where[place.kind]: pose_keys(pose) for place, pose in choices.poses.items() if not place.robot}
     whole = {key: value for key, value in described.model_dump().items() if value is not None}
     return _edited_or_anew(
         "motion",

@@ -1,2 +1,0 @@
-# SPDX-License-Identifier: MIT
-"""What a hand can exert on the object: polytopes of the contact wrench."""

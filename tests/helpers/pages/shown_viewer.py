@@ -1,0 +1,84 @@
+"""A viewer without a browser: its server, its workbench, and its controls by label."""
+
+import time
+from contextlib import contextmanager
+from types import SimpleNamespace
+
+import pytest
+import yaml
+from conftest import DATA
+from published_robots import ROBOTS
+
+import mrts
+from mrts.motion.motion_file import described_motion
+from mrts.viewer.choices import Given
+from mrts.viewer.server import close_server, open_server
+from mrts.viewer.viewer import Viewer
+from mrts.viewer.workbench import Workbench
+
+UR5 = DATA.parent / "dual_ur5"
+PATIENCE = 60.0
+"""[s]"""
+
+
+@contextmanager
+def shown_viewer(bench, *, urdfs=None, warn=pytest.fail, others=()):
+    """The viewer of a workbench, of what one is given, or of the state of a saved result."""
+    bench = Workbench(bench) if isinstance(bench, Given) else bench
+    server = open_server("127.0.0.1", 0, "test")
+    try:
+        shown = Viewer(server, bench, urdfs or {}, warn, others)
+        controls = {getattr(handle, "label", ""): handle for handle in server.controls.values()}
+        yield SimpleNamespace(server=server, shown=shown, bench=bench, controls=controls, url=server.url)
+        shown.close()
+    finally:
+        close_server(server)
+
+
+def spatial_given(cell):
+    """Of the dual UR5 and its motion."""
+    path = UR5 / "lift_and_turn.yaml"
+    return Given(cell, mrts.load_motion(path), described_motion(path))
+
+
+def planar_given(cell, **files):
+    """Of the planar cell and its lift."""
+    return Given(cell, mrts.load_motion(DATA / "lift.yaml"), described_motion(DATA / "lift.yaml"), **files)
+
+
+def news_of(bench, *, until=lambda _one: False):
+    """All that is taken until there is nothing left to do, or until one that is waited for."""
+    end, taken = time.monotonic() + PATIENCE, []
+    while True:
+        waits = bench.waits
+        for one in bench.take():
+            taken.append(one)
+            if until(one):
+                return taken
+        if not waits:
+            return taken
+        assert time.monotonic() < end
+        time.sleep(0.001)
+
+
+def answered(bench):
+    """The newest answer, once there is nothing left to do."""
+    errors = [one for one in news_of(bench) if isinstance(one, mrts.MrtsError)]
+    assert not errors
+    return bench.answer
+
+
+def cell_of_real_arms(folder, *, mass=8.0, forearm=None):
+    """The shipped cell of two UR5-class arms with the manufacturer's arms, and perhaps another mesh of the forearm."""
+    text = (ROBOTS / "ur_description" / "urdf" / "ur5_robot.urdf").read_text()
+    if forearm is not None:
+        mesh = "package://example-robot-data/robots/ur_description/meshes/ur5/visual/forearm.dae"
+        assert mesh in text
+        text = text.replace(mesh, forearm)
+    (folder / "arm.urdf").write_text(text.replace("package://example-robot-data", f"file://{ROBOTS.parent}"))
+    description = yaml.safe_load((UR5 / "cell.yaml").read_text())
+    description["object"]["mass"] = mass
+    for robot in description["robots"]:
+        robot["urdf"] = str(folder / "arm.urdf")
+    (folder / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
+    return folder / "cell.yaml"

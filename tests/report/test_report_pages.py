@@ -1,0 +1,232 @@
+"""Reports of results and studies in a real browser: they open offline, play, and are dark or printed."""
+
+import re
+
+import numpy as np
+import pytest
+from found_studies import kinds
+from headless_browser import NARROW, browser, page  # noqa: F401 (fixtures)
+from playwright.sync_api import expect
+from report_pages import data_of, own_text
+from shown_results import KINDS, result_of
+
+import mrts
+from mrts.plots.limit_shares import all_shares
+from mrts.report import write_study_report
+
+LARGEST = 2_100_000
+"""Bytes of a report of an ordinary motion or study, 1.84 million of them plotly.js."""
+
+SLOW = 60_000
+"""A page drawn without a graphics card takes its time [ms]."""
+
+STUDIES = kinds()
+
+PLOTTED_LIKE_ANOTHER = {"spatial", "least speed", "infeasible load", "fixed rule", "rates"}
+"""Kinds whose pages have the plots of one that is opened; their texts and figures are tested where they are made."""
+
+
+def until(page, done):  # noqa: F811
+    """Wait until something is so; the page's policy forbids what playwright would poll with."""
+    for _ in range(SLOW // 200):
+        if done():
+            return
+        page.wait_for_timeout(200)
+    raise AssertionError("not in time")
+
+
+def opened(page, path):  # noqa: F811
+    """Open a report, wait until all is drawn, and check what holds of every one; names of its plots."""
+    text = path.read_text(encoding="utf-8")
+    assert len(text.encode()) < LARGEST
+    page.goto(path.as_uri())
+    page.wait_for_selector("body[data-ready=yes]", timeout=SLOW)
+    assert page.problems == []
+    assert page.evaluate("window.broken") is None
+    assert {url.split(":")[0] for url in page.requests} <= {"file", "data", "blob"}
+    assert sum(url.startswith("file") for url in page.requests) == 1
+    plots = set(data_of(text)["plots"])
+    for name in plots:
+        drawn = ".js-line, .shapelayer path, .barlayer path, .hm, svg.main-svg, canvas"
+        assert page.locator(f"#{name} :is({drawn})").count() > 0, name
+        assert page.locator(f"#{name}").bounding_box()["height"] < 1200
+    places = re.findall(r' id="([^"]+)"', own_text(text))
+    assert len(places) == len(set(places))
+    assert set(places) >= plots
+    page.set_viewport_size(NARROW)
+    until(page, lambda: page.evaluate("document.documentElement.scrollWidth <= window.innerWidth"))
+    return plots
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in PLOTTED_LIKE_ANOTHER])
+def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell, dual_ur5, lift, tmp_path, page):  # noqa: F811
+    found = result_of(kind, planar_cell, dual_ur5, lift, tmp_path)
+    mrts.write_report(found, tmp_path / "report.html")
+    expected = set() if found.origin else {"plot-c2-range"}
+    robots = len(found.cell.robots)
+    if found.trajectory is not None:
+        expected |= {f"plot-{what}-{n}" for what in ("torque", "force", "moment", "power") for n in range(robots)}
+        expected |= {"plot-energy", "plot-limit-map"}
+        units = [len(set(robot.position_units)) for robot in found.cell.robots]
+        whats = ("velocity", "position")
+        expected |= {f"plot-{what}-{n}-{part}" for what in whats for n in range(robots) for part in range(units[n])}
+        others = {name.kind for name in all_shares(found)[0]} - {"torque", "wrench", "velocity"}
+        expected |= {f"plot-limits-{number}" for number in range(len(others))}
+    if found.load is not None and found.load.points:
+        expected.add("plot-load-study")
+    if found.changes is not None:
+        expected.add("plot-what-if")
+    assert opened(page, tmp_path / "report.html") == expected
+    assert page.problems == []
+
+
+@pytest.mark.parametrize("name", ["four numbers", "one number", "nothing can be played"])
+def test_every_kind_of_study_opens_offline_with_all_its_plots(name, tmp_path, page):  # noqa: F811
+    table = STUDIES[name]
+    write_study_report(table, tmp_path / "report.html")
+    expected = {"plot-duration-line"} if len(table.knobs) == 1 else {"plot-duration-map", "plot-limit-map"}
+    expected |= {"plot-lines"} if len(table.knobs) > 2 else set()
+    expected |= {"plot-durations"} if len(table.ranked) else set()
+    assert opened(page, tmp_path / "report.html") == expected
+    if "plot-lines" in expected:
+        assert len(set(page.locator("#plot-lines").screenshot())) > 50  # something is drawn
+        assert "webgl" not in page.locator("#plot-lines").inner_text().lower()
+
+
+def first_arm(page):  # noqa: F811
+    """Where the first arm is drawn, Shape (points, 3)."""
+    script = "['x', 'y', 'z'].map((axis) => Array.from(document.getElementById('player').data[0][axis]))"
+    return np.array(page.evaluate(script)).T
+
+
+def test_a_reader_moves_turns_and_asks_the_page(lifted, tmp_path, page):  # noqa: F811
+    mrts.write_report(lifted, tmp_path / "report.html")
+    page.goto((tmp_path / "report.html").as_uri())
+    page.wait_for_selector("body[data-ready=yes]", timeout=SLOW)
+    scene, button, slider = page.locator("#player canvas").first, page.locator("#play"), page.locator("#frame")
+    start, seen = first_arm(page), scene.screenshot()
+    assert len(set(seen)) > 50  # something is drawn
+    last = int(slider.get_attribute("max"))
+    slider.focus()
+    page.keyboard.press("End")
+    carried = lifted.motion.object
+    grasp = carried.position[-1] + carried.rotation[-1] @ lifted.cell.robots[0].T_object_tip.p
+    until(page, lambda: np.allclose(first_arm(page)[-1], grasp, atol=1e-5))
+    assert scene.screenshot() != seen
+    assert "0.299 s of 0.299 s" in page.locator("#now").text_content()
+    page.locator("#speed").select_option("0.02")
+    button.click()  # from the end it starts again
+    expect(button).to_have_text("Pause")
+    expect(slider).to_have_value(re.compile(r"^([3-9]|[1-8]\d)$"), timeout=SLOW)
+    turns_the_camera_while_it_plays(page, slider)
+    button.click()
+    expect(button).to_have_text("Play", timeout=SLOW)
+    assert np.max(np.abs(first_arm(page) - start)) > 1e-3
+    page.locator("#speed").select_option("1")
+    button.click()
+    expect(slider).to_have_value(str(last), timeout=SLOW)
+    expect(button).to_have_text("Play", timeout=SLOW)  # it stops at the end
+    titles = page.evaluate("[...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)")
+    assert set(titles) == {  # plotly's own choice of buttons has one that uploads the chart
+        "Download plot as a PNG", "Zoom", "Pan", "Reset axes", "Turntable rotation", "Reset camera to default"
+    }  # fmt: skip
+    plot = page.locator("#plot-c2-range .nsewdrag").first
+    plot.scroll_into_view_if_needed()
+    box = plot.bounding_box()
+    page.mouse.move(box["x"] + 0.02 * box["width"], box["y"] + box["height"] / 2)
+    page.wait_for_selector("#plot-c2-range .hoverlayer .legend")
+    said = page.locator("#plot-c2-range .hoverlayer").text_content()  # the rows that bind under the mouse
+    assert "right/elbow ↓" in said
+    assert "c² ≥ 0" in said
+    assert page.problems == []
+
+
+def turns_the_camera_while_it_plays(page, slider):  # noqa: F811
+
+    def eye():
+        camera = page.evaluate("document.getElementById('player')._fullLayout.scene._scene.getCamera().eye")
+        return np.array([camera[axis] for axis in "xyz"])
+
+    page.locator("#player").scroll_into_view_if_needed()
+    box, before = page.locator("#player").bounding_box(), eye()
+    page.mouse.move(box["x"] + 300, box["y"] + 300)
+    page.mouse.down()
+    page.wait_for_timeout(1000)
+    held = slider.input_value()
+    for step in range(5):
+        page.mouse.move(box["x"] + 320 + 20 * step, box["y"] + 300)
+        page.wait_for_timeout(100)
+    assert slider.input_value() == held
+    page.mouse.up()
+    turned = eye()
+    assert np.linalg.norm(turned - before) > 0.1
+    expect(slider).not_to_have_value(held, timeout=SLOW)
+    np.testing.assert_allclose(eye(), turned, atol=0.2)
+
+
+def test_one_cursor_goes_through_all_and_the_page_is_dark_or_printed(planar_cell, lift, tmp_path, page):  # noqa: F811
+    path = tmp_path / "report.html"
+    mrts.write_report(mrts.retime(planar_cell, lift), path)
+    text = path.read_text(encoding="utf-8")
+    page.emulate_media(color_scheme="dark")
+    page.goto(path.as_uri())
+    page.wait_for_selector("body[data-ready=yes]", timeout=SLOW)
+
+    def look():
+        """Colours of the paper and of a plot."""
+        return page.evaluate("""() => [getComputedStyle(document.body).backgroundColor,
+            document.querySelector('#plot-torque-0 .main-svg').style.background]""")
+
+    dark, white = ["rgb(21, 24, 28)"] * 2, ["rgb(255, 255, 255)"] * 2
+    assert look() == dark
+    page.locator("#theme").click()
+    assert look() == white
+    page.locator("#theme").click()
+
+    frame = 40
+    slide = "(slider, frame) => { slider.value = frame; slider.dispatchEvent(new Event('input')); }"
+    page.locator("#frame").evaluate(slide, frame)
+    clocks = data_of(text)["player"]["clocks"]
+    at = page.evaluate("""() => Object.fromEntries([...document.querySelectorAll('.cursor')].map((cursor) => {
+        const plot = cursor.parentElement;
+        return [plot.id, plot._fullLayout.xaxis.p2d(parseFloat(cursor.style.transform.slice('translateX('.length)))];
+    }))""")
+    kinds = {name: plot["clock"] for name, plot in data_of(text)["plots"].items() if plot["clock"]}
+    assert set(at) == set(kinds)
+    assert {"plot-phase-plane", "plot-limit-map", "plot-torque-1", "plot-position-0-0"} <= set(at)
+    for name, x in at.items():
+        assert x == pytest.approx(clocks[kinds[name]][frame], rel=1e-3), name
+    box = page.locator("#plot-torque-0 .nsewdrag").first
+    box.scroll_into_view_if_needed()
+    box = box.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
+    until(page, lambda: int(page.locator("#frame").input_value()) != frame)
+    shown = clocks["played"][int(page.locator("#frame").input_value())]
+    assert shown == pytest.approx(clocks["played"][-1] / 4, rel=0.05)
+
+    page.set_viewport_size(NARROW)
+    plane = page.locator("#plot-phase-plane .main-svg").first
+    until(page, lambda: plane.bounding_box()["width"] < NARROW["width"])
+    pictures = page.evaluate("""() => {
+        dispatchEvent(new Event('beforeprint'));
+        const picture = document.querySelector('#player canvas.picture');
+        const pixels = picture.getContext('2d').getImageData(0, 0, picture.width, picture.height).data;
+        const hidden = [...document.querySelectorAll('[id^=plot-]')].filter((plot) => {
+            const places = ['.legend .bg', '.nsewdrag'].map((part) => plot.querySelector(part));
+            const [legend, lines] = places.map((part) => part && part.getBoundingClientRect());
+            return legend && legend.bottom > lines.top + 1;
+        });
+        return {
+            colours: new Set(new Uint32Array(pixels.buffer)).size,
+            width: document.body.clientWidth,
+            hidden: hidden.map((plot) => plot.id),
+        };
+    }""")
+    assert pictures["hidden"] == []  # no curve by a legend that takes more lines on paper
+    assert pictures["colours"] > 50  # the scene, not an empty sheet
+    assert look() == white
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    assert look() == dark
+    assert page.locator("#player canvas.picture").count() == 0
+    assert page.problems == []

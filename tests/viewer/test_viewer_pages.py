@@ -1,0 +1,231 @@
+"""The viewer in a real browser: its controls, where its panel is, its plots, and who may connect."""
+
+import io
+import shutil
+
+import pytest
+from conftest import DATA
+from PIL import Image
+from viewer_browser import chromium, interrupt, open_page, running_viewer
+
+import mrts
+from mrts.viewer.time_plots import time_panels
+
+assert chromium  # a fixture, imported for pytest
+
+FILES = DATA / "cell.yaml", DATA / "lift.yaml"
+
+WIDTHS = (1400, 900, 700, 577, 500)
+"""Of windows [pixels]."""
+
+TALL = {"width": 1400, "height": 1700}
+"""Of a window in which the panel does not scroll [pixels]."""
+
+OVER = '[data-over="true"]:not([data-bar^=nearest])'
+"""Bars of this moment that pass their limit; the card's are of the whole motion."""
+
+LAID_OUT = """() => {
+    const scene = document.querySelector('canvas').getBoundingClientRect();
+    const outcome = document.querySelector('[data-text=outcome]');
+    const panel = outcome.closest('.mantine-ScrollArea-root').getBoundingClientRect();
+    const texts = [...document.querySelectorAll('[data-text], [data-bars] td, [data-plot]')];
+    const wide = Math.min(scene.right, panel.right) - Math.max(scene.left, panel.left);
+    const high = Math.min(scene.bottom, panel.bottom) - Math.max(scene.top, panel.top);
+    const right = each => each.getBoundingClientRect().right;
+    const plots = [...document.querySelectorAll('.uplot')];
+    return Math.min(wide, high) <= 1 && Math.min(scene.width, scene.height) >= 300
+        && !texts.some(text => text.clientWidth && text.scrollWidth > text.clientWidth + 1)
+        && !plots.some(plot => right(plot) > right(plot.parentElement) + 1);
+}"""
+"""Whether the panel covers no scene, and cuts no text and no plot."""
+
+OFF = """() => Math.max(...[...document.querySelectorAll('.u-over')].map(over => {
+    const style = getComputedStyle(document.documentElement), named = over.closest('.uplot').querySelector('.u-title');
+    const share = parseFloat(style.getPropertyValue(named ? '--mrts-along' : '--mrts-cursor'));
+    return Math.abs(parseFloat(getComputedStyle(over, '::after').left) - share * over.clientWidth);
+}))"""
+"""How far the cursor of some plot is from where its style sheet says [pixels]."""
+
+TOPS = """() => [...document.querySelectorAll('.mantine-Slider-root, [role=tab], [role=combobox], button')]
+    .filter(each => each.offsetParent).map(each => each.getBoundingClientRect().top)"""
+
+
+def text(page, kind):
+    return page.locator(f'[data-text="{kind}"]').inner_text()
+
+
+def waits_for(page, kind, words):
+    """Until a text has some words; the page's own time limit applies."""
+    page.wait_for_function(
+        "([kind, words]) => document.querySelector(`[data-text=${kind}]`)?.innerText.includes(words)", arg=[kind, words]
+    )
+
+
+def is_other(page, kind, before, *, same=False):
+    """Wait until a text is another one, or that one again."""
+    page.wait_for_function(
+        f"([kind, text]) => (document.querySelector(`[data-text=${{kind}}]`).innerText == text) == {str(same).lower()}",
+        arg=[kind, before],
+    )
+
+
+def pick(page, menu, option):
+    page.get_by_role("combobox", name=menu, exact=True).click()
+    page.get_by_role("option", name=option).first.click()
+
+
+def press(page, name):
+    page.get_by_role("button", name=name, exact=True).last.click()
+
+
+def row(page, label):
+    """The slider beside a label."""
+    found = page.locator("div", has=page.get_by_text(label, exact=True)).filter(has=page.get_by_role("slider"))
+    return found.last.get_by_role("slider")
+
+
+@pytest.mark.quick
+def test_the_page_follows_the_speed_slider(chromium):
+    """The planar lift binds at its first sample, so there the bars turn red as soon as c passes c⁺."""
+
+    def red():
+        return page.locator(OVER).evaluate_all("rows => rows.map(row => row.dataset.bar)")
+
+    with running_viewer(*FILES) as (process, url), open_page(chromium, url) as page:
+        page.wait_for_selector("canvas")
+        assert "[0, 3.062]" in text(page, "outcome")
+        assert "c² = 3.062" in text(page, "speed")
+        assert red() == []
+        before = page.locator('[data-bar="torque left/shoulder"]').inner_text()
+        speed, time = page.get_by_role("slider").all()
+        speed.press("Home")
+        waits_for(page, "speed", "c = 0.0")
+        assert page.locator('[data-bar="torque left/shoulder"]').inner_text() != before
+        assert "Inside" in text(page, "speed")
+        speed.press("End")
+        page.wait_for_selector(OVER)
+        assert {"torque left/elbow", "torque right/elbow", "wrench left/fx", "wrench right/nz"} <= set(red())
+        assert "Outside the admissible range" in text(page, "speed")
+        time.press("End")
+        page.wait_for_selector(OVER, state="detached")
+        assert "given motion: 0.5236 s" in text(page, "moment")
+        assert page.problems == []
+        out, err, code = interrupt(process)  # while the page is open
+    assert (code, err) == (0, "")
+    assert len(out.splitlines()) == 2  # the outcome and the address: no banner
+
+
+@pytest.mark.slow
+def test_every_control_does_what_it_says(chromium, tmp_path):
+    folder = shutil.copytree(DATA, tmp_path / "cell")
+    cell = folder / "cell.yaml"
+    cell.write_text(cell.read_text().replace("  mass: 0.5 ", "  variation: {mass: [0.5, 2]}\n  mass: 0.5 "))
+    with running_viewer(cell, folder / "lift.yaml") as (_, url), open_page(chromium, url) as page:
+        first = text(page, "outcome")
+        page.get_by_role("tab", name="Change").click()
+        row(page, "mass [kg]").press("End")
+        waits_for(page, "outcome", "2 kg")
+        press(page, "Undo")
+        is_other(page, "outcome", first, same=True)
+        press(page, "Redo")
+        waits_for(page, "outcome", "2 kg")
+        press(page, "Reset")
+        is_other(page, "outcome", first, same=True)
+        pick(page, "profile", "smooth")
+        waits_for(page, "outcome", "smooth timing")
+        pick(page, "profile", "constant")
+        pick(page, "move", "end of the motion")
+        row(page, "along y [mm]").press("End")
+        waits_for(page, "outcome", "No motion")
+        assert "Red in the scene" in text(page, "outcome")
+        press(page, "Undo")
+        is_other(page, "outcome", first, same=True)
+        press(page, "Rank all configurations")
+        pick(page, "configuration", "2: ")
+        is_other(page, "outcome", first)
+        page.get_by_role("tab", name="View").click()
+        for name in ("frames", "names", "shadows", "dark"):
+            page.get_by_role("checkbox", name=name).click()
+        page.wait_for_selector('[data-mantine-color-scheme="dark"]', state="attached")
+        press(page, "Show the whole cell")
+        page.get_by_role("tab", name="Save").click()
+        press(page, "Save")
+        waits_for(page, "saved", "configuration 2")
+        press(page, "Save")
+        waits_for(page, "error", "exists already")
+        assert page.problems == []
+    assert "variation: {mass: [0.5, 2]}" in (folder / "changed_cell.yaml").read_text()
+    assert (folder / "changed_motion.yaml").read_text() == (folder / "lift.yaml").read_text()
+
+
+@pytest.mark.slow
+def test_numbers_keep_the_point_that_is_typed_and_no_control_moves(chromium):
+    """Feasible, beyond the range, infeasible and out of reach, and while each is found; at every width."""
+    with running_viewer(*FILES) as (_, url), open_page(chromium, url) as page:
+        for width in WIDTHS:
+            page.set_viewport_size({"width": width, "height": 800})
+            page.wait_for_function(LAID_OUT)
+        page.set_viewport_size(TALL)
+        page.get_by_role("tab", name="Change").click()
+        pick(page, "move", "end of the motion")
+        row(page, "about z [°]").wait_for()
+        for label, number in (("time [s]", "0.15"), ("speed c", "1.5"), ("left torques [%]", "87.5")):
+            slider = row(page, label)
+            flex = slider.locator("xpath=ancestor::div[contains(@class, 'mantine-Flex-root')][1]")
+            field = flex.locator("input").last
+            field.press("Control+a")
+            field.press_sequentially(number, delay=50)
+            page.wait_for_selector("[data-text=computing]", state="detached")
+            assert (field.input_value(), slider.get_attribute("aria-valuenow")) == (number, number)
+        press(page, "Reset")
+        waits_for(page, "outcome", "3.062")
+        before = page.evaluate(TOPS)
+        for label, key, kind, words in (
+            ("mass [kg]", "End", "outcome", "1.972"),
+            ("speed c", "End", "speed", "Outside"),
+            ("left torques [%]", "Home", "outcome", "infeasible"),
+            ("along y [mm]", "End", "outcome", "No motion"),
+        ):
+            row(page, label).press(key)
+            assert page.evaluate(TOPS) == before, label
+            waits_for(page, kind, words)
+            page.wait_for_selector("[data-text=computing]", state="detached")
+            assert page.evaluate(TOPS) == before, label
+        assert page.problems == []
+
+
+@pytest.mark.slow
+def test_plots_follow_a_saved_result_and_its_picture_is_taken(chromium, lifted, planar_cell, lift, tmp_path):
+    mrts.save_result(lifted, tmp_path / "fast.npz")
+    mrts.save_result(mrts.scale(planar_cell, lift, 0.5), tmp_path / "slow.npz")
+    with (
+        running_viewer(tmp_path / "fast.npz", "--with", tmp_path / "slow.npz") as (_, url),
+        open_page(chromium, url) as page,
+    ):
+        start = text(page, "moment")
+        page.get_by_role("tab", name="Plots").click()
+        page.wait_for_selector(".uplot canvas")
+        titles = page.locator("[data-plot]:not([data-plot=names])")
+        plots = titles.evaluate_all("all => all.map(each => each.dataset.plot)")
+        assert plots == ["compared", *time_panels(lifted)]
+        assert page.locator(".uplot canvas").count() == len(plots) - 1
+        assert page.locator("[data-plot=compared]").inner_text().startswith("Shown: 0.2992 s, 2.47 × as fast as slow")
+        assert page.evaluate(OFF) < 1
+        press(page, "Play")
+        is_other(page, "moment", start)
+        press(page, "Pause")
+        page.get_by_role("button", name="Play", exact=True).wait_for()
+        held = text(page, "moment")
+        page.wait_for_timeout(300)
+        assert text(page, "moment") == held
+        assert page.evaluate(OFF) < 1
+        for width in (900, 500, 1400):
+            page.set_viewport_size({"width": width, "height": 700})
+            page.wait_for_function(LAID_OUT)
+        page.get_by_role("tab", name="Save").click()
+        with page.expect_download() as saved:
+            press(page, "Picture (PNG)")
+        with Image.open(io.BytesIO(saved.value.path().read_bytes())) as picture:
+            assert picture.size[0] == 960
+        assert saved.value.suggested_filename == f"{planar_cell.name}.png"
+        assert page.problems == []
