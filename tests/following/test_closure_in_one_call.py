@@ -108,10 +108,12 @@ def test_a_singular_arm_keeps_what_it_was_given_in_the_direction_it_lost(elbow, 
         np.testing.assert_allclose(ours[:, joints], expected, rtol=1e-9, atol=1e-9)
 
 
-def test_between_samples_the_first_hand_carries_what_is_not_quite_closed(planar_cell, lift):
-    motion, time = mrts.follow_object(planar_cell, lift), lift.time
+def test_between_samples_the_first_hand_carries_what_is_not_quite_closed(dual_ur5):
+    lift = mrts.load_motion(UR5 / "lift_and_turn.yaml")
+    time, motion = lift.time, mrts.follow_object(dual_ur5, lift)
     samples = mrts.ObjectMotion(time, lift.position, lift.rotation, lift.twist, lift.acceleration)
     off = moved(replace(motion, object=samples), np.random.default_rng(1), 1e-7)
     middle = (time[1:] + time[:-1]) / 2
-    there = between_samples(planar_cell, off, middle)
-    np.testing.assert_allclose(there.object.position[1:-1], lift.course(middle)[0], atol=1e-5)
+    there, (position, _, twist, _) = between_samples(dual_ur5, off, middle).object, lift.course(middle)
+    np.testing.assert_allclose(there.position[1:-1], position, atol=1e-5)
+    np.testing.assert_allclose(there.twist[1:-1], twist, atol=1e-4)
