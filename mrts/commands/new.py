@@ -34,7 +34,7 @@ examples:
 
 def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
     rule = f"must be {' or '.join(map(str, counts)) or 'some'} numbers with commas between them, such as 0.5,0,-1."
-    return options.listed(where, rule, options.array, counts=counts or range(1, 1 << 30))
+    return options.listed(where, rule, options.array, counts=counts or options.ANY_COUNT)
 
 
 @options.command(EXAMPLES)

@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 PROBE = "mrts-probe"
 """A file that is tried, but not left, in a folder that is to be written."""
 
+ANY_COUNT = range(1, 1 << 30)
+"""Of numbers in a list."""
+
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
@@ -204,7 +207,7 @@ def take(given: dict[str, Any], names: Iterable[str]) -> dict[str, Any]:
     return {name: given.pop(name) for name in names if name in given}
 
 
-def numbers(where: str, text: str, rule: str, counts: Container[int] = range(1, 1 << 30)) -> list[float]:
+def numbers(where: str, text: str, rule: str, counts: Container[int] = ANY_COUNT) -> list[float]:
     """Finite numbers with commas between them."""
     try:
         found = [float(word) for word in text.split(",")]
@@ -217,7 +220,7 @@ def numbers(where: str, text: str, rule: str, counts: Container[int] = range(1, 
 
 def listed(
     where: str, rule: str, make: Callable[[Any], Any], words: Mapping[str, Any] = MappingProxyType({}),
-    counts: Container[int] = range(1, 1 << 30),
+    counts: Container[int] = ANY_COUNT,
 ) -> Callable[[str], Any]:  # fmt: skip
     """What reads an option of which a value is made: numbers, or what a word stands for."""
     return lambda text: make(words[text] if text in words else numbers(where, text, rule, counts))
