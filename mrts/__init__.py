@@ -29,12 +29,10 @@ if TYPE_CHECKING:
     from mrts.cell.loading import load_cell as load_cell
     from mrts.cell.motors import JointMotors as JointMotors
     from mrts.cell.robot import Robot as Robot
-    from mrts.diagnosis.check import check as check
     from mrts.following.coordinated_motion import CoordinatedMotion as CoordinatedMotion
     from mrts.following.coordinated_motion import follow_object as follow_object
     from mrts.following.grasp_closure import ClosureBound as ClosureBound
     from mrts.identification.identify import identify as identify
-    from mrts.layout.place import place as place
     from mrts.limits.rows import ActiveRow as ActiveRow
     from mrts.limits.rows import RowName as RowName
     from mrts.motion.joint_recording import JointRecording as JointRecording
@@ -61,12 +59,14 @@ if TYPE_CHECKING:
     from mrts.scaling.scale import SelectionError as SelectionError
     from mrts.scaling.scale import scale as scale
     from mrts.scaling.scale import torques_for_load as torques_for_load
+    from mrts.starting.check import check as check
     from mrts.starting.hold import hold_here as hold_here
     from mrts.studies.configurations import rank_configurations as rank_configurations
+    from mrts.studies.layout.place import place as place
     from mrts.studies.study import Study as Study
     from mrts.studies.study_file import read_study as read_study
     from mrts.studies.study_folder import read_study_folder as read_study_folder
-    from mrts.sweeps.sweep import sweep as sweep
+    from mrts.studies.sweep import sweep as sweep
     from mrts.timing.result import RetimingResult as RetimingResult
     from mrts.timing.result import RetimingStatus as RetimingStatus
     from mrts.timing.retime import retime as retime
@@ -83,11 +83,11 @@ __all__, __getattr__, __dir__ = lazy_names(
         "cell.loading": "load_cell",
         "cell.motors": "JointMotors",
         "cell.robot": "Robot",
-        "diagnosis.check": "check",
+        "starting.check": "check",
         "following.coordinated_motion": "CoordinatedMotion follow_object",
         "following.grasp_closure": "ClosureBound",
         "identification.identify": "identify",
-        "layout.place": "place",
+        "studies.layout.place": "place",
         "limits.rows": "ActiveRow RowName",
         "motion.joint_recording": "JointRecording RecordedJoint load_recording",
         "motion.joint_table": "JointTable",
@@ -110,7 +110,7 @@ __all__, __getattr__, __dir__ = lazy_names(
         "studies.study": "Study",
         "studies.study_file": "read_study",
         "studies.study_folder": "read_study_folder",
-        "sweeps.sweep": "sweep",
+        "studies.sweep": "sweep",
         "timing.result": "RetimingResult RetimingStatus",
         "timing.retime": "retime",
     },

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line `mrts`; its commands are in mrts/commands, its exit codes in mrts/console/exit_codes.py."""
+"""The command line `mrts`; its commands are in mrts/commands, its exit codes in mrts/commands/console/exit_codes.py."""
 
 import atexit
 import gc
@@ -16,11 +16,10 @@ from mrts.base.errors import MrtsError
 from mrts.base.printable import message_text
 from mrts.base.regular_file import FILES_READ
 from mrts.base.version import __version__
-from mrts.commands.options import EVERYWHERE, printing
-from mrts.console.defect import describe_defect, trace
-from mrts.console.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
-from mrts.console.signals import EndedBySignal, persistent_interrupt
-from mrts.console.terminal import (
+from mrts.commands.console.defect import describe_defect, trace
+from mrts.commands.console.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
+from mrts.commands.console.signals import EndedBySignal, persistent_interrupt
+from mrts.commands.console.terminal import (
     DEBUG,
     QUIET,
     RemarkHandler,
@@ -31,6 +30,7 @@ from mrts.console.terminal import (
     open_closed_streams,
     warn,
 )
+from mrts.commands.options import EVERYWHERE, printing
 
 COMMANDS = {
     "demo": "run the paper's examples",

@@ -8,14 +8,14 @@ from click import argument
 
 from mrts.base.errors import InputError
 from mrts.commands import options
+from mrts.commands.console.exit_codes import BAD_INPUT, FEASIBLE, INFEASIBLE
+from mrts.commands.console.output_files import Outputs
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import QUIET, fail
 from mrts.commands.options import Named
-from mrts.console.exit_codes import BAD_INPUT, FEASIBLE, INFEASIBLE
-from mrts.console.output_files import Outputs
-from mrts.console.progress import working
-from mrts.console.terminal import QUIET, fail
 
 if TYPE_CHECKING:
-    from mrts.diagnosis.cell_check import CellCheck
+    from mrts.starting.cell_check import CellCheck
 
 CODES = {"fine": FEASIBLE, "impossible": INFEASIBLE, "wrong-input": BAD_INPUT}
 """Exit code by what came of the check."""
@@ -47,8 +47,8 @@ def run(cell: Path, motion: Path | None = None, json: Path | None = None, xacro_
 
 
 def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "CellCheck":
-    from mrts.diagnosis.cell_check import is_urdf
-    from mrts.diagnosis.check import check
+    from mrts.starting.cell_check import is_urdf
+    from mrts.starting.check import check
     from mrts.starting.urdf_check import check_urdf
 
     if is_urdf(cell):

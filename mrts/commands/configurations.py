@@ -8,9 +8,9 @@ from click import IntRange, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
-from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.output_files import Outputs
-from mrts.console.progress import working
+from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.output_files import Outputs
+from mrts.commands.console.progress import working
 
 EXAMPLES = """\
 examples:

@@ -7,10 +7,10 @@ from typing import Any
 from click import option
 
 from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import say, warn
 from mrts.commands.options import Written
-from mrts.console.exit_codes import FEASIBLE
-from mrts.console.progress import working
-from mrts.console.terminal import say, warn
 
 EXAMPLES = """\
 examples:

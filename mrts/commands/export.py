@@ -9,10 +9,10 @@ from click import Choice, argument, option
 from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import say
 from mrts.commands.options import Named, Written
-from mrts.console.exit_codes import FEASIBLE
-from mrts.console.progress import working
-from mrts.console.terminal import say
 
 if TYPE_CHECKING:
     from mrts.following.grasp_closure import ClosureBound

@@ -5,19 +5,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mrts.base.errors import InputError
-from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.output_files import Outputs
-from mrts.console.progress import working
-from mrts.console.terminal import warn
+from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.output_files import Outputs
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import warn
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
-    from mrts.film.renderer import Clip
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
     from mrts.program.rate_limits import Rates
     from mrts.scaling.result import ScalingResult
     from mrts.scene.arm_meshes import Urdfs
+    from mrts.scene.renderer import Clip
 
 SIDES = ("given", "fastest", "optimal", "smooth")
 """How a motion may be played: as given, by the fastest constant factor, at the fastest timing, at the smooth one."""
@@ -38,7 +38,7 @@ def sides(text: str) -> list[str]:
 
 def write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: float | None, *, within: bool) -> int:
     """Write a picture, at a moment [s] or in the middle, and a film; the exit code is whether all keeps its limits."""
-    from mrts.film.film import write_film, write_picture
+    from mrts.scene.film import write_film, write_picture
 
     if len(clips) > MOST_SIDES:
         raise InputError("others", f"there is room for {MOST_SIDES} motions side by side.")
@@ -56,7 +56,7 @@ def write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: f
 
 def saved_clip(name: str, result: "ScalingResult") -> "Clip":
     """A saved result to play."""
-    from mrts.film.renderer import Clip
+    from mrts.scene.renderer import Clip
 
     assert result.trajectory is not None  # noqa: S101 (what is played has one)
     return Clip(name, result.trajectory, result.range)
@@ -66,7 +66,7 @@ def side_clip(
     side: str, cell: "Cell", motion: "ObjectMotion | JointTable", urdfs: "Urdfs", rates: "Rates", given: dict[str, Any]
 ) -> "tuple[Clip, bool]":
     """The motion as it is played in one way, and whether it keeps its limits."""
-    from mrts.film.renderer import Clip
+    from mrts.scene.renderer import Clip
     from mrts.viewer.player_state import PlayerState
 
     profile: Any = side if side in {"optimal", "smooth"} else "constant"

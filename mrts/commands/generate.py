@@ -7,10 +7,10 @@ from click import argument, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import say
 from mrts.commands.options import Named, Written
-from mrts.console.exit_codes import FEASIBLE
-from mrts.console.progress import working
-from mrts.console.terminal import say
 
 EXAMPLES = """\
 examples:

@@ -7,11 +7,11 @@ from typing import Any
 from click import argument, option
 
 from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.output_files import Outputs
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import warn
 from mrts.commands.options import Named, Written
-from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.output_files import Outputs
-from mrts.console.progress import working
-from mrts.console.terminal import warn
 
 EXAMPLES = """\
 examples:

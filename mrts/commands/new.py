@@ -11,10 +11,10 @@ from click import argument, get_current_context, option
 
 from mrts.base.errors import InputError, MotionError
 from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import say, warn
 from mrts.commands.options import Named, Written
-from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.progress import working
-from mrts.console.terminal import say, warn
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -145,7 +145,7 @@ def _name(given: str | None, folder: Path) -> str:
 
 def _tell_arms(request: "Request") -> None:
     from mrts.cell.remarks import joint_assumptions
-    from mrts.diagnosis.cell_check import joint_table
+    from mrts.starting.cell_check import joint_table
 
     chains: dict[int, ArmRequest] = {}
     for each in request.arms:  # two of a kind have one chain, told under the name of the first

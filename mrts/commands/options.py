@@ -24,8 +24,8 @@ from click.core import ParameterSource
 from mrts.base.atomic_file import check_writable
 from mrts.base.errors import InputError, MotionError
 from mrts.base.formats.figure_formats import FIGURE_FORMATS
-from mrts.console.progress import working
-from mrts.console.terminal import DEBUG, QUIET, put
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import DEBUG, QUIET, put
 
 if TYPE_CHECKING:
     from mrts.base.arrays import Array

@@ -7,11 +7,11 @@ from typing import Any
 from click import argument, option
 
 from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.output_files import Outputs, check_not_read
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import warn
 from mrts.commands.options import Named, Written
-from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.output_files import Outputs, check_not_read
-from mrts.console.progress import working
-from mrts.console.terminal import warn
 
 EXAMPLES = """\
 examples:
@@ -30,7 +30,7 @@ examples:
 @options.between
 def run(study: Path, output: Path, **given: Any) -> int:
     """Where to put the arms and how to hold the object: the layout that may be played fastest."""
-    from mrts.layout.place import place
+    from mrts.studies.layout.place import place
     from mrts.studies.study_file import read_study
 
     with working(f"reading {study}"):

@@ -12,11 +12,11 @@ from click import Choice, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.output_files import Outputs
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import Style, put, warn
 from mrts.commands.options import HTML, Written, take
-from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.output_files import Outputs
-from mrts.console.progress import working
-from mrts.console.terminal import Style, put, warn
 from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
 from mrts.program.formulation import DISTRIBUTIONS, FORMULATIONS
 

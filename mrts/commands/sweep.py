@@ -9,16 +9,16 @@ from click import IntRange, argument, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.output_files import Outputs
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import say, warn
 from mrts.commands.options import Named, Written
-from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.output_files import Outputs
-from mrts.console.progress import working
-from mrts.console.terminal import say, warn
 
 if TYPE_CHECKING:
     from mrts.studies.study import Study
     from mrts.studies.study_folder import StudyFolder
-    from mrts.sweeps.sweep_progress import SweepProgress
+    from mrts.studies.sweep_progress import SweepProgress
 
 EXAMPLES = """\
 examples:
@@ -67,7 +67,7 @@ def run(
     lines = _answer(asked, found)
     admitted = found.statuses["feasible"] + found.statuses["unbounded"]
     if top and admitted:
-        from mrts.sweeps.best_variants import best_lines, write_best
+        from mrts.studies.best_variants import best_lines, write_best
 
         with working("solving the best again"):
             outputs.write(folder.path, lambda path: lines.extend(best_lines(write_best(asked, folder, top), path)))
@@ -96,7 +96,7 @@ def _solved(
     """The folder of a study, complete; where the work is interrupted, how to go on is said."""
     from mrts.program.held_interrupt import held_interrupt
     from mrts.studies.study_folder import read_study_folder
-    from mrts.sweeps.sweep import solve_study
+    from mrts.studies.sweep import solve_study
 
     try:
         with working(f"sweeping {study.path.name}") as show:

@@ -16,11 +16,11 @@ from click import argument, option
 from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import say, warn
 from mrts.commands.films import SIDES, saved_clip, side_clip, sides, write_films
 from mrts.commands.options import Named, Written, require, take
-from mrts.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.console.progress import working
-from mrts.console.terminal import say, warn
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
@@ -131,8 +131,8 @@ def _check_films(cell: Path, png: Path | None, video: Path | None, of_films: dic
         raise InputError("side_by_side", "goes with CELL MOTION; a saved result is played as it is.")
     if "rates" in of_films and "smooth" not in of_films.get("side_by_side", ()):
         raise InputError("rates", "is of the smooth side: give --side-by-side smooth too.")
-    from mrts.film.film import check_film
-    from mrts.film.renderer import require_renderer
+    from mrts.scene.film import check_film
+    from mrts.scene.renderer import require_renderer
 
     if video is not None:
         check_film(video)

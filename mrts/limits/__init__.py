@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Every limit as named rows. A new one is a function, given to the cell.
 
-May import base to diagnosis. Start at `cell_limits.py`.
+May import base to following. Start at `cell_limits.py`.
 """
 
 from collections.abc import Callable

@@ -9,9 +9,9 @@ from mrts.base.formats.package_uri import is_xacro
 from mrts.base.remark import Remark
 from mrts.cell.remarks import first_few, joint_assumptions, missing_masses, urdf_remarks
 from mrts.cell.source_files import UrdfReading, arm_of_urdf, read_urdf
-from mrts.diagnosis.cell_check import CellCheck
 from mrts.scene.arm_meshes import mesh_file
 from mrts.starting.arm import Arm, plane_of
+from mrts.starting.cell_check import CellCheck
 from mrts.starting.reading import check_movable
 from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
 """The viewer in the browser; needs the extra 'view' (viser).
 
-May import base to film. Start at `viewer.py`.
+May import base to output. Start at `viewer.py`.
 """

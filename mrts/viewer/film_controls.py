@@ -21,7 +21,7 @@ from mrts.viewer.panel import text_html
 from mrts.viewer.workbench import Answer
 
 if TYPE_CHECKING:
-    from mrts.film.renderer import Clip
+    from mrts.scene.renderer import Clip
 
 PICTURE = "Picture (PNG)"
 FORMATS = {PICTURE: ".png", "Film (GIF)": ".gif", "Film (mp4)": ".mp4"}
@@ -74,7 +74,7 @@ class FilmControls:
             if state is None:
                 self._said = text_html("error", "There is no motion to show.")
             else:
-                from mrts.film.renderer import Clip  # noqa: PLC0415 (an extra of its own)
+                from mrts.scene.renderer import Clip  # noqa: PLC0415 (an extra of its own)
 
                 clips = [Clip(f"c = {state.trajectory.c:.4g}", state.trajectory, state.result.range, self._urdfs)]
                 clips += [Clip(name, of.trajectory, of.range) for name, of in self._others if of.trajectory is not None]
@@ -89,7 +89,7 @@ class FilmControls:
         self._worker.shutdown(wait=False, cancel_futures=True)
 
     def _make(self, client: viser.ClientHandle, kind: str, clips: "list[Clip]", at: float, backward: Array) -> None:
-        from mrts.film.film import picture_bytes, write_film  # noqa: PLC0415 (likewise)
+        from mrts.scene.film import picture_bytes, write_film  # noqa: PLC0415 (likewise)
 
         def require_asker() -> None:
             if client.client_id not in self._clients():

@@ -13,7 +13,7 @@ from conftest import DATA, ROOT
 
 import mrts
 from mrts.cli import main
-from mrts.console.exit_codes import BAD_INPUT
+from mrts.commands.console.exit_codes import BAD_INPUT
 
 PATIENCE = 8.0
 """Processor time for a file [s]: what takes one on an idle machine, and a bomb would take minutes or for ever."""

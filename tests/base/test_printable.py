@@ -9,7 +9,7 @@ from conftest import DATA
 import mrts
 from mrts.base.printable import LONGEST_MESSAGE, html_text, printable
 from mrts.cli import main
-from mrts.console.terminal import put, say, warn
+from mrts.commands.console.terminal import put, say, warn
 from mrts.plots.labels import LANE_LETTERS, MOST_LETTERS, shortened, shortened_apart
 
 pytestmark = pytest.mark.quick

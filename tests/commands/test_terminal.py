@@ -25,7 +25,7 @@ LIFT = ("scale", DATA / "cell.yaml", DATA / "lift.yaml")
 CLEARED = "\r\x1b[K"
 """How a line is taken away."""
 
-SOON = "import mrts.console.progress as progress; progress.PATIENCE = 0.2;"
+SOON = "import mrts.commands.console.progress as progress; progress.PATIENCE = 0.2;"
 """Signs of life show before a second has passed, so that less work is enough to see them."""
 
 MAIN = "import sys; from mrts.cli import main; sys.exit(main(sys.argv[1:]))"

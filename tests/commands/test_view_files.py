@@ -9,7 +9,7 @@ from PIL import Image
 
 import mrts
 from mrts.cli import main
-from mrts.film import film
+from mrts.scene import film
 
 CELL, LIFT = str(DATA / "cell.yaml"), str(DATA / "lift.yaml")
 

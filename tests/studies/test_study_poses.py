@@ -7,7 +7,7 @@ from layouts import shipped
 from study_files import planar_study
 
 import mrts
-from mrts.layout.layout_numbers import LayoutNumbers
+from mrts.studies.layout.layout_numbers import LayoutNumbers
 from mrts.studies.variant_numbers import base_numbers, varied_entries
 
 HALF = [0.0, 0.0, 0.0, 1.0]  # half a turn about z, the right arm's

@@ -10,8 +10,8 @@ import yaml
 import mrts
 from mrts.base.arrays import Array
 from mrts.cell.generation import symbolic_functions
-from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.layout.layout_program import LayoutAnswer, solve_layout
+from mrts.studies.layout.layout_numbers import LayoutNumbers
+from mrts.studies.layout.layout_program import LayoutAnswer, solve_layout
 
 DATA = Path(mrts.__file__).parent / "data"
 

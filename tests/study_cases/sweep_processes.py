@@ -17,8 +17,8 @@ PATIENCE = 90.0
 
 DRIVER = """
 import sys
-import mrts.sweeps.sweep
-mrts.sweeps.sweep.chunk_size = lambda study: {chunk}
+import mrts.studies.sweep
+mrts.studies.sweep.chunk_size = lambda study: {chunk}
 from mrts.cli import main
 sys.exit(main(sys.argv[1:]))
 """

@@ -21,7 +21,7 @@ from websockets.sync.client import connect
 
 import mrts
 from mrts.cli import main
-from mrts.film import film
+from mrts.scene import film
 from mrts.viewer.choices import Place
 from mrts.viewer.server import LARGEST_MESSAGE, names_this_machine, open_server
 

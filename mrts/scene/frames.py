@@ -14,11 +14,11 @@ from matplotlib.text import Text
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.printable import cut, printable
-from mrts.film.renderer import Clip, Frame, SceneRenderer, silent
 from mrts.plots.colours import COLOURS
 from mrts.plots.limit_shares import limit_shares
 from mrts.scene.arm_meshes import Warn
 from mrts.scene.cell_view import look_at_cell
+from mrts.scene.renderer import Clip, Frame, SceneRenderer, silent
 from mrts.scene.scene import OVER_LIMIT, arm_colour
 
 WIDTHS = {1: 720, 2: 480, 3: 360, 4: 300}

@@ -13,14 +13,14 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
 from mrts.cell.loading import uncompiled_cell
 from mrts.cell.source_files import is_generated, read_without_generating
-from mrts.diagnosis.arm_reach import ArmReach, of_machine, reach_of
-from mrts.diagnosis.cell_check import CellCheck
-from mrts.diagnosis.hints import motion_units, posture_hints, swapped_columns, what_would_work
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import check_motion
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
+from mrts.starting.arm_reach import ArmReach, of_machine, reach_of
+from mrts.starting.cell_check import CellCheck
+from mrts.starting.hints import motion_units, posture_hints, swapped_columns, what_would_work
 
 OF_PLACES = frozenset(
     {"base-millimetres", "grasp-millimetres", "motion-millimetres", "urdf-millimetres", "posture-degrees"}

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from mrts.base.printable import printable
-from mrts.console.terminal import CLEAR_LINE, QUIET, is_terminal
+from mrts.commands.console.terminal import CLEAR_LINE, QUIET, is_terminal
 
 PATIENCE = 1.0
 """Work that is done sooner shows nothing [s]."""

@@ -12,7 +12,7 @@ from study_files import planar_study
 from sweep_processes import assert_same_table, kill, parts, started, until, workers
 
 import mrts
-import mrts.sweeps.sweep as engine
+import mrts.studies.sweep as engine
 from mrts.studies.variant_rows import solve_variants
 
 STUDY = """
@@ -102,6 +102,6 @@ def test_a_scheduler_that_goes_away_is_said_and_the_study_gone_on_with(study, al
 
 @pytest.mark.slow
 def test_a_worker_of_another_version_is_refused(cluster, study, monkeypatch):
-    monkeypatch.setattr("mrts.sweeps.chunks.__version__", "0.0.9")
+    monkeypatch.setattr("mrts.studies.chunks.__version__", "0.0.9")
     with pytest.raises(mrts.InputError, match=r"worker: runs mrts .*, the sweep 0\.0\.9: install the same"):
         mrts.sweep(study, scheduler=cluster[0])

@@ -9,12 +9,12 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
-from mrts.diagnosis.nearest_hold import NearestHold, nearest_hold
 from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
 from mrts.following.reach import ArmPlaces, arm_reach, has_closed_form, planar_triangles
 from mrts.following.tracking import POSITION_TOLERANCE, TrackingFailure, follow_from, further_starts, within_limits
 from mrts.motion.object_motion import ObjectMotion
+from mrts.starting.nearest_hold import NearestHold, nearest_hold
 
 HELD = 1e-5
 """Distance [m] and angle [rad] below which a hand is where it should be: what the search leaves."""

@@ -19,11 +19,11 @@ from study_files import planar_study
 from sweep_processes import assert_same_table, driver_command, parts, processes, started, until, workers
 
 import mrts
-import mrts.sweeps.sweep as engine
+import mrts.studies.sweep as engine
+from mrts.studies.best_variants import write_best
 from mrts.studies.study_folder import opened_study_folder
+from mrts.studies.sweep_progress import SweepProgress
 from mrts.studies.variant_rows import solve_variants
-from mrts.sweeps.best_variants import write_best
-from mrts.sweeps.sweep_progress import SweepProgress
 
 STUDY = """
 vary: {object.mass: {from: 1, to: 30}, "robots.left.base.xyz[0]": {from: -1.5, to: 0.5}}

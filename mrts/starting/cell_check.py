@@ -18,7 +18,7 @@ from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
 from mrts.cell.remarks import friction_sources, torque_source
 from mrts.cell.robot import JOINT_HEAD, Robot
-from mrts.diagnosis.arm_reach import HELD, ArmMargin, ArmReach
+from mrts.starting.arm_reach import HELD, ArmMargin, ArmReach
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
 """What came of a check: "impossible" is a motion that an arm does not follow from its posture."""

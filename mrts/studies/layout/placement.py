@@ -15,8 +15,8 @@ from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.cell.number_paths import value_at
 from mrts.cell.remarks import NO_COLLISIONS
-from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.scaling.result import ScalingResult, kept_text
+from mrts.studies.layout.layout_numbers import LayoutNumbers
 from mrts.studies.study import Study
 
 NO_GAIN = 1e-9

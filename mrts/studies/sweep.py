@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 
 from mrts.base.argument_types import as_path, check_callable, check_type
 from mrts.base.errors import InputError
+from mrts.studies.best_variants import write_best
+from mrts.studies.chunks import Chunk, solved_chunks
 from mrts.studies.dry_run import estimate
 from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder, require_pyarrow
-from mrts.sweeps.best_variants import write_best
-from mrts.sweeps.chunks import Chunk, solved_chunks
-from mrts.sweeps.sweep_progress import TALLIED, SweepProgress
-from mrts.sweeps.worker_pools import check_workers
+from mrts.studies.sweep_progress import TALLIED, SweepProgress
+from mrts.studies.worker_pools import check_workers
 
 if TYPE_CHECKING:
     import pyarrow as pa

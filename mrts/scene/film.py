@@ -14,9 +14,9 @@ from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
-from mrts.film.frames import Composition
-from mrts.film.renderer import Clip, Frame, silent
 from mrts.scene.arm_meshes import Warn
+from mrts.scene.frames import Composition
+from mrts.scene.renderer import Clip, Frame, silent
 from mrts.scene.scene import PACES, suited_pace
 
 RATES = {".gif": 20, ".mp4": 30}

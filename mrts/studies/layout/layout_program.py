@@ -23,11 +23,11 @@ from mrts.cell.hands import triple_axes
 from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
-from mrts.layout.layout_numbers import LayoutNumbers
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows
 from mrts.program.motor_terms import MotorTerms, motor_terms
 from mrts.scaling.result import ScalingResult
+from mrts.studies.layout.layout_numbers import LayoutNumbers
 
 IPOPT_TOLERANCE = 1e-8
 """Of the scaled program: c² is then right to more digits than are printed."""

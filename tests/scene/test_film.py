@@ -14,14 +14,14 @@ from trimesh import Trimesh
 from trimesh.creation import box
 
 import mrts
-from mrts.film import film, renderer
-from mrts.film.film import write_film, write_picture
-from mrts.film.frames import KIND_COLOURS, Composition
-from mrts.film.renderer import Clip, SceneRenderer
 from mrts.plots.limit_shares import limit_shares
+from mrts.scene import film, renderer
 from mrts.scene.arm_meshes import ArmMesh
 from mrts.scene.cell_shapes import contact_forces
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at_cell
+from mrts.scene.film import write_film, write_picture
+from mrts.scene.frames import KIND_COLOURS, Composition
+from mrts.scene.renderer import Clip, SceneRenderer
 from mrts.scene.scene import FORCE, OBJECT, OVER_LIMIT, PACES, arm_colour, suited_pace
 
 FEW = 2

@@ -9,8 +9,8 @@ from types import MappingProxyType
 from mrts.base.errors import InputError, MrtsError
 from mrts.base.json_output import JsonOutput
 from mrts.base.regular_file import FILES_READ
-from mrts.console.exit_codes import BAD_INPUT, FEASIBLE
-from mrts.console.terminal import Style, fail, put, say
+from mrts.commands.console.exit_codes import BAD_INPUT, FEASIBLE
+from mrts.commands.console.terminal import Style, fail, put, say
 
 NOTES = ("note:", "warning:", "hint:")
 """How a line of an answer begins that is a note."""

@@ -13,7 +13,7 @@ from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.base.version import __version__
 from mrts.studies.study import Study
 from mrts.studies.variant_rows import FAILED, Columns, columns_of, solve_variants
-from mrts.sweeps.worker_pools import worker_pool
+from mrts.studies.worker_pools import worker_pool
 
 CHUNKS_A_WORKER = 2
 """In flight: one at work, one that waits."""

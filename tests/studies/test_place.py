@@ -14,9 +14,9 @@ from machines import TURN, machine_cell
 from scipy.optimize import minimize
 
 import mrts
-from mrts.layout.place import SEED, LayoutSearch
 from mrts.limits.cell_limits import velocity_limits
 from mrts.studies.distributions import Distribution
+from mrts.studies.layout.place import SEED, LayoutSearch
 from mrts.studies.sampling import sample_points
 
 BETTER = 1e-3

@@ -12,10 +12,10 @@ from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, angles_of_rotations, rotation_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.cell.remarks import FAR, LONGEST_ARM, NEAR, arm_length, base_remarks
-from mrts.diagnosis.arm_reach import follows
 from mrts.following.coordinate import columns_by_joint, coordinate
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.starting.arm_reach import follows
 
 AGREE = (0.05, 0.2)
 """Distance [m] and angle [rad] within which the postures of all arms hold one object."""

@@ -18,9 +18,6 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
 from mrts.cell.cell import Cell
 from mrts.cell.generation import symbolic_functions
-from mrts.layout.layout_numbers import LayoutNumbers
-from mrts.layout.layout_program import LayoutAnswer, solve_layout
-from mrts.layout.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN, checked_tolerance
@@ -28,6 +25,9 @@ from mrts.program.held_interrupt import held_interrupt
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.studies.distributions import Distribution
+from mrts.studies.layout.layout_numbers import LayoutNumbers
+from mrts.studies.layout.layout_program import LayoutAnswer, solve_layout
+from mrts.studies.layout.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.studies.sampling import sample_points
 from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
@@ -72,7 +72,7 @@ def place(
     """Base poses, grasps and postures, within the bounds of a study, that give the largest c²⁺.
 
     The layouts looked at first are points of a Sobol sequence between the bounds, and the layout that the cell file
-    gives. From the best of them IPOPT searches the nearest local optimum (`mrts.layout.layout_program`);
+    gives. From the best of them IPOPT searches the nearest local optimum (`mrts.studies.layout.layout_program`);
     what it finds counts only as `mrts.scale` confirms it, so the answer is never worse than the best start. Ctrl-C and
     the time limit keep the best so far.
 
