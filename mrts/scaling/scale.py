@@ -440,7 +440,7 @@ def _still(rows: MotionRows, samples: NDArray[np.intp]) -> MotionRows:
     if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
         sharing = replace(sharing, internal_wrench=np.asarray(sharing.internal_wrench)[samples])
     still = replace(motion.at(samples), dq=stands, ddq=stands, travel=None)
-    return motion_rows(rows.cell, still, sharing, rows.formulation)
+    return rows.at_rest(still, sharing, samples)
 
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
