@@ -12,7 +12,7 @@ from mrts_codegen.content_key import chains_key
 from mrts_codegen.function_registry import build_functions
 from mrts_codegen.model_c import DOUBLE, function_record, model_c
 
-from mrts.base.atomic_file import text_writer, write_together
+from mrts.base.atomic_file import check_own, is_marked, text_writer, write_together
 from mrts.base.manifest import CHAINS_NAME, MANIFEST_NAME, OF_MOTION, ChainsRecord
 from mrts.cell.record import NOTICE, CellManifest
 
@@ -34,9 +34,15 @@ class Generated(Generic[Record]):
     functions: dict[str, ca.Function]
 
     def write(self, folder: Path, *, private: bool = False) -> None:
-        """Write the C file and, last, the record into `folder`, both or none."""
+        """Write the C file and, last, the record into `folder`, both or none.
+
+        Raises:
+            InputError: If a file would be lost that was not generated, or one cannot be written.
+        """
         name = MANIFEST_NAME if isinstance(self.record, CellManifest) else CHAINS_NAME
         texts = {self.record.source: self.c_source, name: self.record.to_json()}
+        for target, mark in zip(texts, (NOTICE, '"chains"'), strict=True):
+            check_own(folder / target, own=private or is_marked(folder / target, mark))
         write_together({folder / name: text_writer(text) for name, text in texts.items()}, private=private)
 
 

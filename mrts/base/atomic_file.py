@@ -9,6 +9,9 @@ from pathlib import Path
 
 from mrts.base.errors import InputError, MrtsError
 
+LONGEST_START = 300
+"""Bytes of a generated file among which stands what says that it is."""
+
 Write = Callable[[Path], object]
 """Fills the file, or makes the folder, whose path it is given."""
 
@@ -27,6 +30,25 @@ def write_atomically(path: Path, write: Write, *, private: bool = False) -> None
         InputError: If the folder cannot be made or written.
     """
     write_together({path: write}, private=private)
+
+
+def is_marked(path: Path, mark: str) -> bool:
+    """Whether a file begins with what marks it as generated; what cannot be read is not."""
+    try:
+        with path.open("rb") as file:
+            return mark.encode() in file.read(LONGEST_START)
+    except OSError:
+        return False
+
+
+def check_own(path: Path, *, own: bool) -> None:
+    """Refuse to write over a file that is there and was not written by the same command.
+
+    Raises:
+        InputError: If it is.
+    """
+    if path.exists() and not own:
+        raise InputError(path, "is another's file, which would be lost: name a new or empty folder, or move the file.")
 
 
 def write_together(files: Mapping[Path, Write], *, private: bool = False) -> None:
