@@ -25,7 +25,7 @@ class Excess:
     """The worst excess over a limit between samples, with the best distribution of the torques there.
 
     Attributes:
-        share: Of a limit; 0 if all are kept.
+        share: Excess as a share of the limit; 0 if all are kept.
         tolerance: What was allowed.
         time: When that is, in the time of the given motion [s]; None if all limits are kept.
         named: The limit that is overstepped most, or what finds it; None likewise.

@@ -27,8 +27,8 @@ from mrts.limits.rows import Side
 from mrts.program.held_interrupt import held_interrupt
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.range_ends import NO_EFFECT, UNBOUNDED, effect_of_speed, same_width
-from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.range_ends import UNBOUNDED, same_width
+from mrts.program.sample_problem import NO_EFFECT, SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import SIDES, SampleRanges, first_least, motion_ranges, sample_ranges
 from mrts.scaling.options import Options, load_box
 from mrts.scaling.range import ScalingRange, common_range
@@ -46,7 +46,7 @@ ACHIEVED_TOLERANCE = 1e-6
 """The linear program at the load found must reach the nonlinear program's c² to this share of it."""
 
 IPOPT_TOLERANCE = 1e-10
-"""Of the scaled program: far below `ACHIEVED_TOLERANCE`, and IPOPT reaches it."""
+"""Tolerance of the scaled program: far below `ACHIEVED_TOLERANCE`, and IPOPT reaches it."""
 
 IPOPT_OPTIONS: dict[str, Any] = {
     "print_time": False,
@@ -344,9 +344,7 @@ class _Search:
         upper = np.isfinite(problem.upper)
         finite = np.where(upper, problem.upper, problem.lower)  # limits move opposite to the offset of their row
         self.do = np.array([finite - np.where(upper, other.upper, other.lower) for other in others])
-        effect = np.maximum(effect_of_speed(problem), np.max(np.abs(change), axis=(0, 2), initial=0.0))
-        if problem.speed is not None:
-            effect = np.maximum(effect, np.max(np.abs(problem.speed), axis=1, initial=0.0) ** 2)
+        effect = np.maximum(problem.effect(caps=True), np.max(np.abs(change), axis=(0, 2), initial=0.0))
         self.unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
         self.b = None if problem.speed is None else problem.speed * np.sqrt(self.unit)[:, None]
         size = np.max(np.abs(problem.free), axis=1, initial=0.0)
