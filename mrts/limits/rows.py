@@ -24,6 +24,9 @@ TORQUE_SPEED = "torque-speed"
 SPEEDS = {"velocity", "motor speed"}
 """Kinds of rows that limit a speed: alike in both directions, and no load moves them."""
 
+RATES = {"torque rate", "wrench rate", "jerk"}
+"""Kinds of rows that limit how fast something changes."""
+
 MOST_NAMES = 3
 """Rows that a short list names."""
 

@@ -19,6 +19,9 @@ LEAST_BETWEEN = 1e-5
 LARGEST_BETWEEN = 1.0
 """Largest share: twice the limit."""
 
+RowOrFinder = ActiveRow | Callable[[], ActiveRow | None]
+"""A limit, or what finds it."""
+
 
 @dataclass(frozen=True)
 class Excess:
@@ -34,7 +37,7 @@ class Excess:
     share: float
     tolerance: float
     time: float | None = None
-    named: ActiveRow | Callable[[], ActiveRow | None] | None = None
+    named: RowOrFinder | None = None
 
     @cached_property
     def row(self) -> ActiveRow | None:

@@ -22,7 +22,7 @@ TORQUE_FORM_CONDITION_LIMIT = 1e6
 
 
 BLOCK = 4096
-"""Samples whose rows are put together at a time."""
+"""Samples whose terms and rows are evaluated at a time: they are many numbers a sample."""
 
 NO_EFFECT = 1e-300
 """What moves no row by more than this share of a limit moves none: its scale is infinite. As in numbers.h."""

@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.held_interrupt import held_interrupt
 from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side
-from mrts.program.held_interrupt import held_interrupt
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.range_ends import UNBOUNDED, same_width
@@ -288,7 +288,7 @@ def _searched(
     least = {name: box.ranges[name][0] for name in varying}
     motion, problem = rows.motion, build_sample_problem(rows, load=box.load_at(least))
     others = [build_sample_problem(rows, load=box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
-    search = _Search(problem, others)
+    search = LoadSearch(problem, others)
     low, high = np.array([box.ranges[name] for name in varying]).T
     in_order = np.all(problem.lower <= problem.upper, axis=1)  # where sides cross no load helps
     wanted: dict[Side, NDArray[np.intp]] = {
@@ -325,7 +325,7 @@ def _searched(
     return best, tuple(sorted(missed))
 
 
-class _Search:
+class LoadSearch:
     """Eqs. (42), (43), (44), (45), (46): least or largest c² over torques and load together, with (24) as well.
 
     Unknowns are those of the linear program and the uncertain parameters as shares s in [0, 1] of their ranges: rows
