@@ -223,7 +223,13 @@ MOST_INTERVALS = 100
 
 
 def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float) -> RangeEnds:
-    """The highest intervals of c² that do not begin above `high`, from what finds them below a c² of each sample."""
+    """The highest interval of c² of each sample whose lower end is at most `high`, or the lowest where all lie above.
+
+    Args:
+        find: The highest interval of each sample up to a c² of its own, Shape (N,).
+        most: The c² up to which it is first looked for, Shape (N,).
+        high: Largest lower end.
+    """
     found, lowest = find(most), np.zeros(len(most), dtype=bool)
     several = found.several
     for _ in range(MOST_INTERVALS):
@@ -241,7 +247,7 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
 
 
 def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
-    """The highest interval of c² up to `most` that each sample admits; caps are not among the rows that bind."""
+    """The highest interval of c² up to `most`, Shape (N,), that each sample admits; `codes` leave out caps."""
     assert problem.speed is not None  # noqa: S101 (asked of rows with a column of ṙ)
     rows, cap = ~problem.is_cap, np.minimum(problem.cap(), most)
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]

@@ -238,7 +238,7 @@ def possible_range(
 ) -> tuple[ScalingRange, LoadStudy]:
     """The range of c² of the best load of a box, at each sample by itself.
 
-    Of each sample it is what lies between the least and the largest c² of any load: where a load leaves a gap below its
+    At each sample it is what lies between the least and the largest c² of any load: where a load leaves a gap below its
     highest interval, whether another load of the box fills it is not asked. Arguments as in `range_at_samples`.
 
     Raises:
