@@ -237,11 +237,11 @@ def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float
         if not np.any(above):
             break
         tried = np.where(above, found.below, most)
-        below = find(tried)
-        nothing = above & (below.status == INFEASIBLE)
+        further = find(tried)
+        nothing = above & (further.status == INFEASIBLE)
         lowest |= nothing
         if not np.any(nothing):
-            most, found = tried, below
+            most, found = tried, further
     found.several = several
     return found
 

@@ -123,11 +123,11 @@ class SampleProblem:
         return largest_square(self.cap_share)
 
     def effect(self, *, caps: bool) -> Array:
-        """Largest effect of c² = 1 on a row, by its terms in c² and in c squared, Shape (N,).
+        """Largest effect of c² = 1 on a row, by its term in c² or the square of its term in c, Shape (N,).
 
         Args:
-            caps: Whether they count: with them it is the size of c²; without, whether c² moves any torque or wrench,
-                which a cap, kept however near rest, would hide.
+            caps: True counts all rows, so that c² has a scale where caps alone limit it. False counts those of torques
+                and wrenches alone, as the kernel does: whether these depend on c² at all.
         """
         rows = slice(None) if caps else ~self.is_cap
         effect: Array = np.max(np.abs(self.square[:, rows]), axis=1, initial=0.0)
