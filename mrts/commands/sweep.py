@@ -94,7 +94,7 @@ def _solved(
     study: "Study", output: Path, workers: int | None, scheduler: str | None
 ) -> "tuple[StudyFolder, SweepProgress]":
     """The folder of a study, complete; where the work is interrupted, how to go on is said."""
-    from mrts.program.held_interrupt import held_interrupt
+    from mrts.base.held_interrupt import held_interrupt
     from mrts.studies.study_folder import read_study_folder
     from mrts.studies.sweep import solve_study
 

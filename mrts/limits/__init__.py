@@ -13,6 +13,7 @@ from mrts.limits.cell_limits import contact_limits, motor_limits, torque_limits,
 from mrts.limits.rows import LimitRows, checked_rows, stack_rows
 
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
+"""The rows of a limit along a motion; one of your own: docs/extending.md."""
 
 CELL_LIMITS: tuple[Limit, ...] = (torque_limits, wrench_limits, contact_limits, velocity_limits, motor_limits)
 """Those of the cell file; `Cell.limits` are there beside them."""

@@ -93,9 +93,9 @@ class CurveRow(NamedTuple):
     """One straight part of a joint's torque-speed curve: |τ| <= limit - slope |q̇|, or its end: |q̇| <= limit.
 
     Attributes:
-        name: Of the row.
+        name: Name of the row.
         joint: Place among all joints of the cell.
-        limit: Of the torque at standstill [N m], or of the speed [rad/s].
+        limit: Largest torque at standstill [N m], or largest speed [rad/s].
         slope: By how much the torque falls with the speed [N m s/rad]; None at the end of a curve.
     """
 

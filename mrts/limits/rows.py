@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The canonical form of every limit: named two-sided rows `lower <= M_τ τ + M_F F + a r̈ + b ṙ + e ṙ² <= upper`."""
+"""The canonical form of every limit: named two-sided linear rows, `LimitRows`."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -23,6 +23,9 @@ TORQUE_SPEED = "torque-speed"
 
 SPEEDS = {"velocity", "motor speed"}
 """Kinds of rows that limit a speed: alike in both directions, and no load moves them."""
+
+RATES = {"torque rate", "wrench rate", "jerk"}
+"""Kinds of rows that limit how fast something changes."""
 
 MOST_NAMES = 3
 """Rows that a short list names."""
@@ -74,7 +77,7 @@ class RowName:
 
     @property
     def group(self) -> str:
-        """Alike for rows whose limit of zero is measured by one another: those of one unit, of a contact its own."""
+        """Key of the rows whose largest limit is 100 % of a zero limit among them: the unit, of a contact its own."""
         return self.unit if self.kind != "contact" else f"{self.contact} {self.unit}"
 
     @property

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.limits.rows import RATES
 from mrts.plots.colours import COLOURS
 from mrts.plots.limit_shares import AT_LIMIT, LimitingRows, LimitShares, all_shares, shares_by_kind
 from mrts.plots.plot import Axis, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel
@@ -44,7 +45,7 @@ def limits_plot(result: ScalingResult, title: str, without: Sequence[str] = ()) 
 def _percent_panel(of: LimitShares, result: ScalingResult) -> Panel:
     assert result.trajectory is not None  # noqa: S101 (checked by its callers)
     time, percent = result.trajectory.time, 100 * of.share
-    steps = of.kind in {"torque rate", "wrench rate", "jerk"}
+    steps = of.kind in RATES
     items: list[Item] = [
         Line(x=time, y=percent[:, line], color="#bbb", width=0.8, unit=None, steps=steps) for line in of.ranked[NAMED:]
     ]

@@ -19,13 +19,16 @@ LEAST_BETWEEN = 1e-5
 LARGEST_BETWEEN = 1.0
 """Largest share: twice the limit."""
 
+RowOrFinder = ActiveRow | Callable[[], ActiveRow | None]
+"""A limit, or what finds it."""
+
 
 @dataclass(frozen=True)
 class Excess:
     """The worst excess over a limit between samples, with the best distribution of the torques there.
 
     Attributes:
-        share: Of a limit; 0 if all are kept.
+        share: Excess as a share of the limit; 0 if all are kept.
         tolerance: What was allowed.
         time: When that is, in the time of the given motion [s]; None if all limits are kept.
         named: The limit that is overstepped most, or what finds it; None likewise.
@@ -34,7 +37,7 @@ class Excess:
     share: float
     tolerance: float
     time: float | None = None
-    named: ActiveRow | Callable[[], ActiveRow | None] | None = None
+    named: RowOrFinder | None = None
 
     @cached_property
     def row(self) -> ActiveRow | None:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""What a program is built in, and what redundant torques are chosen by."""
+"""Names of the formulations and of the ways to choose redundant torques; commands read them without NumPy."""
 
 from typing import Literal, get_args
 
 FormulationName = Literal["wrench", "torque"]
-"""Of the generated functions `wrench_form`, `torque_form`."""
+"""Which generated function states the program: `wrench_form` or `torque_form`."""
 
 DistributionName = Literal["least-torque", "reserve"]
 """What redundant torques are chosen by: least weighted squares, or first the least largest share of any limit."""

@@ -26,7 +26,7 @@ COMBINATION_TOLERANCE = 1e-8
 
 
 HALVINGS = 50
-"""Of the widening at the closest speed: to the precision of its number."""
+"""Bisections for the widening at the closest speed: to the precision of its number."""
 
 
 @dataclass(frozen=True)

@@ -38,23 +38,23 @@ class RangeEnds:
         lower: Infinity where there is none, Shape (N,).
         upper: Infinity where nothing bounds it, minus infinity where there is none, Shape (N,).
         codes: Rows that bind.
-        status: Of the kernel, Shape (N,): `OPTIMAL` where the ends are known.
-        gap: A c² in the gap below the interval, 0 where there is no other, Shape (N,).
+        status: Status of the kernel, Shape (N,): `OPTIMAL` where the ends are known.
+        below: A c² between the interval and the next one below, 0 where there is none, Shape (N,).
         effect: Largest effect of c² = 1 on a row in its unit, Shape (N,).
         fallbacks: Programs that the chosen solver did not solve and another did.
-        gaps: Whether a sample admits other intervals as well, Shape (N,).
+        several: Whether a sample admits other intervals as well, also above this one, Shape (N,).
     """
 
     lower: Array
     upper: Array
     codes: Codes
     status: NDArray[np.uint8]
-    gap: Array
+    below: Array
     effect: Array
     fallbacks: int = 0
 
     def __post_init__(self) -> None:
-        self.gaps = self.gap > 0
+        self.several = self.below > 0
 
     @classmethod
     def unknown(cls, samples: int) -> "RangeEnds":
@@ -72,7 +72,7 @@ class RangeEnds:
         """Take some samples from another batch."""
         self.codes, theirs = same_width([self.codes, other.codes])
         self.codes[:, samples] = theirs
-        for name in ("lower", "upper", "status", "gaps"):
+        for name in ("lower", "upper", "status", "below", "effect", "several"):
             getattr(self, name)[samples] = getattr(other, name)
         self.fallbacks += other.fallbacks
 
@@ -87,14 +87,14 @@ def kernel_ends(library: CellLibrary, inputs: dict[str, Array], rows: MotionRows
     """The ends at all samples in one call of the kernel, c² at most `most`, Shape (N,); inputs of the wrench form."""
     assert rows.sparse is not None  # noqa: S101 (the caller has looked)
     count, speeds = len(most), rows.has_speed_terms
-    lower, upper, gap, effect = np.zeros((4, count))
+    lower, upper, below, effect = np.zeros((4, count))
     status = np.full((1 if speeds else 2, count), STOPPED, dtype=np.uint8)
     basis = np.zeros((2, count, library.unknowns + speeds), dtype=np.int16)
     dual = np.zeros(basis.shape, dtype=np.float32)
-    name, between = ("mrts_speed_ranges", [gap]) if speeds else ("mrts_ranges", [])
+    name, between = ("mrts_speed_ranges", [below]) if speeds else ("mrts_ranges", [])
     outputs = [lower, upper, *between, *status, effect, *basis, *dual]
     library.over_samples(name, count, inputs, rows.sparse, rows.terms(), [np.minimum(most, INFINITY)], outputs)
-    return RangeEnds(lower, upper, _codes_of_bases(rows, basis, dual), np.max(status, axis=0), gap, effect)
+    return RangeEnds(lower, upper, _codes_of_bases(rows, basis, dual), np.max(status, axis=0), below, effect)
 
 
 def ends_of_rows(problem: SampleProblem) -> RangeEnds:
@@ -112,15 +112,15 @@ def ends_of_rows(problem: SampleProblem) -> RangeEnds:
     side = np.where(a > 0, 1, -1) * np.array([-1, 1])[:, None, None]
     codes = _with_standstill(np.where(tied, side * (1 + kept), 0), lower == 0, len(problem.is_cap))
     status = np.where(lower <= upper, OPTIMAL, INFEASIBLE).astype(np.uint8)
-    return RangeEnds(lower, upper, codes, status, np.zeros(len(lower)), effect_of_speed(problem))
+    return RangeEnds(lower, upper, codes, status, np.zeros(len(lower)), problem.effect(caps=True))
 
 
-def _codes_of_bases(form: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> Codes:
+def _codes_of_bases(rows: MotionRows, basis: NDArray[np.int16], dual: NDArray[np.float32]) -> Codes:
     """Codes of the kernel's bases and their multipliers, Shape (2, N, k) each.
 
     It has the r rows that are no caps; row r + k - 1 of a basis is c² >= 0 at its lower side, a cap at its upper one.
     """
-    given, kept = form.given, np.flatnonzero(~form.is_cap)
+    given, kept = rows.given, np.flatnonzero(~rows.is_cap)
     size = np.abs(dual)
     order = np.argsort(-size, axis=2, kind="stable")
     sides, size = np.take_along_axis(basis, order, axis=2).astype(np.int32), np.take_along_axis(size, order, axis=2)
@@ -160,9 +160,6 @@ UNBOUNDED = 1e9
 AT_UNBOUNDED = 1e-9
 """Rounding of an answer at that bound."""
 
-NO_EFFECT = 1e-300
-"""What moves no row by more than this share of a limit moves none: its reciprocal is not finite. As in numbers.h."""
-
 
 def ends_of_problem(problem: SampleProblem, solver: str, high: float, *, alone: bool = False) -> RangeEnds:
     """The ends of the rows of some samples; as in `motion_ranges`, or by one solver alone."""
@@ -183,7 +180,7 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str, *, alone: bool 
     Caps go in as a bound of c²: rows of a motion near rest would spoil its scale.
     """
     count, _, unknowns = problem.A.shape
-    effect = effect_of_speed(problem)
+    effect = problem.effect(caps=True)
     unit = 1 / np.where(effect > 0, effect, 1.0)  # c² = unit · y, where y = 1 moves some row by a whole limit
     caps = problem.is_cap
     A, lower, upper = problem.A[:, ~caps], problem.lower[:, ~caps], problem.upper[:, ~caps]
@@ -212,52 +209,52 @@ def ends_by_linear_programs(problem: SampleProblem, solver: str, *, alone: bool 
         upper=np.where(free, np.inf, largest.x[:, -1] * unit),
         codes=codes_of_duals(dual, still > BINDING_TOLERANCE * weight),
         status=np.where(least.verified & largest.verified, OPTIMAL, MARGINAL).astype(np.uint8),
-        gap=np.zeros(count),
+        below=np.zeros(count),
         effect=effect,
         fallbacks=least.fallbacks + largest.fallbacks,
     )
 
 
-def effect_of_speed(problem: SampleProblem) -> Array:
-    """Largest effect of c² = 1 on a limit, Shape (N,)."""
-    effect: Array = np.max(np.abs(problem.square), axis=1, initial=0.0)
-    return np.where(effect > NO_EFFECT, effect, 0.0)
-
-
 SCALES = (1.0, 3.0, 0.3, 10.0, 0.1)
-"""Of the unknowns beside c: a degenerate program that the kernel does not decide in one it does in another."""
+"""Scales of the unknowns beside c, tried in turn: the kernel may decide a degenerate program in one of them only."""
 
 MOST_INTERVALS = 100
-"""Of one sample: more are not looked for."""
+"""Intervals of one sample that are looked for, at most."""
 
 
 def intervals_below(find: Callable[[Array], RangeEnds], most: Array, high: float) -> RangeEnds:
-    """The highest intervals of c² that do not begin above `high`, from what finds them below a c² of each sample."""
+    """The highest interval of c² of each sample whose lower end is at most `high`, or the lowest where all lie above.
+
+    Args:
+        find: The highest interval of each sample up to a c² of its own, Shape (N,).
+        most: The c² up to which it is first looked for, Shape (N,).
+        high: Largest lower end.
+    """
     found, lowest = find(most), np.zeros(len(most), dtype=bool)
-    gaps = found.gaps
+    several = found.several
     for _ in range(MOST_INTERVALS):
-        above = (found.gap > 0) & (found.lower > high) & ~lowest
+        above = (found.below > 0) & (found.lower > high) & ~lowest
         if not np.any(above):
             break
-        tried = np.where(above, found.gap, most)
-        below = find(tried)
-        nothing = above & (below.status == INFEASIBLE)
+        tried = np.where(above, found.below, most)
+        further = find(tried)
+        nothing = above & (further.status == INFEASIBLE)
         lowest |= nothing
         if not np.any(nothing):
-            most, found = tried, below
-    found.gaps = gaps
+            most, found = tried, further
+    found.several = several
     return found
 
 
 def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
-    """The highest interval of c² up to `most` that each sample admits; caps are not among the rows that bind."""
-    assert problem.speed is not None  # noqa: S101 (as in `speed_unit`)
+    """The highest interval of c² up to `most`, Shape (N,), that each sample admits; `codes` leave out caps."""
+    assert problem.speed is not None  # noqa: S101 (asked of rows with a column of ṙ)
     rows, cap = ~problem.is_cap, np.minimum(problem.cap(), most)
     A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
     column, row = scales(A, lower == upper)
     A, speed = A * row[:, :, None], problem.speed[:, rows] * row
     count, programs = problem.samples, default_programs()
-    (low, high, gap), of_rows = np.zeros((3, count)), np.zeros((2, *lower.shape))
+    (low, high, below), of_rows = np.zeros((3, count)), np.zeros((2, *lower.shape))
     status = np.full(count, MARGINAL, dtype=np.uint8)
     for scale in SCALES:
         left = np.flatnonzero(status >= MARGINAL)
@@ -265,24 +262,14 @@ def highest_intervals(problem: SampleProblem, most: Array) -> RangeEnds:
             break
         size = column[left]
         size[:, :-1] *= scale
-        low[left], high[left], gap[left], of_rows[:, left], status[left] = programs.speed_intervals(
+        low[left], high[left], below[left], of_rows[:, left], status[left] = programs.speed_intervals(
             A[left] * size[:, None], (lower * row)[left], (upper * row)[left], size, speed[left], cap[left]
         )
-    nothing, dual, effect = status != OPTIMAL, np.zeros((2, *problem.lower.shape)), speed_unit(problem)
+    nothing, dual, effect = status != OPTIMAL, np.zeros((2, *problem.lower.shape)), problem.effect(caps=False)
     dual[:, :, rows] = of_rows * row
     high = np.where(effect == 0, cap, high)
-    low[nothing], high[nothing], gap[nothing] = np.inf, -np.inf, 0.0
-    return RangeEnds(low, high, codes_of_duals(dual, low == 0), status, gap, effect)
-
-
-def speed_unit(problem: SampleProblem) -> Array:
-    """The c² of each sample that, with its own c, moves some row by about one limit; 0 at rest, Shape (N,)."""
-    assert problem.speed is not None  # noqa: S101 (asked of rows with a column of ṙ)
-    moving = ~problem.is_cap
-    square = np.max(np.abs(problem.square[:, moving]), axis=1, initial=0.0)
-    effect = np.maximum(square, np.max(np.abs(problem.speed[:, moving]), axis=1, initial=0.0) ** 2)
-    with np.errstate(divide="ignore"):
-        return np.where(effect > NO_EFFECT, 1 / effect, 0.0)
+    low[nothing], high[nothing], below[nothing] = np.inf, -np.inf, 0.0
+    return RangeEnds(low, high, codes_of_duals(dual, low == 0), status, below, effect)
 
 
 WIDER = 3e-9
@@ -298,7 +285,7 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
 
     A row whose limits are equal is at both whatever c² is, and none of them.
     """
-    if end == "lower" and c2 * float(effect_of_speed(problem)[0]) <= WIDER:
+    if end == "lower" and c2 * float(problem.effect(caps=True)[0]) <= WIDER:
         return (ActiveRow(STANDSTILL, "lower", 0.0),)
     moving = np.flatnonzero(~problem.is_cap)
     lower, upper = (limit[0, moving] for limit in problem.limits_at(c2))

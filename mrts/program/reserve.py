@@ -22,7 +22,7 @@ from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.widening import least_widening
 
 LEAST_SHARE = 0.01
-"""Of a limit: torques are not asked to keep more than 99 % of every limit free."""
+"""Share of a limit that torques may always use: they are not asked to keep more than 99 % of it free."""
 
 ROWS_NAMED = 2
 """Most rows that the text names."""
@@ -55,7 +55,7 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
 
 
 def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProblem, int]:
-    """The same problem with limits moved to the least largest share of them that is possible at c², or `LEAST_SHARE`.
+    """The same problem with all limits reduced to the least share of themselves that admits c², or to `LEAST_SHARE`.
 
     Also the number of programs that a fallback had to solve.
     """
@@ -76,10 +76,10 @@ class Reserve:
     Attributes:
         share: The largest share that all limits may move inward by, each side of its own size; 0 at the fastest c².
         sample: Where that is.
-        time: Of that sample in the given motion [s].
+        time: Time of that sample in the given motion [s].
         rows: Rows at their limit then.
         load: With which load, if the load is uncertain.
-        distributed: Of those limits alone that the distribution of the torques moves; None where nothing is free.
+        distributed: Reserve of the rows alone that the distribution of the torques moves; None where nothing is free.
     """
 
     share: float

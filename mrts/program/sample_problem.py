@@ -22,7 +22,10 @@ TORQUE_FORM_CONDITION_LIMIT = 1e6
 
 
 BLOCK = 4096
-"""Samples whose rows are put together at a time."""
+"""Samples whose terms and rows are evaluated at a time: they are many numbers a sample."""
+
+NO_EFFECT = 1e-300
+"""What moves no row by more than this share of a limit moves none: its scale is infinite. As in numbers.h."""
 
 MAPS = ("torque_map", "torque_offset", "torque_speed", "wrench_map", "wrench_offset")
 OF_ROWS = ("unit", "is_limit", "is_cap", "limit_lower", "limit_upper")
@@ -119,6 +122,19 @@ class SampleProblem:
         """Largest value of the last unknown that the caps allow, infinity where they do not bound it, Shape (N,)."""
         return largest_square(self.cap_share)
 
+    def effect(self, *, caps: bool) -> Array:
+        """Largest effect of c² = 1 on a row, by its term in c² or the square of its term in c, Shape (N,).
+
+        Args:
+            caps: True counts all rows, so that c² has a scale where caps alone limit it. False counts those of torques
+                and wrenches alone, as the kernel does: whether these depend on c² at all.
+        """
+        rows = slice(None) if caps else ~self.is_cap
+        effect: Array = np.max(np.abs(self.square[:, rows]), axis=1, initial=0.0)
+        if self.speed is not None:
+            effect = np.maximum(effect, np.max(np.abs(self.speed[:, rows]), axis=1, initial=0.0) ** 2)
+        return np.where(effect > NO_EFFECT, effect, 0.0)
+
     def torque(self, x: Array) -> Array:
         """Torques of unknowns x, Shape (N, k), as Shape (N, m) [N m]."""
         torque = apply(self.torque_map, x) + self.torque_offset
@@ -167,7 +183,7 @@ def build_sample_problem(
     unknowns are F_1 … F_{n-1}, in the torque form those τ that balance the object, none of a fixed distribution.
 
     Args:
-        rows: Of a cell along its motion; where the speed varies, its time is the path parameter r.
+        rows: Rows of a cell along its motion; where the speed varies, its time is the path parameter r.
         load: Load vector instead of the cell's, Shape (10,), or one a sample, Shape (N, 10).
         samples: Indices of the samples to take; None takes all.
         varying: Whether the speed varies.
@@ -176,33 +192,33 @@ def build_sample_problem(
         InputError: If the formulation does not exist, or the sharing does not fit the cell.
         MotionError: If the torque form meets a Jacobian that is not square or not well-conditioned.
     """
-    cell, motion, form, formulation = rows.cell, rows.motion, rows, rows.formulation
+    cell, motion, formulation = rows.cell, rows.motion, rows.formulation
     inputs = rows.inputs(load)
     if formulation not in FORMULATIONS:
         raise InputError("formulation", f"must be {' or '.join(map(repr, FORMULATIONS))}.", value=formulation)
     if rows.sharing is None and formulation == "torque":
         _check_invertible(cell, motion, np.arange(motion.samples) if samples is None else samples)
-    count, limits, motors = motion.samples, form.rows, form.motors
+    count, limits, motors = motion.samples, rows.rows, rows.motors
     if samples is not None:
         inputs = {name: value if value.ndim == 1 else value[samples] for name, value in inputs.items()}
         count, limits, motors = len(samples), limits.at(samples), None if motors is None else motors.at(samples)
     found = _maps(cell, "fixed_distribution" if rows.sharing else f"{formulation}_form", count, inputs, varying=varying)
     if "equality_map" in found:
         found = _balanced(found)
-    found |= _rows_of_maps(limits, form.size, found, motors, varying=varying)
+    found |= _rows_of_maps(limits, rows.size, found, motors, varying=varying)
     torque_speed, speed = None if motors is None else motors.speed, limits.speed
     if torque_speed is not None:
         speed = torque_speed @ limits.torque_matrix.T + (0.0 if speed is None else speed)
     return SampleProblem(
         **found,
         torque_speed=torque_speed,
-        names=form.given.names,
-        unit=form.unit,
-        is_limit=np.ones(len(form.size), dtype=bool),
-        is_cap=form.is_cap,
-        speed=None if speed is None else speed / form.size,
-        limit_lower=form.given.lower,
-        limit_upper=form.given.upper,
+        names=rows.given.names,
+        unit=rows.unit,
+        is_limit=np.ones(len(rows.size), dtype=bool),
+        is_cap=rows.is_cap,
+        speed=None if speed is None else speed / rows.size,
+        limit_lower=rows.given.lower,
+        limit_upper=rows.given.upper,
     )
 
 

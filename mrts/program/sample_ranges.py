@@ -54,10 +54,10 @@ class SampleRanges:
     """The least and the largest c² of each of N samples: of the highest interval where a sample admits several.
 
     Attributes:
-        time: Of the given motion, Shape (N,) [s].
+        time: Time in the given motion, Shape (N,) [s].
         lower: c²⁻(t), Shape (N,); infinity where infeasible.
         upper: c²⁺(t), Shape (N,); minus infinity where infeasible, infinity where unbounded.
-        names: Of the r rows.
+        names: Names of the r rows.
         limits: Their lower and upper limits as given, Shape (2, r).
         codes: Which of them bind at both ends of each sample.
         gaps: Whether a sample admits other intervals of c² as well, Shape (N,).
@@ -196,7 +196,7 @@ def ranges_of_ends(
         names=names,
         limits=np.stack(limits),
         codes=ends.codes,
-        gaps=ends.gaps,
+        gaps=ends.several,
         conflicts=tuple(conflicts),
         fallbacks=ends.fallbacks,
     )
@@ -264,9 +264,7 @@ def without_speed_at_rest(problem: SampleProblem, largest: float = 0.0) -> Sampl
     It is compared with the largest effect of c², or of c squared, at these and other samples of the motion.
     """
     dynamic, speed = ~problem.is_cap, problem.speed
-    effect = np.max(np.abs(problem.square[:, dynamic]), axis=1, initial=0.0)
-    if speed is not None:
-        effect = np.maximum(effect, np.max(np.abs(speed[:, dynamic]), axis=1, initial=0.0) ** 2)
+    effect = problem.effect(caps=False)
     at_rest = effect <= REST_TOLERANCE * np.max(effect, initial=largest)
     A, still = problem.A.copy(), at_rest[:, None] & dynamic
     A[:, :, -1] = np.where(still, 0.0, problem.square)

@@ -32,14 +32,14 @@ class SmoothProgram:
         lower: -infinity where there is none, Shape (n, r).
         upper: infinity where there is none, Shape (n, r).
         change: Infinity where there is none, Shape (r,) [1/s].
-        weight: Of v² in the effort Σ_k ω_k Σ_j weight v² / √x_k, with ω the trapezoidal rule; the effort is ∫ τᵀWτ dt,
+        weight: Weight of v² in the effort ∫ τᵀWτ dt = Σ_k ω_k Σ_j weight v² / √x_k, with ω the trapezoidal rule,
             Shape (r,).
         q1: q' of the joints whose jerk is limited, Shape (n, J).
         q2: q'' of them, Shape (n, J).
         q3: q''' of them at the start and at the end of every segment, Shape (n - 1, 2, J).
         jerk: Shape (J,).
-        names: Of the rows.
-        joints: Of the joints whose jerk is limited.
+        names: Names of the rows.
+        joints: Names of the joints whose jerk is limited.
         ends: x at the first and the last node where it is given, else None.
         end_free: F at the first and the last node, Shape (f,), where it is given, else None.
     """

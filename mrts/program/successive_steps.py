@@ -38,7 +38,7 @@ class StepsTaken:
 
     Attributes:
         profile: The last profile.
-        costs: Of every profile in turn, falling.
+        costs: Cost of every profile in turn, falling.
         gain: Share of the cost by which the last step lowered it, 0 where it did not; None where no solver took it.
     """
 
@@ -54,7 +54,7 @@ class NoProfile:
     Attributes:
         share: By how much rates pass their limits in the nearest one, as a share of them; infinity if none keeps the
             other limits.
-        duration: Of the fastest that was found, where it is too long [s].
+        duration: Duration of the fastest profile that was found, where it is too long [s].
     """
 
     share: float = np.inf

@@ -22,7 +22,7 @@ from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_probl
 from mrts.program.solvers import require_verified, solve_programs, takes_kernel
 
 TORQUE_WIDENING = 1e-9
-"""Of each limit, as a share of it: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
+"""Share of itself by which each limit is widened: at c = √c²⁺ the feasible set is a point, which rounding may miss."""
 
 
 def torque_weights(weights: Array | float | None, cell: Cell) -> Array:

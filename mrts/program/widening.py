@@ -124,10 +124,10 @@ def _kernel_widening(
     return np.maximum(share, _passed_caps(rows, c2, places)), status
 
 
-def _passed_caps(form: MotionRows, c2: Array, samples: NDArray[np.intp]) -> Array:
+def _passed_caps(rows: MotionRows, c2: Array, samples: NDArray[np.intp]) -> Array:
     """By how much rows that only bound c² are passed at some samples, in shares of each, Shape (k,)."""
-    if form.rows.square is None or not np.any(form.is_cap):
+    if rows.rows.square is None or not np.any(rows.is_cap):
         return np.zeros(len(samples))
-    lower, upper, size = form.rows.lower[form.is_cap], form.rows.upper[form.is_cap], form.size[form.is_cap]
-    value = form.rows.square[np.ix_(samples, form.is_cap)] * c2[:, None]
+    lower, upper, size = rows.rows.lower[rows.is_cap], rows.rows.upper[rows.is_cap], rows.size[rows.is_cap]
+    value = rows.rows.square[np.ix_(samples, rows.is_cap)] * c2[:, None]
     return np.asarray(np.max(np.maximum(value - upper, lower - value) / size, axis=1, initial=0.0))

@@ -20,15 +20,15 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.held_interrupt import held_interrupt
 from mrts.base.load_box import LoadBox, LoadPoint
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side
-from mrts.program.held_interrupt import held_interrupt
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import MotionRows, motion_rows
-from mrts.program.range_ends import NO_EFFECT, UNBOUNDED, effect_of_speed, same_width
-from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.range_ends import UNBOUNDED, same_width
+from mrts.program.sample_problem import NO_EFFECT, SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import SIDES, SampleRanges, first_least, motion_ranges, sample_ranges
 from mrts.scaling.options import Options, load_box
 from mrts.scaling.range import ScalingRange, common_range
@@ -46,7 +46,7 @@ ACHIEVED_TOLERANCE = 1e-6
 """The linear program at the load found must reach the nonlinear program's c² to this share of it."""
 
 IPOPT_TOLERANCE = 1e-10
-"""Of the scaled program: far below `ACHIEVED_TOLERANCE`, and IPOPT reaches it."""
+"""Tolerance of the scaled program: far below `ACHIEVED_TOLERANCE`, and IPOPT reaches it."""
 
 IPOPT_OPTIONS: dict[str, Any] = {
     "print_time": False,
@@ -238,7 +238,7 @@ def possible_range(
 ) -> tuple[ScalingRange, LoadStudy]:
     """The range of c² of the best load of a box, at each sample by itself.
 
-    Of each sample it is what lies between the least and the largest c² of any load: where a load leaves a gap below its
+    At each sample it is what lies between the least and the largest c² of any load: where a load leaves a gap below its
     highest interval, whether another load of the box fills it is not asked. Arguments as in `range_at_samples`.
 
     Raises:
@@ -288,7 +288,7 @@ def _searched(
     least = {name: box.ranges[name][0] for name in varying}
     motion, problem = rows.motion, build_sample_problem(rows, load=box.load_at(least))
     others = [build_sample_problem(rows, load=box.load_at(least | {name: box.ranges[name][1]})) for name in varying]
-    search = _Search(problem, others)
+    search = LoadSearch(problem, others)
     low, high = np.array([box.ranges[name] for name in varying]).T
     in_order = np.all(problem.lower <= problem.upper, axis=1)  # where sides cross no load helps
     wanted: dict[Side, NDArray[np.intp]] = {
@@ -325,7 +325,7 @@ def _searched(
     return best, tuple(sorted(missed))
 
 
-class _Search:
+class LoadSearch:
     """Eqs. (42), (43), (44), (45), (46): least or largest c² over torques and load together, with (24) as well.
 
     Unknowns are those of the linear program and the uncertain parameters as shares s in [0, 1] of their ranges: rows
@@ -344,9 +344,7 @@ class _Search:
         upper = np.isfinite(problem.upper)
         finite = np.where(upper, problem.upper, problem.lower)  # limits move opposite to the offset of their row
         self.do = np.array([finite - np.where(upper, other.upper, other.lower) for other in others])
-        effect = np.maximum(effect_of_speed(problem), np.max(np.abs(change), axis=(0, 2), initial=0.0))
-        if problem.speed is not None:
-            effect = np.maximum(effect, np.max(np.abs(problem.speed), axis=1, initial=0.0) ** 2)
+        effect = np.maximum(problem.effect(caps=True), np.max(np.abs(change), axis=(0, 2), initial=0.0))
         self.unit = 1 / np.where(effect > NO_EFFECT, effect, 1.0)
         self.b = None if problem.speed is None else problem.speed * np.sqrt(self.unit)[:, None]
         size = np.max(np.abs(problem.free), axis=1, initial=0.0)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What is asked of a motion: the arguments that scaling, timing, rankings, sweeps and what-if share."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from types import NoneType
 from typing import Any, Literal, Self
@@ -13,17 +13,13 @@ from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadBox
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import LimitRows
+from mrts.limits import Limit
 from mrts.program.excess import BETWEEN, checked_tolerance
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.load_sharing import LoadSharing, check_distribution
 from mrts.program.rate_limits import RateLimits
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import torque_weights
-
-Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
-"""A limit of one's own; docs/extending.md."""
 
 Selection = Literal["auto", "fastest", "nominal"] | float
 

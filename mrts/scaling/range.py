@@ -11,13 +11,10 @@ import numpy as np
 from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
-from mrts.limits.rows import SPEEDS, ActiveRow, Side, rows_text
+from mrts.limits.rows import RATES, SPEEDS, ActiveRow, Side, rows_text
 from mrts.program.range_ends import MOST_INTERVALS
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
-
-RATES = {"torque rate", "wrench rate", "jerk"}
-"""Kinds of rows that limit how fast something changes."""
 
 
 @dataclass(frozen=True)

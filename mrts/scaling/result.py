@@ -27,6 +27,7 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
+from mrts.program.sample_problem import BLOCK
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.limit_use import LimitUse, all_quantities, largest_step, limit_tables, limit_uses, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
@@ -45,9 +46,6 @@ END_TOLERANCE = 1e-7
 
 LIMIT_TOLERANCE = 1e-8
 """Largest excess over a limit that counts as rounding and the widening of the programs, as a share of it."""
-
-BLOCK = 4096
-"""Samples whose terms are evaluated at a time: they are many numbers a sample."""
 
 
 @dataclass(frozen=True)

@@ -19,10 +19,12 @@ from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
+from mrts.limits import Limit
 from mrts.limits.rows import rows_text
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import pushing_ends
+from mrts.program.between_samples import Refinement, refine
 from mrts.program.excess import BETWEEN
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict, conflicts_at
@@ -32,14 +34,13 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, motion_ranges
-from mrts.program.search import Refinement, refine
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.program.widening import motion_widening
 from mrts.scaling.limit_use import rate_uses
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
-from mrts.scaling.options import Limit, Options, Selection, limited_cell
+from mrts.scaling.options import Options, Selection, limited_cell
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import END_TOLERANCE, ScalingResult, kept_text
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory

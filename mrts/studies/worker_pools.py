@@ -25,7 +25,7 @@ from typing import Any
 
 from mrts.base.argument_types import check_type
 from mrts.base.errors import InputError
-from mrts.program.held_interrupt import held_interrupt
+from mrts.base.held_interrupt import held_interrupt
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """For processes that share the cores among them."""

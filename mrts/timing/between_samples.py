@@ -13,13 +13,13 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
 from mrts.limits.rows import ActiveRow
 from mrts.motion.object_courses import PoseSplines, ProfiledPath
-from mrts.program.excess import BETWEEN, Excess
+from mrts.program.between_samples import COARSE
+from mrts.program.excess import BETWEEN, Excess, RowOrFinder
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import rate_names
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.search import COARSE
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.widening import motion_widening
 from mrts.timing.path_pieces import PLACES, with_samples
@@ -106,10 +106,6 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
         between_samples(cell, motion, ((time[1:] + time[:-1]) / 2)[doubtful])
 
 
-Named = ActiveRow | Callable[[], ActiveRow | None]
-"""A limit, or what finds it."""
-
-
 def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, Excess]:
     """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all."""
     worst, shares, time = Excess(0.0, tolerance), np.zeros(timed.motion.samples - 1), timed.motion.object.time
@@ -126,7 +122,7 @@ def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, E
     return shares, worst
 
 
-def _least_excess(timed: RetimingResult, part: TimedPiece) -> tuple[Array, Named]:
+def _least_excess(timed: RetimingResult, part: TimedPiece) -> tuple[Array, RowOrFinder]:
     """The excess at all places of a piece, Shape (k,), where wrenches do their best, and the worst limit."""
     cell, sharing, played = timed.cell, timed.options.sharing, between_path_samples(timed.cell, part, PLACES)
     rows, one = motion_rows(cell, played, sharing), np.ones(played.samples)
@@ -143,7 +139,7 @@ def _overstepped(
     return rows[0] if rows else None
 
 
-def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Named]:
+def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, RowOrFinder]:
     """The excess over rows and limits of jerk at all places of a smooth piece, Shape (k,), and the worst limit.
 
     Torques are commanded linear in time between nodes, so their rates are constant there and kept; what the motion

@@ -17,6 +17,7 @@ from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
+from mrts.limits import Limit
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
@@ -27,7 +28,7 @@ from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import CONVERGED
 from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
-from mrts.scaling.options import Limit, Options, limited_cell
+from mrts.scaling.options import Options, limited_cell
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing

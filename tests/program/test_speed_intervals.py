@@ -15,6 +15,7 @@ import mrts
 from mrts.cell.motors import JointMotors
 from mrts.program.infeasibility import closest_speed
 from mrts.program.motion_rows import motion_rows
+from mrts.program.range_ends import RangeEnds, highest_intervals, kernel_ends
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges, sample_ranges
 from mrts.program.widening import widening_at
@@ -116,6 +117,18 @@ def test_unions_equal_the_scan_of_the_reference(first, tmp_path):
         compared(seed, tmp_path / str(seed), seen)
     assert seen["several"] >= 1
     assert seen["samples"] >= TOGETHER
+
+
+def test_ends_of_both_paths_have_the_same_effect_of_speed(tmp_path):
+    _, cell, motion, _ = random_case(FIRST, tmp_path)
+    rows = motion_rows(cell, motion)
+    of_kernel = kernel_ends(cell.library, rows.inputs(None), rows, rows.most)
+    found = highest_intervals(build_sample_problem(rows), rows.most)
+    np.testing.assert_allclose(found.effect, of_kernel.effect, rtol=1e-9)
+    unknown = RangeEnds.unknown(motion.samples)
+    unknown.replace(np.arange(motion.samples), found)
+    for name in ("lower", "upper", "status", "below", "effect", "several"):
+        np.testing.assert_array_equal(getattr(unknown, name), getattr(found, name))
 
 
 def checked_ends(problem, found, sample):

@@ -30,7 +30,7 @@ def working(what: str) -> Iterator[Callable[..., None]]:
         return
     line = _Line(printable(what))
     line.start()
-    from mrts.program.held_interrupt import held_interrupt
+    from mrts.base.held_interrupt import held_interrupt
 
     try:
         yield line.update

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from mrts.base.argument_types import Progress, check_callable, check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
+from mrts.base.held_interrupt import held_interrupt
 from mrts.cell.cell import Cell
 from mrts.cell.generation import symbolic_functions
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN, checked_tolerance
-from mrts.program.held_interrupt import held_interrupt
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.studies.distributions import Distribution
