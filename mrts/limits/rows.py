@@ -474,7 +474,12 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
     Raises:
         InputError: If they are no rows of this cell along this motion: other shapes, no numbers, reversed limits.
     """
-    where, rows = f"limit '{limit_name(limit)}'", limit(cell, motion)
+    where = f"limit '{limit_name(limit)}'"
+    try:
+        rows = limit(cell, motion)
+    except Exception as error:
+        error.add_note(f"(raised by {where})")
+        raise
     if not isinstance(rows, LimitRows):
         raise InputError(where, f"must give LimitRows, not {type(rows).__name__}.")
     if not all(isinstance(name, RowName) for name in rows.names):

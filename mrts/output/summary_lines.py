@@ -158,7 +158,7 @@ def _rate_lines(result: ScalingResult) -> Iterator[str]:
         if use.name.kind not in told:
             told.add(use.name.kind)
             numbers = f"{use.size:.4g} of {use.upper:.4g} {use.name.unit}"
-            yield f"{use.name}: {100 * use.share:.3g} % of its limit ({numbers}) at t = {use.time:.4g} s"
+            yield f"most used {use.name.kind}: {use.name}, {100 * use.share:.3g} % ({numbers}) at t = {use.time:.4g} s"
 
 
 def _contact_lines(result: ScalingResult) -> Iterator[str]:

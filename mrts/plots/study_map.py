@@ -151,8 +151,8 @@ def weights(table: StudyTable) -> list[Weight]:
     if table.variants > MOST_WEIGHED:  # by chance: an even choice would keep time with a grid
         some = np.sort(np.random.default_rng(0).choice(table.variants, MOST_WEIGHED, replace=False))
     has = np.isin(some, table.ranked)
-    rank = np.empty(np.count_nonzero(has))
-    rank[np.argsort(table.duration[some[has]], kind="stable")] = np.arange(len(rank))
+    _, place, alike = np.unique(table.duration[some[has]], return_inverse=True, return_counts=True)
+    rank = (np.cumsum(alike) - (alike + 1) / 2)[place]  # equal durations share the mean of their ranks
     playable = table.admitted[some].astype(np.float64)
     groups = [_groups(table.values[some, knob]) for knob in range(len(table.knobs))]
     found = [

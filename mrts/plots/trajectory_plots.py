@@ -2,6 +2,7 @@
 """What a played motion takes along time, with its limits: torques, wrenches, velocities, positions, power, energy."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -103,7 +104,8 @@ def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
         ValueError: If there is no trajectory.
     """
     torques, wrenches = torque_plots(result), wrench_plots(result)
-    return _by_robot("torques_and_wrenches", title, result, [torques, wrenches[::2], wrenches[1::2]])
+    whole = _by_robot("torques_and_wrenches", title, result, [torques, wrenches[::2], wrenches[1::2]])
+    return replace(whole, title=f"{whole.title} (thin lines: limits)")
 
 
 def power_plot(result: ScalingResult, title: str = "") -> Plot:
@@ -123,7 +125,7 @@ def _by_robot(name: str, title: str, result: ScalingResult, plots: Sequence[Sequ
     if len(result.cell.robots) > SIDE_BY_SIDE:
         rows = [list(row) for row in zip(*rows, strict=True)]
     title = title or f"{result.cell.name}: {_trajectory(result).duration:.4g} s"
-    return Plot(name=name, title=f"{title} (thin lines: limits)", rows=rows)
+    return Plot(name=name, title=title, rows=rows)
 
 
 def _trajectory(result: ScalingResult) -> ScaledTrajectory:

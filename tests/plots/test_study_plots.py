@@ -198,6 +198,12 @@ def test_a_number_explains_what_the_normal_distribution_says(share):
     assert weights(found_study(values, duration))[0].knob == 2
 
 
+def test_equal_durations_are_explained_whole_by_the_number_that_sets_them():
+    values = np.array([(x, y) for y in range(7) for x in range(6)], dtype=float)
+    [first, second] = weights(found_study(values, 1.0 + values[:, 0]))
+    assert (first.knob, first.duration, second.duration) == (0, 1.0, 0.0)
+
+
 def test_a_long_study_is_weighed_by_a_choice_and_shown_by_few_lines_and_cells():
     x, y = (axis.ravel() for axis in np.meshgrid(np.linspace(0, 1, 500), np.linspace(0, 1, 400)))
     table = found_study(np.stack([x, y], axis=1), 0.3 + 0.01 * x + y)
