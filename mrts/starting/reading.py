@@ -96,7 +96,10 @@ def request_of(
     machines = {arm.path: fellows for arm in chosen if len(fellows := _machine(chosen, arm)) > 1}
     alone = len(machines) == 1 and all(arm.path in machines for arm in chosen)
     if machines and not alone and not bases:
-        rule = "is needed for each robot where one has several arms: they cannot be moved about by themselves."
+        rule = (
+            "is needed for each robot where one has several arms: they cannot be moved about by themselves. Or choose "
+            "one arm of each with --tip, once for each --robot."
+        )
         raise InputError(BASE, rule)
     arm_of = cache(arm_of_urdf)  # two of a kind have one chain
     arms = []
