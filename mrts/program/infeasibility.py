@@ -25,8 +25,8 @@ COMBINATION_TOLERANCE = 1e-8
 """Largest error of yᵀA = 0, relative to its terms: what rounding and the dropped multipliers leave."""
 
 
-HALVINGS = 50
-"""Bisections for the widening at the closest speed: to the precision of its number."""
+HALVINGS = 40
+"""Bisections for the widening at the closest speed: to 1e-12 of what standstill takes."""
 
 
 @dataclass(frozen=True)
