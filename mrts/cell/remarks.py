@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, median
 from mrts.base.formats.pose import WHOLE_TURN
 from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
+from mrts.base.words import first_names
 from mrts.cell.robot import DEGREES_SUSPECTED
 
 if TYPE_CHECKING:
@@ -424,7 +425,7 @@ def missing_masses(robots: Sequence["Robot"]) -> Iterator[Remark]:
         yield Remark("links-without-mass", f"{WEIGHTLESS} ({weightless})")
     points = {robot.name: [link for links in robot.source.point_links for link in links] for robot in robots}
     if any(points.values()):
-        named = (f"{robot}: {first_few(links)}" for robot, links in points.items() if links)
+        named = (f"{robot}: {first_names(links, NAMES_SHOWN)}" for robot, links in points.items() if links)
         yield Remark("links-without-inertia", f"{POINT_MASSES} ({'; '.join(named)})")
 
 
@@ -449,12 +450,6 @@ def _assumptions(cell: "Cell") -> Iterator[Remark]:
     if free:
         text = f"hands hold whatever comes: no 'wrench' and no 'contact' ({', '.join(free)})"
         yield Remark.assumed("no-wrench-limit", text)
-
-
-def first_few(names: Sequence[str]) -> str:
-    """The first of many names, and how many more there are."""
-    shown = ", ".join(names[:NAMES_SHOWN])
-    return shown if len(names) <= NAMES_SHOWN else f"{shown} and {len(names) - NAMES_SHOWN} more"
 
 
 def _named(robots: Sequence["Robot"], applies: Callable[["Robot"], NDArray[np.bool_]]) -> str:

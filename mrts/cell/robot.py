@@ -12,10 +12,10 @@ from mrts.base.argument_types import check_list, check_type
 from mrts.base.arrays import Array, freeze_array
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
-from mrts.base.interval_text import interval_text
 from mrts.base.manifest import MOST, WRENCH_COMPONENTS
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
+from mrts.base.words import interval_text
 from mrts.cell.hands import Contact
 from mrts.cell.motors import JointMotors
 

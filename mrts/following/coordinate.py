@@ -12,6 +12,7 @@ import numpy as np
 from mrts.base.argument_types import check_type
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
+from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion, JointCourse, carried_by_first, follow_object
 from mrts.following.grasp_closure import ClosureBound, close_chain
@@ -84,9 +85,7 @@ def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Rem
             )
         if found[joint] in table.unusable:
             raise table.unusable[found[joint]]
-    named = ", ".join(sorted(extra)[:MOST_NAMED])
-    more = f" and {len(extra) - MOST_NAMED} more" if len(extra) > MOST_NAMED else ""
-    told = f"joints that no arm of cell '{cell.name}' has were passed over: {named}{more}."
+    told = f"joints that no arm of cell '{cell.name}' has were passed over: {first_names(sorted(extra), MOST_NAMED)}."
     return [found[joint] for joint in joints], (Remark("extra-joints", told),) if extra else ()
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.cell.hands import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
@@ -148,12 +149,6 @@ def rows_text(rows: Iterable[ActiveRow], between: str = ", ") -> str:
 def row_labels(rows: Iterable[ActiveRow], most: int = MOST_NAMES) -> str:
     """The first rows in a few letters, and how many more there are."""
     return first_names(list(dict.fromkeys(row.label for row in rows)), most)
-
-
-def first_names(names: Sequence[str], most: int = MOST_NAMES) -> str:
-    """The first names, and how many more there are."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.limits.rows import first_names
+from mrts.base.words import first_names
+from mrts.limits.rows import MOST_NAMES
 from mrts.plots.colours import COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.plot import MARGIN, Axis, Bars, HeatMap, Item, Line, Panel, Plot, Points, Rule
@@ -133,7 +134,10 @@ def _texts(table: StudyTable, drawn: StudyMap) -> list[list[str]]:
     for place, row in np.ndenumerate(drawn.best):
         if row >= 0:
             limits = table.limits(int(row))
-            said = [variant_text(table, int(row)), *([f"limited by {first_names(limits)}"] if limits else [])]
+            said = [
+                variant_text(table, int(row)),
+                *([f"limited by {first_names(limits, MOST_NAMES)}"] if limits else []),
+            ]
             said += [
                 f"{table.knobs[knob].path} = {table.values[row, knob]:.4g} {table.knobs[knob].unit}".rstrip()
                 for knob in drawn.knobs

@@ -4,7 +4,8 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.limits.rows import first_names
+from mrts.base.words import first_names
+from mrts.limits.rows import MOST_NAMES
 from mrts.plots.study_map import Weight, ends_reached, weights
 from mrts.plots.study_table import Index, StudyTable
 
@@ -36,7 +37,7 @@ def best_text(table: StudyTable) -> str:
         return "no variant has a shortest duration"
     row = int(table.ranked[0])
     text = f"the best is {variant_text(table, row)}"
-    return f"{text}, limited by {first_names(limits)}" if (limits := table.limits(row)) else text
+    return f"{text}, limited by {first_names(limits, MOST_NAMES)}" if (limits := table.limits(row)) else text
 
 
 def variant_text(table: StudyTable, row: int) -> str:
@@ -91,7 +92,7 @@ def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]
         ]
         c2 = f"{table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else ""
         number = str(table.rows["variant"].iloc[row])
-        rows.append([number, f"{table.duration[row]:.4g}", c2, *values, first_names(table.limits(row))])
+        rows.append([number, f"{table.duration[row]:.4g}", c2, *values, first_names(table.limits(row), MOST_NAMES)])
     return head, rows
 
 

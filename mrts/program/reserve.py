@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
+from mrts.base.words import first_names
 from mrts.limits.rows import ActiveRow, LimitRows, side_size
 from mrts.program.motion_rows import MotionRows
 from mrts.program.range_ends import BINDING_TOLERANCE
@@ -100,8 +101,7 @@ class Reserve:
     def place(self) -> str:
         """By which rows, when and with which load it is set, in words."""
         named = [name.short for name in dict.fromkeys(row.name for row in self.rows)]
-        more = f" and {len(named) - ROWS_NAMED} more" if len(named) > ROWS_NAMED else ""
-        by = f"{', '.join(named[:ROWS_NAMED])}{more} " if named else ""
+        by = f"{first_names(named, ROWS_NAMED)} " if named else ""
         return f"{by}at t = {self.time:.4g} s" + ("" if self.load is None else f" with {self.load}")
 
     def to_json(self) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.interval_text import interval_text
+from mrts.base.words import interval_text
 from mrts.cell.cell import Cell
 from mrts.cell.robot import JOINT_HEAD
 from mrts.limits.rows import ActiveRow, RowName

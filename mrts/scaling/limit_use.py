@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.interval_text import interval_text
 from mrts.base.notebook.in_notebooks import NotebookTable
+from mrts.base.words import interval_text
 from mrts.limits import all_rows
 from mrts.limits.rows import TORQUE_SPEED, RowName
 from mrts.program.motor_terms import motor_terms

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.words import interval_text
 from mrts.limits.rows import RATES, SPEEDS, ActiveRow, Side, rows_text
 from mrts.program.range_ends import MOST_INTERVALS
 from mrts.program.range_status import RangeStatus

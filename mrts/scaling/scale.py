@@ -14,6 +14,7 @@ from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.base.remark import Remark
+from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
@@ -452,8 +453,7 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
     if not shares:
         return ()
     worst, *others = sorted(shares, key=lambda joint: -shares[joint])
-    more = f" and {len(others) - NAMED} more" if len(others) > NAMED else ""
-    also = f"; above theirs too: {', '.join(others[:NAMED])}{more}" if others else ""
+    also = f"; above theirs too: {first_names(others, NAMED)}" if others else ""
     text = (
         f"{worst}: its root mean square torque over the motion is {100 * shares[worst]:.0f} % of what its motor bears "
         f"for ever ('rated'{also}): repeated without a pause it overheats. Pause without the load, or carry "

@@ -2,7 +2,7 @@
 """What small changes to a cell would do to the speed of a motion, each found by solving again."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from math import degrees, inf
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ import numpy as np
 from mrts.base.argument_types import Progress
 from mrts.base.errors import InputError, MotionError, SolverError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_changes
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object, following_again
@@ -128,7 +129,7 @@ class ChangedAnswer:
         return f"time {100 / faster - 100:+.3g} %"
 
     def _then(self) -> str:
-        limits = _limits_text(self.after.limits)
+        limits = first_names(self.after.limits, MOST_NAMED)
         return f", then {limits} {'binds' if len(self.after.limits) == 1 else 'bind'}" if limits else ""
 
     def to_json(self) -> dict[str, Any]:
@@ -202,7 +203,7 @@ class WhatIf(InNotebooks):
         amounts = max((len(one.amount) for one in shown if one.after.duration is not None), default=0)
         for group, most, others in groups:
             for one in group[:most]:
-                after, limits = one.after, _limits_text(one.after.limits)
+                after, limits = one.after, first_names(one.after.limits, MOST_NAMED)
                 then = f"  then {limits}" if limits else ""
                 played = f"{one.amount:>{amounts}}  {_seconds(after.duration):>9}{then}"
                 told = played if after.duration is not None else f"{after.status}: {after.reason}"
@@ -249,11 +250,6 @@ def _seconds(duration: float | None) -> str:
     if duration == 0:
         return "as fast as you like"
     return f"{duration:.4g} s" if np.isfinite(duration) else "stands still"
-
-
-def _limits_text(limits: Sequence[str]) -> str:
-    more = f" and {len(limits) - MOST_NAMED} more" if len(limits) > MOST_NAMED else ""
-    return f"{', '.join(limits[:MOST_NAMED])}{more}"
 
 
 def ask_changes(
@@ -340,5 +336,5 @@ def _why_not(found: ScalingRange) -> str:
     if not samples.conflicts:
         return found.explain().removesuffix(found.status.advice).rstrip(". ")
     worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
-    names = _limits_text(list(dict.fromkeys(row.name.short for row in worst.rows)))
+    names = first_names(list(dict.fromkeys(row.name.short for row in worst.rows)), MOST_NAMED)
     return f"at {len(samples.conflicts)} of {len(samples.time)} samples; at t = {worst.time:.4g} s {names} conflict"

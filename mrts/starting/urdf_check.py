@@ -7,7 +7,8 @@ from pathlib import Path
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.remark import Remark
-from mrts.cell.remarks import first_few, joint_assumptions, missing_masses, urdf_remarks
+from mrts.base.words import first_names
+from mrts.cell.remarks import NAMES_SHOWN, joint_assumptions, missing_masses, urdf_remarks
 from mrts.cell.source_files import UrdfReading, arm_of_urdf, read_urdf
 from mrts.scene.arm_meshes import mesh_file
 from mrts.starting.arm import Arm, plane_of
@@ -64,5 +65,5 @@ def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:
             gone.append(name)
             why = why or error.rule
     if gone:
-        also = "" if len(gone) == 1 else f" So are {len(gone) - 1} more: {first_few(gone[1:])}."
+        also = "" if len(gone) == 1 else f" So are {len(gone) - 1} more: {first_names(gone[1:], NAMES_SHOWN)}."
         yield Remark("missing-mesh", f"{read.path.name}: {why}{also} Only pictures need meshes.")

@@ -9,9 +9,9 @@ from types import MappingProxyType
 import numpy as np
 import viser
 
-from mrts.base.interval_text import interval_text
 from mrts.base.load_box import LoadPoint
 from mrts.base.printable import html_text
+from mrts.base.words import interval_text
 from mrts.cell.cell import Cell
 from mrts.limits.rows import ActiveRow
 from mrts.program.range_status import RangeStatus

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Intervals as people read them."""
+"""Short texts that several packages say: an interval, the first of many names."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,3 +15,9 @@ def interval_text(low: float, high: float, unit: str = "", digits: int = 4) -> s
     left = f"[{low:.{digits}g}" if np.isfinite(low) else "(−∞"
     right = f"{high:.{digits}g}]" if np.isfinite(high) else "∞)"
     return f"{left}, {right} {unit}".rstrip()
+
+
+def first_names(names: Sequence[str], most: int) -> str:
+    """The first names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
