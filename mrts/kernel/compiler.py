@@ -8,6 +8,7 @@ import shutil
 import signal
 import subprocess  # fixed flags, no shell, the command is the user's own CC
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
@@ -112,8 +113,19 @@ def _run(arguments: list[str]) -> tuple[int, str]:
             ) from None
         finally:
             if process.returncode is None:  # too slow, or Ctrl-C: its own children end with it
-                os.killpg(process.pid, signal.SIGKILL)
+                _stop(process)
     return process.returncode, errors or output
+
+
+def _stop(process: "subprocess.Popen[str]") -> None:
+    """End a compiler and its children; one that removes its temporary files has a second for it."""
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGTERM)
+        try:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(timeout=1)
+        finally:  # Ctrl-C comes again
+            os.killpg(process.pid, signal.SIGKILL)
 
 
 def library_or_rebuilt(

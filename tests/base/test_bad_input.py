@@ -8,6 +8,7 @@ from conftest import DATA
 
 from mrts import CompilerError, load_cell
 from mrts.cli import main
+from mrts.kernel import compiler as kernel_compiler
 
 pytestmark = pytest.mark.quick
 
@@ -160,6 +161,16 @@ def test_a_compiler_that_fails(files, capsys, monkeypatch, tmp_path, compiler, p
     assert part in message
     assert "CC" in message
     assert not list((tmp_path / "cache").rglob("*.so"))
+
+
+def test_a_compiler_that_takes_too_long_may_remove_its_temporary_files(monkeypatch, tmp_path):
+    (tmp_path / "cc").write_text("#!/bin/sh\ntouch temporary\ntrap 'rm temporary; exit 1' TERM\nsleep 60 &\nwait\n")
+    (tmp_path / "cc").chmod(0o755)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(kernel_compiler, "PATIENCE", 0.5)
+    with pytest.raises(CompilerError, match=r"was not done after 0\.5 s"):
+        kernel_compiler.compile_library((str(tmp_path / "cc"),), tmp_path / "source.c", tmp_path / "library.so")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cc"]
 
 
 def test_without_a_compiler_a_cell_is_generated_and_not_answered(files, capsys, monkeypatch, tmp_path):
