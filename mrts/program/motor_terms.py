@@ -67,7 +67,7 @@ def motor_terms(cell: Cell, motion: CoordinatedMotion) -> MotorTerms | None:
     armature, coulomb, viscous = (
         np.concatenate([getattr(motor, name) for motor in motors]) for name in ("armature", "coulomb", "viscous")
     )
-    before, after = travel_directions(motion.dq, motion.ddq) if motion.travel is None else motion.travel
+    before, after = travel_directions(motion)
     turns = (before != after) & (coulomb > 0)
     return MotorTerms(
         square=armature * motion.ddq,
@@ -78,15 +78,18 @@ def motor_terms(cell: Cell, motion: CoordinatedMotion) -> MotorTerms | None:
     )
 
 
-def travel_directions(dq: Array, ddq: Array) -> tuple[Array, Array]:
-    """Signs of each joint's velocity just before and just after every sample, each Shape (N, m); 0 where it stands.
+def travel_directions(motion: CoordinatedMotion) -> Array:
+    """Signs of each joint's velocity just before and just after every sample, Shape (2, N, m); 0 where it stands.
 
-    Where q' = 0 the acceleration says: a joint arrives against it and leaves with it. At the first sample nothing is
-    before, at the last nothing after.
+    Where the motion does not tell them and q' = 0, q'' does: a joint arrives against it and leaves with it. At the
+    first sample nothing is before, at the last nothing after.
     """
+    if motion.travel is not None:
+        return motion.travel
+    dq, ddq = motion.dq, motion.ddq
     speed, change = np.abs(dq), np.abs(ddq)
     moving = np.where(speed > REST * np.max(speed), np.sign(dq), 0.0)
     leaving = np.where(change > REST * np.max(change), np.sign(ddq), 0.0)
     before, after = np.where(moving == 0, -leaving, moving), np.where(moving == 0, leaving, moving)
     before[0], after[-1] = after[0], before[-1]
-    return before, after
+    return np.stack([before, after])

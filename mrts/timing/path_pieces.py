@@ -283,8 +283,7 @@ def by_parameter(path: CoordinatedMotion, sigma: Array, first: Array, second: Ar
     given = path.object
     dq, ddq = rates(path.dq, path.ddq)
     carried = unchecked_object_motion(sigma, given.position, given.rotation, *rates(given.twist, given.acceleration))
-    travel = np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
-    return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel)
+    return unchecked_coordinated_motion(carried, path.q, dq, ddq, travel_directions(path))
 
 
 def _root_mean_square(values: Array) -> Array:

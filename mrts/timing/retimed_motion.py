@@ -182,15 +182,10 @@ def retimed_motion(motion: CoordinatedMotion, pieces: Sequence[TimedPiece]) -> C
     for part in pieces:
         rates, path = part.rates, part.piece.path
         at_samples = np.concatenate([rates[:1, 0], (rates[:-1, 1] + rates[1:, 0]) / 2, rates[-1:, 1]])
-        played.append((*_played(path, part.x, at_samples), *_directions(path)))
+        played.append((*_played(path, part.x, at_samples), *travel_directions(path)))
     dq, ddq, twist, acceleration, *travel = map(_joined, zip(*played, strict=True))
     carried = motion.object.played(new_times(pieces), twist, acceleration)
     return unchecked_coordinated_motion(carried, motion.q, dq, ddq, np.stack(travel))
-
-
-def _directions(path: CoordinatedMotion) -> Array:
-    """Signs of the joints' velocities before and after every sample of a piece, Shape (2, n, m)."""
-    return np.stack(travel_directions(path.dq, path.ddq)) if path.travel is None else path.travel
 
 
 def _joined(parts: Sequence[Array]) -> Array:
@@ -203,7 +198,7 @@ def _joined(parts: Sequence[Array]) -> Array:
 
 def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMotion]:
     """The starts and the ends of all segments, each with the s̈ of its segment; their time only counts them."""
-    path, given, travel = part.piece.path, part.piece.path.object, _directions(part.piece.path)
+    path, given, travel = part.piece.path, part.piece.path.object, travel_directions(part.piece.path)
     count, ends = np.arange(len(part.piece.step), dtype=np.float64), []
     for side, rate in zip((slice(None, -1), slice(1, None)), part.rates.T, strict=True):
         dq, ddq, twist, acceleration = _played(path, part.x, rate, side)

@@ -7,6 +7,7 @@ import pytest
 
 import mrts
 from mrts.cell.motors import JointMotors
+from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms, travel_directions
 from mrts.program.sample_problem import build_sample_problem
@@ -27,11 +28,11 @@ def with_motors(cell, **given):
     return replace(cell, robots=tuple(robots))
 
 
-def test_friction_points_along_the_travel_and_is_one_sided_at_rest():
+def test_friction_points_along_the_travel_and_is_one_sided_at_rest(lift):
     t = np.linspace(0, 2 * np.pi, 9)
     dq = np.column_stack([np.sin(t / 2), np.sin(t), -np.sin(t / 2), np.zeros(9)])
     ddq = np.column_stack([np.cos(t / 2) / 2, np.cos(t), -np.cos(t / 2) / 2, np.zeros(9)])
-    before, after = travel_directions(dq, ddq)
+    before, after = travel_directions(unchecked_coordinated_motion(lift, dq, dq, ddq))
     assert np.array_equal(before[:, 0], np.ones(9))
     assert np.array_equal(after[:, 0], np.ones(9))
     assert np.array_equal(before[:, 1], [1, 1, 1, 1, 1, -1, -1, -1, -1])
