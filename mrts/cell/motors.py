@@ -11,7 +11,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
-from mrts.base.formats.pose import Finite
+from mrts.base.formats.pose import Finite, Positive
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 
@@ -148,6 +148,43 @@ class TorqueBounds(Record):
 
 
 TorqueLimits = Annotated[list[Finite], Rule(min_length=1)] | TorqueBounds
+
+Velocities = Annotated[list[Positive | None], Rule(min_length=1)]
+"""Velocity limits, one a joint, null where there is none [rad/s, m/s for prismatic joints]."""
+
+
+class AccelerationBounds(Record):
+    """Acceleration limits that differ by side; null where there is none [rad/s², m/s² for prismatic joints]."""
+
+    lower: Annotated[list[Finite | None], Rule(min_length=1)]
+    upper: Annotated[list[Finite | None], Rule(min_length=1)]
+
+
+Accelerations = Velocities | AccelerationBounds
+
+
+def given_velocity(where: Path | str, key: str, given: Sequence[float | None], joints: Sequence[str]) -> Array:
+    """Velocity limits, one a joint, infinity where there is none, Shape (n,) [rad/s, m/s for prismatic joints]."""
+    if len(given) != len(joints):
+        rule = f"must have {len(joints)} values, one for each of {', '.join(joints)}; null is unbounded."
+        raise InputError(where, rule, key=key, value=list(given))
+    return np.array([np.inf if value is None else value for value in given])
+
+
+def given_acceleration(
+    where: Path | str, key: str, given: Sequence[float | None] | AccelerationBounds, joints: Sequence[str]
+) -> tuple[Array, Array]:
+    """Acceleration limits, one a joint, each Shape (n,) [rad/s², m/s² for prismatic joints]."""
+    if not isinstance(given, AccelerationBounds):
+        most = given_velocity(where, key, given, joints)
+        return -most, most
+    lower, upper = (given_velocity(where, f"{key}.{side}", values, joints) for side, values in given)
+    lower = np.where(lower == np.inf, -np.inf, lower)
+    if np.any((lower >= 0) | (upper <= 0)):
+        joint = int(np.argmax((lower >= 0) | (upper <= 0)))
+        rule = f"those of joint '{joints[joint]}' must be below 0 and above: it also stands still."
+        raise InputError(where, rule, key=key, value=[float(lower[joint]), float(upper[joint])])
+    return lower, upper
 
 
 def given_torque_limits(

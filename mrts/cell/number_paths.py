@@ -18,7 +18,9 @@ ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk"
 
 NOTHING_THERE = "the file says nothing of {}, and there is no default. Write it there first."
 
-NEED_NOT_BE_GIVEN = frozenset({"linear", "angular", "torque_rate", "jerk", "rated"})
+NEED_NOT_BE_GIVEN = frozenset(
+    {"linear", "angular", "speed", "acceleration", "friction", "height", "torque_rate", "jerk", "rated"}
+)
 """Keys where null stands for a number that is not limited or not known; so it does in lists of limits."""
 
 BY_KEY = {
@@ -33,6 +35,10 @@ BY_KEY = {
     "angular": "rad/s",
     "mass": "kg",
     "half_width": "m",
+    "height": "m",
+    "point": "m",
+    "at": "m",
+    "speed": "m/s",
     "radius": "m",
     "length": "m",
     "box": "m",
@@ -46,6 +52,8 @@ OF_VARIATION = {"m": "kg m", "c": "m"}
 OF_JOINT = {
     "posture": ("rad", "m"),
     "torque": ("N m", "N"),
+    "velocity": ("rad/s", "m/s"),
+    "acceleration": ("rad/s²", "m/s²"),
     "armature": ("kg m²", "kg"),
     "coulomb": ("N m", "N"),
     "viscous": ("N m s/rad", "N s/m"),
@@ -141,6 +149,8 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
         unit = _robot_unit(keys, words[2:], robots[keys[2]], wrench_units)
         if unit is not None:
             return unit
+    if "acceleration" in words:
+        return f"{BY_KEY.get(words[-1], 'm/s')}²"
     return next((BY_KEY[word] for word in words if word in BY_KEY), "")
 
 
@@ -155,6 +165,8 @@ def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Seque
     if "torque_speed" in inside:
         curve = keys[-3] if isinstance(keys[-3], int) else 0
         return OF_CURVE[robot.joint_types[curve] == "prismatic"][index]
+    if "frames" in inside:
+        return None
     of_joint = next((OF_JOINT[word] for word in inside if word in OF_JOINT), None)
     return None if of_joint is None else of_joint[robot.joint_types[index] == "prismatic"]
 

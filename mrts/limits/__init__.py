@@ -10,12 +10,16 @@ from dataclasses import replace
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.cell_limits import contact_limits, motor_limits, torque_limits, velocity_limits, wrench_limits
+from mrts.limits.motion_limits import acceleration_limits, carried_limits, point_limits
 from mrts.limits.rows import LimitRows, checked_rows, stack_rows
 
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
 """The rows of a limit along a motion; one of your own: docs/extending.md."""
 
-CELL_LIMITS: tuple[Limit, ...] = (torque_limits, wrench_limits, contact_limits, velocity_limits, motor_limits)
+CELL_LIMITS: tuple[Limit, ...] = (
+    *(torque_limits, wrench_limits, contact_limits, velocity_limits, motor_limits),
+    *(acceleration_limits, point_limits, carried_limits),
+)
 """Those of the cell file; `Cell.limits` are there beside them."""
 
 

@@ -128,10 +128,7 @@ REFUSED = {
         r"load\[2\] = 0.1: a cell file cannot hold this value",
     ),
     "no folder": (lambda cell: replace(cell, folder=None), "folder: it is not known where its URDFs are"),
-    "a velocity limit": (
-        of_left(velocity_limit=np.full(6, 0.5)),
-        r"velocity_limit\[0\] = 0.5: a cell file",
-    ),
+    "a position limit": (of_left(position_lower=np.full(6, -0.5)), r"position_lower\[0\] = -0.5: a cell file"),
     "a contact renamed": (renamed, r"robots\[0\].contacts\[0\].name = 'palm': a cell file cannot hold this value"),
 }
 
