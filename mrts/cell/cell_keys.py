@@ -32,7 +32,7 @@ from mrts.cell.motors import (
     given_velocity,
 )
 from mrts.cell.number_paths import Keys, PathError, find_keys, set_value
-from mrts.cell.points import LinkPointLimit
+from mrts.cell.points import LinkPointLimit, ObjectRates
 from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot, RobotSource
 
@@ -142,9 +142,8 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
                 changes["load"] = np.array([mass, *cell.load[1:]])
                 changes["load_box"] = None if cell.load_box is None else replace(cell.load_box, mass=mass)
             case ("object", "velocity" | "acceleration" as key, *_):
-                rates = _given("cell", f"object.{key}", keys["object"][key] or {}, dict[str, Positive | None])
-                limits = [rates.get(name) or np.inf for name in ("linear", "angular")]
-                changes[f"object_{key}_limit"] = np.array(limits)
+                rates: ObjectRates = _given("cell", f"object.{key}", keys["object"][key] or {}, ObjectRates)
+                changes[f"object_{key}_limit"] = rates.limits
             case (
                 "robots",
                 int(at),
