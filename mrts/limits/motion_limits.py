@@ -14,6 +14,9 @@ from mrts.limits.rows import LimitRows, RowName, row_names, stack_rows
 NORM_SIDES = 224
 """Sides of the polygon that stands for a circle: inside it, by at most 1 - cos(π / 224) < 1e-4 of the radius."""
 
+PARALLEL = 1e-12
+"""Share of a vector that is across another, below which it is rounding, of no direction."""
+
 NONE = np.zeros(0)
 
 
@@ -116,9 +119,9 @@ def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: floa
         limit: > 0.
     """
     first = _unit(np.where(np.linalg.norm(square, axis=1, keepdims=True) > 0, square, rate))
-    second = rate
-    for _ in range(2):  # twice is enough, where the two are almost one direction
-        second = _unit(second - row_products(second, first)[:, None] * first)
+    second = _across(rate, first)
+    apart = np.linalg.norm(second, axis=1) > PARALLEL * np.linalg.norm(rate, axis=1)
+    second = _unit(_across(_unit(second * apart[:, None]), first))
     angle = (np.arange(NORM_SIDES // 2) + 0.5) * (2 * np.pi / NORM_SIDES)
     across = np.stack([np.cos(angle), np.sin(angle)]) / np.cos(np.pi / NORM_SIDES)
     columns = {
@@ -127,6 +130,12 @@ def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: floa
     }
     sides = np.full(len(angle), limit)
     return LimitRows.of(cell, names=[name] * len(angle), lower=-sides, upper=sides, **columns)
+
+
+def _across(vectors: Array, unit: Array) -> Array:
+    """What of vectors is across unit vectors, Shape (N, 3)."""
+    found: Array = vectors - row_products(vectors, unit)[:, None] * unit
+    return found
 
 
 def _unit(vectors: Array) -> Array:
