@@ -116,17 +116,17 @@ def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: floa
         limit: > 0.
     """
     first = _unit(np.where(np.linalg.norm(square, axis=1, keepdims=True) > 0, square, rate))
-    second = rate
-    for _ in range(2):  # twice is enough, where the two are almost one direction
-        second = _unit(second - row_products(second, first)[:, None] * first)
+    second = _unit(rate - row_products(rate, first)[:, None] * first)
+    across = second - row_products(second, first)[:, None] * first  # what rounding left of one direction is not across
+    second = np.where(np.linalg.norm(across, axis=1, keepdims=True) > 0.5, _unit(across), 0.0)  # noqa: PLR2004 (0 or 1)
     angle = (np.arange(NORM_SIDES // 2) + 0.5) * (2 * np.pi / NORM_SIDES)
-    across = np.stack([np.cos(angle), np.sin(angle)]) / np.cos(np.pi / NORM_SIDES)
+    sides = np.stack([np.cos(angle), np.sin(angle)]) / np.cos(np.pi / NORM_SIDES)
     columns = {
-        key: np.stack([row_products(of, first), row_products(of, second)], axis=1) @ across
+        key: np.stack([row_products(of, first), row_products(of, second)], axis=1) @ sides
         for key, of in (("rate", rate), ("square", square))
     }
-    sides = np.full(len(angle), limit)
-    return LimitRows.of(cell, names=[name] * len(angle), lower=-sides, upper=sides, **columns)
+    most = np.full(len(angle), limit)
+    return LimitRows.of(cell, names=[name] * len(angle), lower=-most, upper=most, **columns)
 
 
 def _unit(vectors: Array) -> Array:
