@@ -152,6 +152,7 @@ class CellDescription(Record):
     name: Name
     gravity: Vector3
     plane: Literal["xy", "xz", "yz"] | None = None
+    power: Positive | None = None
     inertia: Literal["strict", "lenient"] = "strict"
     object: ObjectDescription
     robots: Annotated[list[RobotDescription], Rule(min_length=1)]

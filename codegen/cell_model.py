@@ -148,6 +148,7 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         gravity=np.array(description.gravity, dtype=float),
         load=load_vector(carried.mass, np.zeros(3), inertia),
         load_box=LoadBox(carried.mass, inertia, ranges, variation.hull is not None) if variation and ranges else None,
+        power_limit=description.power,
         object_velocity_limit=carried.velocity.limits,
         object_acceleration_limit=carried.acceleration.limits,
         object_points=_named(path, "object.frames", carried.frames, "point"),

@@ -24,6 +24,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.generation import described_model
 from mrts.cell.hands import Bounds, numbered, wrench_bounds
 from mrts.cell.motors import (
+    PER_JOINT,
     Accelerations,
     TorqueLimits,
     Velocities,
@@ -60,6 +61,7 @@ def cell_keys(cell: Cell) -> dict[str, Any]:
         "name": cell.name,
         "gravity": cell.gravity.tolist(),
         "plane": cell.plane,
+        "power": cell.power_limit,
         "inertia": "lenient" if any(remark.code == NEAREST_INERTIA for remark in cell.remarks) else None,
         "object": {
             "mass": cell.mass,
@@ -98,7 +100,7 @@ def _robot(robot: Robot) -> dict[str, Any]:
     points = [{key: getattr(one, key) for key in LinkPointLimit.model_fields} for one in robot.point_limits]
     for point, unnamed in zip(points, numbered([one.link for one in robot.point_limits]), strict=True):
         point["name"] = None if point["name"] == unnamed else point["name"]
-    per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", "torque_rate", "jerk", "rated")}
+    per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", *PER_JOINT[3:])}
     return {
         "name": robot.name,
         "urdf": source.urdf,

@@ -28,6 +28,6 @@ def _numbers(cell):
     del said["content_sha256"]
     for robot, now in zip(said["cell"]["robots"], cell.robots, strict=True):
         del robot["source"]["urdf"]
-        taken = {"effort": now.has_urdf_torque, "velocity": now.has_urdf_velocity, "friction": now.has_urdf_friction}
-        robot["source"] |= taken | {"joint_limits": None}
+        robot["source"] |= {"effort": now.has_urdf_torque, "friction": now.has_urdf_friction}
+        robot["source"] |= {"velocity": now.has_urdf_velocity, "joint_limits": None}
     return said
