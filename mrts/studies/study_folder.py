@@ -111,9 +111,9 @@ class StudyFolder:
         ]
         return pa.schema(fields, metadata={DIGEST_KEY: self.digest})
 
-    def bounds(self, number: int) -> tuple[int, int]:
-        """First variant of a chunk, and the one after its last."""
-        return number * self.chunk, min(self.variants, (number + 1) * self.chunk)
+    def variants_of(self, number: int) -> range:
+        """The variants of a chunk."""
+        return range(number * self.chunk, min(self.variants, (number + 1) * self.chunk))
 
     def part(self, number: int) -> Path:
         """The file of a chunk."""
@@ -179,8 +179,7 @@ class StudyFolder:
     def drop_damaged(self) -> None:
         """Remove parts that are not what the study says; they will be solved again."""
         for number, path in self.parts().items():
-            first, last = self.bounds(number)
-            if not self._is_sound(path, last - first):
+            if not self._is_sound(path, len(self.variants_of(number))):
                 logger.warning("%s is damaged, or of another study: solved again", path)
                 path.unlink()
 
