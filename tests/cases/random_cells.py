@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import yaml
+from shipped_cells import cell_of_arms
 
 PLANES = {"xy": (0, 1, 2, 1.0), "xz": (0, 2, 1, -1.0), "yz": (1, 2, 0, 1.0)}
 """Plane: its two axes, its normal axis, and the sign of first × second along that axis."""
@@ -219,12 +220,6 @@ def spatial_cell(folder, seed, joints=(6, 7, 6)):
                 "posture": [0.0] * count,
             }
         )
-    cell = {
-        "name": "spatial",
-        "gravity": [1.0, -2.0, -9.5],
-        "object": {"mass": 2.0, "inertia": [[0.05, 0.01, -0.01], [0.01, 0.06, 0.02], [-0.01, 0.02, 0.07]]},
-        "robots": robots,
-    }
-    path = folder / "cell.yaml"
-    path.write_text(yaml.safe_dump(cell), encoding="utf-8")
-    return path, cell
+    inertia = [[0.05, 0.01, -0.01], [0.01, 0.06, 0.02], [-0.01, 0.02, 0.07]]
+    path = cell_of_arms(folder, *robots, gravity=[1.0, -2.0, -9.5], mass=2.0, inertia=inertia)
+    return path, yaml.safe_load(path.read_text(encoding="utf-8"))
