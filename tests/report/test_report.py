@@ -86,11 +86,11 @@ def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, turned):
     ]
     line = np.stack([np.array(coordinates[axis], dtype=float) for axis in "xyz"], axis=-1)
     arrows = line.reshape(turned.motion.samples, 2, 10, 3)
-    found = contact_forces(dual_ur5, carried.position, carried.rotation, turned.trajectory.wrench)
+    point, force, _ = contact_forces(dual_ur5, carried.position, carried.rotation, turned.trajectory.wrench)
     shaft = arrows[:, :, 1] - arrows[:, :, 0]
     scale = np.max(np.linalg.norm(shaft, axis=-1)) / shown["largest_force"]
-    np.testing.assert_allclose(arrows[:, :, 0], found.point, atol=2 * DRAWN)
-    np.testing.assert_allclose(shaft, scale * found.force, atol=4 * DRAWN)
+    np.testing.assert_allclose(arrows[:, :, 0], point, atol=2 * DRAWN)
+    np.testing.assert_allclose(shaft, scale * force, atol=4 * DRAWN)
     barbs = arrows[:, :, [2, 4, 6, 8]] - arrows[:, :, [1]]
     np.testing.assert_allclose(np.mean(barbs, axis=2), -0.25 * shaft, atol=4 * DRAWN)  # about the shaft
     sizes = np.linalg.norm(barbs, axis=-1) / np.linalg.norm(shaft, axis=-1, keepdims=True)

@@ -145,10 +145,10 @@ def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
         elbow = seen(camera, (line[2:3] + line[3:4]) / 2)[0].astype(int)
         assert where(picture, arm_colour(number))[elbow[1] - 2 : elbow[1] + 3, elbow[0] - 2 : elbow[0] + 3].any()
     wrench = clip.trajectory.wrench[round(clip.place(time))]
-    contacts = contact_forces(dual_ur5, moment.position, moment.rotation, wrench)
+    point, pull, _ = contact_forces(dual_ur5, moment.position, moment.rotation, wrench)
     force = where(picture, FORCE)
     for share, is_seen in ((0.9, True), (1.2, False)):
-        for right, down in seen(camera, contacts.point + share * scale * contacts.force).astype(int):
+        for right, down in seen(camera, point + share * scale * pull).astype(int):
             assert force[down - 1 : down + 2, right - 1 : right + 2].any() == is_seen, share
     assert amount(picture, OBJECT) > 0.03
     joint = seen(camera, moment.lines[1][5:6])[0].astype(int)
@@ -189,7 +189,7 @@ def test_what_cannot_be_a_film_is_told(clips, tmp_path, monkeypatch):
     long = SimpleNamespace(trajectory=SimpleNamespace(duration=1e5))
     with pytest.raises(mrts.InputError, match="at most 3600 frames"):
         write_film([long], tmp_path / "lift.gif")
-    monkeypatch.setattr(film, "find_spec", lambda _name: None)
+    monkeypatch.setattr("mrts.base.argument_types.find_spec", lambda _name: None)
     with pytest.raises(mrts.InputError, match=r"pip install 'mrts\[film\]'"):
         write_film(clips, tmp_path / "lift.mp4")
     assert list(tmp_path.iterdir()) == []

@@ -133,7 +133,7 @@ def test_a_drawn_arm_ends_at_its_grasp_and_forces_carry_the_object(dual_ur5, tur
         np.testing.assert_allclose(line[:, -1], grasp, atol=1e-8)
         lengths = np.linalg.norm(np.diff(line, axis=1), axis=2)
         np.testing.assert_allclose(lengths, np.tile(lengths[0], (motion.samples, 1)), atol=1e-12)
-    total = np.sum(contact_forces(cell, given.position, given.rotation, turned.trajectory.wrench).force, axis=1)
+    total = np.sum(contact_forces(cell, given.position, given.rotation, turned.trajectory.wrench)[1], axis=1)
     acceleration = turned.trajectory.c2 * given.acceleration[:, :3]
     np.testing.assert_allclose(total, cell.mass * (acceleration - cell.gravity), atol=1e-8)
 
