@@ -8,6 +8,7 @@ from mrts.cell.hands import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.plots.card import Card
 from mrts.plots.labels import range_text
+from mrts.plots.range_plots import ranked_loads
 from mrts.scaling.limit_use import largest_step, limit_tables, limit_uses, rate_uses
 from mrts.scaling.result import ScalingResult
 
@@ -174,11 +175,10 @@ def _contact_lines(result: ScalingResult) -> Iterator[str]:
 
 
 def _load_lines(study: "LoadStudy") -> Iterator[str]:
-    ordered = sorted(zip(study.points, study.ranges, strict=True), key=lambda pair: pair[1].c2_upper)
-    for point, found in ordered[:LOADS_SHOWN]:
-        yield f"  {range_text(found):<20} {point}"
-    if len(ordered) > LOADS_SHOWN:
-        yield f"  … and {len(ordered) - LOADS_SHOWN} more loads (--json has all)"
+    for index in ranked_loads(study)[:LOADS_SHOWN]:
+        yield f"  {range_text(study.ranges[index]):<20} {study.points[index]}"
+    if len(study.ranges) > LOADS_SHOWN:
+        yield f"  … and {len(study.ranges) - LOADS_SHOWN} more loads (--json has all)"
     if not study.box.axes_are_the_objects:
         columns = zip("xyz", study.box.principal_axes.T, strict=True)
         axes = "; ".join(f"{name} {column.round(4).tolist()}" for name, column in columns)

@@ -309,7 +309,6 @@ class ViewerScene:
             label.visible = index in lines
 
     def _draw_outlines(self, body: HeldBody) -> None:
-        """The object's edges at both ends of its path."""
         edges = object_edges(body.vertices, body.faces)
         lines = body.vertices[edges if len(edges) else body.faces[:, :2]]  # a ball has no edges
         self._outlines = [
