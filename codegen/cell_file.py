@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 from mrts_codegen.hand_file import MOST_CONTACTS, ContactDescription
+from mrts_codegen.joint_limits import joint_limits_reference
 from mrts_codegen.motors_block import MotorsDescription
 from mrts_codegen.object_shape import ShapeDescription
 from mrts_codegen.urdf_reference import FileReference, mesh_reference
@@ -17,7 +18,8 @@ from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
 from mrts.cell.hands import Bounds
-from mrts.cell.motors import TorqueLimits
+from mrts.cell.motors import Accelerations, TorqueLimits, Velocities
+from mrts.cell.points import CarriedThing, LinkPointLimit, ObjectRates, PointLimit
 
 INERTIA_TOLERANCE = 1e-9
 """Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
@@ -28,6 +30,9 @@ ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
 
 MOST_ARGUMENTS = 100
 """Of a xacro."""
+
+MOST_POINTS = 100
+"""Limited points of an arm or the object, things on it."""
 
 Range = Annotated[list[Finite], Rule(min_length=2, max_length=2)]
 """Least and largest value."""
@@ -64,18 +69,6 @@ class VariationDescription(Record):
         return range_problem(self.ranges(), outer_hull=self.hull is not None)
 
 
-class ObjectVelocity(Record):
-    """Velocity limits of the object's frame; what is absent is unbounded.
-
-    Attributes:
-        linear: [m/s].
-        angular: [rad/s].
-    """
-
-    linear: Positive | None = None
-    angular: Positive | None = None
-
-
 class ObjectDescription(Record):
     """The carried object.
 
@@ -86,13 +79,19 @@ class ObjectDescription(Record):
         shape: What it looks like.
         variation: What is uncertain of it.
         velocity: How fast it may move.
+        acceleration: How fast that may change.
+        frames: Points of it whose motion is limited.
+        carries: Things that stand loose on it.
     """
 
     mass: Positive
     inertia: Annotated[list[Finite | Vector3], Rule(min_length=3, max_length=3)] | None = None
     shape: ShapeDescription | None = None
     variation: VariationDescription | None = None
-    velocity: ObjectVelocity = ObjectVelocity()
+    velocity: ObjectRates = ObjectRates()
+    acceleration: ObjectRates = ObjectRates()
+    frames: Annotated[list[PointLimit], Rule(max_length=MOST_POINTS)] = []  # noqa: RUF012 (each record has its own copies)
+    carries: Annotated[list[CarriedThing], Rule(max_length=MOST_POINTS)] = []  # noqa: RUF012
 
     def inertia_matrix(self) -> Array | None:
         """Inertia at the com in the object frame, Shape (3, 3) [kg m²]; None where it is that of its shape."""
@@ -125,6 +124,10 @@ class RobotDescription(Record):
     grasp: GraspPose = GraspPose()
     posture: Annotated[list[Angle], Rule(min_length=1)]
     torque: TorqueLimits | None = None
+    joint_limits: Annotated[str, Rule(min_length=1)] | None = None
+    velocity: Velocities | None = None
+    acceleration: Accelerations | None = None
+    frames: Annotated[list[LinkPointLimit], Rule(max_length=MOST_POINTS)] = []  # noqa: RUF012
     wrench: Bounds = Bounds()
     contact_rate: Annotated[list[Positive | None], Rule(min_length=2, max_length=2)] | None = None
     contact: Annotated[list[ContactDescription], Rule(max_length=MOST_CONTACTS)] = []  # noqa: RUF012
@@ -149,6 +152,7 @@ class CellDescription(Record):
     name: Name
     gravity: Vector3
     plane: Literal["xy", "xz", "yz"] | None = None
+    power: Positive | None = None
     inertia: Literal["strict", "lenient"] = "strict"
     object: ObjectDescription
     robots: Annotated[list[RobotDescription], Rule(min_length=1)]
@@ -156,9 +160,10 @@ class CellDescription(Record):
     @property
     def references(self) -> list[FileReference]:
         """What it says of all files that it names."""
+        limits = [joint_limits_reference(robot.joint_limits) for robot in self.robots if robot.joint_limits]
         shape = self.object.shape
         meshes = [mesh_reference(shape.mesh)] if shape is not None and shape.mesh is not None else []
-        return [*self.urdf_references, *meshes]
+        return [*self.urdf_references, *meshes, *limits]
 
     @property
     def urdf_references(self) -> list[FileReference]:

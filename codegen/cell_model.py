@@ -3,6 +3,7 @@
 
 import hashlib
 import logging
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,6 +18,7 @@ from mrts_codegen.cell_file import (
 )
 from mrts_codegen.contact_normals import check_contact_normals
 from mrts_codegen.hand_file import build_contacts
+from mrts_codegen.joint_limits import joint_motion_limits
 from mrts_codegen.motors_block import build_motors
 from mrts_codegen.object_shape import build_shape
 from mrts_codegen.urdf.held_joints import held_positions
@@ -25,8 +27,8 @@ from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines
 from mrts_codegen.urdf.urdf_file import parse_urdf
 
-from mrts.base.arrays import Array
-from mrts.base.errors import InputError, Mistakes
+from mrts.base.arrays import Array, without_infinity
+from mrts.base.errors import InputError, Mistakes, did_you_mean
 from mrts.base.formats.urdf import NO_LIMIT, Urdf
 from mrts.base.input_file import read_data, validated
 from mrts.base.load_box import LoadBox, load_vector
@@ -35,6 +37,7 @@ from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.hands import wrench_bounds
 from mrts.cell.motors import given_torque_limits
+from mrts.cell.points import ArmPointLimit, point_names
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot
 
@@ -138,7 +141,6 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     ranges, variation = {}, carried.variation
     if variation is not None:
         ranges = variation.ranges()
-    speeds = (carried.velocity.linear, carried.velocity.angular)
     record = CellRecord(
         name=description.name,
         plane=description.plane,
@@ -146,7 +148,11 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         gravity=np.array(description.gravity, dtype=float),
         load=load_vector(carried.mass, np.zeros(3), inertia),
         load_box=LoadBox(carried.mass, inertia, ranges, variation.hull is not None) if variation and ranges else None,
-        object_velocity_limit=np.array([np.inf if speed is None else speed for speed in speeds]),
+        power_limit=description.power,
+        object_velocity_limit=carried.velocity.limits,
+        object_acceleration_limit=carried.acceleration.limits,
+        object_points=_named(path, "object.frames", carried.frames, "point"),
+        carried=_named(path, "object.carries", carried.carries, "thing"),
         object_shape=shape,
         robots=tuple(arm.robot for arm in built),
         machines=check_machines(path, built),
@@ -209,6 +215,9 @@ def build_robot(
         torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model.joints)
         motors, of_motors = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     with mistakes.noted():
+        moving = joint_motion_limits(path, key, robot, joints, model.of_robot()["velocity_limit"], folder)
+        points = _point_limits(path, f"{key}.frames", robot, model, urdf, held)
+    with mistakes.noted():
         wrench_lower, wrench_upper = wrench_bounds(path, f"{key}.wrench", bounds.lower, bounds.upper, components)
     with mistakes.noted():
         if plane is not None:
@@ -219,7 +228,12 @@ def build_robot(
     given_friction = robot.motors.friction is not None
     built = Robot(
         name=robot.name,
-        **model.of_robot(),
+        **model.of_robot()
+        | {
+            "velocity_limit": moving.velocity,
+            "acceleration_lower": moving.acceleration_lower,
+            "acceleration_upper": moving.acceleration_upper,
+        },
         T_world_base=T_world_base,
         T_object_tip=T_object_tip,
         posture=np.array(robot.posture, dtype=float),
@@ -233,15 +247,18 @@ def build_robot(
             sha256=hashlib.sha256(content).hexdigest(),
             fixed=dict(robot.fixed),
             effort=(*torque_upper.tolist(),) if robot.torque is None else None,
+            velocity=(*without_infinity(moving.velocity),) if moving.from_urdf else None,
+            joint_limits=moving.file,
             friction=None if given_friction else ((*motors.coulomb.tolist(),), (*motors.viscous.tolist(),)),
         ),
         held=held,
-        motors=motors,
+        motors=motors if moving.jerk is None or robot.motors.jerk is not None else replace(motors, jerk=moving.jerk),
         contacts=contacts,
         contact_rate=_contact_rate(robot.contact_rate, components),
+        point_limits=points,
     )
     of_poses = (*robot.base.degrees_remarks(f"{key}.base"), *robot.grasp.degrees_remarks(f"{key}.grasp"))
-    return BuiltRobot(built, model, urdf, (*of_poses, *of_motors))
+    return BuiltRobot(built, model, urdf, (*of_poses, *moving.remarks, *of_motors))
 
 
 def _torque_limits(
@@ -260,6 +277,38 @@ def _torque_limits(
     mistakes.raise_noted()
     upper = np.array([joint.effort for joint in joints])
     return -upper, upper
+
+
+def _point_limits(
+    path: Path, key: str, robot: RobotDescription, model: RobotModel, urdf: Urdf, held: Mapping[str, float]
+) -> tuple[ArmPointLimit, ...]:
+    placed = []
+    for index, (given, name) in enumerate(zip(robot.frames, point_names(robot.frames), strict=True)):
+        if given.link not in urdf.links:
+            rule = (
+                f"there is no such link{did_you_mean(given.link, urdf.links)} Its links are: {', '.join(urdf.links)}."
+            )
+            raise InputError(path, rule, key=f"{key}[{index}].link", value=given.link)
+        joints, T = model.link_frame(urdf, given.link, held)
+        if not joints:
+            rule = f"no joint of robot '{robot.name}' moves this link, so nothing limits it."
+            raise InputError(path, rule, key=f"{key}[{index}].link", value=given.link)
+        at_zero = (T.p + T.R @ np.array(given.point)).tolist()
+        placed.append(ArmPointLimit(**dict(given) | {"name": name, "joints": joints, "at_zero": at_zero}))
+    _check_names(path, key, [one.name for one in placed])
+    return tuple(placed)
+
+
+def _check_names(path: Path, key: str, names: Sequence[str]) -> None:
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise InputError(path, "must have a name of its own.", key=f"{key}[{index}].name", value=name)
+
+
+def _named(path: Path, key: str, given: list[Any], default: str) -> tuple[Any, ...]:
+    names = point_names(given, default)
+    _check_names(path, key, names)
+    return tuple(one.model_copy(update={"name": name}) for one, name in zip(given, names, strict=True))
 
 
 def _contact_rate(given: list[float | None] | None, components: tuple[str, ...]) -> Array:

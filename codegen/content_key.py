@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mrts_codegen.joint_limits import joint_limits_reference
 from mrts_codegen.urdf_reference import mesh_reference, robot_reference
 
 from mrts.base import version
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 SHAPING = (
     *("base/manifest.py", "base/rigid_transform.py", "base/input_file.py", "base/yaml_parser.py", "base/load_box.py"),
-    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands.py", "cell/motors.py"),
+    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands.py", "cell/motors.py", "cell/points.py"),
 )
 """Files of mrts that decide what a manifest says."""
 
@@ -36,6 +37,12 @@ def is_as_made(path: Path, record: CellRecord) -> bool:
     """Whether the files that a cell file names hold what the record of a cell was made from."""
     folder, shape = path.resolve().parent, record.object_shape
     known = [(robot_reference(robot.source), robot.source.sha256) for robot in record.robots]
+    known += [
+        (joint_limits_reference(named), made)
+        for robot in record.robots
+        if robot.source.joint_limits
+        for named, made in [robot.source.joint_limits]
+    ]
     if shape is not None and shape.mesh is not None:
         known.append((mesh_reference(shape.mesh.file), shape.mesh.sha256))
     try:

@@ -10,6 +10,7 @@ from typing import Literal
 from mrts.base.formats.package_uri import file_of_uri, is_uri, is_xacro
 from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES
 from mrts.base.regular_file import read_regular
+from mrts.base.yaml_parser import MAX_YAML_BYTES
 from mrts.cell.robot import RobotSource
 
 
@@ -27,7 +28,7 @@ class FileReference:
     text: str
     xacro_args: Mapping[str, str] = field(default_factory=dict)
     key: str = "robots[].urdf"
-    what: Literal["URDF", "mesh"] = "URDF"
+    what: Literal["URDF", "mesh", "joint limits file"] = "URDF"
 
     def path(self, cell_path: Path, folder: Path) -> Path:
         """Where the file is."""
@@ -41,6 +42,8 @@ class FileReference:
         path = self.path(cell_path, folder)
         if self.what == "mesh":
             return read_regular(path, self.what, MAX_FILE_BYTES)
+        if self.what == "joint limits file":
+            return read_regular(path, self.what, MAX_YAML_BYTES)
         if is_xacro(path):
             from mrts_codegen.urdf.xacro_file import expanded  # noqa: PLC0415 (only for xacros)
 

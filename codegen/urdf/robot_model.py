@@ -86,6 +86,8 @@ class RobotModel:
             "position_lower": np.array([joint.lower for joint in self.joints]),
             "position_upper": np.array([joint.upper for joint in self.joints]),
             "velocity_limit": np.array([joint.velocity for joint in self.joints]),
+            "acceleration_lower": np.full(len(self.joints), -np.inf),
+            "acceleration_upper": np.full(len(self.joints), np.inf),
             "held_numbers": self.held_numbers(),
         }
 
@@ -99,6 +101,15 @@ class RobotModel:
             point_links=tuple(joint.point_links for joint in self.joints),
             **of_file,
         )
+
+    def link_frame(self, urdf: Urdf, link: str, held: Mapping[str, float]) -> tuple[int, RigidTransform]:
+        """How many joints of the chain move a link, and its frame in the base frame with every joint at zero."""
+        names = [joint.name for joint in self.joints]
+        joints, T = 0, self.T_base_root
+        for joint in urdf.joints_to(link):
+            T = T @ joint.pose(held.get(joint.name, 0.0))
+            joints += joint.name in names
+        return joints, T
 
     def zero_frames(self) -> list[RigidTransform]:
         """Joint frames, then the tip, in the base frame with every joint at zero."""

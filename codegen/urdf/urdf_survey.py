@@ -58,12 +58,15 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> t
             sha256="",
             fixed={},
             effort=(*effort.tolist(),),
+            velocity=None,
+            joint_limits=None,
             friction=(coulomb, viscous),
         ),
         held={},
         motors=replace(JointMotors.unknown(len(effort)), coulomb=np.array(coulomb), viscous=np.array(viscous)),
         contacts=(),
         contact_rate=np.full(6, np.inf),
+        point_limits=(),
     )
     pairs = zip(model.zero_frames()[:-1], model.joints, strict=True)
     return robot, np.array([frame.p + frame.R @ joint.body.com for frame, joint in pairs])

@@ -15,7 +15,7 @@ MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
 """Name of the last input of functions that hold no numbers of a cell file."""
 
-FORMAT = 12
+FORMAT = 13
 """Version of the manifest's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")

@@ -4,7 +4,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import degrees, pi
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -14,13 +14,16 @@ from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform, multiply, rotation_from_rpy
 from mrts.cell.cell import Cell
 from mrts.cell.hands import Contact
+from mrts.cell.points import CarriedThing, PointLimit
 from mrts.cell.robot import Robot
 
 AXES = "xyz"
 
 POSES: tuple[Literal["base", "grasp"], ...] = ("base", "grasp")
 
-ChangeKind = Literal["torque", "wrench", "contact", "velocity", "motor speed", "reserve", "mass", "base", "grasp"]
+ChangeKind = Literal[
+    "torque", "wrench", "contact", "velocity", "acceleration", "motor speed", "reserve", "mass", "base", "grasp"
+]
 """What a change is of: a limit, the reserve that is kept of all of them, the mass, or a pose."""
 
 SMALLEST_STEP = 1e-9
@@ -28,6 +31,8 @@ SMALLEST_STEP = 1e-9
 
 LARGEST_STEP = 0.9
 
+
+Point = TypeVar("Point", bound=PointLimit)
 
 Changed = tuple[ChangeKind, str, str]
 """Kind, robot and element of what is changed."""
@@ -37,13 +42,15 @@ SIDES: dict[ChangeKind, tuple[str, ...]] = {
     "torque": ("torque_lower", "torque_upper"),
     "wrench": ("wrench_lower", "wrench_upper"),
     "velocity": ("velocity_limit",),
+    "acceleration": ("acceleration_lower", "acceleration_upper"),
 }
 
 SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
     "torque": ("a torque limit", "torque limits"),
     "wrench": ("a contact wrench limit", "contact wrench limits"),
-    "contact": ("a hand", "hands"),
+    "contact": ("a contact", "contacts"),
     "velocity": ("a velocity limit", "velocity limits"),
+    "acceleration": ("an acceleration limit", "acceleration limits"),
     "motor speed": ("the speed of a motor", "speeds of motors"),
     "reserve": ("the reserve", "reserves"),
     "mass": ("the mass", "masses"),
@@ -138,7 +145,7 @@ class CellChange:
         if self.kind == "reserve":
             return cell.with_reserve(cell.reserve * (1 + self.step))
         if self.robot == "object":
-            return replace(cell, object_velocity_limit=cell.object_velocity_limit * (1 + self._steps(_OF_OBJECT)))
+            return replace(cell, **self._of_object(cell))
         if self.kind == "base":
             base = next(robot.T_world_base for robot in cell.robots if robot.name == self.robot)
             return with_machine_at(cell, self.robot, self._moved(base))
@@ -148,6 +155,31 @@ class CellChange:
         )
         return replace(cell, robots=tuple(robots))
 
+    def _of_object(self, cell: Cell) -> dict[str, Any]:
+        if self.kind == "contact":
+            return {"carried": tuple(self._of_thing(thing) for thing in cell.carried)}
+        name = f"object_{self.kind}_limit"
+        limit = getattr(cell, name) * (1 + self._steps(_OF_OBJECT))
+        return {name: limit, "object_points": tuple(map(self._of_point, cell.object_points))}
+
+    def _of_point(self, point: Point) -> Point:
+        key = "speed" if self.kind == "velocity" else "acceleration"
+        given = getattr(point, key)
+        changes = given is not None and point.name == self.element
+        return point.model_copy(update={key: given * (1 + self.step)}) if changes else point
+
+    def _of_thing(self, thing: CarriedThing) -> CarriedThing:
+        if thing.name != self.element:
+            return thing
+        more = 1 + self.step
+        return thing.model_copy(
+            update={
+                "friction": thing.friction and thing.friction * more,
+                "half_width": thing.half_width and [width * more for width in thing.half_width],
+                "height": thing.centre_height if thing.half_width else None,
+            }
+        )
+
     def _of_robot(self, cell: Cell, robot: Robot) -> dict[str, Any]:
         if self.kind == "grasp":
             return {"T_object_tip": self._moved(robot.T_object_tip)}
@@ -155,6 +187,8 @@ class CellChange:
             return {"contacts": tuple(self._of_contact(contact) for contact in robot.contacts)}
         steps = self._steps(cell.wrench_components if self.kind == "wrench" else robot.joints)
         changed: dict[str, Any] = {name: _outward(robot, name, steps) for name in SIDES.get(self.kind, ())}
+        if self.kind in {"velocity", "acceleration"}:
+            changed["point_limits"] = tuple(map(self._of_point, robot.point_limits))
         if self.kind in {"torque", "motor speed"}:  # another motor: its curve changes with its torque limit
             factor = np.array([1 + self.step, 1.0] if self.kind == "motor speed" else [1.0, 1 + self.step])
             curves = tuple(
@@ -212,13 +246,25 @@ def limit_names(cell: Cell) -> Iterator[Changed]:
     for robot in cell.robots:
         yield from _bounded("wrench", robot.name, cell.wrench_components, robot.wrench_lower, robot.wrench_upper)
     yield from (("contact", robot.name, contact.name) for robot in cell.robots for contact in robot.contacts)
-    if cell.enforces_velocity_limits:
-        limits = [(robot.name, robot.joints, robot.velocity_limit) for robot in cell.robots]
-        for name, elements, limit in (*limits, ("object", _OF_OBJECT, cell.object_velocity_limit)):
-            yield from _bounded("velocity", name, elements, -limit, limit)
+    yield from (("contact", "object", thing.name or "") for thing in cell.carried)
+    kinds: tuple[ChangeKind, ...] = ("velocity", "acceleration") if cell.enforces_velocity_limits else ("acceleration",)
+    for kind in kinds:
+        for robot in cell.robots:
+            sides = [getattr(robot, name) for name in SIDES[kind]]
+            lower, upper = sides if len(sides) > 1 else (-sides[0], sides[0])
+            yield from _bounded(kind, robot.name, robot.joints, lower, upper)
+            yield from _points(kind, robot.name, robot.point_limits)
+        limit = getattr(cell, f"object_{kind}_limit")
+        yield from _bounded(kind, "object", _OF_OBJECT, -limit, limit)
+        yield from _points(kind, "object", cell.object_points)
     for robot in cell.robots:
         curves = zip(robot.joints, robot.motors.torque_speed, strict=True)
         yield from (("motor speed", robot.name, joint) for joint, curve in curves if curve is not None)
+
+
+def _points(kind: ChangeKind, owner: str, points: Sequence[PointLimit]) -> Iterator[Changed]:
+    key = "speed" if kind == "velocity" else "acceleration"
+    yield from ((kind, owner, point.name or "") for point in points if getattr(point, key) is not None)
 
 
 def _bounded(kind: ChangeKind, robot: str, elements: Sequence[str], lower: Array, upper: Array) -> Iterator[Changed]:

@@ -22,9 +22,18 @@ from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
 from mrts.cell.generation import described_model
-from mrts.cell.hands import Bounds, wrench_bounds
-from mrts.cell.motors import TorqueLimits, given_torque_limits
+from mrts.cell.hands import Bounds, numbered, wrench_bounds
+from mrts.cell.motors import (
+    PER_JOINT,
+    Accelerations,
+    TorqueLimits,
+    Velocities,
+    given_acceleration,
+    given_torque_limits,
+    given_velocity,
+)
 from mrts.cell.number_paths import Keys, PathError, find_keys, set_value
+from mrts.cell.points import LinkPointLimit, ObjectRates
 from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot, RobotSource
 
@@ -43,7 +52,8 @@ def cell_keys(cell: Cell) -> dict[str, Any]:
     Files stand as its own cell file names them; a contact that no cell file can hold is None.
     """
     box = cell.load_box
-    moments, (linear, angular) = cell.load[4:].tolist(), without_infinity(cell.object_velocity_limit)
+    moments = cell.load[4:].tolist()
+    rates = {key: without_infinity(getattr(cell, f"object_{key}_limit")) for key in ("velocity", "acceleration")}
     variation: dict[str, Any] = {} if box is None else {name: list(ends) for name, ends in box.ranges.items()}
     if box is not None and box.outer_hull:
         variation["hull"] = "outer"
@@ -51,13 +61,16 @@ def cell_keys(cell: Cell) -> dict[str, Any]:
         "name": cell.name,
         "gravity": cell.gravity.tolist(),
         "plane": cell.plane,
+        "power": cell.power_limit,
         "inertia": "lenient" if any(remark.code == NEAREST_INERTIA for remark in cell.remarks) else None,
         "object": {
             "mass": cell.mass,
             "inertia": cell.inertia.tolist() if any(moments[3:]) else moments[:3],
             "shape": None if cell.object_shape is None else _shape(cell.object_shape),
             "variation": variation or None,
-            "velocity": {"linear": linear, "angular": angular},
+            **{key: {"linear": linear, "angular": angular} for key, (linear, angular) in rates.items()},
+            "frames": dumped(cell.object_points) or None,
+            "carries": dumped(cell.carried) or None,
         },
         "robots": [_robot(robot) for robot in cell.robots],
     }
@@ -82,7 +95,12 @@ def _shape(shape: ShapeRecord) -> dict[str, Any]:
 def _robot(robot: Robot) -> dict[str, Any]:
     source, motors, upper = robot.source, robot.motors, robot.torque_upper.tolist()
     symmetric = np.array_equal(robot.torque_lower, -robot.torque_upper)
-    per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", "torque_rate", "jerk", "rated")}
+    acceleration = {side: without_infinity(getattr(robot, f"acceleration_{side}")) for side in ("lower", "upper")}
+    alike = np.array_equal(robot.acceleration_lower, -robot.acceleration_upper)
+    points = [{key: getattr(one, key) for key in LinkPointLimit.model_fields} for one in robot.point_limits]
+    for point, unnamed in zip(points, numbered([one.link for one in robot.point_limits]), strict=True):
+        point["name"] = None if point["name"] == unnamed else point["name"]
+    per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", *PER_JOINT[3:])}
     return {
         "name": robot.name,
         "urdf": source.urdf,
@@ -92,6 +110,9 @@ def _robot(robot: Robot) -> dict[str, Any]:
         **{key: pose_keys(getattr(robot, name)) for key, name in POSES.items()},
         "posture": robot.posture.tolist(),
         "torque": upper if symmetric else {"lower": robot.torque_lower.tolist(), "upper": upper},
+        "velocity": without_infinity(robot.velocity_limit),
+        "acceleration": acceleration["upper"] if alike else acceleration,
+        "frames": points or None,
         "wrench": {"lower": without_infinity(robot.wrench_lower), "upper": without_infinity(robot.wrench_upper)},
         "contact_rate": without_infinity(robot.contact_rate[[0, -1]]),
         "contact": [contact.given for contact in robot.contacts] or None,
@@ -122,7 +143,15 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
                 mass: float = _given("cell", "object.mass", keys["object"]["mass"], Positive)
                 changes["load"] = np.array([mass, *cell.load[1:]])
                 changes["load_box"] = None if cell.load_box is None else replace(cell.load_box, mass=mass)
-            case ("robots", int(at), "base" | "grasp" | "posture" | "torque" | "wrench" as key, *_):
+            case ("object", "velocity" | "acceleration" as key, *_):
+                rates: ObjectRates = _given("cell", f"object.{key}", keys["object"][key] or {}, ObjectRates)
+                changes[f"object_{key}_limit"] = rates.limits
+            case (
+                "robots",
+                int(at),
+                ("base" | "grasp" | "posture" | "torque" | "velocity" | "acceleration" | "wrench") as key,
+                *_,
+            ):
                 read = _of_robot(cell, cell.robots[at], key, keys["robots"][at][key])
                 if all(other[3:4] == ("xyz",) for other in places.values() if other[:3] == place[:3]):
                     R = getattr(cell.robots[at], POSES[key]).R  # as it is, not as its angles give it
@@ -157,9 +186,13 @@ def _of_robot(cell: Cell, robot: Robot, key: str, value: Any) -> dict[str, Any]:
         return {POSES[key]: value if isinstance(value, RigidTransform) else _given(where, key, value, Pose).transform}
     if key == "posture":
         return {"posture": np.array(_given(where, key, value, list[Angle]))}
+    if key == "velocity":
+        return {"velocity_limit": given_velocity(where, key, _given(where, key, value, Velocities), robot.joints)}
     if key == "wrench":
         bounds: Bounds = _given(where, key, {} if value is None else value, Bounds)
         lower, upper = wrench_bounds(where, key, bounds.lower, bounds.upper, cell.wrench_components)
+    elif key == "acceleration":
+        lower, upper = given_acceleration(where, key, _given(where, key, value, Accelerations), robot.joints)
     else:
         lower, upper = given_torque_limits(where, key, _given(where, key, value, TorqueLimits), robot.joints)
     return {f"{key}_lower": lower, f"{key}_upper": upper}
@@ -229,6 +262,8 @@ def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
         motors = said["motors"]
         if robot.has_urdf_torque:
             del said["torque"]
+        if robot.has_urdf_velocity:
+            del said["velocity"]
         if robot.has_urdf_friction:
             del motors["friction"]
         elif not robot.motors.has_friction:
@@ -240,14 +275,17 @@ def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
 
 
 def _known(value: Any) -> Any:
-    """A value of YAML without keys that say nothing: nulls, lists of them, and mappings without any other key."""
+    """A value of YAML without keys that say nothing: nulls, lists of them, and mappings without any other key.
+
+    A list of nulls says something of velocities: that there are no limits, whatever the URDF has.
+    """
     if isinstance(value, list) and value and isinstance(value[0], dict):
         return [_known(each) for each in value]
     if isinstance(value, list):
         return None if all(each is None for each in value) else value
     if not isinstance(value, Mapping):
         return value
-    said = {key: _known(each) for key, each in value.items()}
+    said = {key: each if key == "velocity" and isinstance(each, list) else _known(each) for key, each in value.items()}
     return {key: each for key, each in said.items() if each is not None} or None
 
 
@@ -265,6 +303,8 @@ def _source_now(robot: Robot) -> RobotSource:
     return replace(
         source,
         effort=source.effort if robot.has_urdf_torque else None,
+        velocity=source.velocity if robot.has_urdf_velocity else None,
+        joint_limits=None,
         friction=source.friction if robot.has_urdf_friction else None,
     )
 

@@ -13,12 +13,14 @@ from mrts.cell.robot import Robot
 Keys = tuple[str | int, ...]
 """Where a number stands, from "cell" or "motion" inward."""
 
-ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk", "rated"})
+ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk", "rated", "power"})
 """Keys of `motors` where one number stands for all joints."""
 
 NOTHING_THERE = "the file says nothing of {}, and there is no default. Write it there first."
 
-NEED_NOT_BE_GIVEN = frozenset({"linear", "angular", "torque_rate", "jerk", "rated"})
+NEED_NOT_BE_GIVEN = frozenset(
+    {"linear", "angular", "speed", "acceleration", "friction", "height", "torque_rate", "jerk", "rated", "power"}
+)
 """Keys where null stands for a number that is not limited or not known; so it does in lists of limits."""
 
 BY_KEY = {
@@ -33,6 +35,11 @@ BY_KEY = {
     "angular": "rad/s",
     "mass": "kg",
     "half_width": "m",
+    "power": "W",
+    "height": "m",
+    "point": "m",
+    "at": "m",
+    "speed": "m/s",
     "radius": "m",
     "length": "m",
     "box": "m",
@@ -46,12 +53,15 @@ OF_VARIATION = {"m": "kg m", "c": "m"}
 OF_JOINT = {
     "posture": ("rad", "m"),
     "torque": ("N m", "N"),
+    "velocity": ("rad/s", "m/s"),
+    "acceleration": ("rad/s²", "m/s²"),
     "armature": ("kg m²", "kg"),
     "coulomb": ("N m", "N"),
     "viscous": ("N m s/rad", "N s/m"),
     "torque_rate": ("N m/s", "N/s"),
     "jerk": ("rad/s³", "m/s³"),
     "rated": ("N m", "N"),
+    "power": ("W", "W"),
 }
 """Units of what a joint has: of a revolute one, and of a prismatic one."""
 
@@ -141,6 +151,8 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
         unit = _robot_unit(keys, words[2:], robots[keys[2]], wrench_units)
         if unit is not None:
             return unit
+    if "acceleration" in words:
+        return f"{BY_KEY.get(words[-1], 'm/s')}²"
     return next((BY_KEY[word] for word in words if word in BY_KEY), "")
 
 
@@ -155,6 +167,8 @@ def _robot_unit(keys: Keys, inside: list[str], robot: Robot, wrench_units: Seque
     if "torque_speed" in inside:
         curve = keys[-3] if isinstance(keys[-3], int) else 0
         return OF_CURVE[robot.joint_types[curve] == "prismatic"][index]
+    if "frames" in inside:
+        return None
     of_joint = next((OF_JOINT[word] for word in inside if word in OF_JOINT), None)
     return None if of_joint is None else of_joint[robot.joint_types[index] == "prismatic"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_list, check_type
-from mrts.base.arrays import Array, freeze_array
+from mrts.base.arrays import Array, freeze_array, without_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import MOST, WRENCH_COMPONENTS
@@ -18,9 +18,11 @@ from mrts.base.rigid_transform import RigidTransform, is_rotation
 from mrts.base.words import interval_text
 from mrts.cell.hands import Contact
 from mrts.cell.motors import JointMotors
+from mrts.cell.points import ArmPointLimit
 
 ARRAYS = (
     *("axes", "points", "held_numbers", "position_lower", "position_upper", "velocity_limit", "posture"),
+    *("acceleration_lower", "acceleration_upper"),
     *("torque_lower", "torque_upper", "wrench_lower", "wrench_upper", "contact_rate"),
 )
 
@@ -45,6 +47,8 @@ class RobotSource:
         carried_mass: Of the links of each joint up to the next, 0 where the URDF gives none [kg].
         point_links: Those of these links that have a mass but no inertia.
         effort: Limits of the URDF that are taken as torque limits [N m, N]; None where the cell file gives these.
+        velocity: Likewise those of velocity, None where there is none [rad/s, m/s].
+        joint_limits: A joint_limits.yaml as the cell file names it, and the hash of its bytes; None without one.
         friction: Coulomb and viscous friction of the URDF's joints; None where the cell file gives them.
     """
 
@@ -58,6 +62,8 @@ class RobotSource:
     carried_mass: tuple[float, ...]
     point_links: tuple[tuple[str, ...], ...]
     effort: tuple[float, ...] | None
+    velocity: tuple[float | None, ...] | None
+    joint_limits: tuple[str, str] | None
     friction: tuple[tuple[float, ...], tuple[float, ...]] | None
 
 
@@ -74,7 +80,9 @@ class Robot(InNotebooks):
         T_base_tip: Tip in the base frame with every joint at zero.
         position_lower: Joint limits, minus infinity where there is none, Shape (n_i,) [rad or m].
         position_upper: Joint limits, infinity where there is none, Shape (n_i,) [rad or m].
-        velocity_limit: Infinity where the URDF says nothing, Shape (n_i,) [rad/s or m/s].
+        velocity_limit: Infinity where there is none, Shape (n_i,) [rad/s or m/s].
+        acceleration_lower: Below 0, minus infinity where there is none, Shape (n_i,) [rad/s² or m/s²].
+        acceleration_upper: Above 0, infinity where there is none, Shape (n_i,) [rad/s² or m/s²].
         T_world_base: Base link in the world.
         T_object_tip: Tip link in the object frame.
         posture: Joint positions near which the motion starts, Shape (n_i,) [rad or m].
@@ -88,6 +96,7 @@ class Robot(InNotebooks):
         motors: What stands between motors and joints.
         contacts: What its hand can exert on the object; all of them hold for its one wrench.
         contact_rate: Largest change of F_i, base axes, infinity where it is not known, Shape (w,) [N/s, N m/s].
+        point_limits: Points of its links whose motion is limited.
 
     Raises:
         InputError: If an array has another shape, holds what is no number, a lower limit exceeds the upper one, or two
@@ -103,6 +112,8 @@ class Robot(InNotebooks):
     position_lower: Array
     position_upper: Array
     velocity_limit: Array
+    acceleration_lower: Array
+    acceleration_upper: Array
     T_world_base: RigidTransform
     T_object_tip: RigidTransform
     posture: Array
@@ -116,6 +127,7 @@ class Robot(InNotebooks):
     motors: JointMotors
     contacts: tuple[Contact, ...]
     contact_rate: Array
+    point_limits: tuple[ArmPointLimit, ...]
 
     def __post_init__(self) -> None:
         where = f"robot '{self.name}'"
@@ -140,7 +152,7 @@ class Robot(InNotebooks):
             )
         for T_name in ("T_base_tip", "T_world_base", "T_object_tip"):
             object.__setattr__(self, T_name, _checked_pose(where, T_name, getattr(self, T_name)))
-        for kind in ("position", "torque", "wrench"):
+        for kind in ("position", "acceleration", "torque", "wrench"):
             lower, upper = getattr(self, f"{kind}_lower"), getattr(self, f"{kind}_upper")
             if np.any(lower > upper) or np.any(lower == np.inf) or np.any(upper == -np.inf):
                 rule = f"must be at most {kind}_upper, and leave something between the two."
@@ -152,6 +164,10 @@ class Robot(InNotebooks):
             if np.any(getattr(self, key) <= 0):
                 rule = "must be > 0; infinity where there is none."
                 raise InputError(where, rule, key=key, value=getattr(self, key).tolist())
+        if np.any(self.acceleration_lower >= 0) or np.any(self.acceleration_upper <= 0):
+            raise InputError(where, "must be below 0, and acceleration_upper above.", key="acceleration_lower")
+        check_list(f"{where}: point_limits", self.point_limits, ArmPointLimit)
+        object.__setattr__(self, "point_limits", tuple(self.point_limits))
         check_type(f"{where}: motors", self.motors, JointMotors)
         if len(self.motors.torque_speed) != n:
             raise InputError(where, f"must be those of its {n} joints.", key="motors")
@@ -195,6 +211,11 @@ class Robot(InNotebooks):
     def has_urdf_torque(self) -> bool:
         """Whether its torque limits are the effort limits of its URDF."""
         return self.source.effort == (*self.torque_upper.tolist(),) == (*(-self.torque_lower).tolist(),)
+
+    @property
+    def has_urdf_velocity(self) -> bool:
+        """Whether its velocity limits are those of its URDF."""
+        return self.source.velocity == (*without_infinity(self.velocity_limit),)
 
     @property
     def has_urdf_friction(self) -> bool:

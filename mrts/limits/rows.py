@@ -22,11 +22,14 @@ Side = Literal["lower", "upper"]
 TORQUE_SPEED = "torque-speed"
 """Kind of the rows that are lines of a motor's curve."""
 
-SPEEDS = {"velocity", "motor speed"}
-"""Kinds of rows that limit a speed: alike in both directions, and no load moves them."""
+SPEEDS = {"velocity", "motor speed", "acceleration"}
+"""Kinds of rows that limit the motion alone, mostly alike in both directions."""
 
 RATES = {"torque rate", "wrench rate", "jerk"}
 """Kinds of rows that limit how fast something changes."""
+
+COLUMNS = ("rate", "speed", "square", "offset")
+"""Attributes of rows with a number for each sample."""
 
 MOST_NAMES = 3
 """Rows that a short list names."""
@@ -40,10 +43,10 @@ class RowName:
     """What a row limits.
 
     Attributes:
-        kind: "torque", "wrench", "contact", "velocity", "torque-speed" (a line of a motor's curve), "motor speed" (its
-            end), "c2" (c² >= 0), "speed" (along the path), "torque rate", "wrench
-            rate" and "jerk" where rates are kept, or what a limit of yours bounds.
-        robot: Robot's name; "object" for its velocity; empty for c², and where a limit is of no robot.
+        kind: "torque", "wrench", "contact", "velocity", "acceleration", "torque-speed" (a line of a motor's curve),
+            "motor speed" (its end), "c2" (c² >= 0), "speed" (along the path), "torque rate", "wrench rate" and "jerk"
+            where rates are kept, or what a limit of yours bounds.
+        robot: Robot's name; "object" for its motion and what it carries; empty for c², and where it is of no robot.
         element: Joint, wrench component, contact and what of it is limited ("pad friction +a"), "linear" or "angular",
             or empty.
         unit: "N m", "N", "rad/s", "m/s", or empty.
@@ -88,6 +91,11 @@ class RowName:
         return f"{self.contact} {FAILURES[parts[1]]}" if len(parts) > 1 and parts[1] in FAILURES else ""
 
     @property
+    def of_load(self) -> bool:
+        """Whether what it limits depends on the load."""
+        return self.kind not in SPEEDS and self.robot != "object"
+
+    @property
     def contact(self) -> str:
         """`left/pad` for a row of that contact, empty for any other."""
         return f"{self.robot}/{self.element.split()[0]}" if self.kind == "contact" else ""
@@ -119,7 +127,7 @@ class ActiveRow:
 
     @property
     def arrow(self) -> str:
-        """What a side is shown as; nothing of speeds, which are limited alike in both directions."""
+        """What a side is shown as; nothing of the motion's own limits, which are alike in both directions."""
         return "" if not self.name.robot or self.name.kind in SPEEDS else " ↑" if self.side == "upper" else " ↓"
 
     @property
@@ -206,10 +214,10 @@ def object_axes(cell: Cell, motion: CoordinatedMotion) -> ObjectAxes:
 
 @dataclass(frozen=True, kw_only=True)
 class LimitRows:
-    """r rows lower <= M_τ τ + M_F F + M_H H + a r̈ + b ṙ + e ṙ² <= upper of a motion of N samples, played with r(t).
+    """r rows lower <= M_τ τ + M_F F + M_H H + a r̈ + b ṙ + e ṙ² + g <= upper of a motion of N samples, played with r(t).
 
     τ are all torques, Shape (m,), F all wrenches in base axes and H the same wrenches in object axes, Shape (n w,). A
-    constant factor c is ṙ = c, r̈ = 0. The three columns of the speed, and M_H, are None where no row has such a term.
+    constant factor c is ṙ = c, r̈ = 0. The columns of the speed, g, and M_H are None where no row has such a term.
 
     Attributes:
         names: One a row.
@@ -222,6 +230,7 @@ class LimitRows:
         rate: a, Shape (N, r).
         speed: b, Shape (N, r).
         square: e, Shape (N, r).
+        offset: g, such as what gravity does to a thing on the object, Shape (N, r).
         size: What 100 % of each limit is, Shape (r,), where its sides do not tell: of limits that a reserve moved.
     """
 
@@ -235,6 +244,7 @@ class LimitRows:
     rate: Array | None = None
     speed: Array | None = None
     square: Array | None = None
+    offset: Array | None = None
     size: Array | None = None
 
     @classmethod
@@ -293,7 +303,7 @@ class LimitRows:
         for column, factor in ((self.rate, rates), (self.speed, speeds), (self.square, speeds**2)):
             if column is not None:
                 value += column * factor
-        return value
+        return value if self.offset is None else value + self.offset
 
     def moving(self, speed: Array | float) -> Array:
         """What a speed ṙ adds to torque-speed lines, Shape (N, r) or (1, r); 0 in other rows.
@@ -322,10 +332,10 @@ class LimitRows:
 
     @property
     def alike_speeds(self) -> NDArray[np.bool_]:
-        """Speeds that are limited alike in both directions: they are always at their upper limit, Shape (r,)."""
-        if self.speed is None:
-            return np.zeros(len(self.names), dtype=bool)
-        return np.asarray((self.lower == -self.upper) & np.any(self.speed, axis=0) & ~self.of_forces)
+        """Speeds, and accelerations, limited alike in both directions: always at their upper limit, Shape (r,)."""
+        of_motion = np.array([name.kind in SPEEDS for name in self.names], dtype=bool)
+        of_motion |= moved(self.speed, len(self.names))
+        return np.asarray((self.lower == -self.upper) & of_motion & ~self.of_forces)
 
     def active(self, row: int, *, upper: bool) -> ActiveRow:
         """A row at one of its limits; a speed that is limited alike in both directions is at its upper one."""
@@ -337,9 +347,9 @@ class LimitRows:
         """The same rows at some samples only."""
         if not self.along_motion:
             return self
-        rate, speed, square = (None if c is None else c[samples] for c in (self.rate, self.speed, self.square))
+        columns: dict[str, Any] = {name: None if c is None else c[samples] for name, c in self.columns.items()}
         object_axes = None if self.object_axes is None else self.object_axes.at(samples)
-        return replace(self, object_axes=object_axes, rate=rate, speed=speed, square=square)
+        return replace(self, object_axes=object_axes, **columns)
 
     def sparse(self) -> SparseLimits:
         """The rows as C reads them."""
@@ -362,8 +372,9 @@ class LimitRows:
         if np.all(kept):
             return self
         places = np.flatnonzero(kept)
-        columns = (None if c is None or not places.size else c[:, places] for c in (self.rate, self.speed, self.square))
-        rate, speed, square = (None if c is None or not np.any(c) else c for c in columns)
+        columns = {
+            name: None if c is None or not np.any(c[:, places]) else c[:, places] for name, c in self.columns.items()
+        }
         in_object = None if self.object_matrix is None else self.object_matrix[places]
         turns = in_object is not None and bool(np.any(in_object))
         return LimitRows(
@@ -374,9 +385,7 @@ class LimitRows:
             wrench_matrix=self.wrench_matrix[places],
             object_matrix=in_object if turns else None,
             object_axes=self.object_axes if turns else None,
-            rate=rate,
-            speed=speed,
-            square=square,
+            **columns,
             size=None if self.size is None else self.size[places],
         )
 
@@ -387,13 +396,18 @@ class LimitRows:
     @property
     def along_motion(self) -> bool:
         """Whether some row has a number for each sample of a motion."""
-        return any(column is not None for column in (self.object_axes, self.rate, self.speed, self.square))
+        return any(column is not None for column in (self.object_axes, *self.columns.values()))
+
+    @property
+    def columns(self) -> dict[str, Array | None]:
+        """The terms that are there at each sample, by name, each Shape (N, r)."""
+        return {name: getattr(self, name) for name in COLUMNS}
 
     @property
     def is_of_speed(self) -> NDArray[np.bool_]:
         """Rows that nothing but the speed moves, Shape (r,)."""
-        others = self.of_forces
-        return np.asarray(~(others if self.rate is None else others | moved(self.rate, len(self.names))))
+        count = len(self.names)
+        return np.asarray(~(self.of_forces | moved(self.rate, count) | moved(self.offset, count)))
 
     @property
     def in_object_axes(self) -> Array:
@@ -451,9 +465,7 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
         wrench_matrix=np.concatenate([piece.wrench_matrix for piece in pieces]),
         object_matrix=np.concatenate([piece.in_object_axes for piece in pieces]) if turned else None,
         object_axes=turned[0].object_axes if turned else None,
-        rate=column([piece.rate for piece in pieces]),
-        speed=column([piece.speed for piece in pieces]),
-        square=column([piece.square for piece in pieces]),
+        **{name: column([getattr(piece, name) for piece in pieces]) for name in COLUMNS},
         size=np.concatenate([piece.units() for piece in pieces]) if sized else None,
     )
 
@@ -487,14 +499,12 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
         "torque_matrix": ((count, motion.q.shape[1]), "(r, joints)"),
         "wrench_matrix": wrenches,
         "object_matrix": wrenches,
-        "rate": ((samples, count), "(samples, r)"),
-        "speed": ((samples, count), "(samples, r)"),
-        "square": ((samples, count), "(samples, r)"),
+        **dict.fromkeys(COLUMNS, ((samples, count), "(samples, r)")),
         "size": ((count,), "(r,)"),
     }
     for field, (shape, meaning) in shapes.items():
         values = getattr(rows, field)
-        if values is None and field in {"object_matrix", "rate", "speed", "square", "size"}:
+        if values is None and field in {"object_matrix", "size", *COLUMNS}:
             continue
         if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu" or values.shape != shape:
             given = (
@@ -505,7 +515,7 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
         bounds = field in {"lower", "upper"}
         wrong = np.argwhere(np.isnan(values) if bounds else ~np.isfinite(values))
         if len(wrong):
-            along_motion = field in {"rate", "speed", "square"}
+            along_motion = field in COLUMNS
             row, place = wrong[0][-1 if along_motion else 0], f" at sample {wrong[0][0]}" if along_motion else ""
             rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
             raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=field)

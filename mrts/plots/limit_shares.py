@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.limits.rows import SPEEDS, ActiveRow, RowName
+from mrts.limits.rows import ActiveRow, RowName
 from mrts.plots.labels import short_name
 from mrts.scaling.limit_use import limited_rates, used_shares
 from mrts.scaling.result import ScalingResult
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 TITLES = {
     "torque": "Joint torques",
     "wrench": "Contact wrenches",
-    "velocity": "Joint velocities",
-    "contact": "Hands: friction, tilting, normal force",
+    "velocity": "Velocities",
+    "acceleration": "Accelerations",
+    "contact": "Contacts: friction, tilting, normal force",
     "motor speed": "Motor speeds",
     "torque-speed": "Torques at speed",
     "torque rate": "Rates of joint torques",
@@ -211,7 +212,7 @@ def _forced(result: ScalingResult, names: tuple[RowName, ...]) -> tuple[NDArray[
     for sample in np.flatnonzero(at_lower | at_upper).tolist():
         binding = {row.name for row in found.binding(sample, "upper") if at_upper[sample]}
         binding |= {row.name for row in found.binding(sample, "lower") if at_lower[sample]}
-        of_load = any(name.kind not in SPEEDS for name in binding)
+        of_load = any(name.of_load for name in binding)
         forced[sample] = [of_load or name in binding for name in names]
         rows |= binding
     return forced, rows

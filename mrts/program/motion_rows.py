@@ -97,9 +97,12 @@ class MotionRows:
         """
         kept, motors = self.kept, self.motors
         if kept.speed is None or speed is None:
-            of_rows = SampleTerms(square=kept.square, speed=kept.speed)
+            of_rows = SampleTerms(square=kept.square, speed=kept.speed, offset=kept.offset)
         else:
-            of_rows = SampleTerms(square=kept.square, offset=kept.speed * speed)
+            of_speed = kept.speed * speed
+            of_rows = SampleTerms(
+                square=kept.square, offset=of_speed if kept.offset is None else of_speed + kept.offset
+            )
         if motors is None:
             return of_rows
         return replace(

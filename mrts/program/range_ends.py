@@ -301,7 +301,7 @@ def rows_at_end(problem: SampleProblem, c2: float, end: Side) -> tuple[ActiveRow
     if end == "upper":
         caps = np.flatnonzero(problem.is_cap)[problem.cap_share[0] * c2 >= 1 - CAPS_TIE]
         named += [problem.active_row(row, upper=bool(problem.square[0, row] > 0)) for row in caps.tolist()]
-    return tuple(named)
+    return tuple(dict.fromkeys(named))  # the sides of a norm have one name
 
 
 def _largest_distance(A: Array, lower: Array, upper: Array, row: NDArray[np.int_], sign: Array) -> Array:

@@ -12,7 +12,7 @@ from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import ActiveRow, LimitRows, RowName
+from mrts.limits.rows import SPEEDS, ActiveRow, LimitRows, RowName
 from mrts.program.formulation import FORMULATIONS
 from mrts.program.motion_rows import MotionRows, largest_square, side_share
 from mrts.program.motor_terms import MotorTerms
@@ -146,8 +146,9 @@ class SampleProblem:
 
     def active_row(self, row: int, *, upper: bool) -> ActiveRow:
         """One row at one of its limits, in its own unit."""
-        limit = self.limit_upper[row] if upper else self.limit_lower[row]
-        return ActiveRow(self.names[row], "upper" if upper else "lower", float(limit))
+        alike = self.names[row].kind in SPEEDS and self.limit_lower[row] == -self.limit_upper[row]
+        limit = self.limit_upper[row] if upper or alike else self.limit_lower[row]
+        return ActiveRow(self.names[row], "upper" if upper or alike else "lower", float(limit))
 
     def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
         """The same problem at some samples only (indices or a mask)."""
@@ -287,6 +288,8 @@ def _rows_of_maps(
         offset[:, turned] += rows.object_axes.turned(maps["wrench_offset"]) @ rows.object_matrix[turned].T
     if rows.square is not None:
         A[:, :, -1] += rows.square
+    if rows.offset is not None:
+        offset += rows.offset
     if rows.rate is not None and varying:
         A[:, :, -2] += rows.rate
     inward = None if motors is None else motors.margin(rows)

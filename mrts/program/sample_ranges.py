@@ -116,7 +116,7 @@ class SampleRanges:
                 found.append(ActiveRow(STANDSTILL, "lower", 0.0))
             elif code:
                 found.append(ActiveRow(self.names[row], SIDES[upper], float(self.limits[int(upper), row])))
-        return tuple(found)
+        return tuple(dict.fromkeys(found))
 
     def all_binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """All rows that bind at one end of a sample."""

@@ -23,7 +23,13 @@ if TYPE_CHECKING:
 NOTHING = 1e-8
 """Share of its limit below which a value is 0: programs meet limits to 1e-9, and a limit of 0 is passed by as much."""
 
-TITLES = {"torque": "torque", "wrench": "contact wrench", "velocity": "velocity", "": "other"}
+TITLES = {
+    "torque": "torque",
+    "wrench": "contact wrench",
+    "velocity": "velocity",
+    "acceleration": "acceleration",
+    "": "other",
+}
 """Of tables by the kind of their limits; those of the last are of kinds that mrts does not know."""
 
 ELSEWHERE = ("contact", TORQUE_SPEED, "motor speed")
@@ -106,6 +112,11 @@ class LimitedQuantities:
     def limited(self) -> NDArray[np.bool_]:
         """Which have a limit on some side, Shape (k,)."""
         return np.asarray(np.any(np.isfinite(self.lower) | np.isfinite(self.upper), axis=0))
+
+    @property
+    def excess(self) -> Array:
+        """How far each is beyond its limits, in units, below 0 within them, Shape (N, k)."""
+        return np.asarray(np.maximum(self.lower - self.values, self.values - self.upper) / self.unit, dtype=np.float64)
 
     def only(self, chosen: Sequence[bool] | NDArray[np.bool_]) -> Self:
         """Some of the quantities.
@@ -213,7 +224,24 @@ def all_quantities(done: "ScaledTrajectory", *, driven: bool = False) -> Limited
     lower, upper = rows.lower - moving, rows.upper - moving
     if driven:
         lower, upper = np.where(moving > 0, -np.inf, lower), np.where(moving < 0, np.inf, upper)
-    return LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), rows.units())
+    found = LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), rows.units())
+    return _without_sides(found)
+
+
+def _without_sides(found: LimitedQuantities) -> LimitedQuantities:
+    """Of rows of one name, the sides of a norm or a cone, at each sample that which uses the largest share."""
+    places: dict[RowName, list[int]] = {}
+    for place, name in enumerate(found.rows):
+        places.setdefault(name, []).append(place)
+    if len(places) == len(found.rows):
+        return found
+    columns = [np.array(own)[np.argmax(found.share[:, own], axis=1)] for own in places.values()]
+    chosen = np.arange(len(found.values))[:, None], np.stack(columns, axis=1)
+    values, lower, upper = found.values[chosen], found.lower[chosen], found.upper[chosen]
+    norm = np.array([len(own) > 1 for own in places.values()]) & np.all(lower == -upper, axis=0)
+    values[:, norm], lower[:, norm] = np.abs(values[:, norm]), -np.inf
+    unit = found.unit[[own[0] for own in places.values()]]
+    return LimitedQuantities((*places,), values, lower, upper, found.share[chosen], unit)
 
 
 def limited_rates(result: "ScalingResult") -> LimitedQuantities | None:

@@ -11,7 +11,7 @@ import numpy as np
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.words import interval_text
-from mrts.limits.rows import RATES, SPEEDS, ActiveRow, Side, rows_text
+from mrts.limits.rows import RATES, ActiveRow, Side, rows_text
 from mrts.program.range_ends import MOST_INTERVALS
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, first_least
@@ -53,7 +53,7 @@ class RangeEnd:
 
     def place(self) -> str:
         """When, with which load and by which rows this end is set, in words."""
-        of_load = self.load is not None and any(row.name.kind not in SPEEDS for row in self.rows)
+        of_load = self.load is not None and any(row.name.of_load for row in self.rows)
         load = f" with {self.load}" if of_load else ""
         return f"at t = {self.time:.4g} s{load} by {rows_text(self.rows)}"
 

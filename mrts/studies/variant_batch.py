@@ -88,7 +88,7 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     limited = {entry.index[0] for entry in entries if entry.name.startswith("wrench")}
     has_rows = not np.any(free[list(limited)])  # a limit on what the cell leaves free is a row more than it has
     may_tilt = cell.plane is not None and not names.isdisjoint({"base_rpy", "grasp_rpy"})
-    return ideal and has_rows and not turned_in_tip and not may_tilt
+    return ideal and not cell.limits_motion and has_rows and not turned_in_tip and not may_tilt
 
 
 class VariantBatch:

@@ -8,6 +8,7 @@ import trimesh
 import yaml
 from conftest import DATA
 from scipy.spatial.transform import Rotation
+from shipped_cells import cell_file, shipped
 
 import mrts
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface
@@ -21,16 +22,12 @@ MASS = 1.5
 
 
 def described(shape, **keys):
-    given = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
-    return given | {"object": {"mass": MASS, "shape": shape} | keys}
+    return shipped() | {"object": {"mass": MASS, "shape": shape} | keys}
 
 
 def shaped(folder, shape, **keys):
     """The planar cell with another object."""
-    given = described(shape, **keys)
-    for robot in given["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    return mrts.Cell.from_description(given, folder=folder)
+    return mrts.Cell.from_description(described(shape, **keys), folder=folder)
 
 
 def tetrahedron_inertia(mass, corners):
@@ -134,11 +131,7 @@ def test_it_stays_with_the_cell(tmp_path):
     """In a cell file written from it, a generated folder, another process, a saved result, and with more mass."""
     trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "part.stl")
     pose = {"quaternion_wxyz": [0.7071, 0, 0, 0.7071]}
-    path = tmp_path / "cell.yaml"
-    given = described({"mesh": "part.stl", "pose": pose})
-    for robot in given["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    path.write_text(yaml.safe_dump(given), encoding="utf-8")
+    path = cell_file(tmp_path, described({"mesh": "part.stl", "pose": pose}))
     cell = mrts.load_cell(path)
     drawn = surface(cell)
     cell.to_yaml(tmp_path / "again.yaml")
@@ -163,10 +156,7 @@ def test_it_stays_with_the_cell(tmp_path):
 def test_a_study_of_the_mass_takes_the_inertia_along(tmp_path):
     """One variant at a time, wherever the study is solved; the mesh goes with it."""
     trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "part.stl")
-    given = described({"mesh": "part.stl"})
-    for robot in given["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
+    cell_file(tmp_path, described({"mesh": "part.stl"}))
     (tmp_path / "study.yaml").write_text(
         f"cell: cell.yaml\nmotion: {DATA / 'lift.yaml'}\nvary: {{object.mass: [1, 3]}}\n"
     )

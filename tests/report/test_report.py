@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from command_line import mrts_without
-from conftest import DATA
+from conftest import DATA, UR5
 from report_pages import data_of, own_text
 from shown_results import AWKWARD, UGLY_JOINTS, with_all_rates, with_awkward_names
 
@@ -30,7 +30,6 @@ from mrts.scaling.limit_use import limit_uses, used_shares
 from mrts.scene.cell_shapes import contact_forces
 
 FILES = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
-UR5 = DATA.parent / "dual_ur5"
 
 LARGEST = 2_000_000
 """Bytes of a report of an ordinary motion, 1.84 million of them plotly.js."""

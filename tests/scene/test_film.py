@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import DATA, UR5
 from PIL import Image
 from trimesh import Trimesh
 from trimesh.creation import box
@@ -137,7 +137,7 @@ def test_a_picture_has_arms_object_forces_and_lines_of_each_limit(clips, tmp_pat
 
 def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
     """Colours at the pixels onto which joints, the object's middle and the forces' tips fall."""
-    clip = clip_of("", mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")))
+    clip = clip_of("", mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml")))
     time = clip.trajectory.duration / 2
     picture, camera, scale = rendered(clip, time)
     moment = clip.scene.moment(clip.place(time))

@@ -10,11 +10,9 @@ import time
 import numpy as np
 import pyarrow as pa
 import pytest
-import yaml
-from conftest import DATA
 from faulty_study import faulty
-from layouts import shipped
 from own_limits import tenth
+from shipped_cells import shipped, shipped_motion
 from study_files import planar_study
 from sweep_processes import assert_same_table, driver_command, parts, processes, started, until, workers
 
@@ -183,7 +181,7 @@ def test_the_best_are_solved_again_and_written(out, study):
 
 
 def test_the_best_of_what_is_possible_has_its_duration(tmp_path):
-    keys, motion = shipped("planar_dual_arm"), yaml.safe_load((DATA / "lift.yaml").read_text()) | {"samples": 11}
+    keys, motion = shipped(), shipped_motion(samples=11)
     keys["object"]["variation"] = {"mass": [0.9, 1.1]}
     possible = planar_study(tmp_path, "load: possible\nvary: {object.mass: [0.5]}", cell=keys, motion=motion)
     with opened_study_folder(tmp_path / "out", possible, lambda: 1) as folder:

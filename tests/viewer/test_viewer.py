@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import viser
 from cell_bank import random_planar_cell, random_spatial_cell
-from conftest import DATA
+from conftest import DATA, UR5
 from scipy.spatial.transform import Rotation
-from shown_viewer import UR5, cell_of_real_arms, news_of, planar_given, shown_viewer, spatial_given
+from shown_viewer import cell_of_real_arms, news_of, planar_given, shown_viewer, spatial_given
 from viewer_socket import connected, messages_of
 
 import mrts

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: MIT
+"""Limits of the motion alone, whatever carries it: accelerations, points of arms and object, things on the object."""
+
+import numpy as np
+
+from mrts.base.arrays import Array, cross, row_products
+from mrts.base.rigid_transform import rotations_from_vectors
+from mrts.cell.cell import Cell
+from mrts.cell.points import ArmPointLimit, CarriedThing, PointLimit
+from mrts.cell.robot import Robot
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.rows import LimitRows, RowName, row_names, stack_rows
+
+NORM_SIDES = 224
+"""Sides of the polygon that stands for a circle: inside it, by at most 1 - cos(π / 224) < 1e-4 of the radius."""
+
+
+def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
+    """a⁻ <= q' r̈ + q'' ṙ² <= a⁺, one row a joint, and the sizes of the object's acceleration."""
+    if not cell.limits_motion:
+        return None
+    lower = np.concatenate([robot.acceleration_lower for robot in cell.robots])
+    upper = np.concatenate([robot.acceleration_upper for robot in cell.robots])
+    names = tuple[RowName, ...]()
+    for robot in cell.robots:
+        units = tuple(f"{unit}/s²" for unit in robot.position_units)
+        names += row_names("acceleration", robot.name, robot.joints, units)
+    joints = LimitRows.of(cell, names=names, lower=lower, upper=upper, rate=motion.dq, square=motion.ddq).bounded()
+    names = row_names("acceleration", "object", ("linear", "angular"), ("m/s²", "rad/s²"))
+    rates, given = motion.object.twist.reshape(-1, 2, 3), motion.object.acceleration.reshape(-1, 2, 3)
+    norms = [
+        norm_rows(cell, name, rates[:, part], given[:, part], limit)
+        for part, (name, limit) in enumerate(zip(names, cell.object_acceleration_limit.tolist(), strict=True))
+        if np.isfinite(limit)
+    ]
+    return stack_rows([joints, *norms])
+
+
+def point_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
+    """Speed |p'| ṙ and acceleration |p' r̈ + p'' ṙ²| of points of arms and object."""
+    if not cell.limits_motion:
+        return None
+    pieces = []
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        for point in robot.point_limits:
+            velocity, acceleration = arm_point(
+                robot, point, *(of[:, joints] for of in (motion.q, motion.dq, motion.ddq))
+            )
+            pieces += _of_point(cell, robot.name, point, velocity, acceleration)
+    for own in cell.object_points:
+        pieces += _of_point(cell, "object", own, *object_point(motion, np.array(own.point)))
+    return stack_rows(pieces) if pieces else None
+
+
+def carried_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
+    """Things that stand loose on the object neither slide nor tip.
+
+    What one takes from the object, per mass, is s = Rᵀ (p' r̈ + p'' ṙ² - gravity) at its centre of mass. In its own axes
+    a, b, n: |(s_a, s_b)| <= friction × s_n, and |s_a| height <= half width × s_n, likewise along b.
+    """
+    if not cell.carried:
+        return None
+    size, pieces = max(float(np.linalg.norm(cell.gravity)), 1.0), []
+    for thing in cell.carried:
+        axes, names = _facets(thing)
+        turn = axes @ motion.object.rotation.transpose(0, 2, 1)
+        rate, square = (np.einsum("nkj,nj->nk", turn, of) for of in object_point(motion, thing.centre))
+        pieces.append(
+            LimitRows.of(
+                cell,
+                names=[RowName("contact", "object", f"{thing.name} {what}", "m/s²") for what in names],
+                lower=np.full(len(axes), -np.inf),
+                upper=np.zeros(len(axes)),
+                rate=rate,
+                square=square,
+                offset=-turn @ cell.gravity,
+                size=size * np.abs(axes @ thing.axes[2]),
+            )
+        )
+    return stack_rows(pieces)
+
+
+def _facets(thing: CarriedThing) -> tuple[Array, list[str]]:
+    """Directions d with d s <= 0 in object axes, Shape (k, 3), and what each keeps from happening."""
+    a, b, n = thing.axes
+    directions, names = [], []
+    if thing.friction is not None:
+        angle = (np.arange(NORM_SIDES) + 0.5) * (2 * np.pi / NORM_SIDES)
+        within = thing.friction * np.cos(np.pi / NORM_SIDES)
+        directions += [np.outer(np.cos(angle), a) + np.outer(np.sin(angle), b) - within * n]
+        names += ["friction"] * NORM_SIDES
+    if thing.half_width is not None:
+        for axis, width, name in zip((a, b), thing.half_width, "ab", strict=True):
+            directions += [np.array([sign * axis - width / thing.centre_height * n for sign in (1, -1)])]
+            names += [f"tilt +{name}", f"tilt -{name}"]
+    return np.concatenate(directions), names
+
+
+def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: float) -> LimitRows:
+    """|rate r̈ + square ṙ²| <= limit as the sides of a polygon inside that circle, all of one name.
+
+    Corners lie along `square` and across it: with r̈ = 0, and on a straight line, the rows are exact.
+
+    Args:
+        cell: The cell.
+        name: Of each row.
+        rate: Shape (N, 3).
+        square: Shape (N, 3).
+        limit: > 0.
+    """
+    first = _unit(np.where(np.linalg.norm(square, axis=1, keepdims=True) > 0, square, rate))
+    second = _unit(rate - row_products(rate, first)[:, None] * first)
+    across = second - row_products(second, first)[:, None] * first  # what rounding left of one direction is not across
+    second = np.where(np.linalg.norm(across, axis=1, keepdims=True) > 0.5, _unit(across), 0.0)  # noqa: PLR2004 (0 or 1)
+    angle = (np.arange(NORM_SIDES // 2) + 0.5) * (2 * np.pi / NORM_SIDES)
+    sides = np.stack([np.cos(angle), np.sin(angle)]) / np.cos(np.pi / NORM_SIDES)
+    columns = {
+        key: np.stack([row_products(of, first), row_products(of, second)], axis=1) @ sides
+        for key, of in (("rate", rate), ("square", square))
+    }
+    most = np.full(len(angle), limit)
+    return LimitRows.of(cell, names=[name] * len(angle), lower=-most, upper=most, **columns)
+
+
+def _unit(vectors: Array) -> Array:
+    size = np.linalg.norm(vectors, axis=1, keepdims=True)
+    found: Array = np.divide(vectors, size, out=np.zeros_like(vectors), where=size > 0)
+    return found
+
+
+def _of_point(cell: Cell, owner: str, point: PointLimit, velocity: Array, acceleration: Array) -> list[LimitRows]:
+    pieces, element = [], str(point.name)
+    if point.speed is not None and cell.enforces_velocity_limits:
+        pieces.append(
+            LimitRows.of(
+                cell,
+                names=[RowName("velocity", owner, element, "m/s")],
+                lower=np.array([-np.inf]),
+                upper=np.array([point.speed]),
+                speed=np.linalg.norm(velocity, axis=1, keepdims=True),
+            )
+        )
+    if point.acceleration is not None:
+        name = RowName("acceleration", owner, element, "m/s²")
+        pieces.append(norm_rows(cell, name, velocity, acceleration, point.acceleration))
+    return pieces
+
+
+def object_point(motion: CoordinatedMotion, point: Array) -> tuple[Array, Array]:
+    """Velocity p' and acceleration p'' of a point of the object, given in its frame; world axes, each Shape (N, 3)."""
+    r = motion.object.rotation @ point
+    (velocity, turning), (acceleration, change) = (
+        np.split(of, 2, axis=1) for of in (motion.object.twist, motion.object.acceleration)
+    )
+    around = cross(turning, r)
+    return velocity + around, acceleration + cross(change, r) + cross(turning, around)
+
+
+def arm_point(robot: Robot, point: ArmPointLimit, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array]:
+    """Velocity p' and acceleration p'' of a point of an arm, base axes, each Shape (N, 3).
+
+    Args:
+        robot: The arm.
+        point: The point.
+        q: Shape (N, n).
+        dq: q', likewise.
+        ddq: q'', likewise.
+    """
+    place = np.broadcast_to(np.array(point.at_zero), (len(q), 3))
+    velocity, acceleration = np.zeros((2, len(q), 3))
+    for j in reversed(range(point.joints)):
+        axis, (speed, change) = robot.axes[j], (of[:, j, None] for of in (dq, ddq))
+        if robot.joint_types[j] == "prismatic":
+            place = place + axis * q[:, j, None]
+            velocity, acceleration = velocity + axis * speed, acceleration + axis * change
+            continue
+        R = rotations_from_vectors(axis * q[:, j, None])
+        arm, velocity, acceleration = (
+            np.einsum("nij,nj->ni", R, of) for of in (place - robot.points[j], velocity, acceleration)
+        )
+        along = np.broadcast_to(axis, arm.shape)
+        around = cross(along, arm)
+        turned = cross(along, around) * speed**2 + 2 * cross(along, velocity) * speed
+        acceleration = acceleration + around * change + turned
+        velocity, place = velocity + around * speed, robot.points[j] + arm
+    return velocity, acceleration
