@@ -235,10 +235,10 @@ def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: 
 
 
 def _saved_clip(name: str, result: "ScalingResult") -> "Clip":
+    from mrts.plots.limit_shares import played
     from mrts.scene.renderer import Clip
 
-    assert result.trajectory is not None  # noqa: S101 (what is played has one)
-    return Clip(name, result.trajectory, result.range)
+    return Clip(name, played(result), result.range)
 
 
 def _side_clip(

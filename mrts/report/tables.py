@@ -13,7 +13,7 @@ from mrts.cell.robot import JOINT_HEAD
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.plots.card import Card
 from mrts.plots.labels import range_facts, range_text, row_text, short_name
-from mrts.plots.limit_shares import LimitingRows
+from mrts.plots.limit_shares import LimitingRows, played
 from mrts.plots.range_plots import ranked_loads
 from mrts.plots.what_if_plot import MOST_BARS, changed_shares
 from mrts.program.infeasibility import Conflict
@@ -240,10 +240,8 @@ def _marked(name: RowName, limiting: LimitingRows) -> tuple[Entry, ...]:
 
 def duty_table(result: ScalingResult) -> Table:
     """What the motion asks of every motor, with the share of what it bears where that is known."""
-    done = result.trajectory
-    assert done is not None  # noqa: S101 (only a trajectory asks anything)
     rows: list[tuple[Entry, ...]] = []
-    for robot, duty in zip(result.cell.robots, done.duty.values(), strict=True):
+    for robot, duty in zip(result.cell.robots, played(result).duty.values(), strict=True):
         for j, joint in enumerate(robot.joints):
             torque, speed = robot.torque_units[j], f"{robot.position_units[j]}/s"
             rows.append(

@@ -202,15 +202,8 @@ def _wanted(
 ) -> Wanted:
     """What one arm is asked, in its base frame.
 
-    Args:
-        request: What is asked of all.
-        arm: The arm.
-        facings: Where its hand may point, world axes, Shape (F, 3).
-        kinds: Of each.
-        lift: Where its hand goes, Shape (3,) [m].
-        force: Of its hand on the object, Shape (3,) [N].
-        standing: Where its base is, where its hand would be with the object in the middle, and which way is forward;
-            None where the base goes where the hand wants it.
+    `standing` is where its base is, where its hand would be with the object in the middle, and which way is forward;
+    None where the base goes where the hand wants it.
     """
     T, start, forward = standing or (RigidTransform.identity(), None, request.up)
     rotations, pointing, kind = [], [], []
