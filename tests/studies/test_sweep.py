@@ -20,7 +20,7 @@ import mrts
 import mrts.studies.sweep as engine
 from mrts.studies.best_variants import write_best
 from mrts.studies.study_folder import opened_study_folder
-from mrts.studies.sweep_progress import SweepProgress
+from mrts.studies.sweep import SweepProgress
 from mrts.studies.variant_rows import solve_variants
 
 STUDY = """
