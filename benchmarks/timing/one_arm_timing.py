@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,9 @@ from timing_alone import timing_alone
 
 POINTS, REPEATS = 1000, 15
 REST = (0.0, 0.0)
+SPEED, ACCELERATION, LOOSE = np.full(6, 2.0), np.full(6, 10.0), np.full(6, 1e6)
+"""Of the question without torques [rad/s, rad/s², N m]."""
+
 WHOLE = "mrts.retime: the whole call"
 FROM_PATH = "mrts, rows from the path and profile (fastest_timing)"
 
@@ -62,11 +66,11 @@ class GivenRows(LinearConstraint):  # type: ignore[misc]  # toppra ships no type
         return canlinear_colloc_to_interpolate(*self.rows, self.F, self.g, None, None, gridpoints, identical=True)
 
 
-def by_toppra(constraint: Any, path: Any, grid: Array) -> Callable[[], float]:
+def by_toppra(constraints: list[Any], path: Any, grid: Array) -> Callable[[], float]:
     """Toppra's Python package with its compiled Seidel solver."""
 
     def run() -> float:
-        planner = toppra.algorithm.TOPPRA([constraint], path, gridpoints=grid, solver_wrapper="seidel")
+        planner = toppra.algorithm.TOPPRA(constraints, path, gridpoints=grid, solver_wrapper="seidel")
         _, speeds, *_ = planner.compute_parameterization(0, 0)
         return duration(grid, speeds**2)
 
@@ -148,6 +152,48 @@ def by_toppra_core(folder: Path, grid: Array, rows: Rows, limits: Array) -> Call
     return run
 
 
+def of_motion_alone(cell: mrts.Cell, path: Any, grid: Array) -> dict[str, Callable[[], float]]:
+    """Whole calls with velocity and acceleration limits of the joints and nothing else, each from the spline itself.
+
+    Ruckig has none: between waypoints its free version plans from state to state, and follows no path.
+    """
+    limits = {"velocity_limit": SPEED, "acceleration_lower": -ACCELERATION, "acceleration_upper": ACCELERATION}
+    robot = replace(cell.robots[0], **limits, torque_lower=-LOOSE, torque_upper=LOOSE)
+    limited = replace(cell, robots=(robot,), enforces_velocity_limits=True)
+    rival = copp.Robot(len(SPEED), capacity=len(grid))
+    constraints = [
+        toppra.constraint.JointVelocityConstraint(np.column_stack([-SPEED, SPEED])),
+        toppra.constraint.JointAccelerationConstraint(
+            np.column_stack([-ACCELERATION, ACCELERATION]), discretization_scheme=DiscretizationType.Interpolation
+        ),
+    ]
+
+    def by_copp_motion() -> float:
+        rival.constraints.clear()
+        rival.append_s(grid)
+        rival.set_q(path(grid), path(grid, 1), path(grid, 2), 0)
+        rival.add_velocity_limits(SPEED, -SPEED, start_idx_s=0, length=len(grid))
+        rival.add_acceleration_limits(ACCELERATION, -ACCELERATION, start_idx_s=0, length=len(grid))
+        return copp_profile(grid, rival.constraints)
+
+    motion = along(limited, path, len(grid))
+    return {
+        WHOLE: lambda: float(mrts.retime(limited, along(limited, path, len(grid))).duration or np.nan),
+        "mrts.retime, the motion of arm and object at hand": lambda: float(
+            mrts.retime(limited, motion).duration or np.nan
+        ),
+        "copp-py": by_copp_motion,
+        "toppra": by_toppra(constraints, path, grid),
+    }
+
+
+def compare(candidates: dict[str, Callable[[], float]], points: int, repeats: int) -> None:
+    """Print the time and the duration of each."""
+    durations = {label: run() for label, run in candidates.items()}
+    times = median_times(candidates, repeats)
+    show(times, points, "point", {label: f"duration {seconds:.6f} s" for label, seconds in durations.items()})
+
+
 def main(points: int = POINTS, repeats: int = REPEATS) -> None:
     """Print the table."""
     toppra.setup_logging("ERROR")
@@ -179,15 +225,15 @@ def main(points: int = POINTS, repeats: int = REPEATS) -> None:
         "copp-py, rows given": by_copp(grid, lambda: given, len(limits)),
         "copp-py, rows by mrts's generated C": by_copp_generated(cell, motion),
         "copp-py, torques by a callback (Pinocchio)": by_copp_robot(grid, path, limits, torque),
-        "toppra, rows given": by_toppra(GivenRows(rows, limits), path, grid),
-        "toppra, torques by a callback (Pinocchio)": by_toppra(theirs, path, grid),
+        "toppra, rows given": by_toppra([GivenRows(rows, limits)], path, grid),
+        "toppra, torques by a callback (Pinocchio)": by_toppra([theirs], path, grid),
     } | ({} if core is None else {"toppra's C++ core, rows given": core})
-    durations = {label: run() for label, run in candidates.items()}
-    times = median_times(candidates, repeats)
     print(f"fastest timing, one UR5-class arm with its box, torque limits, {points} points, one processor, CPU time")
-    show(times, points, "point", {label: f"duration {seconds:.6f} s" for label, seconds in durations.items()})
+    compare(candidates, points, repeats)
     if core is None:
         print("  toppra's C++ core is not installed (TOPPRA_PREFIX)")
+    print("velocities and accelerations alone, whole calls from the same spline")
+    compare(of_motion_alone(cell, path, grid), points, repeats)
 
 
 if __name__ == "__main__":
