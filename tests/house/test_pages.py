@@ -18,9 +18,9 @@ DOCS = ROOT / "docs"
 @pytest.mark.parametrize(
     ("name", "blocks"),
     [
-        ("tutorial", 11),
+        ("tutorial", 10),
         pytest.param("gallery", 9, marks=pytest.mark.slow),
-        pytest.param("own_cell", 7, marks=pytest.mark.slow),
+        pytest.param("own_cell", 6, marks=pytest.mark.slow),
         pytest.param("own_robot", 3, marks=pytest.mark.slow),
         pytest.param("check", 5, marks=pytest.mark.slow),
         pytest.param("command_line", 4, marks=pytest.mark.slow),
