@@ -13,7 +13,7 @@ from mrts.base.errors import InputError, SolverError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.motion_rows import motion_rows
-from mrts.program.path_program import path_program
+from mrts.program.path_program import path_program, with_cones
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
@@ -111,7 +111,8 @@ class SmoothQuestion:
             for stopped, speed, place in zip(piece.stops, self.bare.end_speeds, (0, -1), strict=True)
         )
         third = np.stack([piece.third[::STRIDE, 0], piece.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
-        return path_program(self.bare.cell, piece.path, problems, self.rates, weights, (start, end), held, third)
+        program = path_program(self.bare.cell, piece.path, problems, self.rates, weights, (start, end), held, third)
+        return with_cones(program, problems)
 
     def held(self, problems: Sequence[SampleProblem], before: Held | None, *, last: bool) -> Held:
         """Wrenches at both ends of a piece: those given, or at a stop on the way those of the least torques.
