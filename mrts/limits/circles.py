@@ -12,6 +12,9 @@ from mrts.base.arrays import Array
 if TYPE_CHECKING:
     from mrts.limits.rows import RowName
 
+FEW = 8
+"""Rows of a polygon that are enough to tell its circle."""
+
 
 def polygons(names: Sequence["RowName"]) -> dict["RowName", NDArray[np.intp]]:
     """Places of the rows of each name whose rows are sides of a polygon."""
@@ -22,19 +25,29 @@ def polygons(names: Sequence["RowName"]) -> dict["RowName", NDArray[np.intp]]:
     return {name: np.array(own, dtype=np.intp) for name, own in places.items()}
 
 
-def circle(sides: Array) -> tuple[Array, Array]:
+def few_sides(names: Sequence["RowName"]) -> NDArray[np.bool_]:
+    """Rows without those sides of polygons that their circles do not need, Shape (r,)."""
+    kept = np.ones(len(names), dtype=bool)
+    for own in polygons(names).values():
+        if len(own) % FEW == 0:
+            kept[own] = np.arange(len(own)) % (len(own) // FEW) == 0
+    return kept
+
+
+def circle(sides: Array, count: int) -> tuple[Array, Array]:
     """√(zᵀ gram z) <= bound z of the circle through the corners of a regular polygon, sides s z <= 0.
 
     Args:
-        sides: Shape (…, number of sides, k).
+        sides: All, or at least three as far from each other as the last from the first, Shape (…, some, k).
+        count: Number of all.
 
     Returns:
         gram, Shape (…, k, k), and bound, (…, k).
     """
-    count = sides.shape[-2]
     mean = np.mean(sides, axis=-2)
     across = sides - mean[..., None, :]
-    gram: Array = (2 / count * np.cos(np.pi / count) ** 2) * np.swapaxes(across, -1, -2) @ across
+    scale = 2 / sides.shape[-2] * np.cos(np.pi / count) ** 2
+    gram: Array = scale * np.swapaxes(across, -1, -2) @ across
     return gram, -mean
 
 
@@ -46,7 +59,7 @@ def in_circles(names: Sequence["RowName"], above: Array, below: Array) -> None:
         above: By what each row passes its upper limit, minus infinity where there is none, Shape (…, r).
         below: Likewise its lower limit.
     """
-    for own in polygons(names).values():
+    for name, own in polygons(names).items():
         sides = np.concatenate([above[..., own], below[..., own]], axis=-1)
-        gram, bound = circle(sides[..., np.isfinite(sides[(0,) * (sides.ndim - 1)]), None])
+        gram, bound = circle(sides[..., np.isfinite(sides[(0,) * (sides.ndim - 1)]), None], name.sides)
         above[..., own], below[..., own] = np.sqrt(gram[..., 0]) - bound, -np.inf

@@ -192,14 +192,14 @@ def with_cones(program: SmoothProgram, problems: Sequence[SampleProblem]) -> Smo
     if not np.any(sides):
         return program
     cones = []
-    for own in places.values():
+    for name, own in places.items():
         upper, lower = program.upper[:, own], program.lower[:, own]
         free = np.all(np.isinf(upper) & np.isinf(lower), axis=1)
         terms = np.stack([of[:, own] for of in (program.rate, program.square, program.offset)], axis=2)
         both = np.concatenate([terms, -terms], axis=1)
         both[:, :, 2] -= np.concatenate([upper, -lower], axis=1)
         both[free] = 0.0
-        gram, bound = circle(both[:, np.all(np.isfinite(both), axis=(0, 2))])
+        gram, bound = circle(both[:, np.all(np.isfinite(both), axis=(0, 2))], name.sides)
         bound[free, 2] = np.inf
         cones.append((gram, bound))
     gram, bound = (np.stack(of, axis=1) for of in zip(*cones, strict=True))

@@ -168,7 +168,7 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
         over.append(np.abs(jerk) * np.sqrt(x)[:, None] / part.program.jerk - 1)
         names = [rate_names(timed.cell)[2][joint] for joint in limited.tolist()]
         row_at.append(lambda row, **_side: ActiveRow(names[row], "upper", float(part.program.jerk[row])))
-    rows = motion_rows(timed.cell, path, timed.options.sharing)
+    rows = motion_rows(timed.cell, path, timed.options.sharing, circles=True)
     for load, free in zip(loads, carried, strict=True):
         between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]
         problem = build_sample_problem(rows, load=load, varying=True)

@@ -12,6 +12,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.circles import in_circles
 from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import path_program, with_cones
 from mrts.program.path_solver import KernelSolver
@@ -166,7 +167,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     parts: list[_Part] = []
     held: Held | None = None
     for number, piece in enumerate(paths):
-        rows = motion_rows(cell, piece.path, question.bare.options.sharing)
+        rows = motion_rows(cell, piece.path, question.bare.options.sharing, circles=True)
         problems = [build_sample_problem(rows, load=load, varying=True) for load in question.bare.loads]
         for end, place in ((0, 0), (1, len(paths) - 1)):
             why = _unheld(cell, problems[0], question.end_torques, end) if number == place else None
@@ -299,6 +300,7 @@ def _unheld(cell: Cell, problem: SampleProblem, given: GivenTorques, end: int) -
         )
     values = problem.A[place, :, :-2] @ free
     over, under = values - problem.upper[place], problem.lower[place] - values
+    in_circles(problem.names, over, under)
     row = int(np.argmax(np.maximum(over, under)))
     if max(over[row], under[row]) > ON_LIMIT:
         limit = problem.active_row(row, upper=bool(over[row] > under[row]))
