@@ -19,7 +19,7 @@ from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
 from mrts.cell.hands import Bounds
 from mrts.cell.motors import Accelerations, TorqueLimits, Velocities
-from mrts.cell.points import CarriedThing, LinkPointLimit, PointLimit
+from mrts.cell.points import CarriedThing, LinkPointLimit, ObjectRates, PointLimit
 
 INERTIA_TOLERANCE = 1e-9
 """Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
@@ -67,18 +67,6 @@ class VariationDescription(Record):
     def problem(self) -> str:
         """The rule that its ranges break; empty if none."""
         return range_problem(self.ranges(), outer_hull=self.hull is not None)
-
-
-class ObjectRates(Record):
-    """Limits of the velocity or the acceleration of the object's frame; what is absent is unbounded.
-
-    Attributes:
-        linear: [m/s or m/s²].
-        angular: [rad/s or rad/s²].
-    """
-
-    linear: Positive | None = None
-    angular: Positive | None = None
 
 
 class ObjectDescription(Record):
@@ -164,6 +152,7 @@ class CellDescription(Record):
     name: Name
     gravity: Vector3
     plane: Literal["xy", "xz", "yz"] | None = None
+    power: Positive | None = None
     inertia: Literal["strict", "lenient"] = "strict"
     object: ObjectDescription
     robots: Annotated[list[RobotDescription], Rule(min_length=1)]

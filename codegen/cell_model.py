@@ -12,7 +12,6 @@ import numpy as np
 from mrts_codegen.cell_file import (
     CellDescription,
     ObjectDescription,
-    ObjectRates,
     RobotDescription,
     inertia_problem,
     read_cell_description,
@@ -149,8 +148,9 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         gravity=np.array(description.gravity, dtype=float),
         load=load_vector(carried.mass, np.zeros(3), inertia),
         load_box=LoadBox(carried.mass, inertia, ranges, variation.hull is not None) if variation and ranges else None,
-        object_velocity_limit=_object_limit(carried.velocity),
-        object_acceleration_limit=_object_limit(carried.acceleration),
+        power_limit=description.power,
+        object_velocity_limit=carried.velocity.limits,
+        object_acceleration_limit=carried.acceleration.limits,
         object_points=_named(path, "object.frames", carried.frames, "point"),
         carried=_named(path, "object.carries", carried.carries, "thing"),
         object_shape=shape,
@@ -160,10 +160,6 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     )
     models = tuple(arm.model for arm in built)
     return CellModel(description, record, models)
-
-
-def _object_limit(given: ObjectRates) -> Array:
-    return np.array([np.inf if limit is None else limit for _, limit in given])
 
 
 def cell_manifest(cell: CellModel, chains: ChainsRecord) -> CellManifest:

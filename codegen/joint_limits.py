@@ -11,7 +11,7 @@ from mrts_codegen.urdf_reference import FileReference
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Positive
+from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule, checked
 from mrts.base.input_file import text_of
 from mrts.base.remark import Remark
@@ -91,18 +91,23 @@ def joint_motion_limits(
 
 def joint_limits_reference(text: str) -> FileReference:
     """What a cell file says of a joint_limits.yaml."""
-    return FileReference(text, key="robots[].joint_limits", what="joint limits")
+    return FileReference(text, key="robots[].joint_limits", what="joint limits file")
 
 
 class MoveItLimits(Record):
     """An entry of MoveIt's joint_limits.yaml; `has_…: false` says that there is no such limit."""
 
     has_velocity_limits: bool = True
-    max_velocity: Positive | None = None
+    max_velocity: Finite | None = None
     has_acceleration_limits: bool = True
-    max_acceleration: Positive | None = None
+    max_acceleration: Finite | None = None
     has_jerk_limits: bool = True
-    max_jerk: Positive | None = None
+    max_jerk: Finite | None = None
+
+    def problem(self) -> str:
+        """The rule that its limits break; empty if none."""
+        wrong = [of for of in QUANTITIES if self.limit(of) <= 0]
+        return f"'max_{wrong[0]}' must be > 0 unless 'has_{wrong[0]}_limits' is false" if wrong else ""
 
     def limit(self, quantity: str) -> float:
         """Infinity where it says that there is none, NaN where it says nothing."""

@@ -11,7 +11,7 @@ from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule
 from mrts.base.remark import Remark
-from mrts.cell.motors import NONE_GIVEN, JointMotors
+from mrts.cell.motors import NONE_GIVEN, PER_JOINT, JointMotors
 
 if TYPE_CHECKING:
     from mrts_codegen.cell_file import RobotDescription
@@ -64,6 +64,7 @@ class MotorsDescription(Record):
         torque_rate: [N m/s, N/s].
         jerk: [rad/s³, m/s³].
         rated: Continuous (rated) torque [N m, N].
+        power: Most that the motor gives or takes up [W].
     """
 
     armature: PerJoint = 0.0
@@ -72,6 +73,7 @@ class MotorsDescription(Record):
     torque_rate: PerJoint | None = None
     jerk: PerJoint | None = None
     rated: PerJoint | None = None
+    power: PerJoint | None = None
 
 
 def build_motors(
@@ -95,7 +97,7 @@ def build_motors(
         chosen = FrictionDescription() if given.friction == "none" else given.friction
         friction = {name: getattr(chosen, name) for name in OF_FRICTION}
     columns = {name: one_a_joint(f"friction.{name}", friction[name]) for name in OF_FRICTION}
-    for name in ("armature", "torque_rate", "jerk", "rated"):
+    for name in ("armature", *PER_JOINT[3:]):
         columns[name] = one_a_joint(name, getattr(given, name), NONE_GIVEN[name])
     curves = _curves(path, f"{key}.torque_speed", given.torque_speed, joints)
     try:

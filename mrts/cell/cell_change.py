@@ -48,7 +48,7 @@ SIDES: dict[ChangeKind, tuple[str, ...]] = {
 SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
     "torque": ("a torque limit", "torque limits"),
     "wrench": ("a contact wrench limit", "contact wrench limits"),
-    "contact": ("a hand", "hands"),
+    "contact": ("a contact", "contacts"),
     "velocity": ("a velocity limit", "velocity limits"),
     "acceleration": ("an acceleration limit", "acceleration limits"),
     "motor speed": ("the speed of a motor", "speeds of motors"),

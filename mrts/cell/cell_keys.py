@@ -24,6 +24,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.generation import described_model
 from mrts.cell.hands import Bounds, numbered, wrench_bounds
 from mrts.cell.motors import (
+    PER_JOINT,
     Accelerations,
     TorqueLimits,
     Velocities,
@@ -32,7 +33,7 @@ from mrts.cell.motors import (
     given_velocity,
 )
 from mrts.cell.number_paths import Keys, PathError, find_keys, set_value
-from mrts.cell.points import LinkPointLimit
+from mrts.cell.points import LinkPointLimit, ObjectRates
 from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot, RobotSource
 
@@ -60,6 +61,7 @@ def cell_keys(cell: Cell) -> dict[str, Any]:
         "name": cell.name,
         "gravity": cell.gravity.tolist(),
         "plane": cell.plane,
+        "power": cell.power_limit,
         "inertia": "lenient" if any(remark.code == NEAREST_INERTIA for remark in cell.remarks) else None,
         "object": {
             "mass": cell.mass,
@@ -98,7 +100,7 @@ def _robot(robot: Robot) -> dict[str, Any]:
     points = [{key: getattr(one, key) for key in LinkPointLimit.model_fields} for one in robot.point_limits]
     for point, unnamed in zip(points, numbered([one.link for one in robot.point_limits]), strict=True):
         point["name"] = None if point["name"] == unnamed else point["name"]
-    per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", "torque_rate", "jerk", "rated")}
+    per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", *PER_JOINT[3:])}
     return {
         "name": robot.name,
         "urdf": source.urdf,
@@ -142,9 +144,8 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
                 changes["load"] = np.array([mass, *cell.load[1:]])
                 changes["load_box"] = None if cell.load_box is None else replace(cell.load_box, mass=mass)
             case ("object", "velocity" | "acceleration" as key, *_):
-                rates = _given("cell", f"object.{key}", keys["object"][key] or {}, dict[str, Positive | None])
-                limits = [rates.get(name) or np.inf for name in ("linear", "angular")]
-                changes[f"object_{key}_limit"] = np.array(limits)
+                rates: ObjectRates = _given("cell", f"object.{key}", keys["object"][key] or {}, ObjectRates)
+                changes[f"object_{key}_limit"] = rates.limits
             case (
                 "robots",
                 int(at),
@@ -274,14 +275,17 @@ def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
 
 
 def _known(value: Any) -> Any:
-    """A value of YAML without keys that say nothing: nulls, lists of them, and mappings without any other key."""
+    """A value of YAML without keys that say nothing: nulls, lists of them, and mappings without any other key.
+
+    A list of nulls says something of velocities: that there are no limits, whatever the URDF has.
+    """
     if isinstance(value, list) and value and isinstance(value[0], dict):
         return [_known(each) for each in value]
     if isinstance(value, list):
         return None if all(each is None for each in value) else value
     if not isinstance(value, Mapping):
         return value
-    said = {key: _known(each) for key, each in value.items()}
+    said = {key: each if key == "velocity" and isinstance(each, list) else _known(each) for key, each in value.items()}
     return {key: each for key, each in said.items() if each is not None} or None
 
 

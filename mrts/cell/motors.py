@@ -18,9 +18,9 @@ from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 ROUNDED_SLOPE = 1e-9
 """Share by which a torque-speed curve may miss falling and concave: corners printed with few digits lie on one line."""
 
-PER_JOINT = ("armature", "coulomb", "viscous", "torque_rate", "jerk", "rated")
+PER_JOINT = ("armature", "coulomb", "viscous", "torque_rate", "jerk", "rated", "power")
 
-NONE_GIVEN = {"armature": 0.0, "coulomb": 0.0, "viscous": 0.0, "torque_rate": np.inf, "jerk": np.inf, "rated": np.inf}
+NONE_GIVEN = dict.fromkeys(PER_JOINT[:3], 0.0) | dict.fromkeys(PER_JOINT[3:], np.inf)
 """What they are where nothing is known: no effect, no limit."""
 
 
@@ -37,6 +37,7 @@ class JointMotors:
         torque_rate: Largest change of the torque, infinity where it is not known, Shape (n,) [N m/s].
         jerk: Likewise of the acceleration, Shape (n,) [rad/s³].
         rated: Continuous (rated) torque, likewise, Shape (n,) [N m].
+        power: Largest power that the motor gives or takes up, likewise, Shape (n,) [W].
 
     Raises:
         InputError: If a number is negative or a curve rises, bends upward or does not start at standstill.
@@ -49,6 +50,7 @@ class JointMotors:
     torque_rate: Array
     jerk: Array
     rated: Array
+    power: Array
 
     def __post_init__(self) -> None:
         n = len(self.torque_speed)
@@ -225,6 +227,7 @@ class JointDuty:
         torque_share: Largest share of a torque limit, on the side that is nearer.
         drive_power: Largest power q̇ τ that the motor gives [W].
         brake_power: Largest power that it takes up [W].
+        power_share: The larger of the two, of `JointMotors.power`.
         peak_speed: Largest |q̇| [rad/s].
         speed_share: Of the velocity limit, or of the end of the torque-speed curve where that is less.
         torque_rate: Largest |τ̇| [N m/s].
@@ -239,6 +242,7 @@ class JointDuty:
     torque_share: Array
     drive_power: Array
     brake_power: Array
+    power_share: Array
     peak_speed: Array
     speed_share: Array
     torque_rate: Array
@@ -289,6 +293,7 @@ def joint_duty(
         torque_share=np.maximum(np.max(torque_share, axis=0), 0.0),
         drive_power=np.maximum(np.max(power, axis=0), 0.0),
         brake_power=np.maximum(-np.min(power, axis=0), 0.0),
+        power_share=np.max(np.abs(power), axis=0) / motors.power,
         speed_share=found["peak_speed"] / np.minimum(velocity_limit, largest),
         torque_rate_share=found["torque_rate"] / motors.torque_rate,
         jerk_share=found["jerk"] / motors.jerk,

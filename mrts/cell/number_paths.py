@@ -13,13 +13,13 @@ from mrts.cell.robot import Robot
 Keys = tuple[str | int, ...]
 """Where a number stands, from "cell" or "motion" inward."""
 
-ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk", "rated"})
+ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk", "rated", "power"})
 """Keys of `motors` where one number stands for all joints."""
 
 NOTHING_THERE = "the file says nothing of {}, and there is no default. Write it there first."
 
 NEED_NOT_BE_GIVEN = frozenset(
-    {"linear", "angular", "speed", "acceleration", "friction", "height", "torque_rate", "jerk", "rated"}
+    {"linear", "angular", "speed", "acceleration", "friction", "height", "torque_rate", "jerk", "rated", "power"}
 )
 """Keys where null stands for a number that is not limited or not known; so it does in lists of limits."""
 
@@ -35,6 +35,7 @@ BY_KEY = {
     "angular": "rad/s",
     "mass": "kg",
     "half_width": "m",
+    "power": "W",
     "height": "m",
     "point": "m",
     "at": "m",
@@ -60,6 +61,7 @@ OF_JOINT = {
     "torque_rate": ("N m/s", "N/s"),
     "jerk": ("rad/s³", "m/s³"),
     "rated": ("N m", "N"),
+    "power": ("W", "W"),
 }
 """Units of what a joint has: of a revolute one, and of a prismatic one."""
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Points of arms and object whose motion is limited, and things that stand loose on the object."""
+"""What of the motion alone a cell file limits: the object, points of arms and object, things on the object."""
 
 from typing import Annotated, Any
 
@@ -10,6 +10,23 @@ from mrts.base.formats.pose import Name, Positive, Vector3
 from mrts.base.formats.record import Record, Rule
 from mrts.base.manifest import WRENCH_COMPONENTS
 from mrts.cell.hands import contact_axes, numbered
+
+
+class ObjectRates(Record):
+    """Limits of the velocity or the acceleration of the object's frame; what is absent is unbounded.
+
+    Attributes:
+        linear: [m/s or m/s²].
+        angular: [rad/s or rad/s²].
+    """
+
+    linear: Positive | None = None
+    angular: Positive | None = None
+
+    @property
+    def limits(self) -> Array:
+        """Linear and angular, infinity where there is none, Shape (2,)."""
+        return np.array([self.linear or np.inf, self.angular or np.inf])
 
 
 class PointLimit(Record):

@@ -105,6 +105,7 @@ class CellRecord:
         gravity: Downward, world axes, Shape (3,) [m/s²].
         load: Load vector of the object (`mrts.base.manifest.LOAD_ENTRIES`), Shape (10,) [kg, kg m, kg m²].
         load_box: What is uncertain of the load, None if it is known.
+        power_limit: Most that all motors give or take up together, None where there is none [W].
         object_velocity_limit: Of the object's frame, linear and angular, infinity where there is none, Shape (2,)
             [m/s, rad/s].
         object_acceleration_limit: Likewise of its acceleration, Shape (2,) [m/s², rad/s²].
@@ -125,6 +126,7 @@ class CellRecord:
     gravity: Array
     load: Array
     load_box: LoadBox | None
+    power_limit: Positive | None
     object_velocity_limit: Array
     object_acceleration_limit: Array
     object_points: Annotated[tuple[PointLimit, ...], Rule(max_length=MOST)]

@@ -441,6 +441,10 @@ def _assumptions(cell: "Cell") -> Iterator[Remark]:
     yield Remark.assumed("com-at-origin", text)
     if not np.any(np.isfinite(cell.object_velocity_limit)):
         yield Remark.assumed("no-object-velocity", "the object may move at any speed: no 'object: {velocity: …}'")
+    cubes = [str(thing.name) for thing in cell.carried if thing.half_width is not None and thing.height is None]
+    if cubes:
+        text = f"the centre of mass of {', '.join(cubes)} is as high as the larger half width: 'height' gives another"
+        yield Remark.assumed("carried-height", text)
     yield Remark.assumed("no-collisions", NO_COLLISIONS)
     free = [
         robot.name

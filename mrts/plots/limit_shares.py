@@ -24,7 +24,7 @@ TITLES = {
     "wrench": "Contact wrenches",
     "velocity": "Velocities",
     "acceleration": "Accelerations",
-    "contact": "Hands: friction, tilting, normal force",
+    "contact": "Contacts: friction, tilting, normal force",
     "motor speed": "Motor speeds",
     "torque-speed": "Torques at speed",
     "torque rate": "Rates of joint torques",

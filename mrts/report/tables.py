@@ -260,7 +260,10 @@ def duty_table(result: ScalingResult) -> Table:
                     _of_limit(duty.rms_torque[j], torque, duty.rated_share[j]),
                     _of_limit(duty.peak_torque[j], torque, duty.torque_share[j]),
                     _of_limit(duty.peak_speed[j], speed, duty.speed_share[j]),
-                    f"{_cleared(duty.drive_power[j]):.3g} / {_cleared(duty.brake_power[j]):.3g} W",
+                    (
+                        f"{_cleared(duty.drive_power[j]):.3g} / {_cleared(duty.brake_power[j]):.3g} W",
+                        *([f"{100 * duty.power_share[j]:.1f} %"] if duty.power_share[j] > 0 else []),
+                    ),
                     _of_limit(duty.torque_rate[j], f"{torque}/s", duty.torque_rate_share[j]),
                     _of_limit(duty.jerk[j], f"{speed}³", duty.jerk_share[j]),
                 )

@@ -53,13 +53,16 @@ if TYPE_CHECKING:
 EXCEEDS_RATED_TORQUE = "above-rated"
 """Code of the remark on torques that a motor does not bear for ever."""
 
+EXCEEDS_POWER = "above-power"
+"""Code of the remark on power above that of the motors, or of their supply: reported only."""
+
 EXCEEDS_RATE_LIMIT = "rate-passed"
 """Code of the remark on rates that pass their limit, which nothing keeps."""
 
 STEPS = "step-at-ends"
 """Code of the remark on torques that must jump where a motion starts or ends, whatever its speed."""
 
-OF_TORQUES = (EXCEEDS_RATED_TORQUE, EXCEEDS_RATE_LIMIT, STEPS)
+OF_TORQUES = (EXCEEDS_RATED_TORQUE, EXCEEDS_POWER, EXCEEDS_RATE_LIMIT, STEPS)
 """Codes of remarks that are found again with other torques."""
 
 RATE_TOLERANCE = 1e-6
@@ -395,7 +398,7 @@ def with_torques(
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
-    told = before + unheld + _overrated(done) + _fast_rates(result)
+    told = before + unheld + _overrated(done) + _above_power(done) + _fast_rates(result)
     return replace(result, warnings=tuple(dict.fromkeys(told))).checked(rows.given)
 
 
@@ -460,6 +463,26 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
         "less; to play the motion slower saves only what its accelerations take."
     )
     return (Remark(EXCEEDS_RATED_TORQUE, text),)
+
+
+def _above_power(done: ScaledTrajectory) -> tuple[Remark, ...]:
+    """Power is a product of torque and speed, so no linear row: the limits are reported against, and not kept."""
+    cell, power = done.cell, np.column_stack([done.power, np.sum(done.power, axis=1)])
+    limit = np.concatenate([*(robot.motors.power for robot in cell.robots), [cell.power_limit or np.inf]])
+    share = np.max(np.abs(power), axis=0) / limit
+    order = np.argsort(-share, kind="stable")
+    names = [(*cell.joint_names, "all motors together")[place] for place in order.tolist() if share[place] > 1]
+    if not names:
+        return ()
+    worst = int(order[0])
+    time = float(done.time[np.argmax(np.abs(power[:, worst]))])
+    also = f"; above theirs too: {first_names(names[1:], NAMED)}" if names[1:] else ""
+    text = (
+        f"{names[0]}: power reaches {np.max(np.abs(power[:, worst])):.4g} W at t = {time:.4g} s, "
+        f"{100 * share[worst]:.0f} % of its limit of {limit[worst]:.4g} W{also}. Power is reported only: a slower "
+        "motion takes less."
+    )
+    return (Remark(EXCEEDS_POWER, text),)
 
 
 def _fast_rates(result: ScalingResult) -> tuple[Remark, ...]:

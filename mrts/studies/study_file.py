@@ -22,7 +22,7 @@ from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import cell_keys
 from mrts.cell.loading import load_cell
-from mrts.cell.number_paths import ONE_FOR_ALL
+from mrts.cell.number_paths import ONE_FOR_ALL, Keys, value_at
 from mrts.cell.source_files import described, urdf_files
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
@@ -113,13 +113,20 @@ def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
     for number, (robot, (file, _)) in enumerate(zip(given["robots"], urdf_files(path).values(), strict=True)):
         content, origin = read_regular(file, "URDF", MAX_URDF_BYTES), origins[number]
         arguments = robot.pop("xacro_args", None) or {}
-        keys = ("robots", number, "urdf")
-        yield StudyFile(keys, robot["urdf"], str(file.absolute()), content, str(origin), arguments)
+        yield StudyFile(
+            ("robots", number, "urdf"), robot["urdf"], str(file.absolute()), content, str(origin), arguments
+        )
         if file.absolute() != origin:
             robot["urdf"] = str(file)
-    for mesh in origins[len(given["robots"]) :]:
-        content, reference = read_regular(mesh, "mesh", MAX_FILE_BYTES), given["object"]["shape"]["mesh"]
-        yield StudyFile(("object", "shape", "mesh"), reference, str(mesh), content, str(mesh))
+    named: list[tuple[Keys, str]] = []
+    if (given["object"].get("shape") or {}).get("mesh"):
+        named.append((("object", "shape", "mesh"), "mesh"))
+    for at, robot in enumerate(given["robots"]):
+        if robot.get("joint_limits"):
+            named.append((("robots", at, "joint_limits"), "joint limits file"))
+    for (keys, what), origin in zip(named, origins[len(given["robots"]) :], strict=True):
+        content = read_regular(origin, what, MAX_FILE_BYTES)
+        yield StudyFile(keys, value_at(given, keys), str(origin), content, str(origin))
 
 
 def _described(path: Path) -> StudyDescription:

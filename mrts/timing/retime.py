@@ -18,7 +18,6 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
 from mrts.limits import Limit
-from mrts.limits.motion_limits import limits_motion
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
@@ -156,7 +155,7 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
         before[:] = found.pieces
         return found
 
-    parts = PARTS if limits_motion(bare.cell) else 2
+    parts = PARTS if bare.cell.limits_motion else 2
     found = refined_timing(timed(nodes), timed, bare.options.between, near=NEAR, parts=parts)
     pieces = smooth_pieces(found.pieces)
     gains = [part.steps.gain for part in pieces]

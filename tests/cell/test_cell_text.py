@@ -12,6 +12,7 @@ from draws import seeds
 from same_cells import same_cell
 
 import mrts
+from mrts.cell.points import ArmPointLimit, CarriedThing, PointLimit
 
 SHIPPED = {path.parent.name: path for path in sorted(DATA.parent.glob("*/cell.yaml"))}
 
@@ -29,6 +30,7 @@ def equipped(cell, rng):
             torque_rate=rng.uniform(100, 1000, n),
             jerk=np.full(n, np.inf),
             rated=rng.uniform(1, 10, n),
+            power=rng.uniform(1, 100, n),
         )
         lower = [-5.0, None, *([0.0] * (w - 2))]
         contact = mrts.box_contact(lower=lower, upper=np.full(w, 30.0), frame="base", components=cell.wrench_components)
@@ -38,10 +40,25 @@ def equipped(cell, rng):
             "contacts": (contact, replace(contact, name="box2")),
             "contact_rate": np.where(["f" in unit for unit in cell.wrench_components], 500.0, 40.0),
             "torque_lower": -robot.torque_upper * 1.5,
+            "velocity_limit": rng.uniform(1, 5, n),
+            "acceleration_lower": np.array([-np.inf, *[-3.0] * (n - 1)]),
+            "acceleration_upper": rng.uniform(1, 5, n),
+            "point_limits": (
+                ArmPointLimit(
+                    name="tip", link=robot.source.tip_link, speed=1.0, joints=n, at_zero=robot.T_base_tip.p.tolist()
+                ),
+            ),
             "T_world_base": mrts.RigidTransform.from_xyz_rpy(robot.T_world_base.p + 0.1 * rng.uniform(-1, 1, 3), rpy),
         }
         robots.append(replace(robot, **changes))
-    cell = replace(cell, robots=tuple(robots), object_velocity_limit=np.array([0.5, np.inf]))
+    of_object = {
+        "object_velocity_limit": np.array([0.5, np.inf]),
+        "object_acceleration_limit": np.array([np.inf, 4.0]),
+        "object_points": (PointLimit(name="corner", point=[0.1, 0.2, 0.3], acceleration=2.0),),
+        "carried": (CarriedThing(name="cup", friction=0.4, half_width=[0.03, 0.04]),),
+        "power_limit": 900.0,
+    }
+    cell = replace(cell, robots=tuple(robots), **of_object)
     return cell.with_variation(mass=(0.5, 2.0), ixx=(0.9, 1.1)).with_values({"gravity": rng.uniform(-10, 10, 3)})
 
 

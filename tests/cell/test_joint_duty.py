@@ -132,3 +132,28 @@ def test_a_bag_has_the_friction_in_a_topic_of_its_own_and_is_a_motion_again(resu
     assert len(mrts.load_motion(tmp_path / "bag").time) == result.motion.samples
     recorded = mrts.load_recording(tmp_path / "bag")  # the topic of efforts alone is no second recording of the joints
     np.testing.assert_array_equal(recorded.joints["left/wrist"].effort, columns["tau.left/wrist"])
+
+
+def test_power_above_its_limit_is_a_warning_that_names_the_worst(cell, lift, result):
+    power = np.abs(result.trajectory.power)
+    most = float(np.max(np.abs(np.sum(result.trajectory.power, axis=1))))
+    joint = int(np.argmax(np.max(power, axis=0)))
+    place = divmod(joint, 3)
+    motors = [replace(robot.motors, power=np.full(3, 1e4)) for robot in cell.robots]
+    motors[place[0]].power.flags.writeable = True
+    motors[place[0]].power[place[1]] = np.max(power) / 2
+    limited = replace(
+        cell,
+        power_limit=most * 1.01,
+        robots=tuple(replace(robot, motors=motor) for robot, motor in zip(cell.robots, motors, strict=True)),
+    )
+    warned = mrts.scale(limited, lift)
+    (said,) = [warning for warning in warned.warnings if warning.code == "above-power"]
+    assert said.text.startswith(f"{cell.joint_names[joint]}: ")
+    assert "200 % of its limit" in said.text
+    share = np.concatenate([duty.power_share for duty in warned.trajectory.duty.values()])
+    assert np.isclose(share[joint], 2.0)
+    supply = mrts.scale(replace(cell, power_limit=most * 0.99), lift)
+    assert [warning.text.split(":")[0] for warning in supply.warnings if warning.code == "above-power"] == [
+        "all motors together"
+    ]

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from conftest import DATA
 from draws import seeds
-from exported_library import changed_cell, run, sources, tool
+from exported_library import run, sources, tool
 from loaded_library import PLACES, LoadedLibrary, reals, structure
 from scipy.optimize import linprog
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cell.motors import JointMotors
@@ -99,7 +100,7 @@ def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, s
     limit = np.array([100.0, 80.0, 50.0])
     motors = [
         JointMotors(
-            **{name: getattr(robot.motors, name) for name in ("torque_speed", "torque_rate", "jerk", "rated")},
+            **{name: getattr(robot.motors, name) for name in ("torque_speed", "torque_rate", "jerk", "rated", "power")},
             armature=rng.uniform(0, 0.01, 3) * limit * rng.choice([0, 1, 3], 3),
             coulomb=rng.uniform(0, 0.15, 3) * limit * rng.choice([0, 1], 3),
             viscous=rng.uniform(0, 0.5, 3) * limit * rng.choice([0, 1, 2], 3),

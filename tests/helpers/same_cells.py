@@ -29,4 +29,5 @@ def _numbers(cell):
     for robot, now in zip(said["cell"]["robots"], cell.robots, strict=True):
         del robot["source"]["urdf"]
         robot["source"] |= {"effort": now.has_urdf_torque, "friction": now.has_urdf_friction}
+        robot["source"] |= {"velocity": now.has_urdf_velocity, "joint_limits": None}
     return said
