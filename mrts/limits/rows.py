@@ -16,7 +16,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.hands import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import SparseLimits
-from mrts.limits.circles import in_circles
+from mrts.limits.circles import in_circles, polygons
 
 Side = Literal["lower", "upper"]
 
@@ -526,6 +526,11 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
     if rows.object_matrix is not None and not (rows.object_axes and rows.object_axes.fit(cell, motion)):
         rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."
         raise InputError(where, rule, key="object_axes")
+    for name, own in polygons(rows.names).items():
+        sides = int(np.sum(np.isfinite([rows.lower[own], rows.upper[own]])))
+        if sides != name.sides or sides < 3:  # noqa: PLR2004 (a triangle)
+            rule = f"{name}: its rows have {sides} limits, its polygon {name.sides} sides; as many must be, and 3 at least."
+            raise InputError(where, rule, key="names")
     in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
     if not in_order.all():
         row = int(np.argmin(in_order))

@@ -43,7 +43,7 @@ NEAR = 0.3
 
 PARTS = 4
 """Parts of a segment in one round where accelerations are limited, which bind all along a path: with 2, fourteen rows
-took 2.6 times as long as none, with 4 they take 1.3 times."""
+took 2.5 times as long as none, with 4 they take 1.5 times."""
 
 WEIGHTS = ("time", "energy")
 """What `weigh` may weigh."""

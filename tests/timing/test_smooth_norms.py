@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import mrts
+from mrts.base.errors import InputError
 from mrts.cell.points import CarriedThing
 from mrts.limits import limit_rows, motion_limits
 from mrts.limits.motion_limits import norm_rows, object_point
@@ -50,6 +51,19 @@ def test_smooth_timing_keeps_norms_themselves(dual_ur5, lift_and_turn, monkeypat
     use = next(use for use in limit_uses(best.retimed) if use.name.element == "corner")
     assert use.largest == pytest.approx(np.max(size), rel=ROUNDING)
     assert use.share == pytest.approx(np.max(size) / MOST, rel=ROUNDING)
+
+
+@pytest.mark.parametrize("sides", [1, 223, 448])
+def test_a_polygon_that_lacks_sides_is_refused(sides, dual_ur5, lift_and_turn):
+    """Its circle would be told wrongly."""
+
+    def lacking(cell, motion):
+        rows = corner_limit(cell, motion)
+        return replace(rows, names=tuple(replace(name, sides=sides) for name in rows.names))
+
+    with pytest.raises(InputError) as refused:
+        mrts.scale(dual_ur5, lift_and_turn, limits=[lacking])
+    assert refused.value.key == "names"
 
 
 def test_a_cup_takes_all_of_its_friction(dual_ur5, lift_and_turn):
