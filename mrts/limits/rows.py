@@ -526,14 +526,18 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
     if rows.object_matrix is not None and not (rows.object_axes and rows.object_axes.fit(cell, motion)):
         rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."
         raise InputError(where, rule, key="object_axes")
-    for name, own in polygons(rows.names).items():
-        sides = int(np.sum(np.isfinite([rows.lower[own], rows.upper[own]])))
-        if sides != name.sides or sides < 3:  # noqa: PLR2004 (a triangle)
-            rule = f"{name}: its rows have {sides} limits, its polygon {name.sides} sides; as many must be, and 3 at least."
-            raise InputError(where, rule, key="names")
+    _check_polygons(where, rows)
     in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
     if not in_order.all():
         row = int(np.argmin(in_order))
         rule = f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}."
         raise InputError(where, rule, key="lower, upper")
     return rows
+
+
+def _check_polygons(where: str, rows: LimitRows) -> None:
+    for name, own in polygons(rows.names).items():
+        sides = int(np.sum(np.isfinite([rows.lower[own], rows.upper[own]])))
+        if not sides == name.sides >= 3:  # noqa: PLR2004 (a triangle)
+            rule = f"{name}: its rows have {sides} limits and its polygon {name.sides} sides: as many, at least 3."
+            raise InputError(where, rule, key="names")
