@@ -9,13 +9,13 @@ from mrts.base.arrays import Array
 from mrts.kernel.cell_library import CellLibrary
 
 
-def arm_point(
+def chain_point(
     library: CellLibrary, *, axes: Array, points: Array, slides: Sequence[bool], at_zero: Array, rates: Sequence[Array]
 ) -> tuple[Array, Array]:
-    """Velocity p' and acceleration p'' of a point of an arm along a motion, base axes, each Shape (N, 3).
+    """Velocity p' and acceleration p'' of a point that a chain of joints moves, base axes, each Shape (N, 3).
 
     Args:
-        library: Of a cell.
+        library: Of any cell.
         axes: Of the k joints that move the point, with all of them at zero, base axes, of length 1, Shape (k, 3).
         points: One on each axis, likewise, Shape (k, 3) [m].
         slides: Whether each joint is prismatic.

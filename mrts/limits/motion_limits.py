@@ -8,7 +8,8 @@ from mrts.cell.cell import Cell
 from mrts.cell.points import ArmPointLimit, CarriedThing, PointLimit
 from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.kernel.arm_points import arm_point
+from mrts.kernel.arm_points import chain_point
+from mrts.kernel.cell_library import CellLibrary
 from mrts.limits.rows import LimitRows, RowName, row_names, stack_rows
 
 NORM_SIDES = 224
@@ -17,23 +18,13 @@ NORM_SIDES = 224
 STANDING = ("friction", "tilt +a", "tilt -a", "tilt +b", "tilt -b")
 """What keeps a thing on the object where it stands."""
 
-NONE = np.zeros(0)
 
-
-def limits_motion(cell: Cell) -> bool:
-    """Whether a cell has limits of the motion alone, its velocity limits apart."""
-    arms = [(robot.acceleration_lower, robot.acceleration_upper) for robot in cell.robots]
-    limits = np.concatenate([*(side for sides in arms for side in sides), cell.object_acceleration_limit])
-    points = any(robot.point_limits for robot in cell.robots) or cell.object_points
-    return bool(np.isfinite(limits).any() or points or cell.carried)
-
-
-def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     """a⁻ <= q' r̈ + q'' ṙ² <= a⁺, one row a joint, and the sizes of the object's acceleration."""
-    limits = [(robot.acceleration_lower, robot.acceleration_upper) for robot in cell.robots]
-    lower, upper = (np.concatenate(sides) for sides in zip(*limits, strict=True))
-    if np.isinf(lower).all() and np.isinf(upper).all() and np.isinf(cell.object_acceleration_limit).all():
-        return LimitRows.of(cell, names=(), lower=NONE, upper=NONE)
+    if not cell.limits_motion:
+        return None
+    lower = np.concatenate([robot.acceleration_lower for robot in cell.robots])
+    upper = np.concatenate([robot.acceleration_upper for robot in cell.robots])
     names = tuple[RowName, ...]()
     for robot in cell.robots:
         units = tuple(f"{unit}/s²" for unit in robot.position_units)
@@ -49,25 +40,29 @@ def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     return stack_rows([joints, *norms])
 
 
-def point_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+def point_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     """Speed |p'| ṙ and acceleration |p' r̈ + p'' ṙ²| of points of arms and object."""
-    pieces = [LimitRows.of(cell, names=(), lower=NONE, upper=NONE)]
-    for robot in cell.robots:
+    if not cell.limits_motion:
+        return None
+    pieces = []
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        given = [of[:, joints] for of in (motion.q, motion.dq, motion.ddq)]
         for point in robot.point_limits:
-            pieces += _of_point(cell, robot.name, point, *_arm_point(cell, robot, point, motion))
+            pieces += _of_point(cell, robot.name, point, *arm_point(cell.library, robot, point, *given))
     for own in cell.object_points:
         pieces += _of_point(cell, "object", own, *object_point(motion, np.array(own.point)))
-    return stack_rows(pieces)
+    return stack_rows(pieces) if pieces else None
 
 
-def carried_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+def carried_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     """Things that stand loose on the object neither slide nor tip.
 
     What one takes from the object, per mass, is s = Rᵀ (p' r̈ + p'' ṙ² - gravity) at its centre of mass. In its own axes
     a, b, n: |(s_a, s_b)| <= friction × s_n, and |s_a| height <= half width × s_n, likewise along b.
     """
-    size = max(float(np.linalg.norm(cell.gravity)), 1.0)
-    pieces = [LimitRows.of(cell, names=(), lower=NONE, upper=NONE)]
+    if not cell.carried:
+        return None
+    size, pieces = max(float(np.linalg.norm(cell.gravity)), 1.0), []
     for thing in cell.carried:
         axes, names = _facets(thing)
         turn = axes @ motion.object.rotation.transpose(0, 2, 1)
@@ -116,17 +111,17 @@ def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: floa
         limit: > 0.
     """
     first = _unit(np.where(np.linalg.norm(square, axis=1, keepdims=True) > 0, square, rate))
-    second = rate
-    for _ in range(2):  # twice is enough, where the two are almost one direction
-        second = _unit(second - row_products(second, first)[:, None] * first)
+    second = _unit(rate - row_products(rate, first)[:, None] * first)
+    across = second - row_products(second, first)[:, None] * first  # what rounding left of one direction is not across
+    second = np.where(np.linalg.norm(across, axis=1, keepdims=True) > 0.5, _unit(across), 0.0)  # noqa: PLR2004 (0 or 1)
     angle = (np.arange(NORM_SIDES // 2) + 0.5) * (2 * np.pi / NORM_SIDES)
-    across = np.stack([np.cos(angle), np.sin(angle)]) / np.cos(np.pi / NORM_SIDES)
+    sides = np.stack([np.cos(angle), np.sin(angle)]) / np.cos(np.pi / NORM_SIDES)
     columns = {
-        key: np.stack([row_products(of, first), row_products(of, second)], axis=1) @ across
+        key: np.stack([row_products(of, first), row_products(of, second)], axis=1) @ sides
         for key, of in (("rate", rate), ("square", square))
     }
-    sides = np.full(len(angle), limit)
-    return LimitRows.of(cell, names=[name] * len(angle), lower=-sides, upper=sides, **columns)
+    most = np.full(len(angle), limit)
+    return LimitRows.of(cell, names=[name] * len(angle), lower=-most, upper=most, **columns)
 
 
 def _unit(vectors: Array) -> Array:
@@ -163,15 +158,25 @@ def object_point(motion: CoordinatedMotion, point: Array) -> tuple[Array, Array]
     return velocity + around, acceleration + cross(change, r) + cross(turning, around)
 
 
-def _arm_point(cell: Cell, robot: Robot, point: ArmPointLimit, motion: CoordinatedMotion) -> tuple[Array, Array]:
-    """Velocity p' and acceleration p'' of a point of an arm, base axes, each Shape (N, 3)."""
-    first = cell.joint_slices[robot.name].start
-    moving = slice(first, first + point.joints)
-    return arm_point(
-        cell.library,
-        axes=robot.axes[: point.joints],
-        points=robot.points[: point.joints],
-        slides=[kind == "prismatic" for kind in robot.joint_types[: point.joints]],
+def arm_point(
+    library: CellLibrary, robot: Robot, point: ArmPointLimit, q: Array, dq: Array, ddq: Array
+) -> tuple[Array, Array]:
+    """Velocity p' and acceleration p'' of a point of an arm, base axes, each Shape (N, 3).
+
+    Args:
+        library: Of any cell.
+        robot: The arm.
+        point: The point.
+        q: Shape (N, n).
+        dq: q', likewise.
+        ddq: q'', likewise.
+    """
+    moving = slice(point.joints)
+    return chain_point(
+        library,
+        axes=robot.axes[moving],
+        points=robot.points[moving],
+        slides=[kind == "prismatic" for kind in robot.joint_types[moving]],
         at_zero=np.array(point.at_zero),
-        rates=[of[:, moving] for of in (motion.q, motion.dq, motion.ddq)],
+        rates=[of[:, moving] for of in (q, dq, ddq)],
     )

@@ -13,7 +13,7 @@ from mrts.cell.points import PointLimit
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import rows_by_limit
 from mrts.limits.cell_limits import CurveRow, curve_rows, motor_limits, velocity_limits
-from mrts.limits.motion_limits import STANDING, acceleration_limits, carried_limits, limits_motion, point_limits
+from mrts.limits.motion_limits import STANDING, acceleration_limits, carried_limits, point_limits
 from mrts.limits.rows import LimitRows, RowName, limit_name, stack_rows
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import REST
@@ -63,7 +63,7 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
         velocity_texts=tuple(_text(name) for name in (*velocity.names, *(row.name for row in ends))),
         velocity=np.concatenate([most, [row.limit for row in ends]]),
         motors=_motors(cell, lines, ends, line_rows),
-        motions=_motions(cell) if limits_motion(cell) else None,
+        motions=_motions(cell) if cell.limits_motion else None,
     )
 
 

@@ -72,15 +72,17 @@ class Conflict:
 
     def __str__(self) -> str:
         carried = "the object" if self.load is None else f"the object with {self.load}"
+        of_load = any(row.name.of_load for row in self.rows)
+        none = f"no torques carry {carried} at any speed" if of_load else "limits of the motion alone admit no speed"
         nearest = "" if self.c2 is None else f"even at c² = {self.c2:.4g}, which comes closest, "
         moves = ", ".join(
             f"{row.name.short} by {move:.3g} {row.name.unit}".rstrip()
             for row, move in zip(self.rows, self.moves, strict=True)
         )
         return (
-            f"at t = {self.time:.4g} s (sample {self.sample}) no torques carry {carried} at any speed: {nearest}these "
-            f"limits conflict: {rows_text(self.rows, '; ')}. It takes moving all limits outward by "
-            f"{100 * self.widening:.3g} % of their size ({moves})"
+            f"at t = {self.time:.4g} s (sample {self.sample}) {none}: {nearest}these limits conflict: "
+            f"{rows_text(self.rows, '; ')}. It takes moving all limits outward by {100 * self.widening:.3g} % of their "
+            f"size ({moves})"
         )
 
 

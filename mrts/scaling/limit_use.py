@@ -113,6 +113,11 @@ class LimitedQuantities:
         """Which have a limit on some side, Shape (k,)."""
         return np.asarray(np.any(np.isfinite(self.lower) | np.isfinite(self.upper), axis=0))
 
+    @property
+    def excess(self) -> Array:
+        """How far each is beyond its limits, in units, below 0 within them, Shape (N, k)."""
+        return np.asarray(np.maximum(self.lower - self.values, self.values - self.upper) / self.unit, dtype=np.float64)
+
     def only(self, chosen: Sequence[bool] | NDArray[np.bool_]) -> Self:
         """Some of the quantities.
 

@@ -123,7 +123,7 @@ def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
         named.append((("object", "shape", "mesh"), "mesh"))
     for at, robot in enumerate(given["robots"]):
         if robot.get("joint_limits"):
-            named.append((("robots", at, "joint_limits"), "joint limits"))
+            named.append((("robots", at, "joint_limits"), "joint limits file"))
     for (keys, what), origin in zip(named, origins[len(given["robots"]) :], strict=True):
         content = read_regular(origin, what, MAX_FILE_BYTES)
         yield StudyFile(keys, value_at(given, keys), str(origin), content, str(origin))

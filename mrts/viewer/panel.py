@@ -114,7 +114,9 @@ def speed_html(state: PlayerState | None) -> str:
     done, samples = state.trajectory, len(state.excess)
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
     passed = state.violations()
-    if fast := sum(name.kind == "velocity" and name.robot != "object" for name, _, _ in passed):
+    if fast := sum(
+        name.kind == "velocity" and f"{name.robot}/{name.element}" in done.cell.joint_names for name, _, _ in passed
+    ):
         text += f"{fast} of {done.q.shape[1]} joints beyond their velocity limit. "
     if state.admissible:
         return _paragraph("speed", f"{text}Inside the admissible range.")

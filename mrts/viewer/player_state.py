@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits import all_rows, limit_rows
+from mrts.limits import limit_rows
 from mrts.limits.rows import RowName
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
@@ -23,6 +23,7 @@ from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.torque_distribution import torque_weights, torques_by_blocks
 from mrts.program.widening import widening_at
+from mrts.scaling.limit_use import all_quantities
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
@@ -269,15 +270,15 @@ class PlayerState:
 
     def bars(self) -> dict[str, dict[str, list[Bar]]]:
         """What is limited at the chosen time, by kind and robot; of what a hand holds, the worst direction in %."""
-        rows, at = self._rows, self.sample
-        value, lower, upper, used = (part[at] for part in (self._value, self._lower, self._upper, self._used))
+        of, at = self._limited, self.sample
+        value, lower, upper, used = (part[at] for part in (of.values, of.lower, of.upper, of.share))
         found: dict[str, dict[str, list[Bar]]] = {}
         holds: dict[tuple[str, str], float] = {}
-        for row, name in enumerate(rows.names):
+        for row, name in enumerate(of.rows):
             bars = found.setdefault(name.kind, {}).setdefault(name.robot, [])
             if name.kind == "contact":
-                of = name.robot, DIRECTION.sub("", name.element)
-                holds[of] = max(float(used[row]), holds.get(of, 0.0))
+                hold = name.robot, DIRECTION.sub("", name.element)
+                holds[hold] = max(float(used[row]), holds.get(hold, 0.0))
             else:
                 bars.append(Bar(name.element, float(value[row]), float(lower[row]), float(upper[row]), name.unit))
         for (robot, what), share in holds.items():
@@ -286,8 +287,9 @@ class PlayerState:
 
     def violations(self) -> list[tuple[RowName, float, float]]:
         """Limits that are passed at some sample, the worst first: by which share at most, and when [s]."""
-        worst, times = np.max(self._beyond, axis=0), self.trajectory.time[np.argmax(self._beyond, axis=0)]
-        found = zip(self._rows.names, worst.tolist(), times.tolist(), strict=True)
+        beyond = self._limited.excess
+        worst, times = np.max(beyond, axis=0), self.trajectory.time[np.argmax(beyond, axis=0)]
+        found = zip(self._limited.rows, worst.tolist(), times.tolist(), strict=True)
         return sorted((one for one in found if one[1] > LIMIT_TOLERANCE), key=lambda one: -one[1])
 
     def _admits(self, c2: float) -> bool:
@@ -312,11 +314,7 @@ class PlayerState:
 
     def _take(self, done: ScaledTrajectory) -> None:
         """What a trajectory makes of all limits, and how far it passes those that are kept."""
-        rows = self._rows = all_rows(done.cell, done.motion)
-        value = rows.value(done.torque, done.wrench, 0.0, done.c)
-        moving = np.broadcast_to(rows.moving(done.c), value.shape)  # what the speed takes of a motor's torque
-        self._value, self._lower, self._upper = value - moving, rows.lower - moving, rows.upper - moving
-        self._used, self._beyond = rows.share(value), rows.excess(value)
+        self._limited = all_quantities(done)
         kept = limit_rows(done.cell, done.motion)
         excess = np.max(kept.excess(kept.value(done.torque, done.wrench, 0.0, done.c)), axis=1, initial=0.0)
         self.trajectory, self.excess = done, np.where(excess > LIMIT_TOLERANCE, excess, 0.0)
@@ -338,7 +336,7 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
     W = torque_weights(options.weights, cell)
 
     def widened(problem: SampleProblem) -> tuple[SampleProblem, int]:
-        problem = problem.only(np.flatnonzero(~problem.is_cap))  # no torques change what the speed alone moves
+        problem = problem.only(np.flatnonzero(np.any(problem.free, axis=(0, 2))))  # torques change no other row
         widening = _least_widening(problem, c2, solver)[:, None]
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
         return reserved(problem, c2, solver) if by_reserve else (problem, 0)

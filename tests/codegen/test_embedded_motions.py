@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from conftest import DATA
-from exported_library import changed_cell, run
+from exported_library import run
 from loaded_library import LoadedLibrary
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cell.generation import export_to
@@ -17,6 +18,7 @@ from mrts.output.embedded_test_vectors import make_vectors
 LIFT = DATA / "lift.yaml"
 OK, INFEASIBLE, BAD_ARGUMENT = 0, 2, 5
 SAME = 1e-9
+WARNINGS = "-std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Werror"
 UNLIMITED = 1e300
 FIELDS = ("acceleration_lower", "acceleration_upper", "object_acceleration", "point_speed", "point_acceleration",
           "friction", "tilt")  # fmt: skip
@@ -42,7 +44,7 @@ def exported(tmp_path_factory):
     for precision in ("float", "double"):
         given = "-o", str(place / precision), "--precision", precision, "--motion", str(LIFT)
         assert main(["export", str(path), *given]) == 0
-        assert "0 mismatches" in run("make", "test", "CFLAGS=-std=c99 -O2 -Wall -Wextra -Werror", cwd=place / precision)
+        assert "0 mismatches" in run("make", "test", f"CFLAGS={WARNINGS}", cwd=place / precision)
     cell = mrts.load_cell(path)
     return cell, mrts.follow_object(cell, mrts.load_motion(LIFT)), place
 

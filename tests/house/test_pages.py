@@ -29,6 +29,7 @@ DOCS = ROOT / "docs"
         pytest.param("smooth", 3, marks=pytest.mark.slow),
         pytest.param("real_cell", 6, marks=pytest.mark.slow),
         pytest.param("studies", 9, marks=pytest.mark.slow),
+        pytest.param("limits", 1, marks=pytest.mark.slow),
         pytest.param("what_if", 2, marks=pytest.mark.slow),
         pytest.param("study_file", 4, marks=pytest.mark.slow),
     ],
