@@ -6,12 +6,14 @@ from importlib.resources import files
 from pathlib import Path
 
 import pytest
+from motion_tables import exact_motions
 
 import mrts
 from mrts.kernel.cache_folder import cache_folder
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA = Path(str(files("mrts") / "data")) / "planar_dual_arm"
+UR5 = DATA.parent / "dual_ur5"
 
 CACHE = ROOT / "build" / "test-cache"
 MOST_ENTRIES = 2000
@@ -56,4 +58,20 @@ def lifted(planar_cell, lift):
 
 @pytest.fixture(scope="session")
 def dual_ur5():
-    return mrts.load_cell(DATA.parent / "dual_ur5" / "cell.yaml")
+    return mrts.load_cell(UR5 / "cell.yaml")
+
+
+@pytest.fixture(scope="session")
+def lift_and_turn():
+    return mrts.load_motion(UR5 / "lift_and_turn.yaml")
+
+
+@pytest.fixture(scope="session")
+def turned(dual_ur5, lift_and_turn):
+    return mrts.scale(dual_ur5, lift_and_turn)
+
+
+@pytest.fixture(scope="session")
+def exact(dual_ur5):
+    """Joints that carry the object exactly, and their c²⁺, by end and number of rows."""
+    return exact_motions(dual_ur5)

@@ -12,7 +12,7 @@ from mrts.limits.rows import MOST_NAMES
 from mrts.plots.colours import COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.plot import MARGIN, Axis, Bars, HeatMap, Item, Line, Panel, Plot, Points, Rule
-from mrts.plots.plotly_drawer import numbers, plot_text
+from mrts.plots.plotly_drawer import FONT, numbers, plot_text
 from mrts.plots.range_plots import neighbours, upright_areas
 from mrts.plots.study_map import (
     LIMIT_COLOURS,
@@ -181,8 +181,7 @@ def durations_plot(table: StudyTable) -> Plot:
     """Which share of all variants finishes within a duration, above how the durations spread."""
     title = _title(table, "; ".join(managed_texts(table)) if len(table.ranked) else "")
     if not len(table.ranked):
-        nothing = Panel(x=Axis(), y=Axis(), items=[], note="no variant has a duration")
-        return Plot(name="durations", title=title, rows=[[nothing]])
+        return Plot(name="durations", title=title, rows=[[Panel(note="no variant has a duration")]])
     durations, log = table.duration[table.ranked], spreads_widely(table)
     percent = 100 * np.arange(1, len(durations) + 1) / table.variants
     marks = [(share, end) for share in SHARES if (end := managed(table, share)) is not None]
@@ -196,7 +195,7 @@ def durations_plot(table: StudyTable) -> Plot:
     divided = np.geomspace if log else np.linspace
     bins = divided(durations[0], max(durations[-1], durations[0] * (1 + SAME)), count + 1)
     height = 100 / table.variants * np.histogram(durations, bins)[0]
-    spread = Bars(place=(bins[1:] + bins[:-1]) / 2, start=np.zeros(count), end=height, thickness=np.diff(bins),
+    spread = Bars(place=(bins[1:] + bins[:-1]) / 2, end=height, thickness=np.diff(bins),
                   color=COLOURS[5], upright=True)  # fmt: skip
     x = Axis(label="shortest duration [s]", log=log, ends=(float(bins[0]), float(bins[-1])), hover="{} s")
     rows = [
@@ -242,7 +241,7 @@ def parallel_figure(table: StudyTable) -> dict[str, Any]:
         "unselected": {"line": {"color": "#eee", "opacity": 0.15}},
     }
     shape = {
-        "font": {"family": "system-ui, sans-serif", "size": 12, "color": "#1b1b1b"},
+        "font": FONT | {"size": 12},
         "margin": {"l": 110, "r": 90, "t": 110, "b": 30},
         "paper_bgcolor": "#fff",
         "height": LINES_HEIGHT,

@@ -9,9 +9,9 @@ import pytest
 import yaml
 from casadi_cells import casadi_cell
 from conftest import DATA
-from layouts import shipped
 from same_cells import same_cell
-from shown_results import result_of, still_motion, with_changes
+from shipped_cells import shipped, still_motion
+from shown_results import result_of, with_changes
 
 import mrts
 from mrts.cli import main
@@ -19,9 +19,6 @@ from mrts.limits.cell_limits import torque_limits
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.plots.card import answer_card
 from mrts.report import report_html
-
-UR5 = DATA.parent / "dual_ur5"
-
 
 OTHERS = {
     "chosen": lambda cell, lift: mrts.scale(cell, lift, 0.5, weights=np.arange(1.0, 7.0), formulation="torque"),
@@ -162,7 +159,7 @@ TIMINGS = {
     "of a box": lambda cell, motion: mrts.retime(cell.with_variation(mass=(0.2, 6.0)), motion),
     "what if": lambda cell, motion: with_changes(mrts.retime(cell, motion), share=0.2),
     "infeasible": lambda cell, motion: mrts.retime(cell.with_mass(60.0), motion),
-    "no path": lambda cell, motion: mrts.retime(cell, still_motion(motion)),
+    "no path": lambda cell, motion: mrts.retime(cell, still_motion(motion.position[0])),
 }
 
 

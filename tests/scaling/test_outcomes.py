@@ -9,6 +9,7 @@ import pytest
 import yaml
 from conftest import DATA
 from given_ranges import ranges_of
+from shipped_cells import still_motion
 
 import mrts
 from mrts.program.infeasibility import separation
@@ -104,12 +105,7 @@ def test_too_slow_is_refused_by_the_lower_end():
 
 
 def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
-    here = lift.position[0].tolist()
-    still = mrts.sample_motion(
-        mrts.MotionDescription.model_validate(
-            {"duration": 1.0, "samples": 11, "profile": "quintic", "start": {"xyz": here}, "end": {"xyz": here}}
-        )
-    )
+    still = still_motion(lift.position[0])
     result = mrts.scale(planar_cell, still)
     assert result.status is mrts.ScalingStatus.UNBOUNDED
     assert result.trajectory.c2 == 1.0
@@ -123,19 +119,6 @@ def test_a_value_outside_the_range_is_refused_with_the_range(planar_cell, lift, 
     with pytest.raises(mrts.SelectionError, match=r"\[0, 3\.0618") as caught:
         mrts.scale(planar_cell, lift, c2)
     assert caught.value.result.range.upper.c2 == pytest.approx(3.0618125)
-
-
-def test_binding_rows_are_at_their_limits(planar_cell, lift):
-    result = mrts.scale(planar_cell, lift)
-    end = result.range.upper
-    values = {}
-    for robot in planar_cell.robots:
-        values |= {(robot.name, j): v for j, v in zip(robot.joints, result.torque[robot.name][end.sample], strict=True)}
-        wrench = result.wrench[robot.name][end.sample]
-        values |= {(robot.name, c): v for c, v in zip(planar_cell.wrench_components, wrench, strict=True)}
-    assert end.rows
-    for row in end.rows:
-        assert values[row.name.robot, row.name.element] == pytest.approx(row.limit, rel=1e-7)
 
 
 def test_shares_and_internal_wrench_of_a_fixed_distribution(planar_cell, lift):

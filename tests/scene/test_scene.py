@@ -6,12 +6,12 @@ from functools import partial
 import numpy as np
 import pytest
 import trimesh
-import yaml
 import yourdfpy
 from casadi_cells import casadi_cell
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
 from published_robots import ROBOTS
+from shipped_cells import cell_of_arms
 from shown_results import as_if_generated
 
 import mrts
@@ -22,8 +22,6 @@ from mrts.scene.cell_view import FIELD_OF_VIEW, CellView, look_at_cell
 from mrts.scene.held_body import held_body
 from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour, deciding_limit, round_down
 
-UR5 = DATA.parent / "dual_ur5"
-
 SAME_PLACE = 1e-9
 """[m]; meshes pass through single precision nowhere, but yourdfpy's angles are its own."""
 
@@ -33,18 +31,11 @@ MOST_SPARE = 0.2
 """Free at the narrower sides, as a share of the picture: a camera stands a little farther away than it must."""
 
 
-@pytest.fixture(scope="module")
-def turned(dual_ur5):
-    return mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-
-
 def arm_of(folder, urdf, base_link, tip_link, joints):
     """A cell of one arm of a URDF."""
     robot = {"name": "arm", "urdf": str(urdf), "base_link": base_link, "tip_link": tip_link}
     robot |= {"posture": [0.1] * joints, "torque": [100.0] * joints, "base": {"xyz": [1, 2, 3], "rpy": [0.3, 0.2, 0.1]}}
-    cell = {"name": "arm", "gravity": [0, 0, -9.81], "object": {"mass": 1.0, "inertia": [0.01, 0.01, 0.01]}}
-    (folder / "cell.yaml").write_text(yaml.safe_dump(cell | {"robots": [robot]}), encoding="utf-8")
-    return folder / "cell.yaml"
+    return cell_of_arms(folder, robot)
 
 
 def vertices_of(path, first, q):
@@ -142,7 +133,7 @@ def test_a_drawn_arm_ends_at_its_grasp_and_forces_carry_the_object(dual_ur5, tur
         np.testing.assert_allclose(line[:, -1], grasp, atol=1e-8)
         lengths = np.linalg.norm(np.diff(line, axis=1), axis=2)
         np.testing.assert_allclose(lengths, np.tile(lengths[0], (motion.samples, 1)), atol=1e-12)
-    total = np.sum(contact_forces(cell, given.position, given.rotation, turned.trajectory.wrench).force, axis=1)
+    total = np.sum(contact_forces(cell, given.position, given.rotation, turned.trajectory.wrench)[1], axis=1)
     acceleration = turned.trajectory.c2 * given.acceleration[:, :3]
     np.testing.assert_allclose(total, cell.mass * (acceleration - cell.gravity), atol=1e-8)
 

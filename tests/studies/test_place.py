@@ -9,9 +9,10 @@ import pytest
 import yaml
 from cell_bank import random_planar_cell
 from draws import draws
-from layouts import DATA, Layouts, shipped, write_study
+from layouts import DATA, Layouts, write_study
 from machines import TURN, machine_cell
 from scipy.optimize import minimize
+from shipped_cells import shipped
 
 import mrts
 from mrts.limits.cell_limits import velocity_limits
