@@ -16,7 +16,7 @@ from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.base.yaml_parser import parse_yaml
 from mrts.cell.cell import Cell
-from mrts.scene.cell_shapes import body_poses
+from mrts.collisions.bodies import body_poses
 
 
 def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | Array = (0.0, 0.0, 0.0)) -> Cell:

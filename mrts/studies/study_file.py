@@ -124,6 +124,8 @@ def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
     for at, robot in enumerate(given["robots"]):
         if robot.get("joint_limits"):
             named.append((("robots", at, "joint_limits"), "joint limits"))
+    around = enumerate(given.get("surroundings") or [])
+    named += [(("surroundings", at, "mesh"), "mesh") for at, one in around if one.get("mesh")]
     for (keys, what), origin in zip(named, origins[len(given["robots"]) :], strict=True):
         content = read_regular(origin, what, MAX_FILE_BYTES)
         yield StudyFile(keys, value_at(given, keys), str(origin), content, str(origin))

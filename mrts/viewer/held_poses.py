@@ -10,9 +10,9 @@ from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
+from mrts.collisions.bodies import body_poses
 from mrts.following.tracking import FURTHER_STEPS, reached, solve_grasps
 from mrts.motion.object_motion import ObjectMotion
-from mrts.scene.cell_shapes import body_poses
 from mrts.scene.scene import Scene
 
 MOST_SAMPLES = 41

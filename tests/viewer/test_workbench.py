@@ -12,8 +12,8 @@ from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_give
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
+from mrts.collisions.bodies import body_poses
 from mrts.motion.motion_file import sample_motion
-from mrts.scene.cell_shapes import body_poses
 from mrts.viewer import workbench
 from mrts.viewer.choices import COARSE_SAMPLES, Choices, Given, Place, moved_by, places
 from mrts.viewer.held_poses import still_motion, tip_pose
