@@ -29,6 +29,9 @@ SHARE = 0.02
 POSES = 64
 """Random postures at which links of one machine are looked at: those that overlap at all of them belong together."""
 
+PARALLEL, MEETING = 1e-6, 1e-3
+"""Sine of the angle between axes below which they are parallel, and distance [m] below which others meet."""
+
 FREE_RANGE = {"revolute": np.pi, "prismatic": 1.0}
 """Half the range from which these are drawn for a joint without limits [rad, m]."""
 
@@ -86,8 +89,8 @@ def clearance(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion)
     """The least distance between bodies of a cell along a motion: links of all arms, the object, the surroundings.
 
     Between the samples it is found to within 1 mm, or 2 % of it, on the path that the joints take there. Pairs that are
-    left out: bodies that do not move against each other, links on either side of a joint, the object and the last links
-    of the arms that hold it, and links of one machine that overlap in every posture.
+    left out: bodies that do not move against each other; links on either side of a joint, or of two whose axes meet;
+    the object and the last links of the arms that hold it; links of one machine that overlap in every posture.
 
     Args:
         cell: The cell, with the folder of its URDFs (`Cell.folder`).
@@ -194,7 +197,7 @@ class CollisionModel:
         return arm == other or robots[other].name in machine_of(self._cell, robots[arm].name)
 
     def _can_collide(self, a: int, b: int) -> bool:
-        """Whether two shapes move against each other, are not on either side of a joint, and do not hold each other."""
+        """Whether two shapes move against each other, are no neighbours in an arm, and do not hold each other."""
         arms = len(self._cell.robots)
         (one, k), (other, m) = self._place(a), self._place(b)
         stands = [of == (arms, 1) or (of[0] < arms and of[1] == 0) for of in ((one, k), (other, m))]
@@ -202,8 +205,9 @@ class CollisionModel:
             return False
         if (other, m) == (arms, 0):  # the object and a hand
             return k != len(self._cell.robots[one].joints)
-        joined = abs(k - m) == 1 if one == other else {k, m} == {0, 1}
-        return not (joined and self._one_machine(one, other))
+        if not self._one_machine(one, other) or (one != other and k * m > 0):
+            return True
+        return not _are_neighbours(self._cell.robots[one if k > m else other], *sorted((k, m)))
 
     def _set_pairs(self, pairs: list[tuple[int, int]]) -> None:
         self._pairs = np.array(pairs, dtype=int).reshape(-1, 2)
@@ -320,6 +324,17 @@ def _reaches(robot: Robot, moved: int, shape: Shape, most: Array) -> Array:
         reach += 0.0 if robot.turns[joint] else float(most[joint])
         reach += float(np.linalg.norm(robot.points[joint] - robot.points[joint - 1])) if joint else 0.0
     return found
+
+
+def _are_neighbours(robot: Robot, low: int, high: int) -> bool:
+    """Whether one joint is between two bodies, or two whose axes meet."""
+    if high != low + 2:
+        return high == low + 1
+    (u, v), between = robot.axes[low : low + 2], robot.points[low + 1] - robot.points[low]
+    across = np.cross(u, v)
+    size = float(np.linalg.norm(across))
+    apart = abs(across @ between) / size if size > PARALLEL else np.inf
+    return bool(np.all(robot.turns[low : low + 2])) and apart < MEETING
 
 
 def _random_postures(robot: Robot, random: np.random.Generator) -> Array:
