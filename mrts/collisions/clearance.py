@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
+from mrts.cell.remarks import COLLISIONS_UNKNOWN, NO_COLLISIONS
 from mrts.cell.robot import Robot
 from mrts.collisions.bodies import body_poses
 from mrts.collisions.shapes import Shape, coal_module, link_shapes, record_shape
@@ -102,6 +105,28 @@ def clearance(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion)
     """
     check_type("cell", cell, Cell)
     return CollisionModel(cell).clearance(coordinate(cell, motion))
+
+
+def clearance_remarks(
+    cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion
+) -> tuple[Clearance | None, tuple[Remark, ...]]:
+    """As `clearance`, None where coal or a mesh is not there, and what is to say of it.
+
+    Raises:
+        MotionError: As `clearance`.
+    """
+    try:
+        near = clearance(cell, motion)
+    except InputError as error:
+        return None, (Remark.assumed(COLLISIONS_UNKNOWN, f"{NO_COLLISIONS}. {error}"),)
+    said = list[Remark]()
+    if near.pair:
+        told = Remark.hint("collision", near.sentence()), Remark.assumed("clearance", near.sentence())
+        said.append(told[0 if near.collides else 1])
+    if near.unseen:
+        text = f"collisions of {', '.join(near.unseen)} are not looked at: nothing gives a shape"
+        said.append(Remark.assumed(COLLISIONS_UNKNOWN, text))
+    return near, tuple(said)
 
 
 @dataclass(frozen=True, eq=False)

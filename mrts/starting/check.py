@@ -8,14 +8,13 @@ from typing import Any
 from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.errors import InputError, Mistakes, MotionError
 from mrts.base.formats.pose import Pose
-from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
 from mrts.cell.loading import uncompiled_cell
-from mrts.cell.remarks import COLLISIONS_UNKNOWN, NO_COLLISIONS
+from mrts.cell.remarks import COLLISIONS_UNKNOWN
 from mrts.cell.source_files import is_generated, read_without_generating
-from mrts.collisions.clearance import clearance
+from mrts.collisions.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.motion.joint_table import JointTable
@@ -105,18 +104,7 @@ def _with_reach(
 
 def _with_clearance(found: CellCheck, cell: Cell, motion: ObjectMotion | CoordinatedMotion) -> CellCheck:
     """The same with the least distance between bodies in the place of the remark that it is not known."""
-    near, said = None, list[Remark]()
-    try:
-        near = clearance(cell, motion)
-    except InputError as error:  # coal is not installed, or a mesh is not there
-        said.append(Remark.assumed(COLLISIONS_UNKNOWN, f"{NO_COLLISIONS}. {error}"))
-    else:
-        if near.pair:
-            told = Remark.hint("collision", near.sentence()), Remark.assumed("clearance", near.sentence())
-            said.append(told[0 if near.collides else 1])
-        if near.unseen:
-            text = f"collisions of {', '.join(near.unseen)} are not looked at: nothing gives a shape"
-            said.append(Remark.assumed(COLLISIONS_UNKNOWN, text))
+    near, said = clearance_remarks(cell, motion)
     others = [remark for remark in found.remarks if remark.code != COLLISIONS_UNKNOWN]
     return replace(found, clearance=near, remarks=(*others, *said))
 
