@@ -99,7 +99,7 @@ def _with_reach(
         remarks += posture_hints(arms, motion)
     progress(len(arms), len(arms))
     found = replace(found, arms=tuple(reaches), remarks=tuple(remarks))
-    return _with_clearance(found, cell, motion) if found.status == "fine" else found
+    return found if explained or found.status != "fine" else _with_clearance(found, cell, motion)
 
 
 def _with_clearance(found: CellCheck, cell: Cell, motion: ObjectMotion | CoordinatedMotion) -> CellCheck:

@@ -221,3 +221,24 @@ def test_configurations_and_studies_have_it_as_a_column(tmp_path):
     ranked = mrts.rank_configurations(mrts.load_cell(tmp_path / "cell.yaml"), motion, clearance=True, between=None)
     assert all(one.clearance.collides for one in ranked.ranked)
     assert "collides" in ranked.table(1)
+
+
+def test_a_layout_that_collides_is_no_answer(tmp_path):
+    """A wall where the right arm would stand best: `mrts place` keeps clear of it, which it does not without."""
+    ends = {"from": 0.65, "to": 0.85}
+    vary = {"distance": {"sets": {"robots.left.base.xyz[0]": -1, "robots.right.base.xyz[0]": 1}} | ends}
+    asked = {"cell": "cell.yaml", "motion": str(UR5 / "lift_and_turn.yaml"), "vary": vary}
+    found = []
+    for name, walls in (("free", []), ("walled", [box("wall", [0.02, 2, 2], [0.9, 0, 0])])):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "cell.yaml").write_text(yaml.safe_dump(described(walls)), encoding="utf-8")
+        (folder / "study.yaml").write_text(yaml.safe_dump(asked | {"sample": "sobol", "count": 4}), encoding="utf-8")
+        found.append(mrts.place(folder / "study.yaml", starts=1, looked_at=4, between=None))
+    free, walled = found
+    assert (free.colliding, walled.colliding > 0) == (0, True)
+    assert walled.after is not None
+    assert walled.after.c2 < free.after.c2
+    for placed in found:
+        cell = placed.after.result.cell
+        assert not mrts.clearance(cell, placed.after.result.motion).collides

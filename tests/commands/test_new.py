@@ -8,7 +8,6 @@ import yaml
 from command_line import mrts_command
 from conftest import DATA
 
-
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
 
 
