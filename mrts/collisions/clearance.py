@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
+from mrts.base.errors import InputError, MotionError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
@@ -110,14 +110,10 @@ def clearance(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion)
 def clearance_remarks(
     cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion
 ) -> tuple[Clearance | None, tuple[Remark, ...]]:
-    """As `clearance`, None where coal or a mesh is not there, and what is to say of it.
-
-    Raises:
-        MotionError: As `clearance`.
-    """
+    """As `clearance`, None where that raises an error, and what is to say of it."""
     try:
         near = clearance(cell, motion)
-    except InputError as error:
+    except (InputError, MotionError) as error:
         return None, (Remark.assumed(COLLISIONS_UNKNOWN, f"{NO_COLLISIONS}. {error}"),)
     said = list[Remark]()
     if near.pair:
