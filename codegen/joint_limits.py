@@ -91,7 +91,7 @@ def joint_motion_limits(
 
 def joint_limits_reference(text: str) -> FileReference:
     """What a cell file says of a joint_limits.yaml."""
-    return FileReference(text, key="robots[].joint_limits", what="joint limits")
+    return FileReference(text, key="robots[].joint_limits", what="joint limits file")
 
 
 class MoveItLimits(Record):

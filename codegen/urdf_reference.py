@@ -28,7 +28,7 @@ class FileReference:
     text: str
     xacro_args: Mapping[str, str] = field(default_factory=dict)
     key: str = "robots[].urdf"
-    what: Literal["URDF", "mesh", "joint limits"] = "URDF"
+    what: Literal["URDF", "mesh", "joint limits file"] = "URDF"
 
     def path(self, cell_path: Path, folder: Path) -> Path:
         """Where the file is."""
@@ -42,7 +42,7 @@ class FileReference:
         path = self.path(cell_path, folder)
         if self.what == "mesh":
             return read_regular(path, self.what, MAX_FILE_BYTES)
-        if self.what == "joint limits":
+        if self.what == "joint limits file":
             return read_regular(path, self.what, MAX_YAML_BYTES)
         if is_xacro(path):
             from mrts_codegen.urdf.xacro_file import expanded  # noqa: PLC0415 (only for xacros)

@@ -12,6 +12,7 @@ from mrts.kernel.cache_folder import cache_folder
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA = Path(str(files("mrts") / "data")) / "planar_dual_arm"
+UR5 = DATA.parent / "dual_ur5"
 
 CACHE = ROOT / "build" / "test-cache"
 MOST_ENTRIES = 2000
@@ -56,4 +57,9 @@ def lifted(planar_cell, lift):
 
 @pytest.fixture(scope="session")
 def dual_ur5():
-    return mrts.load_cell(DATA.parent / "dual_ur5" / "cell.yaml")
+    return mrts.load_cell(UR5 / "cell.yaml")
+
+
+@pytest.fixture(scope="session")
+def lift_and_turn():
+    return mrts.load_motion(UR5 / "lift_and_turn.yaml")

@@ -12,13 +12,13 @@ import subprocess  # this interpreter, a fixed module, no shell
 import sys
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from signal import SIGXCPU
 from typing import Any
 
 from lxml import etree
 
+from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
 from mrts.base.formats.package_uri import file_of_uri, is_uri
 from mrts.base.input_file import MAX_URDF_BYTES
@@ -51,8 +51,7 @@ def expanded(path: Path, arguments: Mapping[str, str]) -> bytes:
 
     It is expanded anew each time: what it includes, YAML that it loads, and the environment may have changed.
     """
-    if find_spec("xacrodoc") is None:
-        raise InputError(path, "reading a xacro needs xacrodoc: pip install 'mrts[xacro]'.")
+    require_extra(path, "xacro", "xacrodoc")
     read_regular(path, "xacro", MAX_URDF_BYTES)
     key = path.absolute(), tuple(sorted(arguments.items()))
     before, answer = _ANSWERS.get(key, ([], {}))

@@ -2,6 +2,7 @@
 """What the arguments of public functions must be: a wrong one is named where it enters, not where it first hurts."""
 
 from collections.abc import Callable
+from importlib.util import find_spec
 from math import inf, isfinite
 from numbers import Real
 from os import PathLike
@@ -60,6 +61,13 @@ def check_callable(name: str, value: object) -> None:
     """Check that an argument can be called."""
     if not callable(value):
         raise InputError(name, f"must be a function; it is of type {type(value).__name__}.", value=value)
+
+
+def require_extra(where: Path | str, extra: str, *packages: str, value: object = None) -> None:
+    """Check that the packages are installed that an extra brings, before any work."""
+    for package in packages:
+        if find_spec(package) is None:
+            raise InputError(where, f"needs {package}: pip install 'mrts[{extra}]'.", value=value)
 
 
 def as_path(name: str, value: Any) -> Path:

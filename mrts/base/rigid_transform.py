@@ -86,24 +86,22 @@ def snap_rotation(R: Array) -> Array:
 
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
     """Rotation Rz(yaw) Ry(pitch) Rx(roll), Shape (3, 3); angles in rad (URDF's convention)."""
-    return _turned(cos(roll), sin(roll), cos(pitch), sin(pitch), cos(yaw), sin(yaw))
+    return snap_rotation(np.array(rpy_entries(cos(roll), sin(roll), cos(pitch), sin(pitch), cos(yaw), sin(yaw))))
 
 
 def rotations_from_rpy(rpy: Array) -> Array:
     """`rotation_from_rpy` of many roll, pitch, yaw [rad], Shape (…, 3): Shape (…, 3, 3)."""
     parts = (turn(rpy[..., axis]) for axis in range(3) for turn in (np.cos, np.sin))
-    return np.moveaxis(_turned(*parts), (0, 1), (-2, -1))
+    return np.moveaxis(snap_rotation(np.array(rpy_entries(*parts))), (0, 1), (-2, -1))
 
 
-def _turned(cr: Any, sr: Any, cp: Any, sp: Any, cy: Any, sy: Any) -> Array:
-    R = np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
-    return snap_rotation(R)
+def rpy_entries(cr: Any, sr: Any, cp: Any, sp: Any, cy: Any, sy: Any) -> list[list[Any]]:
+    """Rows of that rotation, of cosines and sines of roll, pitch and yaw: numbers, arrays or symbols."""
+    return [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
 
 
 def rpy_from_rotation(R: Array) -> list[float]:

@@ -120,6 +120,15 @@ class Cell(InNotebooks, CellRecord):
         return whole
 
     @cached_property
+    def limits_motion(self) -> bool:
+        """Whether it has limits of the motion alone, beside those of velocities of joints and object."""
+        sides = [side for robot in self.robots for side in (robot.acceleration_lower, robot.acceleration_upper)]
+        points = self.object_points or any(robot.point_limits for robot in self.robots)
+        return bool(
+            points or self.carried or np.isfinite(np.concatenate([*sides, self.object_acceleration_limit])).any()
+        )
+
+    @cached_property
     def all_remarks(self) -> tuple[Remark, ...]:
         """All that is to know of it, what its numbers look like included."""
         from mrts.cell.remarks import cell_remarks  # noqa: PLC0415 (it looks at cells)

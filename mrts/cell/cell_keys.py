@@ -276,14 +276,17 @@ def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
 
 
 def _known(value: Any) -> Any:
-    """A value of YAML without keys that say nothing: nulls, lists of them, and mappings without any other key."""
+    """A value of YAML without keys that say nothing: nulls, lists of them, and mappings without any other key.
+
+    A list of nulls says something of velocities: that there are no limits, whatever the URDF has.
+    """
     if isinstance(value, list) and value and isinstance(value[0], dict):
         return [_known(each) for each in value]
     if isinstance(value, list):
         return None if all(each is None for each in value) else value
     if not isinstance(value, Mapping):
         return value
-    said = {key: _known(each) for key, each in value.items()}
+    said = {key: each if key == "velocity" and isinstance(each, list) else _known(each) for key, each in value.items()}
     return {key: each for key, each in said.items() if each is not None} or None
 
 

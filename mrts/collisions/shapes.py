@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from mrts.base.argument_types import require_extra
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.surface_text import unpacked_surface
@@ -52,10 +53,9 @@ def coal_module() -> Any:
     Raises:
         InputError: If it is not installed.
     """
-    try:
-        import coal  # noqa: PLC0415 (the extra 'collision')
-    except ImportError:
-        raise InputError("coal", "collisions need it: pip install 'mrts[collision]'.") from None
+    require_extra("collisions", "collision", "coal")
+    import coal  # noqa: PLC0415 (the extra 'collision')
+
     return coal
 
 

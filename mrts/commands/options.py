@@ -5,7 +5,6 @@ An option has the name of the argument of the Python API that it gives, which ch
 told of the option. Options that are not given are left to the defaults of the API.
 """
 
-import importlib.util
 import os
 import shlex
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
@@ -21,6 +20,7 @@ import click
 from click import argument, option
 from click.core import ParameterSource
 
+from mrts.base.argument_types import require_extra
 from mrts.base.atomic_file import check_writable
 from mrts.base.errors import InputError, MotionError
 from mrts.base.formats.figure_formats import FIGURE_FORMATS
@@ -76,7 +76,7 @@ class Written(Named):
 
     def check(self, option: str, path: Path) -> None:
         """Fail before any work if it cannot be written."""
-        require(option, self.extra, *self.needs)
+        require_extra(option, self.extra, *self.needs)
         if self.suffixes and path.suffix.lower() not in self.suffixes:
             raise InputError(option, f"writes a file that ends in {' or '.join(self.suffixes)}.", value=str(path))
         is_file = path.suffix[1:] in FIGURE_FORMATS if not path.exists() else not path.is_dir()
@@ -156,13 +156,6 @@ class Command(click.Command):
 def _shown(param: click.Parameter) -> str:
     """How the line names a parameter: --output, or DIR."""
     return param.opts[-1] if isinstance(param, click.Option) else param.human_readable_name.strip("[]")
-
-
-def require(option: str, extra: str, *packages: str) -> None:
-    """Fail before any work if a package of an option is missing."""
-    for package in packages:
-        if importlib.util.find_spec(package) is None:
-            raise InputError(option, f"needs {package}: pip install 'mrts[{extra}]'.")
 
 
 def printing(text: Callable[[click.Context], str]) -> Callable[[click.Context, click.Parameter, bool], None]:

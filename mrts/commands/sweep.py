@@ -67,10 +67,10 @@ def run(
     lines = _answer(asked, found)
     admitted = found.statuses["feasible"] + found.statuses["unbounded"]
     if top and admitted:
-        from mrts.studies.best_variants import best_lines, write_best
+        from mrts.studies.best_variants import write_best
 
         with working("solving the best again"):
-            outputs.write(folder.path, lambda path: lines.extend(best_lines(write_best(asked, folder, top), path)))
+            outputs.write(folder.path, lambda _: lines.extend(write_best(asked, folder, top)))
     if plot is not None:
         from mrts.plots import write_study_plots
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from click import argument, option
 
+from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
@@ -20,7 +21,7 @@ from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.console.progress import working
 from mrts.commands.console.terminal import say, warn
 from mrts.commands.films import SIDES, saved_clip, side_clip, sides, write_films
-from mrts.commands.options import Named, Written, require, take
+from mrts.commands.options import Named, Written, take
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
@@ -96,7 +97,7 @@ def run(
     needing = [name for name, value in (("png", png), ("video", video), ("others", others)) if value]
     with _files(cell, motion, variant, given, needing) as (cell_file, motion_file):
         if png is None and video is None:
-            require("mrts view", "view", "viser")
+            require_extra("mrts view", "view", "viser")
         saved = _played(cell) if _is_saved(cell) else None
         urdfs = {} if saved else _urdfs(cell_file)
         if png is None and video is None:

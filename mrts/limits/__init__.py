@@ -16,21 +16,22 @@ from mrts.limits.rows import LimitRows, checked_rows, stack_rows
 Limit = Callable[[Cell, CoordinatedMotion], LimitRows]
 """The rows of a limit along a motion; one of your own: docs/extending.md."""
 
-CELL_LIMITS: tuple[Limit, ...] = (
+CELL_LIMITS: tuple[Callable[[Cell, CoordinatedMotion], LimitRows | None], ...] = (
     *(torque_limits, wrench_limits, contact_limits, velocity_limits, motor_limits),
     *(acceleration_limits, point_limits, carried_limits),
 )
-"""Those of the cell file; `Cell.limits` are there beside them."""
+"""Those of the cell file, None where it gives none; `Cell.limits` are there beside them."""
 
 
-def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> list[tuple[Limit, LimitRows]]:
-    """The rows of each limit of a cell.
+def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> list[tuple[Callable[..., object], LimitRows]]:
+    """The rows of each limit that a cell has.
 
     Raises:
         InputError: If a limit that the cell was given gives no rows of this cell along this motion; it names the limit.
     """
-    rows = [(limit, limit(cell, motion)) for limit in CELL_LIMITS]
-    return rows + [(limit, checked_rows(limit, cell, motion)) for limit in cell.limits]
+    given = ((limit, limit(cell, motion)) for limit in CELL_LIMITS)
+    own = ((limit, checked_rows(limit, cell, motion)) for limit in cell.limits)
+    return [(limit, rows) for limit, rows in (*given, *own) if rows is not None]
 
 
 def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:

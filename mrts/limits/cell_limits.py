@@ -39,9 +39,11 @@ def wrench_limits(cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
     )
 
 
-def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     """Rows lower <= A F_i <= upper of every contact of every robot, in base axes or in those of the object."""
     contacts = [(robot, contact) for robot in cell.robots for contact in robot.contacts]
+    if not contacts:
+        return None
     names = tuple(
         RowName("contact", robot.name, f"{contact.name} {row}", unit)
         for robot, contact in contacts
@@ -62,8 +64,8 @@ def contact_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     return LimitRows.of(
         cell,
         names=names,
-        lower=np.concatenate([NONE, *(contact.lower for _, contact in contacts)]),
-        upper=np.concatenate([NONE, *(contact.upper for _, contact in contacts)]),
+        lower=np.concatenate([contact.lower for _, contact in contacts]),
+        upper=np.concatenate([contact.upper for _, contact in contacts]),
         wrench_matrix=in_base,
         object_matrix=in_object if turns else None,
         object_axes=object_axes(cell, motion) if turns else None,
@@ -119,7 +121,7 @@ def curve_rows(cell: Cell) -> tuple[CurveRow, ...]:
     return tuple(rows)
 
 
-def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     """|τ| <= a - m |q̇| for each falling line of a motor's torque-speed curve, and |q̇| up to the curve's end.
 
     A line holds while the motor drives, where τ and q̇ have one sign: -a <= τ + m q' ṙ <= a. Where it brakes that
@@ -127,7 +129,7 @@ def motor_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """
     rows = curve_rows(cell)
     if not rows:
-        return LimitRows.of(cell, names=(), lower=NONE, upper=NONE)
+        return None
     limit, place = np.array([row.limit for row in rows]), [row.joint for row in rows]
     of_torque = np.array([row.slope is not None for row in rows], dtype=bool)
     slope: Array = np.array([1.0 if row.slope is None else row.slope for row in rows])

@@ -14,23 +14,13 @@ from mrts.limits.rows import LimitRows, RowName, row_names, stack_rows
 NORM_SIDES = 224
 """Sides of the polygon that stands for a circle: inside it, by at most 1 - cos(π / 224) < 1e-4 of the radius."""
 
-NONE = np.zeros(0)
 
-
-def limits_motion(cell: Cell) -> bool:
-    """Whether a cell has limits of the motion alone, its velocity limits apart."""
-    arms = [(robot.acceleration_lower, robot.acceleration_upper) for robot in cell.robots]
-    limits = np.concatenate([*(side for sides in arms for side in sides), cell.object_acceleration_limit])
-    points = any(robot.point_limits for robot in cell.robots) or cell.object_points
-    return bool(np.isfinite(limits).any() or points or cell.carried)
-
-
-def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     """a⁻ <= q' r̈ + q'' ṙ² <= a⁺, one row a joint, and the sizes of the object's acceleration."""
-    limits = [(robot.acceleration_lower, robot.acceleration_upper) for robot in cell.robots]
-    lower, upper = (np.concatenate(sides) for sides in zip(*limits, strict=True))
-    if np.isinf(lower).all() and np.isinf(upper).all() and np.isinf(cell.object_acceleration_limit).all():
-        return LimitRows.of(cell, names=(), lower=NONE, upper=NONE)
+    if not cell.limits_motion:
+        return None
+    lower = np.concatenate([robot.acceleration_lower for robot in cell.robots])
+    upper = np.concatenate([robot.acceleration_upper for robot in cell.robots])
     names = tuple[RowName, ...]()
     for robot in cell.robots:
         units = tuple(f"{unit}/s²" for unit in robot.position_units)
@@ -46,9 +36,11 @@ def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     return stack_rows([joints, *norms])
 
 
-def point_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+def point_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     """Speed |p'| ṙ and acceleration |p' r̈ + p'' ṙ²| of points of arms and object."""
-    pieces = [LimitRows.of(cell, names=(), lower=NONE, upper=NONE)]
+    if not cell.limits_motion:
+        return None
+    pieces = []
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
         for point in robot.point_limits:
             velocity, acceleration = arm_point(
@@ -57,17 +49,18 @@ def point_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
             pieces += _of_point(cell, robot.name, point, velocity, acceleration)
     for own in cell.object_points:
         pieces += _of_point(cell, "object", own, *object_point(motion, np.array(own.point)))
-    return stack_rows(pieces)
+    return stack_rows(pieces) if pieces else None
 
 
-def carried_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
+def carried_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     """Things that stand loose on the object neither slide nor tip.
 
     What one takes from the object, per mass, is s = Rᵀ (p' r̈ + p'' ṙ² - gravity) at its centre of mass. In its own axes
     a, b, n: |(s_a, s_b)| <= friction × s_n, and |s_a| height <= half width × s_n, likewise along b.
     """
-    size = max(float(np.linalg.norm(cell.gravity)), 1.0)
-    pieces = [LimitRows.of(cell, names=(), lower=NONE, upper=NONE)]
+    if not cell.carried:
+        return None
+    size, pieces = max(float(np.linalg.norm(cell.gravity)), 1.0), []
     for thing in cell.carried:
         axes, names = _facets(thing)
         turn = axes @ motion.object.rotation.transpose(0, 2, 1)

@@ -3,13 +3,13 @@
 
 from dataclasses import replace
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mrts.base.argument_types import require_extra
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
@@ -53,8 +53,7 @@ def bag_messages(path: Path, *kinds: str) -> dict[str, list[tuple[int, Any]]]:
     Raises:
         InputError: If the extra 'ros' is missing, it is no bag, or holds no such message.
     """
-    if find_spec("rosbags") is None:
-        raise InputError(path, "reading a ROS 2 bag needs rosbags: pip install 'mrts[ros]'.")
+    require_extra(path, "ros", "rosbags")
     from rosbags.rosbag2 import Reader  # noqa: PLC0415 (an extra, needed when a bag is)
 
     _check_files(path)

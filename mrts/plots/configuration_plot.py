@@ -17,21 +17,18 @@ def ranking_plot(study: ConfigurationStudy, title: str) -> Plot:
     more = f" (the best {len(shown)} of {len(study.ranked)})" if len(shown) < len(study.ranked) else ""
     title = f"{title}{more}\nbranch of each arm; at the right: when and by what c²⁺ is limited"
     if not shown:
-        nothing = Panel(
-            title=title, x=Axis(), y=Axis(), items=[], note="no configuration reaches the end of the motion"
-        )
-        return one_panel("configurations", nothing)
+        note = "no configuration reaches the end of the motion"
+        return one_panel("configurations", Panel(title=title, note=note))
     c2 = np.array([found.c2_upper for found in shown])
     longest = float(np.max(c2[np.isfinite(c2)], initial=0.0)) or 1.0
     rows, color = np.arange(len(shown), dtype=np.float64), END_COLOURS["upper"]
     items: list[Item] = []
     if np.any(finite := np.isfinite(c2)):
         written = [f"{value:.4g}" for value in c2[finite].tolist()]
-        start = np.zeros(np.count_nonzero(finite))
-        items.append(Bars(place=rows[finite], start=start, end=c2[finite], color=color, written=written))
+        items.append(Bars(place=rows[finite], end=c2[finite], color=color, written=written))
     if np.any(free := c2 == np.inf):
         end = np.full(np.count_nonzero(free), 1.1 * longest)
-        items.append(Bars(place=rows[free], start=0 * end, end=end, color="#fff", hatch="///"))
+        items.append(Bars(place=rows[free], end=end, color="#fff", hatch="///"))
     if np.any(none := c2 == -np.inf):
         items.append(Points(x=0 * rows[none], y=rows[none], symbol="cross", color=CONFLICT))
     names = [", ".join(f"{branch.robot} {branch.number}" for branch in found.branches) for found in shown]

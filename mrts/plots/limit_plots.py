@@ -10,7 +10,7 @@ from mrts.base.arrays import Array
 from mrts.limits.rows import RATES
 from mrts.plots.colours import COLOURS
 from mrts.plots.limit_shares import AT_LIMIT, LimitingRows, LimitShares, all_shares, shares_by_kind
-from mrts.plots.plot import Axis, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel
+from mrts.plots.plot import Axis, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel, time_axis
 from mrts.scaling.result import ScalingResult
 
 NAMED = 5
@@ -55,8 +55,7 @@ def _percent_panel(of: LimitShares, result: ScalingResult) -> Panel:
                           **look(place)))  # fmt: skip
     items.append(Rule(at=100.0, color=COLOURS[1], dash=1))
     top = 1.06 * min(max(100.0, float(np.max(percent))), HIGHEST)
-    time_axis = Axis(label="time [s]", ends=(float(time[0]), float(time[-1])), hover="t = {} s")
-    return Panel(title=of.title, x=time_axis, y=Axis(label="of the limit [%]", ends=(0.0, top)), items=items)
+    return Panel(title=of.title, x=time_axis(time), y=Axis(label="of the limit [%]", ends=(0.0, top)), items=items)
 
 
 def limit_map(result: ScalingResult, limiting: LimitingRows) -> Plot:
@@ -87,7 +86,7 @@ def limit_map(result: ScalingResult, limiting: LimitingRows) -> Plot:
     used = HeatMap(**grid, z=percent, colors=MAP_COLORS, low=0.0, high=100.0, title="of the limit [%]", unit="%")
     panel = Panel(
         title="Per cent of limits along the motion",
-        x=Axis(label="time [s]", ends=(float(time[0]), float(time[-1]))),
+        x=time_axis(time),
         y=Axis(names=list(shown), strong=[limiting.names[rows[0]] in limiting.setting for rows in shown.values()]),
         items=[used, reached],
     )

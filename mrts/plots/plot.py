@@ -94,8 +94,8 @@ class Bars:
     """
 
     place: Array
-    start: Array
     end: Array
+    start: Array | float = 0.0
     thickness: Array | float = 0.72
     label: str = ""
     color: str = COLOURS[0]
@@ -158,9 +158,9 @@ class Axis:
 class Panel:
     """One pair of axes: items are drawn in order, the last one on top; `note` stands in the middle."""
 
-    x: Axis
-    y: Axis
-    items: Sequence[Item]
+    x: Axis = Axis()
+    y: Axis = Axis()
+    items: Sequence[Item] = ()
     title: str = ""
     note: str = ""
 
@@ -210,6 +210,11 @@ class Plot:
         from mrts.plots.matplotlib_drawer import png  # noqa: PLC0415 (the extra 'plot')
 
         return png(self)
+
+
+def time_axis(time: Array, label: str = "time [s]") -> Axis:
+    """An axis of samples at some times, Shape (N,) [s]."""
+    return Axis(label=label, ends=(float(time[0]), float(time[-1])), hover="t = {} s")
 
 
 def one_panel(name: str, panel: Panel, clock: str = "") -> Plot:

@@ -215,7 +215,7 @@ def _bars(bars: Bars) -> dict[str, Any]:
         "type": "bar",
         "orientation": "v" if bars.upright else "h",
         along: numbers(bars.end - bars.start),
-        "base": numbers(bars.start),
+        "base": numbers(np.broadcast_to(bars.start, np.shape(bars.place))),
         across: numbers(np.asarray(bars.place, dtype=np.float64)),
         "width": numbers(np.broadcast_to(np.asarray(bars.thickness, dtype=np.float64), np.shape(bars.place))),
         "marker": {"color": bars.color, "line": {"width": 0}},

@@ -13,7 +13,7 @@ from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.plots.colours import ADMISSIBLE, COLOURS, CONFLICT, END_COLOURS
 from mrts.plots.labels import range_facts, range_text
-from mrts.plots.plot import MARGIN, Axis, Band, Bars, Item, Line, Panel, Plot, Points, Rule, look, one_panel
+from mrts.plots.plot import MARGIN, Axis, Band, Bars, Item, Line, Panel, Plot, Points, Rule, look, one_panel, time_axis
 from mrts.program.range_status import RangeStatus
 from mrts.scaling.loads import LoadStudy
 from mrts.scaling.range import ScalingRange
@@ -21,6 +21,8 @@ from mrts.scaling.result import ScalingResult
 
 MOST_LANES = 14
 """Lanes of one end of the range; rows beyond share the last."""
+
+GIVEN_TIME = "time of the given motion [s]"
 
 ABOVE_THE_RANGE = 4.0
 """c²⁺(t) near rest can be thousands of times the range over the motion; it is followed up to this many times."""
@@ -94,7 +96,9 @@ def _range_panel(found: ScalingRange) -> Panel:
         worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
         items.append(Rule(at=worst.time, upright=True, label="worst conflict", color=CONFLICT, dash=3))
     note = "no limit depends on the speed" if found.status is RangeStatus.UNBOUNDED else ""
-    return Panel(x=_given_time(samples.time), y=Axis(label="c² [1]", ends=(low, high)), items=items, note=note)
+    return Panel(
+        x=time_axis(samples.time, GIVEN_TIME), y=Axis(label="c² [1]", ends=(low, high)), items=items, note=note
+    )
 
 
 def _lane_panel(found: ScalingRange, lanes: Sequence[Lane]) -> Panel:
@@ -114,12 +118,7 @@ def _lane_panel(found: ScalingRange, lanes: Sequence[Lane]) -> Panel:
     )
     strong = " (bold: sets the range)" if any(lane.sets for lane in lanes) else ""
     title = f"Limits that bind: ↑ at the upper, ↓ at the lower side{strong}"
-    return Panel(title=title, x=_given_time(time), y=names, items=items)
-
-
-def _given_time(time: Array) -> Axis:
-    ends = float(time[0]), float(time[-1])
-    return Axis(label="time of the given motion [s]", ends=ends, hover="t = {} s")
+    return Panel(title=title, x=time_axis(time, GIVEN_TIME), y=names, items=items)
 
 
 def c2_ends(found: ScalingRange) -> tuple[float, float]:
@@ -237,7 +236,7 @@ def load_study_plot(result: ScalingResult) -> Plot:
 
 
 def _load_panel(title: str, time: Array, items: Sequence[Item], ends: tuple[float, float]) -> Panel:
-    return Panel(title=title, x=_given_time(time), y=Axis(label="largest c² [1]", ends=ends), items=items)
+    return Panel(title=title, x=time_axis(time, GIVEN_TIME), y=Axis(label="largest c² [1]", ends=ends), items=items)
 
 
 def ranked_loads(study: LoadStudy) -> list[int]:

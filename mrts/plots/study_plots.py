@@ -181,8 +181,7 @@ def durations_plot(table: StudyTable) -> Plot:
     """Which share of all variants finishes within a duration, above how the durations spread."""
     title = _title(table, "; ".join(managed_texts(table)) if len(table.ranked) else "")
     if not len(table.ranked):
-        nothing = Panel(x=Axis(), y=Axis(), items=[], note="no variant has a duration")
-        return Plot(name="durations", title=title, rows=[[nothing]])
+        return Plot(name="durations", title=title, rows=[[Panel(note="no variant has a duration")]])
     durations, log = table.duration[table.ranked], spreads_widely(table)
     percent = 100 * np.arange(1, len(durations) + 1) / table.variants
     marks = [(share, end) for share in SHARES if (end := managed(table, share)) is not None]
@@ -196,7 +195,7 @@ def durations_plot(table: StudyTable) -> Plot:
     divided = np.geomspace if log else np.linspace
     bins = divided(durations[0], max(durations[-1], durations[0] * (1 + SAME)), count + 1)
     height = 100 / table.variants * np.histogram(durations, bins)[0]
-    spread = Bars(place=(bins[1:] + bins[:-1]) / 2, start=np.zeros(count), end=height, thickness=np.diff(bins),
+    spread = Bars(place=(bins[1:] + bins[:-1]) / 2, end=height, thickness=np.diff(bins),
                   color=COLOURS[5], upright=True)  # fmt: skip
     x = Axis(label="shortest duration [s]", log=log, ends=(float(bins[0]), float(bins[-1])), hover="{} s")
     rows = [

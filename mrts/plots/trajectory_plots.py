@@ -8,7 +8,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.plots.labels import shortened
-from mrts.plots.plot import Axis, Line, Panel, Plot, look, one_panel, value_ends
+from mrts.plots.plot import Axis, Line, Panel, Plot, look, one_panel, time_axis, value_ends
 from mrts.scaling.limit_use import LimitedQuantities, limited_quantities
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory, accumulated_energy
@@ -88,7 +88,10 @@ def power_plots(result: ScalingResult) -> list[Plot]:
         lines.append(Line(x=done.time, y=total, label=f"all: {done.energy:.4g} J", unit="J", color="#000", width=2.2))
     ends = value_ends(np.stack([line.y for line in lines]), np.empty(0))
     panel = Panel(
-        title="Energy that the motors have given", x=_time(done), y=Axis(label="energy [J]", ends=ends), items=lines
+        title="Energy that the motors have given",
+        x=time_axis(done.time),
+        y=Axis(label="energy [J]", ends=ends),
+        items=lines,
     )
     return [*plots, one_panel("energy", panel, "played")]
 
@@ -134,10 +137,6 @@ def _trajectory(result: ScalingResult) -> ScaledTrajectory:
     return result.trajectory
 
 
-def _time(done: ScaledTrajectory) -> Axis:
-    return Axis(label="time [s]", ends=(float(done.time[0]), float(done.time[-1])), hover="t = {} s")
-
-
 def _quantities(result: ScalingResult, name: str, title: str, label: str, drawn: LimitedQuantities) -> Plot:
     names, limits = list(zip(drawn.names, drawn.units, strict=True)), np.stack([drawn.lower, drawn.upper])
     return _limited(result, name, title, label, drawn.values, names, limits)
@@ -154,4 +153,4 @@ def _limited(result: ScalingResult, name: str, title: str, label: str, values: A
             Line(x=done.time, y=values[:, index], label=shown, unit=unit, lower=lower, upper=upper, **look(index))
         )
     y = Axis(label=f"{label} [{', '.join(units)}]", ends=value_ends(values, limits))
-    return one_panel(name, Panel(title=title, x=_time(done), y=y, items=lines), "played")
+    return one_panel(name, Panel(title=title, x=time_axis(done.time), y=y, items=lines), "played")

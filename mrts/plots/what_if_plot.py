@@ -27,9 +27,7 @@ def what_if_plot(found: WhatIf) -> Plot | None:
             end = np.array([100 * (change_share(one) or 0.0) for _, one in answers])
             place = np.array([row + aside for row, _ in answers])
             texts = [str(one) for _, one in answers]
-            items.append(
-                Bars(place=place, start=0 * end, end=end, thickness=2 * HALF, label=label, color=color, texts=texts)
-            )
+            items.append(Bars(place=place, end=end, thickness=2 * HALF, label=label, color=color, texts=texts))
     of = "the duration" if found.before.c2 is None else "c²⁺"
     panel = Panel(
         title=f"What a change does to {of}: hover to read what binds then",

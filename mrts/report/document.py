@@ -8,7 +8,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from mrts.base.errors import InputError
+from mrts.base.argument_types import require_extra
 from mrts.base.printable import printable
 from mrts.plots.plotly_drawer import plotly_figure
 
@@ -38,12 +38,9 @@ def document(template: str, title: str, data: dict[str, Any], **context: Any) ->
     Raises:
         InputError: If plotly or Jinja is not installed.
     """
-    try:
-        from jinja2 import Environment, PackageLoader, StrictUndefined  # noqa: PLC0415 (the extra 'report')
+    require_extra("report", "report", "jinja2", "plotly")
+    from jinja2 import Environment, PackageLoader, StrictUndefined  # noqa: PLC0415 (the extra 'report')
 
-        library = plot_library()
-    except ModuleNotFoundError as error:
-        raise InputError("report", f"needs {error.name}: pip install 'mrts[report]'.") from None
     plots: dict[str, dict[str, Any]] = {}
 
     def place(name: str, drawn: dict[str, Any]) -> str:
@@ -74,7 +71,7 @@ def document(template: str, title: str, data: dict[str, Any], **context: Any) ->
         contents=[],
         style=_file("report.css"),
         script=_file("report.js"),
-        library=library,
+        library=plot_library(),
         data=packed_data,
         place=place,
         scripts=scripts,

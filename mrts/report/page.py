@@ -5,14 +5,10 @@ from pathlib import Path
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
+from mrts.plots import limit_plots, phase_plane, range_plots, trajectory_plots, what_if_plot
 from mrts.plots.card import answer_card
-from mrts.plots.limit_plots import limit_map, limits_plot
 from mrts.plots.limit_shares import limiting_rows
-from mrts.plots.phase_plane import phase_plane_plot, played_way
 from mrts.plots.plot import Plot, one_panel
-from mrts.plots.range_plots import load_study_plot, range_plot
-from mrts.plots.trajectory_plots import joint_plots, power_plots, torque_plots, wrench_plots
-from mrts.plots.what_if_plot import what_if_plot
 from mrts.report import tables
 from mrts.report.document import document
 from mrts.report.player import player
@@ -46,7 +42,7 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
     """
     timing = result if isinstance(result, RetimingResult) else None
     shown = result if isinstance(result, ScalingResult) else result.retimed or result.constant
-    scene = player(shown, None if timing is None or timing.retimed is None else played_way(timing))
+    scene = player(shown, None if timing is None or timing.retimed is None else phase_plane.played_way(timing))
     status = shown.status.value
     if timing is not None:
         status = "feasible" if timing.status.admits_motion else "infeasible"
@@ -65,16 +61,12 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
         player=scene,
         paces=PACES,
         tables=tables,
-        joint_plots=joint_plots,
-        limit_map=limit_map,
-        load_study_plot=load_study_plot,
+        limit_plots=limit_plots,
         percent_plots=_percent_plots,
-        phase_plane_plot=phase_plane_plot,
-        power_plots=power_plots,
-        range_plot=range_plot,
-        torque_plots=torque_plots,
+        phase_plane=phase_plane,
+        range_plots=range_plots,
+        trajectory_plots=trajectory_plots,
         what_if_plot=what_if_plot,
-        wrench_plots=wrench_plots,
     )
 
 
@@ -110,5 +102,5 @@ def _notes(result: ScalingResult) -> list[str]:
 
 def _percent_plots(result: ScalingResult) -> list[Plot]:
     """Hands, motors and rates, whose values have no plot of their own, as per cents of their limits."""
-    panels = [panel for row in limits_plot(result, "", DRAWN_BY_VALUE).rows for panel in row]
+    panels = [panel for row in limit_plots.limits_plot(result, "", DRAWN_BY_VALUE).rows for panel in row]
     return [one_panel(f"limits-{number}", panel, "played") for number, panel in enumerate(panels)]

@@ -101,12 +101,12 @@ def _force_arrows(result: ScalingResult, frames: Array, longest: float) -> tuple
     """All forces as arrows in one line with gaps, Shape (frames, P, 3), and the largest force [N]."""
     if result.trajectory is None:
         return np.empty((len(frames), 0, 3)), 0.0
-    cell, given = result.cell, result.motion.object
-    found = contact_forces(cell, given.position[frames], given.rotation[frames], result.trajectory.wrench[frames])
-    largest = float(np.max(np.linalg.norm(found.force, axis=-1)))
+    cell, given, wrench = result.cell, result.motion.object, result.trajectory.wrench
+    point, force, _ = contact_forces(cell, given.position[frames], given.rotation[frames], wrench[frames])
+    largest = float(np.max(np.linalg.norm(force, axis=-1)))
     scale = longest / largest if largest > NO_FORCE else 0.0
     sideways = np.eye(3)[{"xy": 2, "xz": 1, "yz": 0}.get(cell.plane or "", 2)]
-    return _arrows(found.point, scale * found.force, sideways).reshape(len(frames), -1, 3), largest
+    return _arrows(point, scale * force, sideways).reshape(len(frames), -1, 3), largest
 
 
 def _arrows(start: Array, along: Array, sideways: Array) -> Array:

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Where the parts of a cell are in space, for drawing: arms as lines through their joints, the object as a box."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.collisions.bodies import body_poses
@@ -39,6 +38,12 @@ def perpendicular(direction: Array) -> Array:
     return np.asarray(across / np.linalg.norm(across))
 
 
+def tip_at_posture(robot: Robot) -> RigidTransform:
+    """The tip in the world, with the arm at its posture."""
+    R, p = body_poses(robot, robot.posture[None])
+    return RigidTransform(R[0, -1], p[0, -1]) @ robot.T_base_tip
+
+
 def joint_points(robot: Robot, q: Array) -> Array:
     """The arm at q, Shape (N, n_i): its base, a point on each joint axis, its tip, Shape (N, n_i + 2, 3) [m]."""
     return points_on_bodies(robot, *body_poses(robot, q))
@@ -60,22 +65,7 @@ def object_box(cell: Cell) -> Array:
     return np.maximum(sides, THINNEST * max(float(np.max(sides)), SMALLEST))
 
 
-@dataclass(frozen=True)
-class ContactForces:
-    """Forces of the robots on the object, in the world.
-
-    Attributes:
-        point: Where each acts, Shape (…, n, 3) [m].
-        force: Shape (…, n, 3) [N].
-        moment: Shape (…, n, 3) [N m].
-    """
-
-    point: Array
-    force: Array
-    moment: Array
-
-
-def contact_forces(cell: Cell, position: Array, rotation: Array, wrench: Array) -> ContactForces:
+def contact_forces(cell: Cell, position: Array, rotation: Array, wrench: Array) -> tuple[Array, Array, Array]:
     """The contact wrenches of a cell at a moment, or along a motion, in the world.
 
     Args:
@@ -83,13 +73,14 @@ def contact_forces(cell: Cell, position: Array, rotation: Array, wrench: Array) 
         position: Of the object, Shape (…, 3) [m].
         rotation: Of the object in the world, Shape (…, 3, 3).
         wrench: Of all robots, each in its base axes and the cell's components, Shape (…, n w) [N, N m].
+
+    Returns:
+        Where each acts [m], forces [N] and moments [N m] on the object, Shape (…, n, 3) each.
     """
     robots = cell.robots
     six = np.zeros((*wrench.shape[:-1], len(robots), 6))
     six[..., cell.wrench_rows] = wrench.reshape(*six.shape[:-1], -1)
-    bases, tips = (
-        np.array([robot.T_world_base.R for robot in robots]),
-        np.array([robot.T_object_tip.p for robot in robots]),
-    )
+    bases = np.array([robot.T_world_base.R for robot in robots])
+    tips = np.array([robot.T_object_tip.p for robot in robots])
     force, moment = (np.einsum("rij,...rj->...ri", bases, part) for part in (six[..., :3], six[..., 3:]))
-    return ContactForces(position[..., None, :] + np.einsum("...ij,rj->...ri", rotation, tips), force, moment)
+    return position[..., None, :] + np.einsum("...ij,rj->...ri", rotation, tips), force, moment

@@ -3,14 +3,13 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
-from mrts.base.argument_types import Progress
+from mrts.base.argument_types import Progress, require_extra
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
@@ -83,27 +82,24 @@ def write_film(
         write_atomically(path, write)
 
 
-def write_picture(
-    clips: Sequence[Clip], path: Path, time: float, backward: Array | None = None, warn: Warn = silent
-) -> None:
+def write_picture(clips: Sequence[Clip], path: Path, time: float, warn: Warn = silent) -> None:
     """Write a PNG of motions side by side at one time, whole or not at all.
 
     Args:
         clips: One to four.
         path: The file.
         time: At the played speed [s].
-        backward: As in `write_film`.
-        warn: Likewise.
+        warn: As in `write_film`.
 
     Raises:
         InputError: If the file cannot be written, or there is nothing to draw it by.
     """
-    content = picture_bytes(clips, time, backward, warn)
+    content = picture_bytes(clips, time, warn=warn)
     write_atomically(path, lambda temporary: temporary.write_bytes(content))
 
 
 def picture_bytes(clips: Sequence[Clip], time: float, backward: Array | None = None, warn: Warn = silent) -> bytes:
-    """The PNG of `write_picture`, which has the arguments."""
+    """The PNG of `write_picture`, seen as in `write_film`."""
     file = BytesIO()
     with closing(Composition(clips, backward=backward, warn=warn)) as composition:
         Image.fromarray(composition.frame(time)).save(file, "PNG", optimize=True)
@@ -118,8 +114,8 @@ def check_film(path: Path) -> None:
     """
     if path.suffix.lower() not in RATES:
         raise InputError("--video", "writes a file that ends in .gif or .mp4.", value=str(path))
-    if path.suffix.lower() == ".mp4" and find_spec("imageio_ffmpeg") is None:
-        raise InputError("--video", "an mp4 needs imageio-ffmpeg: pip install 'mrts[film]'.")
+    if path.suffix.lower() == ".mp4":
+        require_extra("--video", "film", "imageio_ffmpeg")
 
 
 def _write_mp4(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate: int) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface, unpacked_surface
 from mrts.cell.cell import Cell
+from mrts.cell.record import ShapeRecord
 from mrts.scene.cell_shapes import object_box, perpendicular
 
 CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
@@ -69,7 +70,7 @@ def held_body(cell: Cell, most: int = MOST_DRAWN) -> HeldBody:
         most: Triangles of a mesh, which is drawn coarser than it is known where it has more.
     """
     if cell.object_shape is not None:
-        return HeldBody(*object_surface(cell, most))
+        return _surface(cell.object_shape, most)
     contacts = np.array([robot.T_object_tip.p for robot in cell.robots])
     half = _narrowed(object_box(cell) / 2, contacts)
     size = 2 * float(np.linalg.norm(half))
@@ -99,16 +100,7 @@ def _bar(start: Array, end: Array, half_width: float) -> HeldBody:
     return HeldBody((start + end) / 2 + CORNERS @ axes, TRIANGLES)
 
 
-def object_surface(cell: Cell, most: int = MOST_DRAWN) -> tuple[Array, NDArray[np.int64]]:
-    """Vertices in the object frame, Shape (V, 3) [m], and triangles between them, Shape (T, 3).
-
-    Args:
-        cell: The cell.
-        most: Triangles of a mesh, which is drawn coarser than it is known where it has more.
-    """
-    shape = cell.object_shape
-    if shape is None:
-        return CORNERS * object_box(cell), TRIANGLES
+def _surface(shape: ShapeRecord, most: int) -> HeldBody:
     if shape.box is not None:
         vertices, triangles = CORNERS * np.array(shape.box), TRIANGLES
     elif shape.cylinder is not None:
@@ -116,7 +108,7 @@ def object_surface(cell: Cell, most: int = MOST_DRAWN) -> tuple[Array, NDArray[n
     else:
         assert shape.mesh is not None  # noqa: S101 (the record has one of the three)
         vertices, triangles = coarser_surface(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles), most)
-    return vertices @ shape.pose.R.T + shape.pose.p, triangles
+    return HeldBody(vertices @ shape.pose.R.T + shape.pose.p, triangles)
 
 
 def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.int64]:

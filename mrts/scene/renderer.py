@@ -16,7 +16,7 @@ from mrts.base.errors import InputError
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
-from mrts.scene.cell_shapes import ContactForces, contact_forces
+from mrts.scene.cell_shapes import contact_forces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
 from mrts.scene.held_body import held_body, object_edges
 from mrts.scene.scene import (
@@ -209,7 +209,7 @@ class SceneRenderer:
         self._renderer.update_scene(self._data, camera="camera")
         self._add_path()
         wrench = blended(self._clip.trajectory.wrench, place)
-        self._add_forces(contact_forces(moment.cell, moment.position, moment.rotation, wrench))
+        self._add_forces(*contact_forces(moment.cell, moment.position, moment.rotation, wrench)[:2])
         drawn: Frame = self._renderer.render()
         return drawn
 
@@ -221,10 +221,10 @@ class SceneRenderer:
             for start, end in scene.position[sample] + self._edges @ scene.rotation[sample].T:
                 self._connect(capsule, start, end, OUTLINE_RADIUS * size, OUTLINE)
 
-    def _add_forces(self, contacts: ContactForces) -> None:
+    def _add_forces(self, points: Array, forces: Array) -> None:
         """Arrows, seen over all else, because most begin inside a hand or the object: drawn smaller, but nearer."""
         arrow, eye, size = self._mujoco.mjtGeom.mjGEOM_ARROW, self._camera.position, self._view.size
-        for point, force in zip(contacts.point, self._metres_per_newton * contacts.force, strict=True):
+        for point, force in zip(points, self._metres_per_newton * forces, strict=True):
             if np.linalg.norm(force) > SHORTEST * size:
                 start, step = eye + NEARER * (point - eye), NEARER * HALF_DRAWN * force
                 self._connect(arrow, start, start + step, NEARER * ARROW_RADIUS * size, FORCE)

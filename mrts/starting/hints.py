@@ -15,6 +15,7 @@ from mrts.cell.remarks import FAR, LONGEST_ARM, NEAR, arm_length, base_remarks
 from mrts.following.coordinate import columns_by_joint, coordinate
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
+from mrts.scene.cell_shapes import tip_at_posture
 from mrts.starting.arm_reach import follows
 
 AGREE = (0.05, 0.2)
@@ -159,9 +160,7 @@ def motion_units(cell: Cell, motion: ObjectMotion) -> Iterator[Remark]:
 
 def _held(arm: Cell) -> RigidTransform:
     (robot,) = arm.robots
-    poses = arm.functions("kinematics", 1, {"q": robot.posture[None]})
-    tip = RigidTransform(poses["rotation"][0], poses["position"][0].reshape(3))
-    return tip @ robot.T_object_tip.inverse()
+    return tip_at_posture(robot) @ robot.T_object_tip.inverse()
 
 
 def _off(arm: Cell, motion: ObjectMotion) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
 from mrts.base.yaml_parser import parse_yaml
 from mrts.cell.cell import Cell
-from mrts.collisions.bodies import body_poses
+from mrts.scene.cell_shapes import tip_at_posture
 
 
 def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | Array = (0.0, 0.0, 0.0)) -> Cell:
@@ -38,9 +38,7 @@ def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | A
     T_world_object = Pose.read("hold_here", given).transform
     grasps = {}
     for robot in cell.robots:
-        R, p = body_poses(robot, robot.posture[None])
-        T_world_tip = RigidTransform(R[0, -1], p[0, -1]) @ robot.T_base_tip
-        held = T_world_object.inverse() @ T_world_tip
+        held = T_world_object.inverse() @ tip_at_posture(robot)
         grasps[f"robots.{robot.name}.grasp"] = RigidTransform(snap_rotation(held.R), np.array(held.p))
     return cell.with_values(grasps)
 

@@ -7,12 +7,11 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import suppress
 from functools import lru_cache
 from itertools import islice
-from typing import NamedTuple
 
 from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.base.version import __version__
 from mrts.studies.study import Study
-from mrts.studies.variant_rows import FAILED, Columns, columns_of, solve_variants
+from mrts.studies.variant_rows import FAILED, Columns, columns_of, solve_one_by_one, solve_variants
 from mrts.studies.worker_pools import worker_pool
 
 CHUNKS_A_WORKER = 2
@@ -22,21 +21,7 @@ MAX_DEATHS = 2
 """Of workers that solve a chunk with no other beside it; then it is solved variant by variant."""
 
 
-class Chunk(NamedTuple):
-    """Variants that are solved in one call.
-
-    Attributes:
-        number: Of the part that they make.
-        first: The first variant.
-        last: The one after the last.
-    """
-
-    number: int
-    first: int
-    last: int
-
-
-def solve_chunk(pickled: bytes, version: str, first: int, last: int) -> list[Columns]:
+def solve_chunk(pickled: bytes, version: str, chunk: range) -> list[Columns]:
     """Solve variants: what a worker does.
 
     Returns:
@@ -49,15 +34,11 @@ def solve_chunk(pickled: bytes, version: str, first: int, last: int) -> list[Col
         raise InputError("worker", f"runs mrts {__version__}, the sweep {version}: install the same on all machines.")
     study = _study(pickled)
     try:
-        return [solve_variants(study, first, last)]
+        return [solve_variants(study, chunk.start, chunk.stop)]
     except MrtsError:
         raise
-    except Exception as error:  # noqa: BLE001 (a defect in one variant must not take the others with it)
-        if last - first == 1:
-            said = " ".join(str(error).split())
-            return [_failed(study, first, f"internal error: {type(error).__name__}: {said}")]
-        alone = (solve_chunk(pickled, version, variant, variant + 1) for variant in range(first, last))
-        return [piece for pieces in alone for piece in pieces]
+    except Exception:  # noqa: BLE001 (a defect in one variant must not take the others with it)
+        return [solve_one_by_one(study, study.points(each, each + 1), each) for each in chunk]
 
 
 @lru_cache(maxsize=1)
@@ -67,14 +48,10 @@ def _study(pickled: bytes) -> Study:
     return study
 
 
-def _failed(study: Study, variant: int, reason: str) -> Columns:
-    return columns_of(study, study.points(variant, variant + 1), variant, [{"status": FAILED, "reason": reason}])
-
-
 def solved_chunks(
-    study: Study, chunks: Iterable[Chunk], workers: int | None, scheduler: str | None
-) -> Generator[tuple[Chunk, list[Columns]]]:
-    """Every chunk once, as they get done.
+    study: Study, chunks: Iterable[range], workers: int | None, scheduler: str | None
+) -> Generator[tuple[range, list[Columns]]]:
+    """Every chunk of variants once, as they get done.
 
     Yields:
         A chunk and the columns of its rows in one piece or more, in order.
@@ -89,16 +66,16 @@ def solved_chunks(
         rule = "must be functions of a module that workers can import, not of another function, and no lambda."
         raise InputError("study: limits", rule) from None
     coming, complete = iter(chunks), False
-    suspects: list[Chunk] = []  # in flight when a worker ended
+    suspects: list[range] = []  # in flight when a worker ended
     while not complete:
-        started: set[Chunk] = set()
-        running: dict[Future[list[Columns]], Chunk] = {}
+        started: set[range] = set()
+        running: dict[Future[list[Columns]], range] = {}
         with worker_pool(workers, scheduler) as pool:
             try:
                 while not complete:
                     for chunk in islice(coming, max(0, CHUNKS_A_WORKER * max(1, pool.size()) - len(running))):
                         started.add(chunk)
-                        running[pool.submit(solve_chunk, pickled, __version__, chunk.first, chunk.last)] = chunk
+                        running[pool.submit(solve_chunk, pickled, __version__, chunk)] = chunk
                     complete = not running
                     for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
                         pieces = future.result()
@@ -108,10 +85,10 @@ def solved_chunks(
             except pool.deaths:
                 suspects += started
     for chunk in suspects:
-        yield chunk, _alone(study, pickled, (workers, scheduler), chunk.first, chunk.last)
+        yield chunk, _alone(study, pickled, (workers, scheduler), chunk)
 
 
-def _alone(study: Study, pickled: bytes, where: tuple[int | None, str | None], first: int, last: int) -> list[Columns]:
+def _alone(study: Study, pickled: bytes, where: tuple[int | None, str | None], chunk: range) -> list[Columns]:
     """Rows that may end their worker: those that do are found variant by variant."""
     for _ in range(MAX_DEATHS):
         with worker_pool(*where) as pool:
@@ -120,8 +97,9 @@ def _alone(study: Study, pickled: bytes, where: tuple[int | None, str | None], f
             except pool.deaths:
                 raise SolverError("workers end before they are ready: see what ends them.") from None
             with suppress(*pool.deaths):
-                pieces: list[Columns] = pool.submit(solve_chunk, pickled, __version__, first, last).result()
+                pieces: list[Columns] = pool.submit(solve_chunk, pickled, __version__, chunk).result()
                 return pieces
-    if last - first == 1:
-        return [_failed(study, first, "the process that solved it ended each time: out of memory, or a crash")]
-    return [piece for each in range(first, last) for piece in _alone(study, pickled, where, each, each + 1)]
+    if len(chunk) > 1:
+        return [piece for each in chunk for piece in _alone(study, pickled, where, range(each, each + 1))]
+    lost = {"status": FAILED, "reason": "the process that solved it ended each time: out of memory, or a crash"}
+    return [columns_of(study, study.points(chunk.start, chunk.stop), chunk.start, [lost])]

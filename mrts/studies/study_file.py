@@ -124,7 +124,7 @@ def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
         named.append((("object", "shape", "mesh"), "mesh"))
     for at, robot in enumerate(given["robots"]):
         if robot.get("joint_limits"):
-            named.append((("robots", at, "joint_limits"), "joint limits"))
+            named.append((("robots", at, "joint_limits"), "joint limits file"))
     around = enumerate(given.get("surroundings") or [])
     named += [(("surroundings", at, "mesh"), "mesh") for at, one in around if one.get("mesh")]
     for (keys, what), origin in zip(named, origins[len(given["robots"]) :], strict=True):

@@ -18,7 +18,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mrts.base.argument_types import as_path
+from mrts.base.argument_types import as_path, require_extra
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically, write_text_atomically
 from mrts.base.errors import InputError
@@ -53,18 +53,6 @@ DIGEST_KEY = b"study"
 """In the metadata of a part: the digest of its study."""
 
 logger = logging.getLogger("mrts")
-
-
-def require_pyarrow() -> None:
-    """Say how to get pyarrow where it lacks.
-
-    Raises:
-        InputError: If it does.
-    """
-    from importlib.util import find_spec  # noqa: PLC0415 (nobody else needs it)
-
-    if find_spec("pyarrow") is None:
-        raise InputError("study", "the table of a study needs pyarrow: pip install 'mrts[study]'.")
 
 
 @dataclass(frozen=True)
@@ -111,9 +99,9 @@ class StudyFolder:
         ]
         return pa.schema(fields, metadata={DIGEST_KEY: self.digest})
 
-    def bounds(self, number: int) -> tuple[int, int]:
-        """First variant of a chunk, and the one after its last."""
-        return number * self.chunk, min(self.variants, (number + 1) * self.chunk)
+    def variants_of(self, number: int) -> range:
+        """The variants of a chunk."""
+        return range(number * self.chunk, min(self.variants, (number + 1) * self.chunk))
 
     def part(self, number: int) -> Path:
         """The file of a chunk."""
@@ -179,8 +167,7 @@ class StudyFolder:
     def drop_damaged(self) -> None:
         """Remove parts that are not what the study says; they will be solved again."""
         for number, path in self.parts().items():
-            first, last = self.bounds(number)
-            if not self._is_sound(path, last - first):
+            if not self._is_sound(path, len(self.variants_of(number))):
                 logger.warning("%s is damaged, or of another study: solved again", path)
                 path.unlink()
 
@@ -205,7 +192,7 @@ def read_study_folder(path: Path | str) -> StudyFolder:
     Raises:
         InputError: If it holds no study.
     """
-    require_pyarrow()
+    require_extra("study", "study", "pyarrow")
     folder = as_path("path", path)
     try:
         text = read_text(folder / STUDY_FILE, "file", MAX_RECORD_BYTES)
@@ -263,7 +250,7 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
     Raises:
         InputError: If the folder holds something else, another sweep is at work in it, or it cannot be written.
     """
-    require_pyarrow()
+    require_extra("study", "study", "pyarrow")
     content = study_content(study)
     if not str(path).isprintable():  # pyarrow takes names in UTF-8 only
         raise InputError("folder", "must be the name of a folder in printable characters.", value=str(path))

@@ -10,14 +10,14 @@ from pathlib import Path
 from types import NoneType
 from typing import TYPE_CHECKING
 
-from mrts.base.argument_types import as_path, check_callable, check_type
+from mrts.base.argument_types import as_path, check_callable, check_type, require_extra
 from mrts.base.errors import InputError
 from mrts.studies.best_variants import write_best
-from mrts.studies.chunks import Chunk, solved_chunks
+from mrts.studies.chunks import solved_chunks
 from mrts.studies.dry_run import estimate
 from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
-from mrts.studies.study_folder import StudyFolder, opened_study_folder, require_pyarrow
+from mrts.studies.study_folder import StudyFolder, opened_study_folder
 from mrts.studies.sweep_progress import TALLIED, SweepProgress
 from mrts.studies.worker_pools import check_workers
 
@@ -96,7 +96,7 @@ def solve_study(
     Raises:
         InputError: As `sweep` does.
     """
-    require_pyarrow()
+    require_extra("study", "study", "pyarrow")
     check_workers(workers, scheduler)
     check_callable("progress", progress)
     with opened_study_folder(path, study, lambda: chunk_size(study)) as folder:
@@ -104,14 +104,14 @@ def solve_study(
         for batch in folder.dataset().to_batches(columns=[*TALLIED]):
             so_far = so_far.after(batch)
         solved = folder.parts()
-        missing = [Chunk(number, *folder.bounds(number)) for number in range(folder.chunks) if number not in solved]
+        missing = [folder.variants_of(number) for number in range(folder.chunks) if number not in solved]
         so_far = so_far.begin()
         progress(so_far)
         if missing:
             with closing(solved_chunks(study, missing, workers, scheduler)) as coming:
                 for chunk, pieces in coming:
                     rows = folder.rows(pieces)
-                    folder.write(chunk.number, rows)
+                    folder.write(chunk.start // folder.chunk, rows)
                     so_far = so_far.after(rows)
                     progress(so_far)
         return folder, so_far

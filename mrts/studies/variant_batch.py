@@ -21,7 +21,6 @@ from mrts.kernel.tracking import PATH, REFUSED
 from mrts.kernel.variants import variant_ranges
 from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
-from mrts.limits.motion_limits import limits_motion
 from mrts.limits.rows import ActiveRow
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
@@ -90,7 +89,7 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     limited = {entry.index[0] for entry in entries if entry.name.startswith("wrench")}
     has_rows = not np.any(free[list(limited)])  # a limit on what the cell leaves free is a row more than it has
     may_tilt = cell.plane is not None and not names.isdisjoint({"base_rpy", "grasp_rpy"})
-    return ideal and not limits_motion(cell) and has_rows and not turned_in_tip and not may_tilt
+    return ideal and not cell.limits_motion and has_rows and not turned_in_tip and not may_tilt
 
 
 class VariantBatch:

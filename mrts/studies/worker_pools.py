@@ -17,13 +17,12 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.util import find_spec
 from multiprocessing.resource_tracker import ensure_running
 from queue import Empty
 from types import NoneType
 from typing import Any
 
-from mrts.base.argument_types import check_type
+from mrts.base.argument_types import check_type, require_extra
 from mrts.base.errors import InputError
 from mrts.base.held_interrupt import held_interrupt
 
@@ -71,10 +70,10 @@ def check_workers(workers: int | None, scheduler: str | None) -> None:
         raise InputError("workers", "must be at least 1.", value=workers)
     if scheduler is not None and workers is not None:
         raise InputError("workers", "goes with processes of this machine: a cluster has its own.", value=workers)
-    package, extra = ("joblib", "study") if scheduler is None else ("distributed", "cluster")
-    if find_spec(package) is None:
-        where = "workers" if scheduler is None else "scheduler"
-        raise InputError(where, f"needs {package}: pip install 'mrts[{extra}]'.", value=scheduler)
+    if scheduler is None:
+        require_extra("workers", "study", "joblib")
+    else:
+        require_extra("scheduler", "cluster", "distributed", value=scheduler)
 
 
 @contextmanager

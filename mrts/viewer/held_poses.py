@@ -7,12 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
-from mrts.collisions.bodies import body_poses
 from mrts.following.tracking import FURTHER_STEPS, reached, solve_grasps
 from mrts.motion.object_motion import ObjectMotion
+from mrts.scene.cell_shapes import tip_at_posture
 from mrts.scene.scene import Scene
 
 MOST_SAMPLES = 41
@@ -41,15 +39,9 @@ class HeldPoses:
 def still_motion(cell: Cell) -> ObjectMotion:
     """The object at rest where the first arm holds it at its posture."""
     robot = cell.robots[0]
-    R, p = body_poses(robot, robot.posture[None])
-    held = tip_pose(robot, R[0], p[0]) @ robot.T_object_tip.inverse()
+    held = tip_at_posture(robot) @ robot.T_object_tip.inverse()
     rest = np.zeros((2, 6))
     return ObjectMotion(np.array([0.0, 1.0]), np.tile(held.p, (2, 1)), np.tile(held.R, (2, 1, 1)), rest, rest)
-
-
-def tip_pose(robot: Robot, R: Array, p: Array) -> RigidTransform:
-    """A tip in the world, of bodies at R, Shape (n_i + 1, 3, 3), and p, Shape (n_i + 1, 3) [m]."""
-    return RigidTransform(R[-1], p[-1]) @ robot.T_base_tip
 
 
 def held_poses(cell: Cell, motion: ObjectMotion, message: str = "") -> HeldPoses:

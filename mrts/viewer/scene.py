@@ -218,11 +218,10 @@ class ViewerScene:
         moment = self._course.moment(place)
         self._drawn.move(moment)
         wrench = blended(state.trajectory.wrench, place)
-        contacts = contact_forces(moment.cell, moment.position, moment.rotation, wrench)
-        points = (contacts.point - moment.position) @ moment.rotation
-        forces, moments = contacts.force @ moment.rotation, contacts.moment @ moment.rotation
-        self._forces.points = self._arrows(points, forces * self.metres_per_newton)
-        self._moments.points = self._arrows(points, moments * self.metres_per_newton_metre)
+        point, force, turning = contact_forces(moment.cell, moment.position, moment.rotation, wrench)
+        points = (point - moment.position) @ moment.rotation
+        self._forces.points = self._arrows(points, force @ moment.rotation * self.metres_per_newton)
+        self._moments.points = self._arrows(points, turning @ moment.rotation * self.metres_per_newton_metre)
         self._show_gaps({})
 
     def held_pose(self, sample: int) -> RigidTransform:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from conftest import DATA
+from conftest import DATA, UR5
 from motor_recordings import exact_recording, random_motors, write_recording
 
 import mrts
@@ -88,7 +88,7 @@ def good(planar_cell):
         "rank_configurations": search | with_solver,
         "place": {"study": study, "starts": 1, "looked_at": 2, "seconds": None}
         | {"between": None, "progress": lambda _done, _total: None},
-        "read_study": {"path": DATA.parent / "dual_ur5" / "study.yaml"},
+        "read_study": {"path": UR5 / "study.yaml"},
         "read_study_folder": {"path": "swept"},
         "retime": search | plan | smooth,
         "sample_motion": {"description": description},

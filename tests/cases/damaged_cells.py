@@ -4,27 +4,21 @@ from copy import deepcopy
 
 import numpy as np
 import yaml
-from conftest import DATA
+from conftest import UR5
+from shipped_cells import cell_file, shipped, shipped_motion
 
-FOLDER = DATA.parent / "dual_ur5"
-URDF = FOLDER / "ur5_class_arm.urdf"
+URDF = UR5 / "ur5_class_arm.urdf"
 
 
 def sound():
     """Cell and motion as they are shipped, the URDF by its absolute path."""
-    cell = yaml.safe_load((FOLDER / "cell.yaml").read_text(encoding="utf-8"))
-    for robot in cell["robots"]:
-        robot["urdf"] = str(URDF)
-    motion = yaml.safe_load((FOLDER / "lift_and_turn.yaml").read_text(encoding="utf-8"))
-    return cell, motion | {"samples": 21}
+    return shipped("dual_ur5"), shipped_motion("dual_ur5", samples=21)
 
 
 def written(folder, cell, motion):
     """Both as files."""
-    paths = folder / "cell.yaml", folder / "motion.yaml"
-    for path, data in zip(paths, (cell, motion), strict=True):
-        path.write_text(yaml.safe_dump(data, allow_unicode=True), encoding="utf-8")
-    return paths
+    (folder / "motion.yaml").write_text(yaml.safe_dump(motion, allow_unicode=True), encoding="utf-8")
+    return cell_file(folder, cell), folder / "motion.yaml"
 
 
 def _scale(block, key, factor):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import yaml
+from shipped_cells import sampled
 
 import mrts
 
@@ -42,7 +43,7 @@ def gantries(folder, velocity=0.0, wrench=None, variation=None, object_velocity=
 def along_x(samples=101, **changes):
     description = {"duration": 1.0, "samples": samples, "profile": "cubic"}
     description |= {"start": {"xyz": [0, 0, 0]}, "end": {"xyz": [2, 0, 0]}}
-    return mrts.sample_motion(mrts.MotionDescription.model_validate(description | changes))
+    return sampled(description | changes)
 
 
 def there_and_back(turn, samples=101, wait=0):

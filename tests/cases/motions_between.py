@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import yaml
 from motion_tables import columns_of, object_columns, write_table
+from shipped_cells import sampled
 
 import mrts
 from mrts.following.coordinate import coordinate
@@ -32,7 +33,7 @@ class Drawn:
         """The motion with its own samples, or `factor` times as dense."""
         samples = (self.keys["samples"] - 1) * factor + 1
         if self.path is None:
-            return mrts.sample_motion(mrts.MotionDescription.model_validate(self.keys | {"samples": samples}))
+            return sampled(self.keys | {"samples": samples})
         self.path.write_text(yaml.safe_dump(self.keys | {"samples": samples}))
         return mrts.load_motion(self.path)
 
@@ -73,7 +74,7 @@ def draw(rng, cell, kind, folder):
     if kind == "waypoints":
         return Drawn(keys | {"waypoints": poses_of(rng, cell, int(rng.integers(3, 6)))})
     path = keys | {"waypoints": corner_of(cell, steps=int(rng.integers(1, 6)))}
-    rows = mrts.sample_motion(mrts.MotionDescription.model_validate(path))
+    rows = sampled(path)
     columns = object_columns(rows, rates=False)
     if kind == "joints":
         columns = columns_of(cell, mrts.follow_object(cell, rows), ("q",))

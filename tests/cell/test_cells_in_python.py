@@ -9,6 +9,7 @@ import pytest
 import yaml
 from conftest import DATA
 from same_cells import same_cell
+from shipped_cells import changed_cell
 
 import mrts
 
@@ -63,11 +64,9 @@ def test_the_rules_and_words_are_those_of_a_file(change, tmp_path):
     change(description)
     with pytest.raises(mrts.InputError) as refused:
         from_dict(description, "planar_dual_arm")
-    for arm in description["robots"]:
-        arm["urdf"] = str(DATA / arm["urdf"])
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description))
+    path = changed_cell(tmp_path, change)
     with pytest.raises(mrts.InputError) as from_file:
-        mrts.load_cell(tmp_path / "cell.yaml")
+        mrts.load_cell(path)
     assert [(one.key, one.rule) for one in from_file.value.each()] == [
         (one.key, one.rule) for one in refused.value.each()
     ]

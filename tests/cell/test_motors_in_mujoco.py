@@ -3,8 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-import yaml
-from conftest import DATA
+from conftest import DATA, UR5
 from mujoco_cells import (
     PLANAR_MOTORS,
     POSITION_GAIN,
@@ -19,10 +18,10 @@ from mujoco_cells import (
     with_motors,
 )
 from scipy.interpolate import CubicSpline, make_interp_spline
+from shipped_cells import sampled, shipped_motion
 
 import mrts
 
-UR5 = DATA.parent / "dual_ur5"
 SAME_TORQUE = 1e-9
 """Between two formulations of the same dynamics, in N m of friction and as a share of the largest torque: the rounding
 of a thousand operations on terms a thousand times as large."""
@@ -91,8 +90,7 @@ def played():
     """Largest errors of the joints along the plan, with the friction of the plan fed forward, and without [rad]."""
     cell, _, urdf = cases("dual_ur5")
     cell = cell.without_velocity_limits()
-    description = yaml.safe_load((UR5 / "lift_and_turn.yaml").read_text()) | {"samples": 1001}
-    done = mrts.scale(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description))).trajectory
+    done = mrts.scale(cell, sampled(shipped_motion("dual_ur5", samples=1001))).trajectory
     return {kind: largest_error(cell, urdf, done, forward) for kind, forward in (
         ("with", done.torque), ("without", done.torque - done.friction),
     )}  # fmt: skip

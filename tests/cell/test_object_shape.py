@@ -1,7 +1,6 @@
 """The shape of the object: what it weighs where nothing is said of its inertia, and that it stays with the cell."""
 
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,12 +8,12 @@ import trimesh
 import yaml
 from conftest import DATA
 from scipy.spatial.transform import Rotation
+from shipped_cells import cell_file, shipped
 
 import mrts
 from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface
 from mrts.cell.generation import generate_to
-from mrts.scene.cell_shapes import object_box
-from mrts.scene.held_body import object_edges, object_surface
+from mrts.scene.held_body import held_body, object_edges
 from mrts.studies.variant_numbers import varied_entries
 
 ROUNDING = 1e-12
@@ -23,16 +22,12 @@ MASS = 1.5
 
 
 def described(shape, **keys):
-    given = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
-    return given | {"object": {"mass": MASS, "shape": shape} | keys}
+    return shipped() | {"object": {"mass": MASS, "shape": shape} | keys}
 
 
 def shaped(folder, shape, **keys):
     """The planar cell with another object."""
-    given = described(shape, **keys)
-    for robot in given["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    return mrts.Cell.from_description(given, folder=folder)
+    return mrts.Cell.from_description(described(shape, **keys), folder=folder)
 
 
 def tetrahedron_inertia(mass, corners):
@@ -94,6 +89,11 @@ def test_mistakes_in_a_shape(mistake, broken):
         shaped(broken, shape)
 
 
+def surface(cell):
+    body = held_body(cell)
+    return body.vertices, body.faces
+
+
 def volume(vertices, triangles):
     """Of a closed surface whose triangles run counterclockwise from outside; every side must lie between two."""
     sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
@@ -101,19 +101,17 @@ def volume(vertices, triangles):
     return np.einsum("ti,ti->", vertices[triangles[:, 0]], np.cross(*np.moveaxis(vertices[triangles[:, 1:]], 1, 0))) / 6
 
 
-def test_what_is_drawn_is_the_shape(tmp_path, planar_cell):
+def test_what_is_drawn_is_the_shape(tmp_path):
     box = shaped(tmp_path, {"box": [0.3, 0.2, 0.1]})
-    assert volume(*object_surface(box)) == pytest.approx(0.006)
-    assert len(object_edges(*object_surface(box))) == 12
+    assert volume(*surface(box)) == pytest.approx(0.006)
+    assert len(object_edges(*surface(box))) == 12
     can = shaped(tmp_path, {"cylinder": {"radius": 0.1, "length": 0.4}})
-    assert volume(*object_surface(can)) == pytest.approx(np.pi * 0.004, rel=0.01)
-    assert len(object_edges(*object_surface(can))) == 64
-    nothing = replace(planar_cell, object_shape=None)
-    assert volume(*object_surface(nothing)) == pytest.approx(np.prod(object_box(nothing)))
+    assert volume(*surface(can)) == pytest.approx(np.pi * 0.004, rel=0.01)
+    assert len(object_edges(*surface(can))) == 64
     fine = trimesh.creation.icosphere(subdivisions=5, radius=0.2)
     fine.export(tmp_path / "ball.ply")
     ball = shaped(tmp_path, {"mesh": "ball.ply", "pose": {"xyz": [0.0, 0.001, 0.0]}})
-    vertices, triangles = object_surface(ball)
+    vertices, triangles = surface(ball)
     assert len(fine.faces) > 20_000
     assert 500 < len(triangles) <= 2000
     assert np.linalg.norm(vertices - [0, 0.001, 0], axis=1) == pytest.approx(0.2, rel=0.05)
@@ -133,13 +131,9 @@ def test_it_stays_with_the_cell(tmp_path):
     """In a cell file written from it, a generated folder, another process, a saved result, and with more mass."""
     trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "part.stl")
     pose = {"quaternion_wxyz": [0.7071, 0, 0, 0.7071]}
-    path = tmp_path / "cell.yaml"
-    given = described({"mesh": "part.stl", "pose": pose})
-    for robot in given["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    path.write_text(yaml.safe_dump(given), encoding="utf-8")
+    path = cell_file(tmp_path, described({"mesh": "part.stl", "pose": pose}))
     cell = mrts.load_cell(path)
-    surface = object_surface(cell)
+    drawn = surface(cell)
     cell.to_yaml(tmp_path / "again.yaml")
     written = yaml.safe_load((tmp_path / "again.yaml").read_text(encoding="utf-8"))["object"]["shape"]
     assert (written["mesh"], written["pose"]["rpy"]) == ("part.stl", [0.0, 0.0, np.pi / 2])
@@ -153,7 +147,7 @@ def test_it_stays_with_the_cell(tmp_path):
         mrts.load_result(tmp_path / "result.npz").cell,
         cell.with_mass(2.0),
     ):
-        for ours, theirs in zip(surface, object_surface(other), strict=True):
+        for ours, theirs in zip(drawn, surface(other), strict=True):
             np.testing.assert_allclose(theirs, ours, rtol=0, atol=ROUNDING)
     trimesh.creation.box((0.3, 0.2, 0.2)).export(tmp_path / "part.stl")  # the cache has the old one
     assert mrts.load_cell(path).inertia[0, 0] == pytest.approx(MASS / 12 * (0.09 + 0.04))
@@ -162,10 +156,7 @@ def test_it_stays_with_the_cell(tmp_path):
 def test_a_study_of_the_mass_takes_the_inertia_along(tmp_path):
     """One variant at a time, wherever the study is solved; the mesh goes with it."""
     trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "part.stl")
-    given = described({"mesh": "part.stl"})
-    for robot in given["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
+    cell_file(tmp_path, described({"mesh": "part.stl"}))
     (tmp_path / "study.yaml").write_text(
         f"cell: cell.yaml\nmotion: {DATA / 'lift.yaml'}\nvary: {{object.mass: [1, 3]}}\n"
     )

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 import trimesh
 import yaml
-from conftest import DATA
 from mrts_codegen.cell_file import cell_description
 from mrts_codegen.cell_model import build_cell_model
+from shipped_cells import shipped
 
 import mrts
 from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
 
-SQUEEZE = DATA.parent / "squeeze" / "cell.yaml"
 PAD = {"friction": 0.5, "normal": [0, 0, 1], "half_width": [0.03, 0.02], "force": [0, 100]}
 CUP = {"holding_force": 80, "friction": 0.5, "radius": 0.03, "normal": [0, 0, 1]}
 SIDES, RADIUS, LENGTH, BALL = np.array([0.5, 0.3, 0.1]), 0.1, 0.4, 0.2
@@ -23,9 +22,7 @@ SLANT = 0.7  # of a normal against its face, at most, as tan
 
 def squeezed(object_=None, **robot):
     """What the shipped cell says, with another object and another left robot."""
-    cell = yaml.safe_load(SQUEEZE.read_text())
-    for each in cell["robots"]:
-        each["urdf"] = str(DATA.parent / "dual_ur5" / "ur5_class_arm.urdf")
+    cell = shipped("squeeze")
     cell["object"] = {"mass": 6.0, "inertia": [0.05, 0.13, 0.17]} | (object_ or {})
     cell["robots"][0] |= robot
     return cell

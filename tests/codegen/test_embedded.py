@@ -12,8 +12,9 @@ import pytest
 import yaml
 from conftest import DATA, ROOT
 from embedded_target import cross_compile, missing_tools, run_on_target
-from exported_library import SANITIZED, changed_cell, link, run, sources, tool
+from exported_library import SANITIZED, link, run, sources, tool
 from loaded_library import LoadedLibrary
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cell.generation import export_to

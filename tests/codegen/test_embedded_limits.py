@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import DATA
-from exported_library import changed_cell, run
+from exported_library import run
 from loaded_library import LoadedLibrary
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cell.generation import export_to

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from conftest import DATA
 from draws import seeds
-from exported_library import changed_cell, run, sources, tool
+from exported_library import run, sources, tool
 from loaded_library import PLACES, LoadedLibrary, reals, structure
 from scipy.optimize import linprog
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cell.motors import JointMotors

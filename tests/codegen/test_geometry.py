@@ -11,6 +11,7 @@ from mrts_codegen.content_key import chains_key
 from mrts_codegen.function_registry import build_functions
 from mrts_codegen.generate import generate_chains
 from published_robots import ROBOTS
+from shipped_cells import cell_file, shipped
 
 import mrts
 from mrts.cell.generation import CACHED_STEM, generate_to
@@ -63,15 +64,8 @@ def test_functions_of_geometry_are_those_with_it_folded_in(tmp_path):
 
 def test_another_number_of_a_cell_file_needs_no_generation(tmp_path, monkeypatch):
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
-    description = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in description["robots"]:
-        robot["urdf"] = str(DATA / robot["urdf"])
-
-    def read():
-        (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
-        return mrts.load_cell(tmp_path / "cell.yaml")
-
-    first = read()
+    description = shipped()
+    first = mrts.load_cell(cell_file(tmp_path, description))
     monkeypatch.setattr("mrts_codegen.generate.generate_chains", None)
     monkeypatch.setattr("mrts.kernel.compiler.compile_library", None)
     description["name"] = "another"
@@ -80,7 +74,7 @@ def test_another_number_of_a_cell_file_needs_no_generation(tmp_path, monkeypatch
     description["robots"][1]["grasp"]["xyz"] = [1.15, 0.0, 0.0]
     description["robots"][1]["torque"][0] = 77.0
     description["object"]["mass"] = 1.0
-    second = read()
+    second = mrts.load_cell(cell_file(tmp_path, description))
     assert second.functions.manifest.source_sha256 == first.functions.manifest.source_sha256
     assert not np.array_equal(second.geometry, first.geometry)
     monkeypatch.undo()

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cell.hands import pad_contact
 from mrts.scaling.limit_use import limit_uses
-
-UR5 = DATA.parent / "dual_ur5"
 
 PAD = {"friction": 0.5, "normal": [0, 0, 1], "half_width": [0.03, 0.02], "force": [0, 100]}
 CUP = {"holding_force": 80, "friction": 0.5, "radius": 0.03, "normal": [0, 0, 1]}
@@ -17,20 +15,13 @@ JAWS = {"force": 60, "friction": 0.5, "half_width": [0.02, 0.01], "axis": [0, 1,
 FLAT = {"friction": 0.5, "normal": [0, 1, 0], "half_width": [0.03], "force": [0, 100]}
 
 
-def cell_with(contacts, place, data=UR5, file="ur5_class_arm.urdf", **change):
+def cell_with(contacts, place, name="dual_ur5", **change):
     """A shipped cell with contacts of the left robot."""
-    cell = yaml.safe_load((data / "cell.yaml").read_text())
-    for robot in cell["robots"]:
-        robot["urdf"] = str(data / file)
-    cell["robots"][0]["contact"] = contacts
-    cell["robots"][0] |= change
-    path = place / "cell.yaml"
-    path.write_text(yaml.safe_dump(cell))
-    return path
+    return changed_cell(place, lambda cell: cell["robots"][0].update(contact=contacts, **change), name)
 
 
 def planar_with(contacts, place, **change):
-    return cell_with(contacts, place, DATA, "planar_arm.urdf", **change)
+    return cell_with(contacts, place, "planar_dual_arm", **change)
 
 
 def test_contacts_are_read_in_order_and_named_by_kind(tmp_path):

@@ -180,7 +180,7 @@ def test_without_coal_it_is_said_that_nothing_was_looked_at(monkeypatch):
     cell = mrts.load_cell(UR5 / "cell.yaml")
     with pytest.raises(mrts.InputError) as error:
         mrts.clearance(cell, lifting())
-    assert error.value.where == "coal"
+    assert error.value.where == "collisions"
 
 
 def test_surroundings_in_the_cell_file(tmp_path):

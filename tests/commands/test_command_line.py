@@ -6,9 +6,9 @@ import shutil
 import subprocess
 
 import pytest
-import yaml
 from command_line import mrts_command, mrts_process
-from conftest import DATA
+from conftest import DATA, UR5
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cli import main
@@ -69,12 +69,8 @@ def test_options_choose_the_speed_and_the_sharing():
 
 
 def test_an_infeasible_motion_is_an_outcome(tmp_path):
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    cell["object"]["mass"] = 60
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
-    arguments = ("scale", tmp_path / "cell.yaml", DATA / "lift.yaml", "--json", tmp_path / "r.json", "--plot", tmp_path)
+    path = changed_cell(tmp_path, lambda cell: cell["object"].update(mass=60))
+    arguments = ("scale", path, DATA / "lift.yaml", "--json", tmp_path / "r.json", "--plot", tmp_path)
     done = mrts_command(*arguments)
     assert done.returncode == 1
     assert done.stderr == ""
@@ -150,7 +146,7 @@ def test_no_output_overwrites_a_file_that_was_read(tmp_path, monkeypatch, capsys
     assert out.startswith("planar_dual_arm: ")
     assert (tmp_path / "planar_arm.urdf").read_bytes() == before
     assert (tmp_path / "result.json").exists()
-    shutil.copytree(DATA.parent / "dual_ur5", "dual")
+    shutil.copytree(UR5, "dual")
     assert main(["place", "dual/place.yaml", "-o", "dual/poor_cell.yaml"]) == 2
     assert capsys.readouterr().out == ""  # before the search
 

@@ -6,7 +6,8 @@ from contextlib import contextmanager
 import pytest
 import yaml
 from command_line import mrts_command
-from layouts import DATA, shipped, write_study
+from layouts import DATA, write_study
+from shipped_cells import shipped
 
 import mrts
 import mrts.commands.place

@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
+from shipped_cells import cell_file, shipped
 
 import mrts
 from mrts.cli import main
@@ -17,13 +17,8 @@ SMOOTH = ("scale", CELL, LIFT, "--profile", "smooth", "--rates", "11.5")
 @pytest.fixture(scope="module")
 def rated(tmp_path_factory):
     """The shipped cell with torque rates in its file."""
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-        robot["motors"] = {"torque_rate": [1150, 920, 575]}
-    path = tmp_path_factory.mktemp("rated") / "cell.yaml"
-    path.write_text(yaml.safe_dump(cell))
-    return str(path)
+    motors = {"torque_rate": [1150, 920, 575]}
+    return str(cell_file(tmp_path_factory.mktemp("rated"), shipped(motors=motors)))
 
 
 def answered(capsys, *words):

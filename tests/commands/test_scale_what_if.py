@@ -4,6 +4,7 @@ import json
 
 import pytest
 from conftest import DATA
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cli import main
@@ -48,9 +49,8 @@ def test_it_goes_with_other_questions(planar_cell, lift, tmp_path, capsys):
 
 @pytest.mark.quick
 def test_an_infeasible_motion_says_what_would_help(tmp_path, capsys):
-    description = (DATA / "cell.yaml").read_text().replace("mass: 0.5", "mass: 12.8")
-    (tmp_path / "cell.yaml").write_text(description.replace("planar_arm.urdf", str(DATA / "planar_arm.urdf")))
-    assert main(["scale", str(tmp_path / "cell.yaml"), LIFT, "--what-if"]) == 1
+    path = changed_cell(tmp_path, lambda cell: cell["object"].update(mass=12.8))
+    assert main(["scale", str(path), LIFT, "--what-if"]) == 1
     said = capsys.readouterr().out
     assert "\n\nwhat if: ±10 % of limits and mass" in said
     assert "now infeasible" in said

@@ -55,7 +55,7 @@ def test_a_study_without_a_feasible_variant_says_so_by_its_exit_code(tmp_path):
 
 def test_a_missing_joblib_is_named_before_any_work(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(
-        "mrts.studies.worker_pools.find_spec", lambda name: None if name == "joblib" else find_spec(name)
+        "mrts.base.argument_types.find_spec", lambda name: None if name == "joblib" else find_spec(name)
     )
     assert main(["sweep", str(study_file(tmp_path)), "-o", str(tmp_path / "out")]) == 2
     assert "--workers: needs joblib: pip install 'mrts[study]'" in capsys.readouterr().err

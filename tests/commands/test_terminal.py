@@ -10,16 +10,15 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-import yaml
 from command_line import mrts_command, mrts_process
-from conftest import DATA, ROOT
+from conftest import DATA, ROOT, UR5
 from motor_recordings import exact_recording, random_motors, write_recording
+from shipped_cells import cell_file, changed_cell, shipped
 from terminal_session import at_terminal
 
 import mrts
 from mrts.cli import COMMANDS, main
 
-UR5 = DATA.parent / "dual_ur5"
 MRTS = (sys.executable, "-m", "mrts")
 LIFT = ("scale", DATA / "cell.yaml", DATA / "lift.yaml")
 CLEARED = "\r\x1b[K"
@@ -47,16 +46,13 @@ count: 4
 """
 
 
-def varied(shipped, folder, **variation):
+def varied(name, folder, **variation):
     """A copy of a shipped cell file whose load varies, and may need any wrenches."""
-    cell = yaml.safe_load((shipped / "cell.yaml").read_text())
+    cell = shipped(name)
     cell["object"]["variation"] = variation
     for robot in cell["robots"]:
-        robot["urdf"] = str(shipped / robot["urdf"])
         robot.pop("wrench", None)
-    path = folder / "cell.yaml"
-    path.write_text(yaml.safe_dump(cell))
-    return path
+    return cell_file(folder, cell)
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +60,7 @@ def uncertain(tmp_path_factory):
     """A cell, generated already, whose load has 128 corners: seconds of work for every question."""
     factors = {name: [0.5, 1.5] for name in ("mass", "ixx", "iyy", "izz")}
     moments = {name: [-0.1, 0.1] for name in ("mx", "my", "mz")}
-    path = varied(UR5, tmp_path_factory.mktemp("uncertain"), **factors, **moments)
+    path = varied("dual_ur5", tmp_path_factory.mktemp("uncertain"), **factors, **moments)
     mrts.load_cell(path)
     return path
 
@@ -84,13 +80,9 @@ def test_colours_tell_the_outcome_the_failure_and_the_notes(tmp_path):
     feasible = at_terminal(command).shown
     assert "\x1b[1mdual_ur5: c² ∈ [0, 22.98]" in feasible
     assert "\x1b[33mnote: left/elbow" in feasible
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    cell["object"]["mass"] = 60
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    heavy = changed_cell(tmp_path, lambda cell: cell["object"].update(mass=60))
     assert "\x1b[1m" not in at_terminal([*MRTS, *LIFT], NO_COLOR="").shown
-    infeasible = at_terminal([*MRTS, "scale", tmp_path / "cell.yaml", DATA / "lift.yaml"])
+    infeasible = at_terminal([*MRTS, "scale", heavy, DATA / "lift.yaml"])
     assert infeasible.code == 1
     assert "\x1b[1;31mplanar_dual_arm: infeasible" in infeasible.shown
     wrong = at_terminal([*MRTS, "scale", tmp_path / "cel.yaml", DATA / "lift.yaml"], COLUMNS="300")
@@ -178,7 +170,7 @@ def test_help_has_examples_and_imports_nothing_heavy():
 @pytest.mark.slow
 def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
     """The examples run as they stand, in a folder with the files that they name."""
-    varied(DATA, tmp_path, mass=[0.5, 2], izz=[0.5, 2])
+    varied("planar_dual_arm", tmp_path, mass=[0.5, 2], izz=[0.5, 2])
     shutil.copy(DATA / "lift.yaml", tmp_path / "motion.yaml")
     cell = mrts.load_cell(tmp_path / "cell.yaml")
     (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
-from conftest import DATA
+from conftest import UR5
 
 import mrts
 from mrts.base.arrays import apply
@@ -16,8 +16,6 @@ from mrts.following.denser_motion import between_samples
 from mrts.following.grasp_closure import GIVEN_CLOSURE, ClosureBound, grasp_gaps, nearest_rates
 from mrts.following.tracking import CONDITION_LIMIT, tip_rates
 from mrts.kernel.tracking import closure_sizes
-
-UR5 = DATA.parent / "dual_ur5"
 
 ROUNDING = 1e-12
 """Of what is found in another order of the same operations, of sizes about 1."""

@@ -7,14 +7,12 @@ import pytest
 import yaml
 from casadi_cells import casadi_cell
 from cell_bank import random_spatial_cell
-from conftest import DATA
+from conftest import UR5
 from followed_motions import assert_consistent, motion
 from published_robots import CASES, ROBOTS
 
 import mrts
 from mrts.following.coordinate import coordinate
-
-UR5 = DATA.parent / "dual_ur5"
 
 
 def test_a_dual_arm_cell_follows_a_turning_object(dual_ur5):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import UR5
 from motion_tables import codes, columns_of, exact_motions, perturbed, read, write_table
 from scipy.interpolate import CubicSpline
 
@@ -13,8 +13,6 @@ from mrts.following.coordinated_motion import tip_motions
 from mrts.following.grasp_closure import grasp_gaps
 from mrts.following.tracking import tip_rates
 from mrts.viewer.player_state import PlayerState
-
-UR5 = DATA.parent / "dual_ur5"
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import UR5
 from published_robots import CASES, urdf_path
 
 import mrts
@@ -32,7 +32,7 @@ def test_no_joint_positions_reach_further_and_some_nearly_as_far(name):
 
 
 def test_a_grasp_beyond_all_links_is_refused_without_a_search():
-    cell = mrts.load_cell(DATA.parent / "dual_ur5" / "cell.yaml").with_values({"robots.left.base.xyz": [-3.0, 0, 0]})
-    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    cell = mrts.load_cell(UR5 / "cell.yaml").with_values({"robots.left.base.xyz": [-3.0, 0, 0]})
+    motion = mrts.load_motion(UR5 / "lift_and_turn.yaml")
     with pytest.raises(mrts.MotionError, match=r"robot 'left' cannot reach .* its shoulder and reaches 0.918409 m"):
         mrts.scale(cell, motion)

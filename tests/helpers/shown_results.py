@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 from cell_bank import random_planar_cell, random_spatial_cell
-from conftest import DATA
+from conftest import UR5
+from shipped_cells import still_motion
 
 import mrts
 from mrts.cell.functions import CellFunctions
@@ -17,13 +18,6 @@ KINDS = (
 
 AWKWARD = "</script><script>window.broken=1</script>"
 UGLY_JOINTS = tuple(f"_<img src=x onerror=window.broken=1>$x$ & joint {number} with a long name" for number in range(3))
-
-
-def still_motion(lift):
-    """An object that rests."""
-    here = {"xyz": lift.position[0].tolist()}
-    description = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": here, "end": here}
-    return mrts.sample_motion(mrts.MotionDescription.model_validate(description))
 
 
 def as_if_generated(cell, **changes):
@@ -82,11 +76,11 @@ def result_of(kind, planar, spatial, lift, folder):
     uncertain = planar.with_variation(mass=(0.2, 6.0), izz=(0.5, 2.0), mx=(-0.02, 0.02))
     makers = {
         "planar": lambda: mrts.scale(planar, lift),
-        "spatial": lambda: mrts.scale(spatial, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")),
+        "spatial": lambda: mrts.scale(spatial, mrts.load_motion(UR5 / "lift_and_turn.yaml")),
         "infeasible": lambda: mrts.scale(planar.with_mass(24.0), lift),
         "empty": lambda: braking_only(planar, lift, 53),  # slower than the end allows is too slow at the start
         "least speed": lambda: braking_only(planar, lift, 60),
-        "unbounded": lambda: mrts.scale(planar, still_motion(lift)),
+        "unbounded": lambda: mrts.scale(planar, still_motion(lift.position[0])),
         "guaranteed": lambda: mrts.scale(uncertain, lift),
         "infeasible load": lambda: mrts.scale(planar.with_variation(mass=(1.0, 48.0)), lift),
         "possible": lambda: mrts.scale(planar.with_variation(mass=(0.2, 6.0)), lift, load="possible"),

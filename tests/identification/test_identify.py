@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from conftest import DATA
+from conftest import DATA, UR5
 from gantries import gantries
 from motor_recordings import (
     EFFORT_NOISE,
@@ -21,12 +21,12 @@ from motor_recordings import (
 )
 from scipy.integrate import cumulative_simpson
 from scipy.signal import lfilter
+from shipped_cells import cell_file, shipped
 
 import mrts
 
 FILE = Path("recorded.csv")
 KINDS = ("armature", "viscous", "coulomb")
-UR5 = DATA.parent / "dual_ur5"
 EXACT = 1e-6
 """Relative: what a filter of 100 Hz takes of the torques of links that move at 1 Hz, and rounding of differences."""
 FOUND = 0.02
@@ -291,12 +291,10 @@ def test_identified_motors_go_into_the_cell_file_and_slow_the_motion(planar_cell
     blocks = {
         robot["name"]: robot["motors"] for robot in yaml.safe_load((tmp_path / "motors.yaml").read_text())["robots"]
     }
-    text = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in text["robots"]:
-        robot["urdf"] = str(DATA / robot["urdf"])
+    keys = shipped()
+    for robot in keys["robots"]:
         robot["motors"] = blocks[robot["name"]]
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(text))
-    cell = mrts.load_cell(tmp_path / "cell.yaml")
+    cell = mrts.load_cell(cell_file(tmp_path, keys))
     for robot in cell.robots:
         for kind in KINDS:
             np.testing.assert_allclose(getattr(robot.motors, kind), getattr(motors, kind)[:3], rtol=1e-4)

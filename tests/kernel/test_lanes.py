@@ -7,8 +7,8 @@ import subprocess
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA, ROOT
+from shipped_cells import sampled, shipped_motion
 
 import mrts
 from mrts.base.manifest import GEOMETRY
@@ -28,7 +28,6 @@ from mrts.timing.retimed_motion import path_places
 
 C = ROOT / "mrts" / "kernel" / "c"
 GCC = shutil.which("gcc") or "gcc"
-CELLS = {"planar_dual_arm": "lift.yaml", "dual_ur5": "lift_and_turn.yaml"}
 SAMPLES = 301
 """Two chunks, and a last group that is not full."""
 
@@ -68,8 +67,7 @@ def answers(request, tmp_path_factory):
     manifest, generated = generated_in_cache(path / "cell.yaml")
     (folder / "cell.c").write_text(cell_source(manifest, generated.read_text(encoding="utf-8")), encoding="utf-8")
     cell = mrts.load_cell(path / "cell.yaml")
-    given = yaml.safe_load((path / CELLS[request.param]).read_text()) | {"samples": SAMPLES}
-    motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
+    motion = mrts.follow_object(cell, sampled(shipped_motion(request.param, samples=SAMPLES)))
     rows = limit_rows(cell.without_velocity_limits(), motion)
     matrix = np.hstack([rows.torque_matrix, rows.wrench_matrix])
     limits = SparseLimits(matrix=matrix, lower=rows.lower, upper=rows.upper, group=[name.unit for name in rows.names])

@@ -7,9 +7,8 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import DATA, ROOT
+from conftest import DATA, ROOT, UR5
 
-UR5 = DATA.parent / "dual_ur5"
 GCC = shutil.which("gcc") or "gcc"
 CLANG = shutil.which("clang") or "clang"
 HOSTILE = (np.nan, np.inf, -np.inf, 1e308, -1e308, 1e-300, 1e-320, 5e-324, 0.0)

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
-from conftest import DATA
 from contact_forces import least_pressing
 
 import mrts
@@ -15,11 +14,6 @@ from mrts.limits.rows import object_axes
 
 SAME = 1e-8
 """Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""
-
-
-@pytest.fixture(scope="module")
-def lift_and_turn():
-    return mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
 
 
 def with_contacts(cell, *of_robots):

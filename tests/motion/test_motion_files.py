@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import UR5
 from motion_tables import joint_table, object_table, write_motion
 from scipy.integrate import cumulative_simpson
 from scipy.spatial.transform import Rotation
@@ -11,7 +11,6 @@ import mrts
 
 pytestmark = pytest.mark.quick
 
-UR5 = DATA.parent / "dual_ur5"
 WAYPOINTS = [
     {"xyz": [0.0, 0.1, 0.35], "rpy": [0, 0, 0]},
     {"xyz": [0.02, 0.15, 0.42], "rpy": [0.1, 0, 0.1]},

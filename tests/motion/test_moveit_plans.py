@@ -5,7 +5,7 @@ import sqlite3
 import numpy as np
 import pytest
 import yaml
-from conftest import DATA
+from conftest import UR5
 from moveit_bags import MOVEIT, display, robot_trajectory, with_moveit
 from ros_bags import message, trajectory, write_bag
 from rosbags.rosbag2 import StoragePlugin
@@ -18,7 +18,7 @@ TOPIC = "/display_planned_path"
 
 @pytest.fixture(scope="module")
 def followed(dual_ur5):
-    return mrts.follow_object(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    return mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cell_bank import random_planar_cell
 from command_line import mrts_without
-from conftest import DATA
+from conftest import DATA, UR5
 from mcap_ros2.writer import Writer as IndependentWriter
 from motion_tables import joint_table, object_table
 from ros_bags import DEFINITION, KIND, PARTS, TYPES, message, trajectory, write_bag
@@ -14,7 +14,6 @@ from ros_bags import DEFINITION, KIND, PARTS, TYPES, message, trajectory, write_
 import mrts
 from mrts.cli import main
 
-UR5 = DATA.parent / "dual_ur5"
 MOTIONS = {"planar_dual_arm": "lift", "dual_ur5": "lift_and_turn"}
 
 

@@ -51,6 +51,22 @@ def by_toppra(cell, model, path, grid):
         ),
         toppra.constraint.JointVelocityConstraint(speed),
     ]
+    return speeds_squared(constraints, path, grid)
+
+
+def motion_by_toppra(robot, path, grid):
+    """Likewise with the velocity and acceleration limits of an arm, and nothing else."""
+    speed = np.column_stack([-robot.velocity_limit, robot.velocity_limit])
+    acceleration = np.column_stack([robot.acceleration_lower, robot.acceleration_upper])
+    interpolation = {"discretization_scheme": DiscretizationType.Interpolation}
+    constraints = [
+        toppra.constraint.JointVelocityConstraint(speed),
+        toppra.constraint.JointAccelerationConstraint(acceleration, **interpolation),
+    ]
+    return speeds_squared(constraints, path, grid)
+
+
+def speeds_squared(constraints, path, grid):
     instance = toppra.algorithm.TOPPRA(constraints, path, gridpoints=grid, solver_wrapper="seidel")
     _, speeds, *_ = instance.compute_parameterization(0, 0)
     return None if speeds is None else np.asarray(speeds) ** 2

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import yaml
 from command_line import mrts_without
-from conftest import DATA
-from layouts import shipped
+from conftest import DATA, UR5
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
+from shipped_cells import shipped
 
 import mrts
 from mrts.cli import main
@@ -18,8 +18,6 @@ from mrts.output import TRAJECTORY_FORMATS
 from mrts.output.trajectory_table import played_rows
 
 pytestmark = pytest.mark.quick
-
-UR5 = DATA.parent / "dual_ur5"
 
 
 @pytest.fixture(scope="module")

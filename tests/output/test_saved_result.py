@@ -9,8 +9,8 @@ import pytest
 import yaml
 from casadi_cells import casadi_cell
 from conftest import DATA
-from layouts import shipped
 from same_cells import same_cell
+from shipped_cells import shipped
 from shown_results import result_of, still_motion, with_changes
 
 import mrts
@@ -19,9 +19,6 @@ from mrts.limits.cell_limits import torque_limits
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.plots.card import answer_card
 from mrts.report import report_html
-
-UR5 = DATA.parent / "dual_ur5"
-
 
 OTHERS = {
     "chosen": lambda cell, lift: mrts.scale(cell, lift, 0.5, weights=np.arange(1.0, 7.0), formulation="torque"),

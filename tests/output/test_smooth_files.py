@@ -1,12 +1,11 @@
 """Files of smooth timing: what a table, a bag and a saved result carry keeps its rates, and is the same again."""
 
 import csv
-import shutil
 
 import numpy as np
 import pytest
-import yaml
-from conftest import DATA
+from conftest import DATA, UR5
+from shipped_cells import changed_cell
 from shown_results import with_all_rates
 
 import mrts
@@ -30,7 +29,7 @@ there are, the timing was found for by an interior point that comes near its lim
 
 @pytest.fixture(scope="module")
 def spatial(dual_ur5):
-    motion = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    motion = mrts.load_motion(UR5 / "lift_and_turn.yaml")
     return mrts.retime(dual_ur5, motion, rates=11.0, between=None)
 
 
@@ -97,12 +96,8 @@ def test_torques_for_another_load_keep_the_rates_or_are_refused(planar_cell, lif
 
 
 def test_the_command_line_writes_all_files_with_the_torques_of_one_load(tmp_path, capsys):
-    for path in DATA.iterdir():
-        shutil.copy(path, tmp_path)
-    cell = yaml.safe_load((tmp_path / "cell.yaml").read_text())
-    cell["object"]["variation"] = {"mass": [0.2, 3.0]}
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
-    line = ["scale", str(tmp_path / "cell.yaml"), str(tmp_path / "lift.yaml"), "--profile", "smooth", "--rates", "11"]
+    path = changed_cell(tmp_path, lambda cell: cell["object"].update(variation={"mass": [0.2, 3.0]}))
+    line = ["scale", str(path), str(DATA / "lift.yaml"), "--profile", "smooth", "--rates", "11"]
     names = {"csv": "t.csv", "save": "r.npz", "json": "r.json", "report": "r.html", "plot": "plots", "ros-bag": "bag"}
     files = {option: tmp_path / name for option, name in names.items()}
     outputs = [word for name, path in files.items() for word in (f"--{name}", str(path))]

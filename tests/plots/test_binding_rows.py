@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import UR5
 
 import mrts
 from mrts.plots.plot import value_ends
@@ -18,9 +18,7 @@ TOO_HARD = np.array([2.5, 0, 0, -2.5, 0, 0])
 
 @pytest.fixture(scope="module")
 def spatial(dual_ur5):
-    return mrts.scale(
-        dual_ur5.without_velocity_limits(), mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
-    )
+    return mrts.scale(dual_ur5.without_velocity_limits(), mrts.load_motion(UR5 / "lift_and_turn.yaml"))
 
 
 @pytest.mark.quick

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import DATA, UR5
 
 import mrts
 from mrts.plots.limit_shares import limit_shares, limiting_rows
@@ -12,7 +12,7 @@ ROUNDING = 1e-9
 
 
 def test_shares_are_values_by_limits(dual_ur5):
-    result = mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    result = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     done = result.trajectory
     found = {of.kind: of for of in limit_shares(done)}
     assert list(found) == ["torque", "wrench", "velocity"]

@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
-from conftest import DATA
 from legible_figures import boxes_of_texts, check_legible, lines_of
+from shipped_cells import still_motion
 from shown_results import KINDS, renamed, result_of
 
 import mrts
@@ -24,8 +24,6 @@ from mrts.plots.limit_shares import all_shares
 from mrts.plots.plot import Axis, Band, Bars, Line, Panel, Plot, Points, Rule
 from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.range_plots import binding_lanes, upright_areas
-
-UR5 = DATA.parent / "dual_ur5"
 
 
 @pytest.fixture(scope="module")
@@ -169,17 +167,15 @@ def test_the_ranking_has_bars_and_marks_infeasible_and_unlimited_configurations(
     assert (crosses.symbol, len(crosses.x)) == ("cross", len(infeasible.ranked))
     reasons = plot.rows[0][0].y.beside
     assert sum(text.startswith("infeasible: ") for text in reasons) == len(infeasible.ranked) == 4
-    here = {"xyz": lift.position[0].tolist()}
-    description = {"duration": 1.0, "samples": 11, "profile": "quintic", "start": here, "end": here}
-    still = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
-    (bars,) = ranking_plot(mrts.rank_configurations(planar_cell, still), "still").rows[0][0].items
+    (bars,) = (
+        ranking_plot(mrts.rank_configurations(planar_cell, still_motion(lift.position[0])), "still").rows[0][0].items
+    )
     assert bars.hatch
 
 
 def test_an_object_out_of_reach_gets_a_figure_that_says_so(dual_ur5):
-    description = {"duration": 1.0, "profile": "quintic", "start": {"xyz": [0, 0, 3]}, "end": {"xyz": [0, 0, 3.1]}}
-    motion = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
-    figure = matplotlib_figure(ranking_plot(mrts.rank_configurations(dual_ur5, motion), "dual_ur5"))
+    study = mrts.rank_configurations(dual_ur5, still_motion([0, 0, 3]))
+    figure = matplotlib_figure(ranking_plot(study, "dual_ur5"))
     check_legible(figure)
     assert "no configuration reaches" in "".join(text.get_text() for text in boxes_of_texts(figure))
 

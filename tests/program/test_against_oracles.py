@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
 from gantries import UPHILL, along_x, gantries, uphill_gantries
+from shipped_cells import shipped_motion
 from smooth_program import Rates, quintic_path, smooth_timing, with_third
 
 import mrts
@@ -18,22 +18,14 @@ SAME = 1e-3
 """Share of the duration: both stop where a step wins less than 1e-4 or 1e-5 of it."""
 
 
-SHIPPED = {"planar": DATA, "dual": DATA.parent / "dual_ur5"}
-MOTIONS = {"planar": "lift.yaml", "dual": "lift_and_turn.yaml"}
-
-
-def described(folder, motion):
-    return mrts.MotionDescription.model_validate(yaml.safe_load((folder / motion).read_text(encoding="utf-8")))
-
-
 def shipped(name):
     """A shipped cell, its motion, and the torque rates that are asked for."""
-    cell = mrts.load_cell(SHIPPED[name] / "cell.yaml")
+    cell = mrts.load_cell(DATA.parent / name / "cell.yaml")
     limits = np.concatenate([robot.torque_upper for robot in cell.robots])
-    return cell, described(SHIPPED[name], MOTIONS[name]), RATE * limits
+    return cell, mrts.MotionDescription.model_validate(shipped_motion(name)), RATE * limits
 
 
-@pytest.mark.parametrize("name", ["planar", pytest.param("dual", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["planar_dual_arm", pytest.param("dual_ur5", marks=pytest.mark.slow)])
 def test_torque_rates_on_the_shipped_cells(name):
     cell, description, rates = shipped(name)
     ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None)
@@ -42,7 +34,7 @@ def test_torque_rates_on_the_shipped_cells(name):
 
 
 def test_jerk_and_wrench_rates_together():
-    cell, description, rates = shipped("planar")
+    cell, description, rates = shipped("planar_dual_arm")
     jerk, wrench = np.full(6, 3e3), np.tile([60.0, 60.0, 30.0], 2)
     robots = [
         replace(robot, motors=replace(robot.motors, jerk=jerk[:3]), contact_rate=wrench[:3]) for robot in cell.robots
@@ -57,7 +49,7 @@ def test_jerk_and_wrench_rates_together():
 
 def test_every_load_of_a_box_is_carried():
     """One timing for all corners of the box, each with torques of its own."""
-    cell, description, rates = shipped("planar")
+    cell, description, rates = shipped("planar_dual_arm")
     cell = cell.with_variation(mass=(0.5, 2.0), izz=(0.5, 3.0))
     ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None)
     loads = [cell.load_box.load_at({"mass": k, "izz": 1.0}) for k in (0.5, 2.0)]  # the bar does not turn
@@ -80,7 +72,7 @@ def test_friction_presses_and_helps(tmp_path):
 
 def test_torques_given_at_the_ends(planar_cell):
     """With other torques that hold still at the end than the best ones the motion takes longer."""
-    _, description, rates = shipped("planar")
+    _, description, rates = shipped("planar_dual_arm")
     motion = mrts.sample_motion(description)
     free = mrts.retime(planar_cell, motion, rates=RATE, between=None)
     path = with_third(free.pieces[0].piece.path)

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
-from conftest import DATA
+from conftest import DATA, UR5
 from gantries import along_x, gantries
 from motion_tables import columns_of, write_table
 from motions_between import DENSE, KINDS, corner_of, dense_excess, draw
+from shipped_cells import sampled, shipped_motion
 
 import mrts
 from mrts.program.excess import BETWEEN
@@ -92,9 +92,7 @@ def redundant():
 
 def trapezoid_lift(samples):
     """The redundant cell's lift by a trapezoid, whose acceleration jumps at a third and at two thirds of the time."""
-    keys = yaml.safe_load((DATA.parent / "redundant" / "lift.yaml").read_text())
-    keys |= {"profile": "trapezoid", "samples": samples}
-    return mrts.sample_motion(mrts.MotionDescription.model_validate(keys))
+    return sampled(shipped_motion("redundant", profile="trapezoid", samples=samples))
 
 
 def test_jumps_of_acceleration_are_found_at_any_number_of_samples(redundant):
@@ -128,7 +126,7 @@ def test_a_tolerance_that_is_none_is_refused(planar_cell, lift, wrong):
 
 
 def test_an_excess_is_told_with_its_limit_and_moment(dual_ur5):
-    found = mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    found = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     told = found.to_json()["excess"]
     assert 0 < told["share"] == found.excess.share < told["tolerance"] == BETWEEN
     assert (told["row"]["kind"], found.excess.passes) == ("velocity", False)

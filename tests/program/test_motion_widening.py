@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
 from random_motors import drawn_motors
+from shipped_cells import sampled, shipped_motion
 
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
@@ -18,20 +18,15 @@ from mrts.program.widening import motion_widening, widening_at
 from mrts.timing.path_pieces import PLACES, path_pieces
 from mrts.timing.retimed_motion import TimedPiece, between_path_samples
 
-SHIPPED = {
-    "planar_dual_arm": "lift.yaml",
-    "dual_ur5": "lift_and_turn.yaml",
-    "squeeze": "lift_and_turn.yaml",
-}
+SHIPPED = ("planar_dual_arm", "dual_ur5", "squeeze")
 AGREES = 1e-8  # both solve the same programs, each to 1e-9 of a limit
 SAME_MOTION = 1e-10  # of the largest entry: a place in its segment is a difference of parameters in one of them
 SAMPLES = 300  # more than a chunk of the kernel, so that two threads have something to share
 
 
-def shipped(name, samples=SAMPLES):
+def followed(name, samples=SAMPLES):
     cell = mrts.load_cell(DATA.parent / name / "cell.yaml")
-    given = yaml.safe_load((DATA.parent / name / SHIPPED[name]).read_text()) | {"samples": samples}
-    return cell, mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
+    return cell, mrts.follow_object(cell, sampled(shipped_motion(name, samples=samples)))
 
 
 def by_highs(cell, motion, c2, load=None):
@@ -54,7 +49,7 @@ def changed(cell, how, rng):
 def test_the_widening_is_the_one_of_highs(name, how):
     """At c² that samples admit with room, hardly, and not at all, one after the other."""
     rng = np.random.default_rng([5, len(how), len(name)])
-    given, motion = shipped(name)
+    given, motion = followed(name)
     cell = changed(given, how, rng)
     ranges = motion_ranges(motion_rows(cell, motion), "kernel")
     most = float(np.min(ranges.upper, where=ranges.upper > 0, initial=100.0))
@@ -68,7 +63,7 @@ def test_the_widening_is_the_one_of_highs(name, how):
 
 def test_some_samples_with_a_load_each_are_those_of_highs():
     rng = np.random.default_rng(17)
-    cell, motion = shipped("dual_ur5")
+    cell, motion = followed("dual_ur5")
     places = np.sort(rng.choice(motion.samples, 90, replace=False))
     loads = cell.load * rng.uniform(0.5, 2.0, (90, 1))
     c2 = rng.uniform(10, 30, 90)
@@ -102,7 +97,7 @@ def places_in_numpy(cell, part):
 @pytest.mark.parametrize("name", SHIPPED)
 def test_places_between_samples_are_those_of_numpy(name):
     """Joints, and the object that the first arm carries."""
-    cell, motion = shipped(name, 41)
+    cell, motion = followed(name, 41)
     part = timed(motion)
     found = between_path_samples(cell, part, PLACES)
     theirs = places_in_numpy(cell, part)

@@ -1,13 +1,12 @@
 """`contact_rate` of the cell file, and the rates that a cell is to keep: where they are from and what is refused."""
 
 import json
-import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cell.motors import JointMotors
@@ -23,18 +22,8 @@ FRANKA = 1000 / 87
 """[1/s], https://frankarobotics.github.io/docs/control_parameters.html"""
 
 
-def cell_file(folder, **keys):
-    """The shipped planar cell with more keys of its left robot."""
-    for path in DATA.iterdir():
-        shutil.copy(path, folder / path.name)
-    data = yaml.safe_load((folder / "cell.yaml").read_text())
-    data["robots"][0] |= keys
-    (folder / "cell.yaml").write_text(yaml.safe_dump(data))
-    return folder / "cell.yaml"
-
-
 def test_the_cell_file_gives_contact_rates_and_the_manifest_keeps_them(tmp_path):
-    path = cell_file(tmp_path, contact_rate=[500, 40.5])
+    path = changed_cell(tmp_path, lambda cell: cell["robots"][0].update(contact_rate=[500, 40.5]))
     cell = mrts.load_cell(path)
     np.testing.assert_array_equal(cell.robots[0].contact_rate, [500, 500, 40.5])
     np.testing.assert_array_equal(cell.robots[1].contact_rate, [np.inf] * 3)
@@ -51,7 +40,7 @@ def test_the_cell_file_gives_contact_rates_and_the_manifest_keeps_them(tmp_path)
 )
 def test_a_wrong_contact_rate_is_refused_by_key(tmp_path, rate, key):
     with pytest.raises(mrts.InputError) as caught:
-        mrts.load_cell(cell_file(tmp_path, contact_rate=rate))
+        mrts.load_cell(changed_cell(tmp_path, lambda cell: cell["robots"][0].update(contact_rate=rate)))
     assert f"robots[0].{key}" in str(caught.value)
 
 

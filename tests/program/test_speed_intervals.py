@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
-from conftest import DATA
+from conftest import UR5
 from draws import draws
 from reference import ReferenceCell
 from speed_scan import Motors, SpeedScan
@@ -174,7 +174,7 @@ def test_every_way_finds_the_same_ends_and_they_hold(seed, tmp_path):
 @pytest.mark.parametrize("seed", [12, 161, 200])
 def test_samples_that_stop_the_kernel_have_their_range(seed, dual_ur5):
     """Degenerate programs of motored cells, near rest most of them: in other scales they are decided."""
-    motion = mrts.follow_object(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml"))
+    motion = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     cell = motored(np.random.default_rng(seed), dual_ur5, motion)
     found, problem = motion_ranges(motion_rows(cell, motion), "kernel"), build_sample_problem(motion_rows(cell, motion))
     for sample in (1, 2, 3, 60):

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
-from conftest import DATA
+from conftest import DATA, UR5
 from random_motors import equipped
 from reference import ReferenceCell, highs_cost
+from shipped_cells import sampled, shipped_motion
 
 import mrts
 from mrts.base.manifest import GEOMETRY
@@ -53,7 +53,7 @@ def test_cost_equals_highs_in_full_unknowns(planar_cell, lift, weights):
 
 def test_weak_joints_are_spared_unless_all_weigh_alike(dual_ur5):
     """The wrists of 28 N m beside shoulders of 150 N m."""
-    turning = mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")
+    turning = mrts.load_motion(UR5 / "lift_and_turn.yaml")
     limits = np.concatenate([robot.torque_upper for robot in dual_ur5.robots])
     by_limits, alike, ones = (
         mrts.scale(dual_ur5, turning, "nominal", weights=weights).trajectory.torque
@@ -99,8 +99,7 @@ def test_least_torques_do_not_depend_on_the_samples_beside_them(kind, dual_ur5):
     """Alone a sample starts cold; beside others it has the rows of the one before. Some of these cannot be played."""
     rng = np.random.default_rng([19, list(CELLS).index(kind)])
     cell = CELLS[kind](dual_ur5).without_velocity_limits()
-    given = yaml.safe_load((DATA.parent / "dual_ur5" / "lift_and_turn.yaml").read_text()) | {"samples": SAMPLES}
-    motion = mrts.follow_object(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(given)))
+    motion = mrts.follow_object(cell, sampled(shipped_motion("dual_ur5", samples=SAMPLES)))
     rows, inputs = motion_rows(cell, motion), motion.inputs(cell.load)
     ends = motion_ranges(motion_rows(cell, motion), "kernel")
     share = rng.choice([0.9, 1.0, 1.2], p=[0.8, 0.1, 0.1], size=SAMPLES)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from command_line import mrts_without
-from conftest import DATA
+from conftest import DATA, UR5
 from report_pages import data_of, own_text
 from shown_results import AWKWARD, UGLY_JOINTS, with_all_rates, with_awkward_names
 
@@ -30,7 +30,6 @@ from mrts.scaling.limit_use import limit_uses, used_shares
 from mrts.scene.cell_shapes import contact_forces
 
 FILES = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
-UR5 = DATA.parent / "dual_ur5"
 
 LARGEST = 2_000_000
 """Bytes of a report of an ordinary motion, 1.84 million of them plotly.js."""
@@ -90,11 +89,11 @@ def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, spatial):
     ]
     line = np.stack([np.array(coordinates[axis], dtype=float) for axis in "xyz"], axis=-1)
     arrows = line.reshape(spatial.motion.samples, 2, 10, 3)
-    found = contact_forces(dual_ur5, carried.position, carried.rotation, spatial.trajectory.wrench)
+    point, force, _ = contact_forces(dual_ur5, carried.position, carried.rotation, spatial.trajectory.wrench)
     shaft = arrows[:, :, 1] - arrows[:, :, 0]
     scale = np.max(np.linalg.norm(shaft, axis=-1)) / shown["largest_force"]
-    np.testing.assert_allclose(arrows[:, :, 0], found.point, atol=2 * DRAWN)
-    np.testing.assert_allclose(shaft, scale * found.force, atol=4 * DRAWN)
+    np.testing.assert_allclose(arrows[:, :, 0], point, atol=2 * DRAWN)
+    np.testing.assert_allclose(shaft, scale * force, atol=4 * DRAWN)
     barbs = arrows[:, :, [2, 4, 6, 8]] - arrows[:, :, [1]]
     np.testing.assert_allclose(np.mean(barbs, axis=2), -0.25 * shaft, atol=4 * DRAWN)  # about the shaft
     sizes = np.linalg.norm(barbs, axis=-1) / np.linalg.norm(shaft, axis=-1, keepdims=True)

@@ -8,6 +8,7 @@ from cell_bank import random_planar_cell, random_spatial_cell
 from draws import seeds
 from gantries import along_x, gantries
 from rated_factor import RatedFactor
+from shipped_cells import still_motion
 
 import mrts
 from mrts.cell.motors import JointMotors
@@ -160,9 +161,7 @@ def test_a_load_that_varies_is_carried_at_its_worst(tmp_path):
 
 
 def test_a_motion_that_stands_still_is_limited_by_no_rate(dual_ur5):
-    here = {"xyz": [0, 0.1, 0.35]}
-    held = mrts.MotionDescription(duration=1.0, samples=21, profile="quintic", start=here, end=here)
-    found = mrts.scale(dual_ur5, mrts.sample_motion(held), rates=0.01).range
+    found = mrts.scale(dual_ur5, still_motion([0, 0.1, 0.35]), rates=0.01).range
     assert (found.status.value, found.upper.rows) == ("unbounded", ())
 
 

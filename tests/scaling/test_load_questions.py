@@ -4,21 +4,18 @@ import json
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cli import main
 
 
 def test_the_command_line_asks_what_the_cell_file_says(tmp_path, capsys):
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    cell["object"]["variation"] = {"mass": [0.2, 6.0], "izz": [0.5, 2.0]}
-    cell["object"]["inertia"] = [[0.02, 0.004, 0], [0.004, 0.2, 0], [0, 0, 0.2]]
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
-    command = ["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml")]
+    inertia = [[0.02, 0.004, 0], [0.004, 0.2, 0], [0, 0, 0.2]]
+    uncertain = {"variation": {"mass": [0.2, 6.0], "izz": [0.5, 2.0]}, "inertia": inertia}
+    path = changed_cell(tmp_path, lambda cell: cell["object"].update(uncertain))
+    command = ["scale", str(path), str(DATA / "lift.yaml")]
     assert main([*command, "--carry", "mass=6", "--json", str(tmp_path / "out.json")]) == 0
     said = capsys.readouterr().out
     assert "for every load of the box (mass 0.1 … 3 kg" in said
@@ -59,10 +56,8 @@ VARIATION_MISTAKES = {
 @pytest.mark.parametrize("mistake", VARIATION_MISTAKES)
 def test_a_bad_variation_is_refused(mistake, tmp_path, capsys):
     variation, words = VARIATION_MISTAKES[mistake]
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    cell["object"]["variation"] = variation
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
-    assert main(["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml")]) == 2
+    path = changed_cell(tmp_path, lambda cell: cell["object"].update(variation=variation))
+    assert main(["scale", str(path), str(DATA / "lift.yaml")]) == 2
     said = capsys.readouterr().err
     assert words in said
     assert "cell.yaml: object.variation" in said

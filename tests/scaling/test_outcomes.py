@@ -9,6 +9,7 @@ import pytest
 import yaml
 from conftest import DATA
 from given_ranges import ranges_of
+from shipped_cells import still_motion
 
 import mrts
 from mrts.program.infeasibility import separation
@@ -104,12 +105,7 @@ def test_too_slow_is_refused_by_the_lower_end():
 
 
 def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
-    here = lift.position[0].tolist()
-    still = mrts.sample_motion(
-        mrts.MotionDescription.model_validate(
-            {"duration": 1.0, "samples": 11, "profile": "quintic", "start": {"xyz": here}, "end": {"xyz": here}}
-        )
-    )
+    still = still_motion(lift.position[0])
     result = mrts.scale(planar_cell, still)
     assert result.status is mrts.ScalingStatus.UNBOUNDED
     assert result.trajectory.c2 == 1.0

@@ -7,25 +7,21 @@ c = √c²⁺ are played open loop with a small tracking feedback.
 import mujoco
 import numpy as np
 import pytest
-import yaml
-from conftest import DATA
-from mujoco_cells import POSITION_GAIN, STEP, VELOCITY_GAIN, simulator, weld_wrench
+from conftest import UR5
+from mujoco_cells import POSITION_GAIN, STEP, VELOCITY_GAIN, simulator, urdf_of, weld_wrench
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
+from shipped_cells import sampled, shipped_motion
 
 import mrts
-
-UR5 = DATA.parent / "dual_ur5"
 
 
 @pytest.fixture(scope="module")
 def run():
     cell = mrts.load_cell(UR5 / "cell.yaml").without_velocity_limits()
-    description = yaml.safe_load((UR5 / "lift_and_turn.yaml").read_text()) | {"samples": 1001}
-    result = mrts.scale(cell, mrts.sample_motion(mrts.MotionDescription.model_validate(description)))
+    result = mrts.scale(cell, sampled(shipped_motion("dual_ur5", samples=1001)))
     done, given = result.trajectory, result.motion.object
-    urdf = UR5 / yaml.safe_load((UR5 / "cell.yaml").read_text())["robots"][0]["urdf"]
-    model, data = simulator(cell, urdf, (given.position[0], given.rotation[0]))
+    model, data = simulator(cell, urdf_of(UR5), (given.position[0], given.rotation[0]))
     assert model.nv == 18
     joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
     q_index = [model.joint(name).qposadr[0] for name in joints]

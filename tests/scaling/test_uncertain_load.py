@@ -5,18 +5,15 @@ from functools import partial
 
 import numpy as np
 import pytest
-import yaml
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
-from conftest import DATA
 from draws import seeds
+from shipped_cells import cell_file, sampled, shipped, shipped_motion
 
 import mrts
 from mrts.base.load_box import load_vector
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import sample_ranges
-
-UR5 = DATA.parent / "dual_ur5"
 
 RANGE_TOLERANCE = 1e-8  # the bar of a guaranteed end; programs are verified to 1e-9
 
@@ -27,11 +24,6 @@ GRID = 1e-3  # a grid of 2001 loads misses an interior optimum by about this
 scaled = partial(mrts.scale, between=None)  # ranges of the same samples are compared
 
 QUESTIONS = ("guaranteed", "nominal", "possible")
-
-
-@pytest.fixture(scope="module")
-def lift_and_turn():
-    return mrts.load_motion(UR5 / "lift_and_turn.yaml")
 
 
 def random_box(rng, cell):
@@ -113,15 +105,10 @@ def on_forks(cell, highest=None):
     return replace(cell, robots=tuple(robots))
 
 
-def lift_described():
-    return yaml.safe_load((DATA / "lift.yaml").read_text())
-
-
 @pytest.fixture(scope="module")
 def lowering():
-    given = lift_described()
-    given["start"], given["end"] = given["end"], given["start"]
-    return mrts.sample_motion(mrts.MotionDescription.model_validate(given))
+    given = shipped_motion()
+    return sampled(given | {"start": given["end"], "end": given["start"]})
 
 
 def start_of(lowering):
@@ -182,12 +169,10 @@ def test_first_moments_equal_an_object_whose_frame_lies_elsewhere(dual_ur5, lift
         np.hstack([v + np.cross(w, r), w]),
         np.hstack([a + np.cross(dw, r) + np.cross(w, np.cross(w, r)), dw]),
     )
-    description = yaml.safe_load((UR5 / "cell.yaml").read_text())
+    description = shipped("dual_ur5")
     for robot in description["robots"]:
-        robot["urdf"] = str(UR5 / robot["urdf"])
         robot["grasp"]["xyz"] = (np.array(robot["grasp"]["xyz"]) - d).tolist()
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description))
-    there = scaled(mrts.load_cell(tmp_path / "cell.yaml"), centre)
+    there = scaled(mrts.load_cell(cell_file(tmp_path, description)), centre)
     np.testing.assert_allclose(here.range.samples.upper, there.range.samples.upper, rtol=1e-7)
     np.testing.assert_allclose(here.range.samples.lower, there.range.samples.lower, atol=1e-7)
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 import yaml
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
-from conftest import DATA
+from conftest import UR5
 from draws import seeds
 from reference import ReferenceCell
 from scipy.spatial.transform import Rotation
+from shipped_cells import cell_file, shipped
 
 import mrts
 
-UR5 = DATA.parent / "dual_ur5"
 PROGRAMS = 1e-8  # both answers are programs solved to 1e-9
 FOUND_AGAIN = 1e-6  # joints by another Newton iteration, programs by HiGHS to 1e-10
 
@@ -51,17 +51,13 @@ QUESTIONS = [{}, {"sharing": mrts.LoadSharing()}, {"reserve": 0.3}, {"load": "gu
 @pytest.mark.parametrize("asked", QUESTIONS, ids=["free", "even", "reserve", "guaranteed"])
 def test_each_change_is_what_scaling_a_changed_file_gives(asked, tmp_path):
     """Of two arms of the UR5 class with limits that bind elsewhere."""
-    (tmp_path / "ur5_class_arm.urdf").write_text((UR5 / "ur5_class_arm.urdf").read_text())
-    description = yaml.safe_load((UR5 / "cell.yaml").read_text())
+    description = shipped("dual_ur5", torque=[150] * 3 + [28] * 3)
     description["object"] |= {"velocity": {"linear": 1.0}, "variation": {"mass": [0.8, 1.2], "izz": [0.5, 1.5]}}
-    for robot in description["robots"]:
-        robot["torque"] = [150] * 3 + [28] * 3
     asked = {"load": "nominal", "between": None} | asked
     motion = mrts.load_motion(UR5 / "lift_and_turn.yaml")
 
     def scaled(text):
-        (tmp_path / "cell.yaml").write_text(yaml.safe_dump(text))
-        return mrts.scale(mrts.load_cell(tmp_path / "cell.yaml"), motion, **asked)
+        return mrts.scale(mrts.load_cell(cell_file(tmp_path, text)), motion, **asked)
 
     result = scaled(description)
     found = by_text(result.what_if())

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import DATA, UR5
 from PIL import Image
 from trimesh import Trimesh
 from trimesh.creation import box
@@ -137,7 +137,7 @@ def test_a_picture_has_arms_object_forces_and_lines_of_each_limit(clips, tmp_pat
 
 def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
     """Colours at the pixels onto which joints, the object's middle and the forces' tips fall."""
-    clip = clip_of("", mrts.scale(dual_ur5, mrts.load_motion(DATA.parent / "dual_ur5" / "lift_and_turn.yaml")))
+    clip = clip_of("", mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml")))
     time = clip.trajectory.duration / 2
     picture, camera, scale = rendered(clip, time)
     moment = clip.scene.moment(clip.place(time))
@@ -145,10 +145,10 @@ def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
         elbow = seen(camera, (line[2:3] + line[3:4]) / 2)[0].astype(int)
         assert where(picture, arm_colour(number))[elbow[1] - 2 : elbow[1] + 3, elbow[0] - 2 : elbow[0] + 3].any()
     wrench = clip.trajectory.wrench[round(clip.place(time))]
-    contacts = contact_forces(dual_ur5, moment.position, moment.rotation, wrench)
+    point, pull, _ = contact_forces(dual_ur5, moment.position, moment.rotation, wrench)
     force = where(picture, FORCE)
     for share, is_seen in ((0.9, True), (1.2, False)):
-        for right, down in seen(camera, contacts.point + share * scale * contacts.force).astype(int):
+        for right, down in seen(camera, point + share * scale * pull).astype(int):
             assert force[down - 1 : down + 2, right - 1 : right + 2].any() == is_seen, share
     assert amount(picture, OBJECT) > 0.03
     joint = seen(camera, moment.lines[1][5:6])[0].astype(int)
@@ -189,7 +189,7 @@ def test_what_cannot_be_a_film_is_told(clips, tmp_path, monkeypatch):
     long = SimpleNamespace(trajectory=SimpleNamespace(duration=1e5))
     with pytest.raises(mrts.InputError, match="at most 3600 frames"):
         write_film([long], tmp_path / "lift.gif")
-    monkeypatch.setattr(film, "find_spec", lambda _name: None)
+    monkeypatch.setattr("mrts.base.argument_types.find_spec", lambda _name: None)
     with pytest.raises(mrts.InputError, match=r"pip install 'mrts\[film\]'"):
         write_film(clips, tmp_path / "lift.mp4")
     assert list(tmp_path.iterdir()) == []

@@ -10,7 +10,7 @@ import yaml
 import yourdfpy
 from casadi_cells import casadi_cell
 from cell_bank import random_planar_cell, random_spatial_cell
-from conftest import DATA
+from conftest import DATA, UR5
 from published_robots import ROBOTS
 from shown_results import as_if_generated
 
@@ -22,8 +22,6 @@ from mrts.scene.cell_shapes import contact_forces, joint_points, name_place, obj
 from mrts.scene.cell_view import FIELD_OF_VIEW, CellView, look_at_cell
 from mrts.scene.held_body import held_body
 from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour, deciding_limit, round_down
-
-UR5 = DATA.parent / "dual_ur5"
 
 SAME_PLACE = 1e-9
 """[m]; meshes pass through single precision nowhere, but yourdfpy's angles are its own."""
@@ -143,7 +141,7 @@ def test_a_drawn_arm_ends_at_its_grasp_and_forces_carry_the_object(dual_ur5, tur
         np.testing.assert_allclose(line[:, -1], grasp, atol=1e-8)
         lengths = np.linalg.norm(np.diff(line, axis=1), axis=2)
         np.testing.assert_allclose(lengths, np.tile(lengths[0], (motion.samples, 1)), atol=1e-12)
-    total = np.sum(contact_forces(cell, given.position, given.rotation, turned.trajectory.wrench).force, axis=1)
+    total = np.sum(contact_forces(cell, given.position, given.rotation, turned.trajectory.wrench)[1], axis=1)
     acceleration = turned.trajectory.c2 * given.acceleration[:, :3]
     np.testing.assert_allclose(total, cell.mass * (acceleration - cell.gravity), atol=1e-8)
 

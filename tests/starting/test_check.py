@@ -6,17 +6,16 @@ import re
 import damaged_cells
 import numpy as np
 import pytest
-import yaml
-from conftest import DATA
+from conftest import DATA, UR5
 from damaged_cells import HINTS, MISTAKES, damaged, sound, written
 from draws import draws
 from published_robots import CASES, single_arm_cell
+from shipped_cells import changed_cell, shipped, shipped_motion
 
 import mrts
 from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS
 from mrts.starting.reading import HOPELESS, request_of
 
-UR5 = DATA.parent / "dual_ur5"
 SHIPPED = [
     (DATA / "cell.yaml", DATA / "lift.yaml"),
     (UR5 / "poor_cell.yaml", UR5 / "lift_and_turn.yaml"),
@@ -159,10 +158,7 @@ def test_files_in_the_wrong_order_are_known_as_what_they_are():
 def test_the_gap_of_a_planar_arm_is_what_its_links_lack(tmp_path):
     """Two links reach the sum of their lengths; what is missing lies along the stretched arm."""
     rng = np.random.default_rng(5)
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
-    motion = yaml.safe_load((DATA / "lift.yaml").read_text(encoding="utf-8")) | {"samples": 11}
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
+    cell, motion = shipped(), shipped_motion(samples=11)
     for _ in range(draws(3)):
         angle = rng.uniform(-np.pi, np.pi)
         cell["robots"][0]["base"]["xyz"] = [float(4 * np.cos(angle)), float(4 * np.sin(angle)), 0.0]
@@ -242,11 +238,8 @@ def test_links_without_mass_and_points_are_told(tmp_path):
             rf'<mass value="{mass}"/>\s*<inertia [^>]*>', f'<mass value="{given}"/><inertia {NO_EXTENT}/>', text
         )
     (tmp_path / "arm.urdf").write_text(text)
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
-    cell["robots"][0]["urdf"] = "arm.urdf"
-    cell["robots"][1]["urdf"] = str(DATA / "planar_arm.urdf")
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
-    assert {remark.code: remark.text for remark in mrts.check(tmp_path / "cell.yaml").warnings} == {
+    path = changed_cell(tmp_path, lambda cell: cell["robots"][0].update(urdf="arm.urdf"))
+    assert {remark.code: remark.text for remark in mrts.check(path).warnings} == {
         "links-without-mass": f"{WEIGHTLESS} (left: elbow)",
         "links-without-inertia": f"{POINT_MASSES} (left: hand)",
     }

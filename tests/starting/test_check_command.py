@@ -6,15 +6,13 @@ import subprocess
 import sys
 
 import pytest
-from conftest import DATA
+from conftest import DATA, UR5
 from damaged_cells import sound, written
 
 import mrts
 from mrts.cell.loading import cell_to_compile
 from mrts.cell.remarks import NO_COLLISIONS
 from mrts.cli import main
-
-UR5 = DATA.parent / "dual_ur5"
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from conftest import DATA
+from conftest import DATA, UR5
 from published_robots import ROBOTS
 
 from mrts.cell.source_files import arm_of_urdf, read_urdf
@@ -116,6 +116,6 @@ def test_places_jacobians_and_torques_at_rest_are_those_of_pinocchio(urdf, tip):
 
 def test_a_plane_is_that_in_which_all_joints_move():
     flat = arm_of(DATA / "planar_arm.urdf", "contact")
-    spatial = arm_of(DATA.parent / "dual_ur5" / "ur5_class_arm.urdf", "tool0")
+    spatial = arm_of(UR5 / "ur5_class_arm.urdf", "tool0")
     assert plane_of([flat, flat]) == "xy"
     assert plane_of([flat, spatial]) is None

@@ -4,18 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import UR5
 from six_joint_inverse import six_joint_branches
 
 import mrts
 from mrts.cli import main
-
-UR5 = DATA.parent / "dual_ur5"
-
-
-@pytest.fixture(scope="module")
-def lift_and_turn():
-    return mrts.load_motion(UR5 / "lift_and_turn.yaml")
 
 
 @pytest.fixture(scope="module")

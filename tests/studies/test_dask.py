@@ -6,7 +6,6 @@ import sys
 from contextlib import ExitStack
 
 import pytest
-import yaml
 from conftest import DATA
 from study_files import planar_study
 from sweep_processes import assert_same_table, kill, parts, started, until, workers
@@ -37,9 +36,8 @@ def address_of(scheduler):
 def study(tmp_path_factory):
     """Its cell file and URDF are gone once it is read, as on another machine."""
     folder = tmp_path_factory.mktemp("study")
-    keys = yaml.safe_load((DATA / "cell.yaml").read_text(encoding="utf-8"))
-    (folder / "cell.yaml").write_text(yaml.safe_dump(keys))
-    shutil.copy(DATA / "planar_arm.urdf", folder)
+    for name in ("cell.yaml", "planar_arm.urdf"):
+        shutil.copy(DATA / name, folder)
     study = planar_study(folder, STUDY, cell=folder / "cell.yaml")
     shutil.rmtree(folder)
     return study

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import yaml
 from draws import draws
-from layouts import DATA, Layouts, shipped, write_study
+from layouts import DATA, Layouts, write_study
 from published_robots import ROBOTS
+from shipped_cells import shipped
 
 STEP = 1e-5
 """Of central differences [m, rad]: their error is its square, 1e-10, times third derivatives, and rounding of c²⁺,

@@ -9,9 +9,10 @@ import pytest
 import yaml
 from cell_bank import random_planar_cell
 from draws import draws
-from layouts import DATA, Layouts, shipped, write_study
+from layouts import DATA, Layouts, write_study
 from machines import TURN, machine_cell
 from scipy.optimize import minimize
+from shipped_cells import shipped
 
 import mrts
 from mrts.limits.cell_limits import velocity_limits
@@ -156,8 +157,18 @@ def test_a_limit_of_ones_own_is_searched_or_refused(tmp_path):
     assert limited.after.c2 == pytest.approx(plain.after.c2 / 9, rel=BETTER)
     assert limited.after.result.range.upper.rows[0].name.kind == "own"
     own = rows(lambda speed: 3 * speed**2)
-    with pytest.raises(mrts.InputError, match="not linear in the joints' velocities"):
+    with pytest.raises(mrts.InputError) as refused:
         mrts.place(mrts.read_study(path).with_limits(own), starts=1, looked_at=4, between=None)
+    assert refused.value.key == "left/shoulder_pan own"
+
+
+def test_accelerations_and_a_cup_are_searched_with(tmp_path):
+    cell = shipped("dual_ur5", acceleration=[8] * 6)
+    cell["object"] |= {"acceleration": {"linear": 4}, "carries": [{"friction": 0.5}]}
+    path = write_study(tmp_path, cell, DATA / "dual_ur5" / "lift_and_turn.yaml", UR5_VARY)
+    found = mrts.place(path, starts=1, looked_at=4, between=None)
+    assert found.after.c2 > found.before.c2
+    assert {row.name.kind for row in found.after.result.range.upper.rows} == {"acceleration"}
 
 
 def test_arms_of_one_machine_move_together(tmp_path):

@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA, ROOT
-from layouts import shipped
+from shipped_cells import shipped
 from study_files import planar_study
 
 import mrts
 from mrts.cell.number_paths import numbers_below, path_text, value_at
 from mrts.studies.distributions import Distribution
 from mrts.studies.variant_rows import solve_variants
-
-UR5 = DATA.parent / "dual_ur5"
 
 BASE = "vary: {object.mass: [1, 2]}"
 

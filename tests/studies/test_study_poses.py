@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import yaml
-from layouts import shipped
+from shipped_cells import shipped
 from study_files import planar_study
 
 import mrts

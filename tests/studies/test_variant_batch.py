@@ -5,17 +5,17 @@ from collections import Counter
 import cell_bank
 import numpy as np
 import pytest
-from conftest import DATA
+from conftest import DATA, UR5
 from draws import draws
-from layouts import shipped
 from own_limits import tenth
+from shipped_cells import shipped
 from study_files import planar_study
 from wide_studies import wide_study
 
 from mrts.studies.variant_batch import batch_for
 from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
 
-UR5, SQUEEZE = DATA.parent / "dual_ur5", DATA.parent / "squeeze"
+SQUEEZE = DATA.parent / "squeeze"
 
 AGREE = 1e-9
 """Relative difference of numbers: joints are predicted in another way, and programs start elsewhere."""

@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 import pytest
 from conftest import DATA
-from layouts import shipped
+from shipped_cells import shipped
 from study_files import planar_study
 
 import mrts
@@ -17,7 +17,6 @@ from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_vari
 SAME = 1e-9
 """Share by which answers from the same numbers may differ: matrices are rounded once more on the way through a file."""
 
-UR5 = DATA.parent / "dual_ur5"
 
 REFUSED = {"invalid": mrts.InputError, "unreachable": mrts.MotionError}
 """What `mrts.scale` raises of files whose rows have these statuses."""

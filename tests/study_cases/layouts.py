@@ -26,14 +26,6 @@ def write_study(folder: Path, cell: Path | dict[str, Any], motion: Path, vary: d
     return folder / "study.yaml"
 
 
-def shipped(name: str, **robots: dict[str, Any]) -> dict[str, Any]:
-    """Keys of a shipped cell file, some of all its robots changed."""
-    folder = DATA / name
-    keys = yaml.safe_load((folder / "cell.yaml").read_text(encoding="utf-8"))
-    changed = [robot | robots | {"urdf": str((folder / robot["urdf"]).resolve())} for robot in keys["robots"]]
-    return keys | {"robots": changed}
-
-
 @dataclass(frozen=True)
 class Layouts:
     """A study of layouts and its motion."""

@@ -4,13 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from cell_bank import drawn_until, random_planar_cell
-from conftest import DATA
 from draws import seeds
 from gantries import along_x, gantries
 from one_arm import by_toppra, duration, one_arm
 from scipy.optimize import linprog
+from shipped_cells import sampled, shipped_motion
 from transcription import transcribed
 
 import mrts
@@ -22,7 +21,6 @@ from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
 from mrts.timing.path_pieces import path_pieces
 from mrts.timing.speed_regions import speed_regions
 
-UR5 = DATA.parent / "dual_ur5"
 TOPPRA_TOLERANCE = 1e-4  # seidel keeps limits to 1e-6 of their size; a thin region turns that into more of x
 DURATION_TOLERANCE = 1e-3
 TRANSCRIPTION_TOLERANCE = 1e-3
@@ -64,21 +62,14 @@ def test_one_arm_equals_toppra_as_a_user_calls_it(seed, fast, tmp_path):
         assert found.excess.share < EXCESS_GOAL
 
 
-@pytest.mark.parametrize("name", ["planar", "spatial"])
+@pytest.mark.parametrize("name", ["planar_dual_arm", "dual_ur5"])
 def test_two_arms_equal_a_direct_transcription(name, planar_cell, dual_ur5):
-    cell, file = (planar_cell, DATA / "lift.yaml") if name == "planar" else (dual_ur5, UR5 / "lift_and_turn.yaml")
-    cell = cell.without_velocity_limits()
-    motion = mrts.follow_object(cell, sampled(file, 41))
+    cell = {"planar_dual_arm": planar_cell, "dual_ur5": dual_ur5}[name].without_velocity_limits()
+    motion = mrts.follow_object(cell, sampled(shipped_motion(name, samples=41)))
     (piece,) = path_pieces(motion)
     found, x = transcribed(cell, motion)()
     assert found
     assert mrts.retime(cell, motion).duration == pytest.approx(duration(piece.step, x), rel=TRANSCRIPTION_TOLERANCE)
-
-
-def sampled(file, samples):
-    return mrts.sample_motion(
-        mrts.MotionDescription.model_validate(yaml.safe_load(file.read_text()) | {"samples": samples})
-    )
 
 
 @pytest.mark.quick
@@ -109,8 +100,8 @@ def test_bang_bang_in_closed_form(limits, acceleration, velocity, profile, tmp_p
 
 def test_limits_hold_between_samples(planar_cell, dual_ur5):
     free = planar_cell.without_velocity_limits()
-    for cell, file in ((free, DATA / "lift.yaml"), (dual_ur5, UR5 / "lift_and_turn.yaml")):
-        found = mrts.retime(cell, sampled(file, 200))
+    for cell in (free, dual_ur5):
+        found = mrts.retime(cell, sampled(shipped_motion(cell.name, samples=200)))
         assert 0 < found.excess.share < EXCESS_GOAL
         assert 0.15 < found.saving < 0.5
         assert found.retimed.residuals().limits <= 1e-8

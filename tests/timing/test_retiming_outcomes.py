@@ -9,6 +9,7 @@ import pytest
 import yaml
 from cell_bank import random_planar_cell
 from gantries import along_x, gantries, there_and_back
+from shipped_cells import still_motion
 
 import mrts
 
@@ -44,12 +45,7 @@ def test_random_cells_have_every_outcome_and_each_is_explained(tmp_path):
 
 
 def test_a_path_without_length_is_an_outcome(planar_cell):
-    still = mrts.sample_motion(
-        mrts.MotionDescription.model_validate(
-            {"duration": 1.0, "profile": "cubic", "start": {"xyz": [1.25, 1.0, 0]}, "end": {"xyz": [1.25, 1.0, 0]}}
-        )
-    )
-    found = mrts.retime(planar_cell, still)
+    found = mrts.retime(planar_cell, still_motion([1.25, 1.0, 0]))
     assert found.status.value == "zero length"
     assert "no length" in found.explanation
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scaled_paths import FILES, scaled_path
+from scaled_paths import scaled_path
 
 import mrts
 from mrts.program.motion_rows import motion_rows
@@ -31,7 +31,7 @@ def checked(cell, motion):
 
 
 @pytest.mark.parametrize("profile", PROFILES)
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", SHORT_DURATION)
 def test_a_short_path_takes_as_long_as_its_root_says(name, profile, planar_cell, dual_ur5):
     """The configuration hardly changes: a constant acceleration, t ∝ √length."""
     cell = {"planar_dual_arm": planar_cell, "dual_ur5": dual_ur5}[name]

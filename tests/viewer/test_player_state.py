@@ -8,6 +8,7 @@ from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
 from given_ranges import ranges_of
 from scipy.optimize import linprog
+from shipped_cells import still_motion
 
 import mrts
 from mrts.base.printable import html_text
@@ -17,14 +18,8 @@ from mrts.scaling.range import intersect
 from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html
 from mrts.viewer.player_state import Bar, PlayerState, offered_speeds, widened_torques
 
-UR5 = DATA.parent / "dual_ur5"
 NEAR_END = 1e-6
 """Relative distance from the end of a sample's range at which rounding decides."""
-
-
-@pytest.fixture(scope="module")
-def turning():
-    return mrts.load_motion(UR5 / "lift_and_turn.yaml")
 
 
 def synthetic(lower, upper):
@@ -96,8 +91,8 @@ def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift
     assert count >= 2
 
 
-def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, turning):
-    state = PlayerState(dual_ur5, turning)
+def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, lift_and_turn):
+    state = PlayerState(dual_ur5, lift_and_turn)
     end, rule = state.trajectory, state.result.options
     torque, wrench = widened_torques(dual_ur5, state.result.motion, rule, end.c2 * (1 + 1e-7))
     np.testing.assert_allclose(torque, end.torque, atol=0.01)
@@ -118,10 +113,7 @@ def test_an_infeasible_motion_still_plays(planar_cell, lift):
 
 
 def test_at_rest_any_speed_plays(planar_cell, lift):
-    here = lift.position[0].tolist()
-    description = {"duration": 1.0, "profile": "quintic", "start": {"xyz": here}, "end": {"xyz": here}}
-    still = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
-    state = PlayerState(planar_cell, still)
+    state = PlayerState(planar_cell, still_motion(lift.position[0]))
     assert (state.trajectory.c, state.speeds.upper) == (1, 3)
     assert "∞" in moment_html(state)
     state.choose_speed(3.0)
@@ -201,8 +193,8 @@ def test_a_bar_is_the_share_of_the_limit_on_its_side():
     assert "0 of -4000 N m<" in html
 
 
-def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, turning):
-    state = PlayerState(dual_ur5, turning)
+def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, lift_and_turn):
+    state = PlayerState(dual_ur5, lift_and_turn)
     assert state.violations() == []
     state.choose_speed(state.speeds.upper)
     named = state.violations()
@@ -211,8 +203,8 @@ def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, turning):
     assert named[0][1] == pytest.approx(state.excess.max(), rel=1e-12)
     assert f"{html_text(named[0][0].short)} by 20 % at {named[0][2]:.3g} s" in speed_html(state)
     free = dual_ur5.without_velocity_limits()
-    reported = mrts.scale(free, turning).too_fast()
-    assert f"{len(reported)} of 12 joints" in speed_html(PlayerState(free, turning))
+    reported = mrts.scale(free, lift_and_turn).too_fast()
+    assert f"{len(reported)} of 12 joints" in speed_html(PlayerState(free, lift_and_turn))
 
 
 def test_bars_of_hands_say_how_much_of_what_they_hold_is_in_use():

@@ -6,7 +6,8 @@ import shutil
 import numpy as np
 import pytest
 import yaml
-from shown_viewer import UR5, answered
+from conftest import UR5
+from shown_viewer import answered
 
 import mrts
 from mrts.base.edited_yaml import edited_yaml

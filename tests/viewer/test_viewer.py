@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import viser
 from cell_bank import random_planar_cell, random_spatial_cell
-from conftest import DATA
+from conftest import DATA, UR5
 from scipy.spatial.transform import Rotation
-from shown_viewer import UR5, cell_of_real_arms, news_of, planar_given, shown_viewer, spatial_given
+from shown_viewer import cell_of_real_arms, news_of, planar_given, shown_viewer, spatial_given
 from viewer_socket import connected, messages_of
 
 import mrts
@@ -23,7 +23,7 @@ from mrts.scene.arm_meshes import bars
 from mrts.scene.cell_shapes import joint_points
 from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
-from mrts.viewer.held_poses import still_motion, tip_pose
+from mrts.viewer.held_poses import still_motion
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.time_plots import PHASE, compared_html, names_html, time_panels, uplot_props
 from mrts.viewer.viewer import FRAME, Viewer
@@ -258,9 +258,9 @@ def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(spat
         low, high = int(place), int(place) + 1
         between = course.position[low] + (place - low) * (course.position[high] - course.position[low])
         np.testing.assert_allclose(moment.position, between)
-        for robot, (R, p) in zip(state.result.cell.robots, moment.bodies, strict=True):
+        for robot, (R, _), line in zip(state.result.cell.robots, moment.bodies, moment.lines, strict=True):
             grasp = moment.position + moment.rotation @ robot.T_object_tip.p
-            np.testing.assert_allclose(tip_pose(robot, R, p).p, grasp, atol=1e-6)
+            np.testing.assert_allclose(line[-1], grasp, atol=1e-6)
             np.testing.assert_allclose(np.linalg.det(R), 1, atol=BLENDED)
     viewer.playback.toggle()
     viewer.step(0.4 * FRAME)

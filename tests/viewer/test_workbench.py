@@ -12,11 +12,11 @@ from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_give
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
-from mrts.collisions.bodies import body_poses
 from mrts.motion.motion_file import sample_motion
+from mrts.scene.cell_shapes import joint_points
 from mrts.viewer import workbench
 from mrts.viewer.choices import COARSE_SAMPLES, Choices, Given, Place, moved_by, places
-from mrts.viewer.held_poses import still_motion, tip_pose
+from mrts.viewer.held_poses import still_motion
 from mrts.viewer.panel import held_html, outcome_html
 from mrts.viewer.workbench import Workbench, find_answer
 
@@ -137,9 +137,8 @@ def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
     scene = found.scene
     for sample in (0, lost, len(found.time) - 1):
         for index, (robot, part) in enumerate(zip(scene.cell.robots, scene.cell.joint_slices.values(), strict=True)):
-            R, p = body_poses(robot, scene.q[sample : sample + 1, part])
             grasp = scene.position[sample] + scene.rotation[sample] @ robot.T_object_tip.p
-            distance = np.linalg.norm(tip_pose(robot, R[0], p[0]).p - grasp)
+            distance = np.linalg.norm(joint_points(robot, scene.q[sample : sample + 1, part])[0, -1] - grasp)
             assert distance == pytest.approx(found.gap[sample, index], abs=1e-9)
     assert np.max(found.gap[-1]) > 0.05
 
@@ -149,9 +148,8 @@ def test_a_cell_without_a_motion_stands_at_its_posture_and_follows_its_places(pl
     held, robot = bench.answer.held, planar_cell.robots[0]
     assert held.reached.all()
     np.testing.assert_allclose(held.scene.q[0, :3], robot.posture, atol=1e-6)
-    R, p = body_poses(robot, robot.posture[None])
     grasp = held.scene.position[0] + held.scene.rotation[0] @ robot.T_object_tip.p
-    np.testing.assert_allclose(grasp, tip_pose(robot, R[0], p[0]).p, atol=1e-6)
+    np.testing.assert_allclose(grasp, joint_points(robot, robot.posture[None])[0, -1], atol=1e-6)
     far = RigidTransform(np.eye(3), robot.T_world_base.p - np.array([0.0, 3.0, 0.0]))
     bench.edit(bench.choices.with_pose(Place("base", "left"), far))
     held = answered(bench).held

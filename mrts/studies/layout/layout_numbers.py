@@ -9,6 +9,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
+from mrts.base.rigid_transform import rpy_entries
 from mrts.cell.cell import Cell
 from mrts.studies.parameters import Parameter
 from mrts.studies.study import Study
@@ -108,8 +109,9 @@ class LayoutNumbers:
             for frame in range(2):
                 xyz, rpy = (slice(first := 3 * (n * part + robot), first + 3) for part in (2 * frame, 2 * frame + 1))
                 if np.any(self.slope[xyz]) or np.any(self.slope[rpy]):
+                    cosines_and_sines = (turn(numbers[rpy][axis]) for axis in range(3) for turn in (ca.cos, ca.sin))
                     start = GRAVITY_SIZE + (2 * robot + frame) * ROBOT_SIZE // 2
-                    entries[start : start + 9] = ca.vec(_rotation(numbers[rpy]).T)
+                    entries[start : start + 9] = ca.vec(ca.blockcat(rpy_entries(*cosines_and_sines)).T)
                     entries[start + 9 : start + 12] = numbers[xyz]
         return entries
 
@@ -119,19 +121,6 @@ class LayoutNumbers:
 
         rows = slice(12 * len(cell.robots), None)
         return ca.DM(self.offset[rows]) + ca.sparsify(ca.DM(self.slope[rows])) @ values
-
-
-def _rotation(rpy: Any) -> Any:
-    """Rz(yaw) Ry(pitch) Rx(roll) of symbols, as `mrts.base.rigid_transform.rotation_from_rpy` of numbers."""
-    import casadi as ca  # noqa: PLC0415 (likewise)
-
-    cr, cp, cy = (ca.cos(rpy[axis]) for axis in range(3))
-    sr, sp, sy = (ca.sin(rpy[axis]) for axis in range(3))
-    return ca.vertcat(
-        ca.horzcat(cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
-        ca.horzcat(sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
-        ca.horzcat(-sp, cp * sr, cp * cr),
-    )
 
 
 def _bounds(study: Study, parameter: Parameter) -> tuple[float, float]:

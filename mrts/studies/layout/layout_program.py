@@ -122,8 +122,8 @@ def solve_layout(
     for side, sign, values in (("lower", -1, numbers.lower), ("upper", 1, numbers.upper)):
         each = np.full(sample.size1_in(0), sign * np.inf)
         each[:m] = np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots])
-        unlimited = np.full(shared.numel() - P, sign * np.inf)
-        unknown_bounds.append(np.concatenate([values, unlimited, np.tile(each, N)]))
+        others = np.append(getattr(limits, f"log_c2_{side}"), np.full(shared.numel() - P - 1, sign * np.inf))
+        unknown_bounds.append(np.concatenate([values, others, np.tile(each, N)]))
 
     starts = [getattr(motion, name)[samples] for name in ("q", "dq", "ddq")]
     starts += [played.trajectory.wrench[samples, : -len(cell.wrench_components)]] * len(loads)
@@ -186,7 +186,7 @@ def _sample_function(
         equations.append(_along_path(nearest, position, force))
 
     c2, c = ca.exp(log_c2), ca.exp(log_c2 / 2)
-    of_speed = (ca.DM(limits.by_velocity) @ dq + s) * c + e * c2
+    of_speed = (ca.DM(limits.by_velocity) @ dq + s) * c + (ca.DM(limits.by_acceleration) @ ddq + e) * c2
     armature, viscous = (
         np.concatenate([getattr(robot.motors, name) for robot in cell.robots]) for name in ("armature", "viscous")
     )
@@ -274,11 +274,14 @@ def _grasp_equations(
 
 @dataclass(frozen=True)
 class _Limits:
-    """Rows lower <= M_τ τ + M_F F + M_H H + (S q' + s) c + e c² <= upper at N samples, each divided by its unit.
+    """Rows lower <= M_τ τ + M_F F + M_H H + (S q' + s) c + (T q'' + e) c² + g <= upper at N samples, over their units.
 
     Attributes:
-        rows: The rows as the cell keeps them, along the motion that the program starts from.
+        rows: The rows as the cell keeps them, along the motion that the program starts from, but for those that the
+            object's motion alone moves: they bound c² itself.
+        log_c2_lower, log_c2_upper: What these leave of ln c².
         by_velocity: S, Shape (r, m).
+        by_acceleration: T, Shape (r, m).
         speed: s, Shape (N, r).
         square: e, Shape (N, r).
         motors: What motors add to the torques along that motion; None where they are ideal.
@@ -286,7 +289,10 @@ class _Limits:
     """
 
     rows: LimitRows
+    log_c2_lower: float
+    log_c2_upper: float
     by_velocity: Array
+    by_acceleration: Array
     speed: Array
     square: Array
     motors: MotorTerms | None
@@ -294,10 +300,10 @@ class _Limits:
 
     @classmethod
     def of(cls, cell: Cell, motion: CoordinatedMotion) -> "_Limits":
-        """The rows of a cell; how they depend on the joints' velocities is read off at unit velocities.
+        """The rows of a cell; how they depend on the joints' rates is read off at unit velocities and accelerations.
 
         Raises:
-            InputError: If a limit is not linear in them, or depends on something else that a layout changes.
+            InputError: If a limit is not linear in these, or depends on something else that a layout changes.
         """
         rows = limit_rows(cell, motion)
         still, units = np.zeros_like(motion.dq), np.eye(motion.dq.shape[1])
@@ -309,19 +315,34 @@ class _Limits:
 
         speed, square = columns(still, still)
         by_velocity = np.stack([(columns(still + unit, still)[0] - speed)[0] for unit in units], axis=1)
+        by_acceleration = np.stack([(columns(still, still + unit)[1] - square)[0] for unit in units], axis=1)
         given = columns(motion.dq, motion.ddq)
-        for name, is_, linear in (("ṙ", given[0], motion.dq @ by_velocity.T + speed), ("ṙ²", given[1], square)):
+        terms = motion.dq @ by_velocity.T + speed, motion.ddq @ by_acceleration.T + square
+        for name, is_, linear in zip(("ṙ", "ṙ²"), given, terms, strict=True):
             wrong = np.max(np.abs(is_ - linear), axis=0) > SAME_ROW * np.max(np.abs(is_), initial=1.0)
             if np.any(wrong):
                 raise InputError(
                     "limits",
-                    f"its column of {name} is not linear in the joints' velocities, so the best layout cannot be "
+                    f"its column of {name} is not linear in the joints' rates, so the best layout cannot be "
                     "searched with it: mrts sweep can, which solves each layout by itself.",
                     key=str(rows.names[int(np.argmax(wrong))]),
                 )
         tips = {f"{robot.name}/{of.name}" for robot in cell.robots for of in robot.contacts if of.frame == "tip"}
-        of_tip = np.array([name.contact in tips for name in rows.names], dtype=bool)
-        return cls(rows, by_velocity, speed, square, motor_terms(cell, motion), of_tip)
+        of_joints = rows.of_forces | np.any(by_velocity, axis=1) | np.any(by_acceleration, axis=1)
+        own = ~of_joints & ~(np.any(speed, axis=0) & np.any(square, axis=0))
+        least, most = _admitted(rows.only(own), speed[:, own], square[:, own])
+        rows, kept = rows.only(~own), ~own
+        return cls(
+            rows=rows,
+            log_c2_lower=float(np.log(least)) if least > 0 else -np.inf,
+            log_c2_upper=float(np.log(most)),
+            by_velocity=by_velocity[kept],
+            by_acceleration=by_acceleration[kept],
+            speed=speed[:, kept],
+            square=square[:, kept],
+            motors=motor_terms(cell, motion),
+            of_tip=np.array([name.contact in tips for name in rows.names], dtype=bool),
+        )
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -329,7 +350,9 @@ class _Limits:
         rows = self.rows
         taken = None if self.motors is None else self.motors.margin(rows)
         margin = np.zeros((1, len(rows.names))) if taken is None else taken
-        lower, upper = ((limit + side * margin) / rows.units() for side, limit in ((1, rows.lower), (-1, rows.upper)))
+        offset = 0.0 if rows.offset is None else rows.offset
+        sides = ((1, rows.lower), (-1, rows.upper))
+        lower, upper = ((limit + side * margin - offset) / rows.units() for side, limit in sides)
         return np.broadcast_to(lower, self.speed.shape), np.broadcast_to(upper, self.speed.shape)
 
     @property
@@ -353,6 +376,18 @@ class _Limits:
             for wrenches, there in zip(turned, (~self.of_tip, self.of_tip), strict=True):
                 value += ca.sparsify(ca.DM(rows.object_matrix * there[:, None])) @ wrenches
         return value / rows.units()
+
+
+def _admitted(rows: LimitRows, speed: Array, square: Array) -> tuple[float, float]:
+    """Least and largest c² that rows with one term of the speed, or none, admit at all samples."""
+    offset, of_square = 0.0 if rows.offset is None else rows.offset, np.any(square, axis=0)
+    term = np.where(of_square, square, speed)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = np.stack([(rows.lower - offset) / term, (rows.upper - offset) / term])
+    ends[:, term == 0] = [[-np.inf], [np.inf]]
+    low, high = np.maximum(np.min(ends, axis=0), 0.0), np.max(ends, axis=0)
+    low, high = np.where(of_square, low, low**2), np.where(of_square, high, high * np.abs(high))
+    return float(np.max(low, initial=0.0)), float(np.min(high, initial=np.inf))
 
 
 def _turned_wrenches(cell: Cell, wrench: Any, R_object: Any, geometry: Any) -> tuple[Any, Any]:

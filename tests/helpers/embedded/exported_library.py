@@ -5,8 +5,6 @@ import shutil
 import subprocess
 
 import pytest
-import yaml
-from conftest import DATA
 
 SANITIZED = ("-g1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
@@ -37,13 +35,3 @@ def link(folder, main, program, *flags):
     given = [*sources(folder), main, "-lm"]
     run(tool("gcc", "gcc"), "-std=c99", *flags, f"-I{folder}/include", f"-I{folder}/tests", *given, "-o", program)
     return program
-
-
-def changed_cell(place, change):
-    """The planar cell after a change of its description."""
-    cell = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in cell["robots"]:
-        robot["urdf"] = str(DATA / "planar_arm.urdf")
-    change(cell)
-    (place / "cell.yaml").write_text(yaml.safe_dump(cell))
-    return place / "cell.yaml"

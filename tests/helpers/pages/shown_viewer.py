@@ -5,9 +5,9 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
-import yaml
-from conftest import DATA
+from conftest import DATA, UR5
 from published_robots import ROBOTS
+from shipped_cells import cell_file, shipped
 
 import mrts
 from mrts.motion.motion_file import described_motion
@@ -16,7 +16,6 @@ from mrts.viewer.server import close_server, open_server
 from mrts.viewer.viewer import Viewer
 from mrts.viewer.workbench import Workbench
 
-UR5 = DATA.parent / "dual_ur5"
 PATIENCE = 60.0
 """[s]"""
 
@@ -76,9 +75,8 @@ def cell_of_real_arms(folder, *, mass=8.0, forearm=None):
         assert mesh in text
         text = text.replace(mesh, forearm)
     (folder / "arm.urdf").write_text(text.replace("package://example-robot-data", f"file://{ROBOTS.parent}"))
-    description = yaml.safe_load((UR5 / "cell.yaml").read_text())
-    description["object"]["mass"] = mass
-    for robot in description["robots"]:
+    cell = shipped("dual_ur5")
+    cell["object"]["mass"] = mass
+    for robot in cell["robots"]:
         robot["urdf"] = str(folder / "arm.urdf")
-    (folder / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
-    return folder / "cell.yaml"
+    return cell_file(folder, cell)

@@ -1,0 +1,45 @@
+"""The shipped cells and motions, changed: their keys, and files of them."""
+
+import yaml
+from conftest import DATA
+
+import mrts
+
+
+def shipped(name="planar_dual_arm", **robots):
+    """Keys of a shipped cell file, its URDFs by their whole paths, some keys of all its robots changed."""
+    folder = DATA.parent / name
+    keys = yaml.safe_load((folder / "cell.yaml").read_text(encoding="utf-8"))
+    changed = [robot | robots | {"urdf": str((folder / robot["urdf"]).resolve())} for robot in keys["robots"]]
+    return keys | {"robots": changed}
+
+
+def cell_file(folder, keys):
+    """A cell file of these keys."""
+    (folder / "cell.yaml").write_text(yaml.safe_dump(keys, allow_unicode=True), encoding="utf-8")
+    return folder / "cell.yaml"
+
+
+def changed_cell(folder, change, name="planar_dual_arm"):
+    """The file of a shipped cell after a change of its keys."""
+    keys = shipped(name)
+    change(keys)
+    return cell_file(folder, keys)
+
+
+def shipped_motion(name="planar_dual_arm", **keys):
+    """Keys of the motion file of a shipped cell, some changed."""
+    folder = DATA.parent / name
+    path = next(path for path in (folder / "lift.yaml", folder / "lift_and_turn.yaml") if path.exists())
+    return yaml.safe_load(path.read_text(encoding="utf-8")) | keys
+
+
+def sampled(keys):
+    """The motion of the keys of a motion file."""
+    return mrts.sample_motion(mrts.MotionDescription.model_validate(keys))
+
+
+def still_motion(xyz, **keys):
+    """An object that rests."""
+    here = {"xyz": list(map(float, xyz))}
+    return sampled({"duration": 1.0, "samples": 11, "profile": "quintic", "start": here, "end": here} | keys)

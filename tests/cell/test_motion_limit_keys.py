@@ -1,0 +1,162 @@
+"""Keys of the cell file that limit the motion alone: kept, changed, varied, told by one name each."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from motion_limits import JOINTS, UR5, description, limited_cell
+from same_cells import same_cell
+from study_files import planar_study
+
+import mrts
+from mrts.cell.cell_change import ChangeSteps, cell_changes
+from mrts.scaling.limit_use import limit_uses
+from mrts.studies.variant_rows import solve_variants
+
+PROGRAMS = 1e-8
+"""Of c² by two programs, relative."""
+
+
+@pytest.fixture(scope="module")
+def cell():
+    return limited_cell()
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return mrts.load_motion(UR5 / "lift_and_turn.yaml")
+
+
+def c2(cell, motion):
+    return mrts.scale(cell, motion).range.upper.c2
+
+
+def test_all_keys_come_back(cell, tmp_path):
+    text = cell.to_yaml(tmp_path / "cell.yaml")
+    again = mrts.load_cell(tmp_path / "cell.yaml")
+    assert same_cell(cell, again)
+    assert again.to_yaml() == text
+    left, right = cell.robots
+    free = cell.with_values({"robots.right.velocity": [None] * 6})  # not those of the URDF
+    assert same_cell(free, mrts.Cell.from_description(yaml.safe_load(free.to_yaml())))
+    assert [point.name for point in left.point_limits] == ["forearm", "camera", "forearm2"]
+    assert [point.joints for point in left.point_limits] == [3, 5, 3]
+    assert [thing.name for thing in cell.carried] == ["cup", "thing2"]
+    assert left.velocity_limit.tolist() == [2.0, 2.1, 2.2, np.inf, 2.4, 2.5]
+    assert left.acceleration_lower.tolist() == [-9.0, -9.1, -np.inf, -9.3, -9.4, -9.5]
+    assert left.acceleration_upper[1] == np.inf
+    np.testing.assert_array_equal(right.acceleration_lower, -right.acceleration_upper)
+
+
+CHANGES = {
+    "robots.left.velocity": [1.0] * 6,
+    "robots.right.velocity[2]": None,
+    "robots.left.acceleration": {"lower": [-5.0] * 6, "upper": [None] * 5 + [4.0]},
+    "robots.right.acceleration[4]": 3.0,
+    "object.velocity.angular": 2.0,
+    "object.acceleration": {"angular": 9.0},
+}
+
+
+def test_values_changed_in_python_are_those_of_a_changed_file(cell, motion):
+    text = yaml.safe_load(cell.to_yaml())
+    text["robots"][0] |= {"velocity": CHANGES["robots.left.velocity"]}
+    text["robots"][0] |= {"acceleration": CHANGES["robots.left.acceleration"]}
+    text["robots"][1]["velocity"] = cell.robots[1].velocity_limit.tolist()
+    text["robots"][1]["velocity"][2] = None
+    text["robots"][1]["acceleration"][4] = 3.0
+    text["object"] |= {"velocity": {"linear": 0.9, "angular": 2.0}, "acceleration": {"angular": 9.0}}
+    changed = cell.with_values(CHANGES)
+    assert same_cell(changed, mrts.Cell.from_description(text))
+    assert c2(changed, motion) != c2(cell, motion)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "key"),
+    [
+        ("robots.left.acceleration", [1.0] * 5, "acceleration"),
+        ("robots.left.acceleration", {"lower": [-1.0] * 6, "upper": [1.0, 1, 1, 1, 1, -0.5]}, "acceleration"),
+        ("robots.right.acceleration[0]", -1.0, "acceleration"),
+        ("robots.left.velocity", [0.0] * 6, "velocity"),
+        ("object.acceleration.linear", 0.0, "object.acceleration"),
+        ("object.acceleration.angular", "fast", "object.acceleration"),
+        ("object.carries[0].friction", 0.4, "object.carries[0].friction"),
+        ("robots.left.frames[0].speed", 1.0, "robots.left.frames[0].speed"),
+    ],
+)
+def test_wrong_values_are_refused_by_their_key(path, value, key, cell):
+    with pytest.raises(mrts.InputError) as refused:
+        cell.with_values({path: value})
+    assert str(refused.value.key).startswith(key)
+
+
+EXPECTED = {
+    *(("contact", "object", name) for name in ("cup", "thing2")),
+    *(("velocity", "left", joint) for joint in JOINTS if joint != "wrist_1_turn"),
+    *(("velocity", "right", joint) for joint in JOINTS),
+    *(("acceleration", "left", joint) for joint in JOINTS),
+    *(("acceleration", "right", joint) for joint in JOINTS if joint != "wrist_2_turn"),
+    *(("velocity", "left", name) for name in ("forearm", "camera")),
+    *(("acceleration", "left", name) for name in ("camera", "forearm2")),
+    *(("velocity", "object", name) for name in ("linear", "point")),
+    *(("acceleration", "object", name) for name in ("linear", "angular", "edge")),
+}
+
+
+def test_changes_name_each_limit_once_and_are_those_of_a_changed_cell(cell, motion):
+    ups = [change for change in cell_changes(cell, ChangeSteps()) if change.step > 0]
+    names = [(change.kind, change.robot, change.element) for change in ups]
+    of_motion = [name for name in names if name[0] in {"velocity", "acceleration", "contact"}]
+    assert set(of_motion) == EXPECTED
+    assert len(names) == len(set(names))
+    slow = cell.with_values({"robots.right.acceleration": [None] * 6, "object.acceleration.linear": 3.0})
+    slow = replace(slow, robots=(replace(slow.robots[0], point_limits=()), slow.robots[1]))
+    found = {str(one.change): one for one in mrts.scale(slow, motion, between=None).what_if().changes}
+    one = found["object/linear acceleration +10 %"]
+    assert one.after.c2 > one.before.c2
+    more = mrts.scale(slow.with_values({"object.acceleration.linear": 3.3}), motion, between=None)
+    assert one.after.c2 == pytest.approx(more.range.upper.c2, rel=PROGRAMS)
+
+
+PATHS = (
+    "robots.left.acceleration.upper[0]",
+    "robots.right.acceleration[2]",
+    "object.acceleration.linear",
+    "object.carries[0].friction",
+    "robots.left.frames[1].speed",
+)
+
+
+def test_a_sweep_varies_them(tmp_path, motion):
+    """Row by row what `scale` gives of a changed cell."""
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description()), encoding="utf-8")
+    ends = ([1.0, 20.0], [3.0, 7.0], [2.0, 5.0], [0.25, 0.5], [0.3, 1.4])
+    text = yaml.safe_dump({"vary": dict(zip(PATHS, ends, strict=True)), "between": None})
+    study = planar_study(tmp_path, text, cell=tmp_path / "cell.yaml", motion=UR5 / "lift_and_turn.yaml")
+    table = solve_variants(study, 0, study.variants)
+    assert set(table["status"]) == {"feasible"}
+    assert len({row.split(" (")[0] for row in table["upper_limit"]}) > 2
+    for variant in range(0, study.variants, 9):
+        given = description()
+        values = [float(table[path][variant]) for path in PATHS]
+        given["robots"][0]["acceleration"]["upper"][0], given["robots"][1]["acceleration"][2] = values[:2]
+        given["object"]["acceleration"]["linear"], given["object"]["carries"][0]["friction"] = values[2:4]
+        given["robots"][0]["frames"][1]["speed"] = values[4]
+        found = mrts.scale(mrts.Cell.from_description(given), motion, between=None).range.upper.c2
+        assert table["c2_upper"][variant] == pytest.approx(found, rel=PROGRAMS)
+
+
+def test_a_norm_is_told_once_and_results_keep_it(cell, motion, tmp_path):
+    slow = cell.with_values({"object.acceleration.linear": 2.0})
+    result = mrts.scale(slow, motion)
+    uses = [use.name for use in limit_uses(result)]
+    assert len(uses) == len(set(uses))
+    (row,) = result.range.upper.rows
+    assert str(row) == "object/linear acceleration (2 m/s²)"
+    mrts.save_result(result, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz")
+    assert json.dumps(again.to_json()) == json.dumps(result.to_json())
+    assert same_cell(again.cell, slow)
+    assert [use.name for use in limit_uses(again)] == uses
