@@ -242,3 +242,29 @@ def test_a_layout_that_collides_is_no_answer(tmp_path):
     for placed in found:
         cell = placed.after.result.cell
         assert not mrts.clearance(cell, placed.after.result.motion).collides
+
+
+def test_meshes_of_links_and_object_are_as_their_shapes(tmp_path):
+    """A box is as far away as its mesh in millimetres, as <collision>, and as <visual> where there is no other."""
+    urdf = (UR5 / "ur5_class_arm.urdf").read_text(encoding="utf-8")
+    tube, sides = '<cylinder radius="0.05" length="0.45"/>', [0.1, 0.1, 0.45]
+    assert urdf.count(tube) == 1
+    trimesh.creation.box([1000 * side for side in sides]).export(tmp_path / "forearm.stl")
+    trimesh.creation.box([0.5, 0.3, 0.1]).export(tmp_path / "carried.stl")
+    mesh = '<mesh filename="forearm.stl" scale="0.001 0.001 0.001"/>'
+    as_visual = urdf.replace(tube, mesh).replace("collision>", "visual>")
+    texts = [urdf.replace(tube, '<box size="0.1 0.1 0.45"/>'), urdf.replace(tube, mesh), as_visual]
+    found = []
+    wall = box("wall", [0.02, 3, 3], [-0.62, 0, 0.8])
+    for text, shape in zip(
+        texts, ({"box": [0.5, 0.3, 0.1]}, {"mesh": "carried.stl"}, {"mesh": "carried.stl"}), strict=True
+    ):
+        (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+        given = described([wall], shape=shape)
+        for robot in given["robots"]:
+            robot["urdf"] = "arm.urdf"
+        found.append(mrts.clearance(mrts.Cell.from_description(given, folder=tmp_path), lifting(samples=11)))
+    assert found[0].pair == ("left/forearm", "wall")
+    for other in found[1:]:
+        assert other.pair == found[0].pair
+        assert other.distances == pytest.approx(found[0].distances, abs=EXACT)
