@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "simulations"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "cases"))
 from closed_loop_trials import GRASPS, MOTIONS, Trial, measures, trial  # the trial that the tests pass
 
 PROFILES = {"constant": "constant", "optimal": "optimal", "smooth": "smooth", "constant, as long": "as_long"}

@@ -25,8 +25,8 @@ from mrts.cell.points import CarriedThing, LinkPointLimit, ObjectRates, PointLim
 INERTIA_TOLERANCE = 1e-9
 """Share by which an inertia may miss symmetry, the triangle inequality, and 0: printed with few digits."""
 
-ROBOT_NAMES_TAKEN = frozenset({"time", "components"})
-"""Keys that stand beside the robots' names in the JSON result."""
+ROBOT_NAMES_TAKEN = frozenset({"time", "components", "object"})
+"""Keys that stand beside the robots' names in results, and what limits of the object are told as."""
 
 
 MOST_ARGUMENTS = 100
@@ -180,7 +180,7 @@ class CellDescription(Record):
             if names.count(name) > 1:
                 return f"two robots are called '{name}'; each needs a name of its own"
             if name in ROBOT_NAMES_TAKEN:
-                return f"a robot cannot be called '{name}': results use that key"
+                return f"a robot cannot be called '{name}': results use that name"
         return ""
 
 

@@ -37,7 +37,7 @@ from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.hands import wrench_bounds
 from mrts.cell.motors import given_torque_limits
-from mrts.cell.points import ArmPointLimit, point_names
+from mrts.cell.points import ArmPointLimit, ObjectRates, point_names
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot
 
@@ -298,19 +298,20 @@ def _point_limits(
             raise InputError(path, rule, key=f"{key}[{index}].link", value=given.link)
         at_zero = (T.p + T.R @ np.array(given.point)).tolist()
         placed.append(ArmPointLimit(**dict(given) | {"name": name, "joints": joints, "at_zero": at_zero}))
-    _check_names(path, key, [one.name for one in placed])
+    _check_names(path, key, [one.name for one in placed], [joint.name for joint in model.joints])
     return tuple(placed)
 
 
-def _check_names(path: Path, key: str, names: Sequence[str]) -> None:
+def _check_names(path: Path, key: str, names: Sequence[str], taken: Sequence[str]) -> None:
     for index, name in enumerate(names):
-        if name in names[:index]:
-            raise InputError(path, "must have a name of its own.", key=f"{key}[{index}].name", value=name)
+        if name in (*taken, *names[:index]):
+            rule = f"must have a name of its own, other than those of {', '.join(taken)}."
+            raise InputError(path, rule, key=f"{key}[{index}].name", value=name)
 
 
 def _named(path: Path, key: str, given: list[Any], default: str) -> tuple[Any, ...]:
     names = point_names(given, default)
-    _check_names(path, key, names)
+    _check_names(path, key, names, [*ObjectRates.model_fields])
     return tuple(one.model_copy(update={"name": name}) for one, name in zip(given, names, strict=True))
 
 

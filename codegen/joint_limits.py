@@ -132,12 +132,15 @@ def _read(path: Path, key: str, robot: "RobotDescription", joints: Sequence[str]
         raise InputError(file, "must be MoveIt's joint_limits.yaml: a mapping of joints.", key="joint_limits")
     known = [name for name in joints if name in entries]
     if not known:
-        here = first_names([*entries], SHOWN)
+        here = first_names([str(name) for name in entries], SHOWN)
         rule = f"has no joint of robot '{robot.name}' ({first_names(joints, SHOWN)}): it names {here}."
         raise InputError(file, rule, key="joint_limits")
     read, passed = {}, dict[str, str]()
     for name in known:
-        given = entries[name] if isinstance(entries[name], dict) else {}
+        given = {} if entries[name] is None else entries[name]
+        if not isinstance(given, dict):
+            rule = "must be a mapping, such as {has_velocity_limits: true, max_velocity: 2.0}."
+            raise InputError(file, rule, key=f"joint_limits.{name}", value=given)
         passed |= {other: name for other in given if other not in MoveItLimits.model_fields}
         try:
             read[name] = checked(MoveItLimits, {of: given[of] for of in MoveItLimits.model_fields if of in given})

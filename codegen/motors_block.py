@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The `motors` of a robot in the cell file."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 PerJoint = Finite | Annotated[list[Finite], Rule(min_length=1)]
 """One number for all joints, or one each."""
+
+LimitPerJoint = Finite | Annotated[list[Finite | None], Rule(min_length=1)]
+"""Likewise; null where it is not known."""
 
 Corner = Annotated[list[Finite], Rule(min_length=2, max_length=2)]
 Curve = Annotated[list[Corner], Rule(min_length=2)]
@@ -70,10 +74,10 @@ class MotorsDescription(Record):
     armature: PerJoint = 0.0
     friction: FrictionDescription | Literal["none"] | None = None
     torque_speed: Curve | Curves | None = None
-    torque_rate: PerJoint | None = None
-    jerk: PerJoint | None = None
-    rated: PerJoint | None = None
-    power: PerJoint | None = None
+    torque_rate: LimitPerJoint | None = None
+    jerk: LimitPerJoint | None = None
+    rated: LimitPerJoint | None = None
+    power: LimitPerJoint | None = None
 
 
 def build_motors(
@@ -82,11 +86,12 @@ def build_motors(
     """The motors of a robot, and what to say of where their friction is from."""
     given, joints = robot.motors, [joint.name for joint in model.joints]
 
-    def one_a_joint(name: str, values: float | list[float] | None, unknown: float = 0.0) -> Array:
-        if isinstance(values, list) and len(values) != len(joints):
+    def one_a_joint(name: str, values: float | Sequence[float | None] | None, unknown: float = 0.0) -> Array:
+        each = list(values) if isinstance(values, Sequence) else [values] * len(joints)
+        if len(each) != len(joints):
             rule = f"must be one number for all joints, or {len(joints)}: one for each of {', '.join(joints)}."
             raise InputError(path, rule, key=f"{key}.{name}", value=values)
-        return np.broadcast_to(np.array(unknown if values is None else values, dtype=float), (len(joints),)).copy()
+        return np.array([unknown if value is None else value for value in each], dtype=float)
 
     remarks: tuple[Remark, ...] = ()
     if given.friction is None:

@@ -6,6 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 import pytest
+from motion_tables import exact_motions
 
 import mrts
 from mrts.kernel.cache_folder import cache_folder
@@ -63,3 +64,14 @@ def dual_ur5():
 @pytest.fixture(scope="session")
 def lift_and_turn():
     return mrts.load_motion(UR5 / "lift_and_turn.yaml")
+
+
+@pytest.fixture(scope="session")
+def turned(dual_ur5, lift_and_turn):
+    return mrts.scale(dual_ur5, lift_and_turn)
+
+
+@pytest.fixture(scope="session")
+def exact(dual_ur5):
+    """Joints that carry the object exactly, and their c²⁺, by end and number of rows."""
+    return exact_motions(dual_ur5)

@@ -65,13 +65,13 @@ def write_together(files: Mapping[Path, Write], *, private: bool = False) -> Non
         filled: list[tuple[Path, Path | None, Write]] = []
         for given, write in files.items():
             path = given.absolute() if private else _resolved(given)
-            with _named(path):
+            with told_of(path):
                 temporary = None if _is_special(path) else stack.enter_context(_temporary_file(path))
                 if temporary is not None:
                     _fill(temporary, write, private=private)
             filled.append((path, temporary, write))
         for path, temporary, write in filled:
-            with _named(path):
+            with told_of(path):
                 if temporary is None:
                     write(path)  # a device or a pipe cannot be replaced
                 else:
@@ -97,7 +97,7 @@ def make_folder_atomically(folder: Path, make: Write) -> None:
     """
     folder = _resolved(folder)
     with (
-        _named(folder),
+        told_of(folder),
         _made(folder.parent),
         tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}") as temporary,
     ):
@@ -113,7 +113,7 @@ def check_writable(path: Path) -> None:
         InputError: If it cannot.
     """
     target = _resolved(path)
-    with _named(target):
+    with told_of(target):
         if _is_special(target):
             return  # to open it may wait for a reader
         with _temporary_file(target):
@@ -132,7 +132,8 @@ def _is_special(path: Path) -> bool:
 
 
 @contextmanager
-def _named(path: Path) -> Iterator[None]:
+def told_of(path: Path) -> Iterator[None]:
+    """Tell what keeps a file from being written of its path."""
     try:
         yield
     except MrtsError:

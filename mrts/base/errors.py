@@ -99,9 +99,11 @@ class Mistakes:
         found: So far, each mistake once.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, first: "Iterable[InputError]" = ()) -> None:
         self.found: list[InputError] = []
         self._said: set[str] = set()
+        for error in first:
+            self.add(error)
 
     @contextmanager
     def noted(self) -> Iterator[None]:

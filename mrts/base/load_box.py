@@ -217,7 +217,6 @@ class LoadBox:
 
 
 def _in_words(name: str, *values: float) -> str:
-    """A parameter at a value, or from one to another; a mass in kg."""
     shown = " … ".join(f"{value:.4g}" for value in values)
     if name in FACTORS and name != "mass":
         return f"{name} × {shown}"

@@ -19,6 +19,9 @@ NEIGHBOURS = 1000
 FILES_READ: set[str] = set()
 """Of this process, by their real paths: what a command has read, none of its outputs may overwrite."""
 
+is_folder, is_file = os.path.isdir, os.path.isfile
+"""Of a path that a user names: one that no file can have, such as a name that is too long, is none of them."""
+
 KINDS = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a pipe"),
@@ -47,22 +50,6 @@ def open_regular(path: Path, what: str, most: int) -> Iterator[BinaryIO]:
         raise InputError(path, f"there is no such {what}{neighbour(path)}") from None
     except (OSError, ValueError) as error:  # ValueError: a null byte in the path
         raise InputError(path, f"this {what} cannot be read: {getattr(error, 'strerror', error)}.") from None
-
-
-def is_folder(path: Path) -> bool:
-    """Whether a path that a user names is a folder; one that no file can have is none."""
-    try:
-        return path.is_dir()
-    except OSError:  # such as a name that is too long
-        return False
-
-
-def is_file(path: Path) -> bool:
-    """Whether a path that a user names is a file; one that no file can have is none."""
-    try:
-        return path.is_file()
-    except OSError:
-        return False
 
 
 def read_regular(path: Path, what: str, most: int) -> bytes:

@@ -78,10 +78,10 @@ def multiply(a: Array, b: Array) -> Array:
     return product
 
 
-def snap_rotation(R: Array) -> Array:
-    """Round entries within `SNAP` of 0 and ±1."""
+def snap_rotation(R: Array, within: float = SNAP) -> Array:
+    """Round entries that are as near to 0 and ±1."""
     nearest = np.round(R)
-    return np.where(np.abs(R - nearest) <= SNAP, nearest, R) + 0.0
+    return np.where(np.abs(R - nearest) <= within, nearest, R) + 0.0
 
 
 def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:

@@ -9,7 +9,7 @@ from mrts.base.arrays import Array
 from mrts.base.formats.pose import Name, Positive, Vector3
 from mrts.base.formats.record import Record, Rule
 from mrts.base.manifest import WRENCH_COMPONENTS
-from mrts.cell.hands import contact_axes, numbered
+from mrts.cell.hands import SHORTEST_DIRECTION, contact_axes, numbered
 
 
 class ObjectRates(Record):
@@ -89,7 +89,7 @@ class CarriedThing(Record):
 
     def problem(self) -> str:
         """The rule that its keys break; empty if none."""
-        if not any(self.normal):
+        if np.linalg.norm(self.normal) < SHORTEST_DIRECTION:
             return "its 'normal' has no length: it is a direction, such as [0, 0, 1]"
         if self.friction is None and self.half_width is None:
             return "nothing limits it: give 'friction', 'half_width' or both"

@@ -214,7 +214,6 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
 
 
 def _hold(cell_path: Path, motion_path: Path, *, force: bool) -> int:
-    """Print the grasps of a cell whose hands hold the object where they are, or write them into its file."""
     from mrts.base.atomic_file import write_text_atomically
     from mrts.base.edited_yaml import flow
     from mrts.base.input_file import text_of

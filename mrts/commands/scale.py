@@ -48,12 +48,19 @@ SELECTIONS = ("fastest", "nominal", "c2")
 FILES = ("json", "save", *(name.replace("-", "_") for name in TRAJECTORY_FORMATS), "plot", "report")
 """Arguments that name outputs, in the order in which they are written."""
 
+FILE_RATES = tuple(f"{name.replace('-', '_')}_rate" for name in TRAJECTORY_FORMATS)
+"""Arguments that say at which rate a trajectory is written [Hz]."""
+
 
 def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
     package, extra = form.needs or ("", "")
     kind = Written(folder=form.is_folder, new=form.is_folder, needs=(package,) if package else (), extra=extra)
     metavar = "DIR" if form.is_folder else "FILE"
-    return option(f"--{name}", type=kind, metavar=metavar, help=f"write the scaled trajectory {form.meaning}")
+    return options.together(
+        option(f"--{name}", type=kind, metavar=metavar, help=f"write the scaled trajectory {form.meaning}"),
+        option(f"--{name}-rate", type=float, metavar="HZ",
+               help="its rows at equal steps, as a controller takes them (default: the samples)"),
+    )  # fmt: skip
 
 
 @options.command(EXAMPLES)
@@ -124,7 +131,10 @@ def run(
     from mrts.scaling.scale import SelectionError, torques_for_load
 
     _check(profile, given | ({"what_if": True} if what_if else {}))
-    files = take(given, FILES)
+    files, rates = take(given, FILES), take(given, FILE_RATES)
+    for name in rates:
+        if name.removesuffix("_rate") not in files:
+            raise InputError(name, f"goes with --{name.removesuffix('_rate').replace('_', '-')}.")
     motion_given = load_motion(motion)
     limited = options.limited_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
@@ -141,7 +151,7 @@ def run(
             found = _replaced(replace(found, changes=changes), lambda played: replace(played, changes=changes))
     except SelectionError as error:
         if error.result is not None:
-            outputs = _written(error.result, files, plot_format)
+            outputs = _written(error.result, files, rates, plot_format)
             if str(files.get("json")) == "-":
                 put(error.result.json_text())
             outputs.raise_defect()
@@ -151,7 +161,7 @@ def run(
         worded = scaling_lines(found, card) if isinstance(found, ScalingResult) else retiming_lines(found, card)
         lines = list(worded)
     with working("writing"):  # files first: whoever reads the lines may go away
-        outputs = _written(found, files, plot_format)
+        outputs = _written(found, files, rates, plot_format)
     outcome = FEASIBLE if found.status.admits_motion else INFEASIBLE
     bars = () if card is None else zip(card.lines(), card.bars, strict=True)
     styles = {line: STYLES[bar.nearness] for line, bar in bars}
@@ -166,7 +176,7 @@ def _check(profile: str, given: dict[str, Any]) -> None:
 
     module, name = ("scaling", "scale") if profile == "constant" else ("timing", "retime")
     solve = getattr(import_module(f"mrts.{module}.{name}"), name)
-    known = {*signature(solve).parameters, *FILES, *options.LIMITS}
+    known = {*signature(solve).parameters, *FILES, *FILE_RATES, *options.LIMITS}
     known |= {*SELECTIONS} if profile == "constant" else set()
     known |= {"what_if"} if profile != "smooth" else set()
     known -= {"rates"} if profile == "optimal" else set()
@@ -240,7 +250,13 @@ def _torques(where: str, given: tuple[str, ...], cell: "Cell") -> "Array":
     return np.concatenate([torques[name] for name in names])
 
 
-def _written(found: "ScalingResult | RetimingResult", files: dict[str, Path], plot_format: str) -> Outputs:
+def _write_plan(played: "ScalingResult", form: TrajectoryFormat, rate: float | None, path: Path) -> None:
+    form.write(played if rate is None else played.at_rate(rate), path)
+
+
+def _written(
+    found: "ScalingResult | RetimingResult", files: dict[str, Path], rates: dict[str, float], plot_format: str
+) -> Outputs:
     """Write what was asked for; of a timing, files of one trajectory get the retimed motion."""
     from mrts.scaling.result import ScalingResult
 
@@ -265,7 +281,8 @@ def _written(found: "ScalingResult | RetimingResult", files: dict[str, Path], pl
         elif played is None or played.trajectory is None:
             left_out.append(f"--{option_name}")
         else:
-            outputs.write(path, partial(TRAJECTORY_FORMATS[option_name].write, played))
+            rate = rates.get(f"{name}_rate")
+            outputs.write(path, partial(_write_plan, played, TRAJECTORY_FORMATS[option_name], rate))
     if left_out:
         warn(f"there is no trajectory for {', '.join(left_out)}: not written")
     return outputs

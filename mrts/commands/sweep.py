@@ -18,7 +18,7 @@ from mrts.commands.options import Named, Written
 if TYPE_CHECKING:
     from mrts.studies.study import Study
     from mrts.studies.study_folder import StudyFolder
-    from mrts.studies.sweep_progress import SweepProgress
+    from mrts.studies.sweep import SweepProgress
 
 EXAMPLES = """\
 examples:

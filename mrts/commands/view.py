@@ -18,17 +18,19 @@ from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
 from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.output_files import Outputs
 from mrts.commands.console.progress import working
 from mrts.commands.console.terminal import say, warn
-from mrts.commands.films import SIDES, saved_clip, side_clip, sides, write_films
 from mrts.commands.options import Named, Written, take
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
+    from mrts.program.rate_limits import Rates
     from mrts.scaling.result import ScalingResult
     from mrts.scene.arm_meshes import Urdfs
+    from mrts.scene.renderer import Clip
     from mrts.studies.study import Study
     from mrts.viewer.choices import Given
     from mrts.viewer.film_controls import Others
@@ -47,10 +49,26 @@ examples:
 LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
 
+SIDES = ("given", "fastest", "optimal", "smooth")
+"""How a motion may be played: as given, by the fastest constant factor, at the fastest timing, at the smooth one."""
+
+MOST_SIDES = 4
+
 OF_FILMS = ("at", "side_by_side", "rates")
 """Arguments of pictures and films."""
 
 NEEDS: dict[str, Any] = {"needs": ("matplotlib", "mujoco", "PIL"), "extra": "film"}
+
+
+def _sides(text: str) -> list[str]:
+    """Names of `SIDES` with commas between them."""
+    found = [word.strip() for word in text.split(",")]
+    for side in found:
+        if side not in SIDES:
+            raise InputError("side_by_side", f"there is no such side; there are {', '.join(SIDES)}.", value=side)
+    if len(set(found)) < len(found):
+        raise InputError("side_by_side", "names a side twice.", value=text)
+    return found
 
 
 @options.command(EXAMPLES)
@@ -71,7 +89,7 @@ NEEDS: dict[str, Any] = {"needs": ("matplotlib", "mujoco", "PIL"), "extra": "fil
 @option("--at", type=float, metavar="SECONDS", help="the moment of the picture (default: the middle)")
 @option("--video", type=Written(".gif", ".mp4", **NEEDS), metavar="FILE",
         help="write a film, FILE.gif or FILE.mp4, and end; needs no display (extra 'film')")  # fmt: skip
-@option("--side-by-side", type=sides, metavar="SIDE,…",
+@option("--side-by-side", type=_sides, metavar="SIDE,…",
         help=f"in pictures and films, the motion as it is played in several ways: {', '.join(SIDES)} (default: "
         "fastest); --rates are of the smooth side")  # fmt: skip
 @options.rates
@@ -105,15 +123,15 @@ def run(
             cell_path = cell_file if variant is None and urdfs else None
             source = _start(cell_file, motion_file, cell_path, given) if saved is None else saved
             return _serve(source, urdfs, beside, host, port, opens=not no_open)
-        clips, within = [saved_clip(cell.stem, saved)] if saved else [], True
+        clips, within = [_saved_clip(cell.stem, saved)] if saved else [], True
         if motion_file is not None:
             limited, played = _read(cell_file, motion_file, given)
             for side in of_films.get("side_by_side", ["fastest"]):
-                clip, keeps = side_clip(side, limited, played, urdfs, of_films.get("rates", True), given)
+                clip, keeps = _side_clip(side, limited, played, urdfs, of_films.get("rates", True), given)
                 clips.append(clip)
                 within &= keeps
-        clips += [saved_clip(path.stem, _played(path)) for path in others]
-        return write_films(clips, png, video, of_films.get("at"), within=within)
+        clips += [_saved_clip(path.stem, _played(path)) for path in others]
+        return _write_films(clips, png, video, of_films.get("at"), within=within)
 
 
 def _is_saved(path: Path) -> bool:
@@ -121,7 +139,6 @@ def _is_saved(path: Path) -> bool:
 
 
 def _check_films(cell: Path, png: Path | None, video: Path | None, of_films: dict[str, Any]) -> None:
-    """Check that the arguments of pictures and films go together."""
     if png is None and video is None:
         for name in of_films:
             raise InputError(name, "goes with --png FILE or --video FILE.")
@@ -187,7 +204,6 @@ def _study(path: Path) -> "Study":
 
 
 def _played(path: Path) -> "ScalingResult":
-    """A saved result that has something to play."""
     from mrts.output.saved_result import load_result
     from mrts.scaling.result import ScalingResult
 
@@ -198,6 +214,54 @@ def _played(path: Path) -> "ScalingResult":
         why = possible if found.status.admits_motion else found.status.value
         raise InputError(path, f"has no motion to play: {why}.")
     return result
+
+
+def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: float | None, *, within: bool) -> int:
+    """Write a picture, at a moment [s] or in the middle, and a film; the exit code is whether all keeps its limits."""
+    from mrts.scene.film import write_film, write_picture
+
+    if len(clips) > MOST_SIDES:
+        raise InputError("others", f"there is room for {MOST_SIDES} motions side by side.")
+    longest = max(clip.trajectory.duration for clip in clips)
+    moment = longest / 2 if at is None else at
+    if not 0 <= moment <= longest:
+        raise InputError("at", f"must be a time of the motion, from 0 to {longest:.4g} s.", value=moment)
+    outputs = Outputs()
+    with working(f"drawing {png}"):
+        outputs.write(png, lambda file: write_picture(clips, file, moment, warn=warn))
+    with working(f"drawing {video}") as progress:
+        outputs.write(video, lambda file: write_film(clips, file, warn=warn, progress=progress))
+    return outputs.answer((), FEASIBLE if within else INFEASIBLE)
+
+
+def _saved_clip(name: str, result: "ScalingResult") -> "Clip":
+    from mrts.plots.limit_shares import played
+    from mrts.scene.renderer import Clip
+
+    return Clip(name, played(result), result.range)
+
+
+def _side_clip(
+    side: str, cell: "Cell", motion: "ObjectMotion | JointTable", urdfs: "Urdfs", rates: "Rates", given: dict[str, Any]
+) -> "tuple[Clip, bool]":
+    """The motion as it is played in one way, and whether it keeps its limits."""
+    from mrts.scene.renderer import Clip
+    from mrts.viewer.player_state import PlayerState
+
+    profile: Any = side if side in {"optimal", "smooth"} else "constant"
+    with working("scaling" if profile == "constant" else "timing") as progress:
+        state = PlayerState(cell, motion, **given, profile=profile, rates=rates, progress=progress)
+    if side == "given":
+        state.choose_speed(1.0)
+        title = "as given" if state.admissible else "as given: beyond its limits"
+    elif state.refusal:
+        raise InputError("side_by_side", f"there is no such timing: {state.refusal}", value=side)
+    elif not state.admissible:
+        raise InputError("side_by_side", f"no speed is admissible: {state.result.sentence()}", value=side)
+    else:
+        titles = {"fastest": f"constant factor {state.trajectory.c:.3g}", "optimal": "fastest timing"}
+        title = titles.get(side, "smooth timing")
+    return Clip(title, state.trajectory, state.result.range, urdfs), state.admissible
 
 
 def _urdfs(cell: Path) -> "Urdfs":

@@ -90,7 +90,6 @@ def _probe(cell: Cell, seed: int) -> CoordinatedMotion:
 
 
 def _check_constant(limit: str, rows: LimitRows, again: LimitRows) -> None:
-    """Refuse a limit of which a library cannot compute the rows at a sample."""
     of_speed = any(column is not None and np.any(column) for column in (rows.rate, rows.speed, rows.square))
     tables = [
         (each.torque_matrix, each.wrench_matrix, each.in_object_axes, each.lower, each.upper) for each in (rows, again)

@@ -102,7 +102,6 @@ def _trajectory(robot: Robot, stamps: Stamps, rows: dict[str, Array]) -> Any:
 
 
 def _joint_states(robot: Robot, stamps: Stamps, effort: Array, *motion: Array) -> list[tuple[int, Any]]:
-    """Messages with efforts, and positions and velocities where they are given."""
     q, dq = motion or [np.zeros((len(stamps), 0))] * 2
     names, kind = list(robot.joints), "sensor_msgs/msg/JointState"
     return [

@@ -195,7 +195,6 @@ def _other_limits(found_with: list[str], given: list[str]) -> Remark:
 
 
 def _functions_of(cell: Cell, saved: CellManifest, path: Path) -> CellFunctions:
-    """The functions of a cell if they are those that a result was found with."""
     made = cell.functions.manifest
     ours, theirs = (_made_from(one.cell, baked=made.is_baked) for one in (made, saved))
     for key in theirs | ours:

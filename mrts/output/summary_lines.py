@@ -8,6 +8,8 @@ from mrts.cell.hands import NORMAL_FORCE
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.plots.card import Card
 from mrts.plots.labels import range_text
+from mrts.plots.limit_shares import played
+from mrts.plots.range_plots import ranked_loads
 from mrts.scaling.limit_use import largest_step, limit_tables, limit_uses, rate_uses
 from mrts.scaling.result import ScalingResult
 
@@ -132,7 +134,6 @@ def next_limits_line(result: ScalingResult) -> Iterator[str]:
 
 def _motor_lines(result: ScalingResult) -> Iterator[str]:
     """How far motors are used where more than their largest torque is known of them, a line for each thing known."""
-    assert result.trajectory is not None  # noqa: S101 (checked by every caller)
     for use in limit_uses(result):
         if use.name.kind == TORQUE_SPEED:
             joint = f"{use.name.robot}/{use.name.element}"
@@ -141,7 +142,7 @@ def _motor_lines(result: ScalingResult) -> Iterator[str]:
             break
     rated = [
         (share, f"{robot.name}/{joint} ({rms:.4g} of {most:g} {unit})")
-        for robot, duty in zip(result.cell.robots, result.trajectory.duty.values(), strict=True)
+        for robot, duty in zip(result.cell.robots, played(result).duty.values(), strict=True)
         for joint, share, rms, most, unit in zip(
             robot.joints, duty.rated_share, duty.rms_torque, robot.motors.rated, robot.torque_units, strict=True
         )
@@ -152,7 +153,6 @@ def _motor_lines(result: ScalingResult) -> Iterator[str]:
 
 
 def _rate_lines(result: ScalingResult) -> Iterator[str]:
-    assert result.trajectory is not None  # noqa: S101 (checked by every caller)
     told: set[str] = set()
     for use in rate_uses(result):
         if use.name.kind not in told:
@@ -174,11 +174,10 @@ def _contact_lines(result: ScalingResult) -> Iterator[str]:
 
 
 def _load_lines(study: "LoadStudy") -> Iterator[str]:
-    ordered = sorted(zip(study.points, study.ranges, strict=True), key=lambda pair: pair[1].c2_upper)
-    for point, found in ordered[:LOADS_SHOWN]:
-        yield f"  {range_text(found):<20} {point}"
-    if len(ordered) > LOADS_SHOWN:
-        yield f"  … and {len(ordered) - LOADS_SHOWN} more loads (--json has all)"
+    for index in ranked_loads(study)[:LOADS_SHOWN]:
+        yield f"  {range_text(study.ranges[index]):<20} {study.points[index]}"
+    if len(study.ranges) > LOADS_SHOWN:
+        yield f"  … and {len(study.ranges) - LOADS_SHOWN} more loads (--json has all)"
     if not study.box.axes_are_the_objects:
         columns = zip("xyz", study.box.principal_axes.T, strict=True)
         axes = "; ".join(f"{name} {column.round(4).tolist()}" for name, column in columns)

@@ -30,14 +30,16 @@ def played_rows(done: ScaledTrajectory) -> dict[str, Array]:
     if held is None or not any(held.ends):
         return rows
     before, after = (slice(int(end)) for end in held.ends)
-    rows["t"] = done.time + (step := holding_step(done.time)) * held.ends[0]
+    step = holding_step(done.time) if held.rate is None else 1 / held.rate
+    rows["t"] = done.time + step * held.ends[0]
     ends = {name: (np.zeros_like(values[:1]), np.zeros_like(values[:1])) for name, values in rows.items()}
     ends["t"] = np.zeros(1), rows["t"][-1:] + step
     ends |= {"q": (done.q[:1], done.q[-1:]), "tau": (held.torque[:1], held.torque[1:])}
     ends["F"] = held.wrench[:1], held.wrench[1:]
-    return {
+    played = {
         name: np.concatenate([ends[name][0][before], values, ends[name][1][after]]) for name, values in rows.items()
     }
+    return played if held.rate is None else played | {"t": np.arange(len(played["t"])) / held.rate}
 
 
 def trajectory_to_write(result: ScalingResult) -> ScaledTrajectory:

@@ -33,6 +33,9 @@ if TYPE_CHECKING:
     from mrts.plots.trajectory_plots import power_plot as power_plot
     from mrts.plots.trajectory_plots import trajectory_plot as trajectory_plot
 
+FIGURE_FORMATS = ("png", "svg", "pdf")
+"""Endings of figures that are written into a folder; the first is written where nothing else is asked for."""
+
 __all__, __getattr__, __dir__ = lazy_names(
     __name__,
     {

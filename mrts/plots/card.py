@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from mrts.plots.labels import range_facts, row_text
-from mrts.plots.limit_shares import AT_END, REACHED, limiting_rows
+from mrts.plots.limit_shares import AT_END, REACHED, limiting_rows, played
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 
@@ -94,8 +94,7 @@ def _nearest(result: ScalingResult, timing: "RetimingResult | None") -> tuple[Li
 
     Velocities count only where their limits are kept.
     """
-    assert result.trajectory is not None  # noqa: S101 (checked by its caller)
-    limiting, time, bars = limiting_rows(result, timing), result.trajectory.time, []
+    limiting, time, bars = limiting_rows(result, timing), played(result).time, []
     for label, (row, *_) in limiting.ranked.items():
         if limiting.names[row].kind != "velocity" or result.cell.enforces_velocity_limits:
             share = limiting.shares[:, row]

@@ -7,8 +7,8 @@ from pathlib import Path
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_together
 from mrts.base.errors import InputError
-from mrts.base.formats.figure_formats import FIGURE_FORMATS
 from mrts.identification.identified_motors import MotorIdentification
+from mrts.plots import FIGURE_FORMATS
 from mrts.plots.card import answer_card
 from mrts.plots.limit_plots import limits_plot
 from mrts.plots.motor_plots import motor_plot

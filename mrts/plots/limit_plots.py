@@ -9,7 +9,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.limits.rows import RATES
 from mrts.plots.colours import COLOURS
-from mrts.plots.limit_shares import AT_LIMIT, LimitingRows, LimitShares, all_shares, shares_by_kind
+from mrts.plots.limit_shares import AT_LIMIT, LimitingRows, LimitShares, all_shares, played, shares_by_kind
 from mrts.plots.plot import Axis, HeatMap, Item, Line, Panel, Plot, Rule, look, one_panel, time_axis
 from mrts.scaling.result import ScalingResult
 
@@ -43,8 +43,7 @@ def limits_plot(result: ScalingResult, title: str, without: Sequence[str] = ()) 
 
 
 def _percent_panel(of: LimitShares, result: ScalingResult) -> Panel:
-    assert result.trajectory is not None  # noqa: S101 (checked by its callers)
-    time, percent = result.trajectory.time, 100 * of.share
+    time, percent = played(result).time, 100 * of.share
     steps = of.kind in RATES
     items: list[Item] = [
         Line(x=time, y=percent[:, line], color="#bbb", width=0.8, unit=None, steps=steps) for line in of.ranked[NAMED:]
@@ -64,9 +63,7 @@ def limit_map(result: ScalingResult, limiting: LimitingRows) -> Plot:
     Raises:
         ValueError: If there is no trajectory.
     """
-    if result.trajectory is None:
-        raise ValueError("there is no trajectory to draw")
-    time, shares = result.trajectory.time, limiting.shares
+    time, shares = played(result).time, limiting.shares
     shown = dict(list(limiting.ranked.items())[:MOST_ROWS])
 
     def largest(values: Array) -> tuple[Array, Array]:

@@ -78,6 +78,17 @@ class LimitShares:
         return [int(line) for line in np.argsort(-np.max(self.share, axis=0), kind="stable")]
 
 
+def played(result: ScalingResult) -> ScaledTrajectory:
+    """The trajectory of a result.
+
+    Raises:
+        ValueError: If there is none.
+    """
+    if result.trajectory is None:
+        raise ValueError("there is no trajectory to draw")
+    return result.trajectory
+
+
 def limit_shares(done: ScaledTrajectory) -> list[LimitShares]:
     """The shares of all limits that there are, velocities also where their limits are reported only."""
     return shares_by_kind(*used_shares(done))
@@ -104,9 +115,7 @@ def all_shares(result: ScalingResult) -> tuple[tuple[RowName, ...], Array]:
     Raises:
         ValueError: If there is no trajectory.
     """
-    if result.trajectory is None:
-        raise ValueError("there is no trajectory to draw")
-    names, share = used_shares(result.trajectory)
+    names, share = used_shares(played(result))
     rates = limited_rates(result)
     return (names, share) if rates is None else (names + rates.rows, np.hstack([share, rates.share]))
 
@@ -153,7 +162,6 @@ def limiting_rows(result: ScalingResult, timing: "RetimingResult | None") -> Lim
         ValueError: If there is no trajectory.
     """
     names, shares = all_shares(result)
-    assert result.trajectory is not None  # noqa: S101 (else there are no shares)
     if timing is not None and timing.retimed is not None:
         forced, setting = _of_timing(timing, names)
     else:
@@ -189,9 +197,8 @@ def _binds(name: RowName, told: Sequence[ActiveRow | str]) -> bool:
 
 
 def _of_range(result: ScalingResult) -> dict[RowName, str]:
-    assert result.trajectory is not None  # noqa: S101 (its caller has a trajectory)
     words, told = {"lower": "c²⁻", "upper": "c²⁺"}, dict[RowName, str]()
-    for side, end in result.range.ends_at(result.trajectory.c2, AT_END):
+    for side, end in result.range.ends_at(played(result).c2, AT_END):
         load = "" if end.load is None else f" with {end.load}"
         said = f"sets {words[side]} at {end.time:.4g} s of the given motion{load}"
         told |= dict.fromkeys((row.name for row in end.rows), said)
@@ -203,8 +210,7 @@ def _forced(result: ScalingResult, names: tuple[RowName, ...]) -> tuple[NDArray[
 
     Where velocities alone set the end, no torque or wrench has to be at a limit; else all that are may have to be.
     """
-    found, done = result.range, result.trajectory
-    assert done is not None  # noqa: S101 (its caller has a trajectory)
+    found, done = result.range, played(result)
     near = AT_END_RETIMED if result.origin else AT_END
     at_lower = (found.samples.lower > 0) & (found.samples.lower >= done.c2 * (1 - near))
     at_upper = found.samples.upper <= done.c2 * (1 + near)

@@ -30,6 +30,8 @@ PANEL_HEIGHT, ROW_HEIGHT, AROUND = 260, 22, 62
 OUTSIDE = 10.0
 """How far beyond what is shown the edge of an area may lie, of what is shown."""
 
+FONT = {"family": "system-ui, sans-serif", "size": 13, "color": "#1b1b1b"}
+
 FRAME = {"showline": True, "mirror": True, "linecolor": "#888", "gridcolor": "#e5e5e5", "zeroline": False}
 
 
@@ -40,7 +42,7 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
     maps = any(isinstance(item, HeatMap) and not panel.y.names for panel in panels for item in panel.items)
     closest = maps or not any(isinstance(item, Line) for item in panels[0].items)
     shape: dict[str, Any] = {
-        "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#1b1b1b"},
+        "font": FONT,
         "margin": {"l": 64, "r": 12, "t": 12, "b": 48},
         "paper_bgcolor": "#fff",
         "plot_bgcolor": "#fff",

@@ -12,7 +12,7 @@ from mrts.limits.rows import MOST_NAMES
 from mrts.plots.colours import COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.plot import MARGIN, Axis, Bars, HeatMap, Item, Line, Panel, Plot, Points, Rule
-from mrts.plots.plotly_drawer import numbers, plot_text
+from mrts.plots.plotly_drawer import FONT, numbers, plot_text
 from mrts.plots.range_plots import neighbours, upright_areas
 from mrts.plots.study_map import (
     LIMIT_COLOURS,
@@ -241,7 +241,7 @@ def parallel_figure(table: StudyTable) -> dict[str, Any]:
         "unselected": {"line": {"color": "#eee", "opacity": 0.15}},
     }
     shape = {
-        "font": {"family": "system-ui, sans-serif", "size": 12, "color": "#1b1b1b"},
+        "font": FONT | {"size": 12},
         "margin": {"l": 110, "r": 90, "t": 110, "b": 30},
         "paper_bgcolor": "#fff",
         "height": LINES_HEIGHT,

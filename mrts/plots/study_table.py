@@ -16,9 +16,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.program.range_status import RangeStatus
 from mrts.studies.distributions import CHANCES
-from mrts.studies.ranking import fastest_first
 from mrts.studies.study_folder import read_study_folder
-from mrts.studies.variant_rows import FAILED, INVALID, LIMIT_SEPARATOR, UNREACHABLE
+from mrts.studies.variant_rows import FAILED, INVALID, LIMIT_SEPARATOR, UNREACHABLE, fastest_first
 
 if TYPE_CHECKING:
     import pyarrow as pa

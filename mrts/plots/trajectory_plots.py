@@ -8,10 +8,11 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.plots.labels import shortened
+from mrts.plots.limit_shares import played
 from mrts.plots.plot import Axis, Line, Panel, Plot, look, one_panel, time_axis, value_ends
 from mrts.scaling.limit_use import LimitedQuantities, limited_quantities
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.scaled_trajectory import ScaledTrajectory, accumulated_energy
+from mrts.scaling.scaled_trajectory import accumulated_energy
 
 SIDE_BY_SIDE = 2
 """More robots than this stand below each other, to fit a page."""
@@ -52,7 +53,7 @@ def joint_plots(result: ScalingResult, what: str) -> list[Plot]:
     Raises:
         ValueError: If there is no trajectory.
     """
-    done, plots = _trajectory(result), []
+    done, plots = played(result), []
     for number, robot in enumerate(result.cell.robots):
         if what == "position":
             values, ends, per, plural = done.q, (robot.position_lower, robot.position_upper), "", "positions"
@@ -74,7 +75,7 @@ def power_plots(result: ScalingResult) -> list[Plot]:
     Raises:
         ValueError: If there is no trajectory.
     """
-    done, plots, lines = _trajectory(result), [], []
+    done, plots, lines = played(result), [], []
     for number, robot in enumerate(result.cell.robots):
         values = done.power[:, result.cell.joint_slices[robot.name]]
         names = [(joint, "W") for joint in robot.joints]
@@ -127,14 +128,8 @@ def _by_robot(name: str, title: str, result: ScalingResult, plots: Sequence[Sequ
     rows = [[plot.rows[0][0] for plot in of_kind] for of_kind in plots]
     if len(result.cell.robots) > SIDE_BY_SIDE:
         rows = [list(row) for row in zip(*rows, strict=True)]
-    title = title or f"{result.cell.name}: {_trajectory(result).duration:.4g} s"
+    title = title or f"{result.cell.name}: {played(result).duration:.4g} s"
     return Plot(name=name, title=title, rows=rows)
-
-
-def _trajectory(result: ScalingResult) -> ScaledTrajectory:
-    if result.trajectory is None:
-        raise ValueError("there is no trajectory to draw")
-    return result.trajectory
 
 
 def _quantities(result: ScalingResult, name: str, title: str, label: str, drawn: LimitedQuantities) -> Plot:
@@ -144,7 +139,7 @@ def _quantities(result: ScalingResult, name: str, title: str, label: str, drawn:
 
 def _limited(result: ScalingResult, name: str, title: str, label: str, values: Array, names: Sequence[tuple[str, str]],
              limits: Array) -> Plot:  # fmt: skip
-    done, units = _trajectory(result), dict.fromkeys(unit for _, unit in names)
+    done, units = played(result), dict.fromkeys(unit for _, unit in names)
     lines = []
     for index, (of_line, unit) in enumerate(names):
         lower, upper = limits[:, :, index] if len(limits) else (None, None)

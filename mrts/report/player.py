@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.plots.labels import shortened
-from mrts.plots.plotly_drawer import numbers, plot_text
+from mrts.plots.plotly_drawer import FONT, numbers, plot_text
 from mrts.scaling.result import ScalingResult
 from mrts.scene.cell_shapes import contact_forces, joint_points
 from mrts.scene.cell_view import look_at_cell
@@ -180,7 +180,7 @@ def _layout(cell: Cell, points: Array, camera: dict[str, Any]) -> dict[str, Any]
         }
     ratio = dict(zip("xyz", numbers(high - low), strict=True))
     return {
-        "font": {"family": "system-ui, sans-serif", "size": 13, "color": "#1b1b1b"},
+        "font": FONT,
         "margin": {"l": 0, "r": 0, "t": 0, "b": 0},
         "paper_bgcolor": "#fff",
         "legend": {"orientation": "h", "x": 0, "y": 1, "yanchor": "top"},

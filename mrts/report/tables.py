@@ -13,7 +13,7 @@ from mrts.cell.robot import JOINT_HEAD
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.plots.card import Card
 from mrts.plots.labels import range_facts, range_text, row_text, short_name
-from mrts.plots.limit_shares import LimitingRows
+from mrts.plots.limit_shares import LimitingRows, played
 from mrts.plots.range_plots import ranked_loads
 from mrts.plots.what_if_plot import MOST_BARS, changed_shares
 from mrts.program.infeasibility import Conflict
@@ -35,22 +35,15 @@ DECIMALS = 9
 """Of numbers in SI units: what is less is left over from sums of larger terms."""
 
 
-class Bar(NamedTuple):
-    """A cell with a bar, which a share of 1 fills, and a text."""
-
-    share: float
-    text: str
-    state: str = ""
-
-
 class Styled(NamedTuple):
-    """A cell whose text has a style of its own."""
+    """A cell whose text has a style of its own, or a bar of that style before it, which a share of 1 fills."""
 
     text: str
-    style: str
+    style: str = ""
+    share: float | None = None
 
 
-Entry: TypeAlias = "str | Bar | Styled | tuple[Entry, ...]"
+Entry: TypeAlias = "str | Styled | tuple[Entry, ...]"
 """Of a table; a tuple has its parts below each other."""
 
 
@@ -62,9 +55,9 @@ class Table(NamedTuple):
     more: str = ""
 
 
-def bar(share: float, digits: int = 0, state: str = "") -> Bar:
+def bar(share: float, digits: int = 0, style: str = "") -> Styled:
     """A share as a bar with its percentage."""
-    return Bar(share, f"{100 * share:.{digits}f} %", state)
+    return Styled(f"{100 * share:.{digits}f} %", style, share)
 
 
 def more(count: int, what: str) -> str:
@@ -86,7 +79,7 @@ def durations_table(found: RetimingResult) -> Table:
     def row(name: str, duration: float | None, more: str = "") -> tuple[Entry, ...]:
         if duration is None:
             return (name, "none", "", more)
-        return (name, f"{duration:.4g} s", Bar(duration / longest, f"{100 * duration / given:.4g} %"), more)
+        return (name, f"{duration:.4g} s", Styled(f"{100 * duration / given:.4g} %", share=duration / longest), more)
 
     saving = ""
     if found.saving is not None:
@@ -239,7 +232,6 @@ def margins_table(result: ScalingResult, limiting: LimitingRows) -> Table:
 
 
 def _marked(name: RowName, limiting: LimitingRows) -> tuple[Entry, ...]:
-    """The name of a limit with what is to be said of it below."""
     if name in limiting.setting:
         return short_name(name), Styled(limiting.setting[name], "mark limiting")
     words = limiting.reached.get(name)
@@ -248,10 +240,8 @@ def _marked(name: RowName, limiting: LimitingRows) -> tuple[Entry, ...]:
 
 def duty_table(result: ScalingResult) -> Table:
     """What the motion asks of every motor, with the share of what it bears where that is known."""
-    done = result.trajectory
-    assert done is not None  # noqa: S101 (only a trajectory asks anything)
     rows: list[tuple[Entry, ...]] = []
-    for robot, duty in zip(result.cell.robots, done.duty.values(), strict=True):
+    for robot, duty in zip(result.cell.robots, played(result).duty.values(), strict=True):
         for j, joint in enumerate(robot.joints):
             torque, speed = robot.torque_units[j], f"{robot.position_units[j]}/s"
             rows.append(

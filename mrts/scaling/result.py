@@ -205,6 +205,26 @@ class ScalingResult(Result):
         rows = motion_rows(given, self.motion, options.sharing, options.formulation)
         return plan_reserve(rows, done.c2, self.loads)
 
+    def at_rate(self, rate: float) -> "ScalingResult":
+        """The plan at the rate of a controller: the same motion at equal steps, with torques found there.
+
+        It takes up to one step longer, so that it ends on one, and longer still where limits ask for it at these
+        samples or between them: rows of another rate are another course.
+
+        Args:
+            rate: Of the samples [Hz].
+
+        Raises:
+            InputError: If there is no trajectory, the rate is no number that suits it, or an internal wrench is given
+                for each sample.
+            MotionError: If the arms cannot hold the object there.
+            SelectionError: If no slower plan keeps the limits either.
+            SolverError: If no solver answers.
+        """
+        from mrts.scaling.fixed_rate import at_rate  # noqa: PLC0415 (it scales, which makes results)
+
+        return at_rate(self, rate)
+
     def what_if(
         self,
         *,

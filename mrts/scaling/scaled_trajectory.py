@@ -25,11 +25,13 @@ class Holding:
             accelerates, and the limits let the cell hold still.
         torque: Shape (2, m) [N m or N]; zero where there are none.
         wrench: Robot after robot in base axes, Shape (2, n w) [N, N m]; zero where there are none.
+        rate: Of the samples, where they lie at equal steps, as the rows that hold then do [Hz]; else None.
     """
 
     ends: tuple[bool, bool]
     torque: Array
     wrench: Array
+    rate: float | None = None
 
 
 @dataclass(frozen=True, repr=False)

@@ -19,7 +19,7 @@ from mrts.plots.limit_shares import limit_shares
 from mrts.scene.arm_meshes import Warn
 from mrts.scene.cell_view import look_at_cell
 from mrts.scene.renderer import Clip, Frame, SceneRenderer, silent
-from mrts.scene.scene import OVER_LIMIT, arm_colour
+from mrts.scene.scene import OVER_LIMIT, arm_colour, rgba
 
 WIDTHS = {1: 720, 2: 480, 3: 360, 4: 300}
 """Of a clip by the number of clips [pixels]."""
@@ -155,7 +155,7 @@ class Composition:
             axes.tick_params(length=0, labelsize=SMALL, labelcolor=FAINT)
             axes.spines[:].set_visible(False)
             axes.grid(axis="y", color=GRID, linewidth=1)
-            axes.axhline(1.0, color=_share(OVER_LIMIT), linewidth=1)
+            axes.axhline(1.0, color=rgba(OVER_LIMIT), linewidth=1)
             for of in each:
                 axes.plot(clip.trajectory.time, np.minimum(of.largest, top), color=colours[of.kind], linewidth=1.6)
             (cursor,) = axes.plot([0, 0], [0, top], color=INK, linewidth=1, animated=True)
@@ -181,9 +181,9 @@ class Composition:
         if clip.deciding is not None:
             share, time = clip.deciding.share, done.time[clip.deciding.sample]
             used = f"limit: {clip.deciding.name.short}, {100 * share:.0f} % at {time:.2g} s"
-            self._put(left, 60, used, TEXT, room, color=FAINT if share < AT_LIMIT else _share(OVER_LIMIT))
+            self._put(left, 60, used, TEXT, room, color=FAINT if share < AT_LIMIT else rgba(OVER_LIMIT))
         if alone:
-            arms = [(robot.name, _share(arm_colour(place))) for place, robot in enumerate(done.cell.robots)]
+            arms = [(robot.name, rgba(arm_colour(place))) for place, robot in enumerate(done.cell.robots)]
             self._put_legend(arms, "center right", self._width - RIGHT, 17, 0.36 * room)
 
     def _put_foot(self, titles: dict[str, str], colours: dict[str, str], pace: str) -> None:
@@ -221,11 +221,5 @@ class Composition:
 
 
 def _fitted(text: str, size: int, room: float) -> tuple[float, str]:
-    """A size of letters at which a text has room, and as much of the text as has."""
     fitted = min(size, max(SMALLEST, room / (LETTER * max(len(text), 1))))
     return fitted, text if len(text) * LETTER * fitted <= room else cut(text, int(room / (LETTER * fitted)))
-
-
-def _share(colour: tuple[int, int, int]) -> tuple[float, float, float]:
-    red, green, blue = (part / 255 for part in colour)
-    return red, green, blue

@@ -29,6 +29,7 @@ from mrts.scene.scene import (
     Scene,
     blended,
     deciding_limit,
+    rgba,
     round_down,
     wxyz,
 )
@@ -274,7 +275,11 @@ class SceneRenderer:
         mesh.uservert, mesh.usernormal = np.ravel(vertices).tolist(), np.ravel(normals).tolist()
         mesh.userface = mesh.userfacenormal = np.ravel(faces).tolist()
         body.add_geom(
-            type=self._mujoco.mjtGeom.mjGEOM_MESH, meshname=name, rgba=_rgba(colour), contype=0, conaffinity=0
+            type=self._mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=name,
+            rgba=rgba(colour),
+            contype=0,
+            conaffinity=0,
         )
 
     def _move(self, name: str, R: Array, p: Array) -> None:
@@ -287,11 +292,6 @@ class SceneRenderer:
             return
         geom = scene.geoms[scene.ngeom]
         scene.ngeom += 1
-        mujoco.mjv_initGeom(geom, shape, np.full(3, radius), start, np.eye(3).ravel(), np.array(_rgba(colour)))
+        mujoco.mjv_initGeom(geom, shape, np.full(3, radius), start, np.eye(3).ravel(), np.array(rgba(colour)))
         mujoco.mjv_connector(geom, shape, radius, start, end)
         geom.category = mujoco.mjtCatBit.mjCAT_DECOR
-
-
-def _rgba(colour: Rgb) -> tuple[float, float, float, float]:
-    red, green, blue = (part / 255 for part in colour)
-    return red, green, blue, 1.0

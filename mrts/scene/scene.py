@@ -55,6 +55,12 @@ def arm_colour(index: int) -> Rgb:
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:], 16)
 
 
+def rgba(colour: Rgb) -> tuple[float, float, float, float]:
+    """The colour with shares from 0 to 1, opaque."""
+    red, green, blue = (part / 255 for part in colour)
+    return red, green, blue, 1.0
+
+
 def round_down(value: float) -> float:
     """The largest of 1, 2 and 5 times a power of ten that is not above a value > 0, but for rounding."""
     power = 10.0 ** np.floor(np.log10(value))

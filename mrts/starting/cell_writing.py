@@ -101,7 +101,6 @@ def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
 
 
 def _read_back(text: str, keys: dict[str, Any]) -> str:
-    """The text, if it means what it is to mean."""
     try:
         same = parse_yaml(text) == keys
     except ValueError:

@@ -53,9 +53,7 @@ def check(
     if is_generated(path):
         raise InputError(path, "is generated; check the cell file that it was made from.")
     model, wrong = read_without_generating(path)
-    mistakes = Mistakes()
-    for error in wrong:
-        mistakes.add(error)
+    mistakes = Mistakes(wrong)
     given: ObjectMotion | JointTable | None = None
     if motion_path is not None:
         with mistakes.noted():

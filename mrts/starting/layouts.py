@@ -2,6 +2,7 @@
 """Where arms may stand, hold a box between them, and lift it: the best few layouts that the arms' geometry admits."""
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
-from mrts.base.rigid_transform import RigidTransform, plane_normal, rotations_from_vectors
+from mrts.base.rigid_transform import RigidTransform, plane_normal, rotations_from_vectors, snap_rotation
 from mrts.starting.arm import Arm, twist_rows
 from mrts.starting.postures import Spot, Wanted, find_spots
 from mrts.starting.request import LIFT, Layout, Request, Stand
@@ -38,6 +39,8 @@ ROUNDING = 1e-9
 
 STEEPEST = 0.3
 """A hand is level if its direction is not steeper than this cosine to the vertical leaves it; else its side counts."""
+
+_clean = partial(snap_rotation, within=ROUNDING)
 
 
 def layouts(request: Request, mass: float, share: float = 1.0) -> list[Layout]:
@@ -122,13 +125,7 @@ def _turn(up: Array, start: Array, end: Array) -> Array:
     return turned
 
 
-def _clean(R: Array) -> Array:
-    nearest = np.round(R)
-    return np.asarray(np.where(np.abs(R - nearest) <= ROUNDING, nearest, R) + 0.0, dtype=np.float64)
-
-
 def _between_standing(request: Request, lift: Array, force: Array) -> list[Layout]:
-    """Arms that stand already: the object somewhere between them."""
     bases = [each.base or RigidTransform.identity() for each in request.arms]
     middle, out = _between(request, bases)
     forward = np.cross(request.up, (out[-1] - out[0]) / 2) * (len(out) == 2) * (request.plane is None)  # noqa: PLR2004 (a pair)
@@ -143,7 +140,11 @@ def _between_standing(request: Request, lift: Array, force: Array) -> list[Layou
             continue  # behind its back
         spots = [each[key] for each in found]
         stands = tuple(
-            Stand(T, RigidTransform(_clean(T.R @ spot.R), np.round(T.p + T.R @ spot.p, 2 * METRES)), spot.q)
+            Stand(
+                T,
+                RigidTransform(_clean(T.R @ spot.R), np.round(T.p + T.R @ spot.p, 2 * METRES)),
+                spot.q,
+            )
             for T, spot in zip(bases, spots, strict=True)
         )
         position = np.round(middle + request.grid * (key[1] * forward + key[2] * request.up), METRES)
@@ -201,15 +202,8 @@ def _wanted(
 ) -> Wanted:
     """What one arm is asked, in its base frame.
 
-    Args:
-        request: What is asked of all.
-        arm: The arm.
-        facings: Where its hand may point, world axes, Shape (F, 3).
-        kinds: Of each.
-        lift: Where its hand goes, Shape (3,) [m].
-        force: Of its hand on the object, Shape (3,) [N].
-        standing: Where its base is, where its hand would be with the object in the middle, and which way is forward;
-            None where the base goes where the hand wants it.
+    `standing` is where its base is, where its hand would be with the object in the middle, and which way is forward;
+    None where the base goes where the hand wants it.
     """
     T, start, forward = standing or (RigidTransform.identity(), None, request.up)
     rotations, pointing, kind = [], [], []
@@ -292,6 +286,7 @@ def _base_around(request: Request, tip: RigidTransform, facing: Array, place: Ar
     if request.plane is None:
         if np.linalg.norm(level) < STEEPEST:
             level = tip.p - (tip.p @ request.up) * request.up
-        turn = _clean(_turn(request.up, level / max(float(np.linalg.norm(level)), ROUNDING), -place))
+        level = level / max(float(np.linalg.norm(level)), ROUNDING)
+        turn = _clean(_turn(request.up, level, -place))
     ahead = place - turn @ tip.p
     return RigidTransform(turn, np.round(ahead - (ahead @ request.up) * request.up, METRES) + 0.0)

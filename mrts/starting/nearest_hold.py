@@ -10,6 +10,7 @@ from mrts.base.arrays import Array, apply
 from mrts.base.rigid_transform import vectors_from_rotations
 from mrts.cell.cell import Cell
 from mrts.motion.object_motion import ObjectMotion
+from mrts.starting.postures import damped_step
 
 ROTATION_WEIGHT = 30.0
 """Metres that a radian counts as: for each metre that is missing, a hand of 1 m is off by 1 mrad."""
@@ -22,6 +23,9 @@ LEAST_DAMPING = 1e-6
 
 MOST_DAMPING = 1e6
 """Steps are then a millionth of what the error asks for."""
+
+LONGEST_STEP = 1.0
+"""Of a joint [rad or m]."""
 
 LEAST_GAIN = 1e-7
 """Share by which a step must make the error smaller for the search to go on."""
@@ -70,7 +74,8 @@ def nearest_hold(arm: Cell, motion: ObjectMotion, sample: int, starts: Array) ->
     error, J, sizes = errors(q)
     damping = np.full(len(q), 1e-2)
     for _ in range(STEPS):
-        step = _step(error, J, damping, _pushed(q, error, J, robot.position_lower, robot.position_upper))
+        held = _pushed(q, error, J, robot.position_lower, robot.position_upper)
+        step = damped_step(error, np.where(held[:, None, :], 0.0, J), damping, LONGEST_STEP)
         tried = np.clip(q + step, robot.position_lower, robot.position_upper)
         new, J_new, new_sizes = errors(tried)
         before, after = np.sum(error**2, axis=1), np.sum(new**2, axis=1)
@@ -101,15 +106,3 @@ def _pushed(q: Array, error: Array, J: Array, low: Array, high: Array) -> NDArra
     """Joints that stand at a limit and are pushed beyond it, Shape (T, n_i)."""
     towards = apply(J.transpose(0, 2, 1), error)
     return ((q <= low) & (towards < 0)) | ((q >= high) & (towards > 0))
-
-
-def _step(error: Array, J: Array, damping: Array, held: NDArray[np.bool_]) -> Array:
-    """Jᵀ(JJᵀ + λI)⁻¹e over the joints that are free, no longer than one radian, Shape (T, n_i)."""
-    free = np.where(held[:, None, :], 0.0, J)
-    across: Array = np.asarray(free.transpose(0, 2, 1), dtype=np.float64)
-    square = free @ across + damping[:, None, None] * np.eye(J.shape[1])
-    solved: Array = np.asarray(np.linalg.solve(square, error[:, :, None])[:, :, 0], dtype=np.float64)
-    step = apply(across, solved)
-    longest = np.max(np.abs(step), axis=1, keepdims=True)
-    shorter: Array = step / np.maximum(longest, 1.0)
-    return shorter

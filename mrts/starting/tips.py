@@ -132,7 +132,6 @@ def _rank(link: str) -> int | None:
 
 
 def _beside(name: set[str]) -> frozenset[str]:
-    """Words that may stand beside a name: numbers, and what says nothing."""
     others = {word for kinds in TOOLS[WHOLE_NAMES:] for kind in kinds for word in kind}
     return BARE | (others - name)
 

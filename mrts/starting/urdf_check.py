@@ -21,9 +21,8 @@ def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
     """Check one URDF: its XML, joints and masses, the chains to its hands, and whether its meshes are there."""
     if args and not is_xacro(path):
         raise InputError("--xacro-arg", f"{path.name} is no xacro, whose name ends in .xacro.")
-    read, mistakes = read_urdf(path, Path(), str(path), args), Mistakes()
-    for mistake in read.mistakes:
-        mistakes.add(mistake)
+    read = read_urdf(path, Path(), str(path), args)
+    mistakes = Mistakes(read.mistakes)
     arms = _arms(read, mistakes)
     robots = tuple(arm.robot for arm in arms)
     remarks = [hint for arm in arms for hint in _hints(arm, path)]

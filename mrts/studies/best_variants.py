@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from mrts.program.excess import BETWEEN
-from mrts.studies.ranking import fastest_first
 from mrts.studies.study import VARIANT_FILES, Study
 from mrts.studies.study_folder import StudyFolder
-from mrts.studies.variant_rows import solved_row
+from mrts.studies.variant_rows import fastest_first, solved_row
 
 BEST_FOLDER = re.compile(r"best-\d+")
 

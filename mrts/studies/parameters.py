@@ -235,7 +235,6 @@ def read_parameters(
 
 
 def _check_apart(mover: str, target: Target, movers: Mapping[Keys, str]) -> None:
-    """Check that nothing moves a number, a part of it, or what it is a part of, twice."""
     for keys, other in movers.items():
         shared = min(len(keys), len(target.keys))
         if keys[:shared] == target.keys[:shared]:

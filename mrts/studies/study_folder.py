@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from mrts.base.argument_types import as_path, require_extra
 from mrts.base.arrays import Array
-from mrts.base.atomic_file import write_atomically, write_text_atomically
+from mrts.base.atomic_file import told_of, write_atomically, write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.input_file import read_text
 from mrts.base.version import __version__
@@ -276,11 +276,9 @@ def opened_study_folder(path: Path, study: Study, chunk_size: Callable[[], int])
 @contextmanager
 def _locked(path: Path) -> Iterator[None]:
     """Make a folder, and let no other sweep into it; the system forgets the lock of a process that is gone."""
-    try:
+    with told_of(path):
         path.mkdir(parents=True, exist_ok=True)
         file = (path / LOCK_FILE).open("a", encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise InputError(path, f"cannot be written: {getattr(error, 'strerror', None) or error}.") from None
     with file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -78,7 +78,6 @@ def batch_for(study: Study) -> "VariantBatch | None":
 
 
 def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
-    """Whether rows and terms of the cell are those of plain torques, wrenches, contacts and velocities."""
     names = {entry.name for entry in entries}
     motors = [robot.motors for robot in cell.robots]
     curves = [curve for each in motors for curve in each.torque_speed if curve is not None]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
@@ -105,6 +106,17 @@ def ends_row(lower: RangeEnd, upper: RangeEnd, given_duration: float) -> Row:
 
 def _labels(end: RangeEnd) -> str:
     return LIMIT_SEPARATOR.join(dict.fromkeys(row.label for row in end.rows))
+
+
+def fastest_first(variant: NDArray[np.int_], duration: Array) -> NDArray[np.intp]:
+    """Rows of the variants that have a duration, the shortest first; of equals, that with the lower number.
+
+    Args:
+        variant: Their numbers, Shape (V,).
+        duration: NaN or infinite where there is none, Shape (V,) [s].
+    """
+    rows = np.flatnonzero(np.isfinite(duration))
+    return rows[np.lexsort((variant[rows], duration[rows]))]
 
 
 def solved_row(study: Study, point: Array) -> Row:

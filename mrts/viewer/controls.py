@@ -13,7 +13,7 @@ import numpy as np
 import viser
 
 from mrts.base.errors import MrtsError
-from mrts.base.load_box import FACTORS, UNITS, LoadBox
+from mrts.base.load_box import LoadBox
 from mrts.base.rigid_transform import RigidTransform, rotations_from_quaternions
 from mrts.cell.cell_change import Changed, limit_names
 from mrts.scene.scene import wxyz
@@ -320,7 +320,6 @@ class ChangeControls:
         self._bind(slider, lambda now: round(100 * now.limits.get(names[0], 1.0), DECIMALS) if names else 100.0, apply)
 
     def _add_places(self) -> None:
-        """A menu of what the gizmo moves, and sliders that move it from where it was given."""
         found = {str(place): place for place in places(self._given)}
         menu = self._gui.add_dropdown(
             "move", (NOWHERE, *found), hint="with the gizmo in the scene, or with the sliders below"
@@ -402,11 +401,7 @@ def _corners(box: LoadBox) -> dict[str, Mapping[str, float] | None]:
     points = [box.nominal_point(), *box.corners(box.varying)]
     found: dict[str, Mapping[str, float] | None] = {ALL_LOADS: None}
     for number, point in enumerate(points[:CORNERS_SHOWN]):
-        values = ", ".join(
-            f"{name} × {value:.4g}" if name in FACTORS else f"{name} {value:.4g} {UNITS[name]}"
-            for name, value in point.parameters.items()
-        )
-        found[values if number else f"nominal: {values}"] = MappingProxyType(dict(point.parameters))
+        found[str(point) if number else f"nominal: {point}"] = MappingProxyType(dict(point.parameters))
     return found
 
 

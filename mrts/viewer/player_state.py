@@ -17,6 +17,7 @@ from mrts.limits.rows import RowName
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.plots.card import Card, answer_card
+from mrts.plots.limit_shares import played
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import Rates
 from mrts.program.reserve import reserved
@@ -303,8 +304,7 @@ class PlayerState:
         result = self.result
         cell, motion, options = result.cell, result.motion, result.options
         if self.timing is not None and c2 == 1:
-            assert result.trajectory is not None  # noqa: S101 (a timing has torques)
-            torque, wrench = result.trajectory.torque, result.trajectory.wrench
+            torque, wrench = played(result).torque, played(result).wrench
         elif self._admits(c2):
             rows = motion_rows(cell, motion, options.sharing, options.formulation)
             torque, wrench, _ = distributed_torques(rows, options, c2)

@@ -13,6 +13,7 @@ from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.plots.labels import shortened
+from mrts.plots.limit_shares import played
 from mrts.scaling.result import ScalingResult
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import contact_forces, name_place
@@ -309,7 +310,6 @@ class ViewerScene:
             label.visible = index in lines
 
     def _draw_outlines(self, body: HeldBody) -> None:
-        """The object's edges at both ends of its path."""
         edges = object_edges(body.vertices, body.faces)
         lines = body.vertices[edges if len(edges) else body.faces[:, :2]]  # a ball has no edges
         self._outlines = [
@@ -359,8 +359,7 @@ class OtherResult:
     """
 
     def __init__(self, server: viser.ViserServer, scene: ViewerScene, name: str, result: ScalingResult) -> None:
-        assert result.trajectory is not None  # noqa: S101 (what is read to be played has one)
-        self._done, self._view, drawing, cell = result.trajectory, scene, server.scene, result.cell
+        self._done, self._view, drawing, cell = played(result), scene, server.scene, result.cell
         self._scene = Scene.of(self._done)
         view = look_at_cell(cell, self._scene.q, self._scene.position)
         across = np.cross(view.up, view.direction)

@@ -14,6 +14,7 @@ from mrts.base.printable import html_text
 from mrts.plots.colours import END_COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.limit_plots import limits_plot
+from mrts.plots.limit_shares import played
 from mrts.plots.plot import Axis, Line, Panel, Rule
 from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends
@@ -39,8 +40,7 @@ PHASE = "Phase plane: speed along the path"
 
 def time_panels(result: ScalingResult) -> dict[str, Panel]:
     """What is plotted of a result with a trajectory, by title; the abscissa of the last is no time but the way."""
-    done, found = result.trajectory, result.range
-    assert done is not None  # noqa: S101 (what is played has one)
+    done, found = played(result), result.range
     c2: list[Line | Rule] = [
         Line(x=done.time, y=getattr(found.samples, side), label=label, color=END_COLOURS[side])
         for side, label in (("upper", "at most"), ("lower", "at least"))

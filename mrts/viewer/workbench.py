@@ -269,7 +269,6 @@ class Workbench:
         self._worker.shutdown(wait=False, cancel_futures=True)
 
     def _answer(self, request: _Request) -> None:
-        """Find the answer to a request that is the newest, and not answered yet."""
         if request is not self._request or request is self._answered:
             return
         coarse = self._whole_took.get(request[0].profile, QUICK) >= QUICK

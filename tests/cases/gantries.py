@@ -1,10 +1,8 @@
 """Two gantries that push one object along x, for closed forms."""
 
-from dataclasses import replace
-
 import numpy as np
-import yaml
-from shipped_cells import sampled
+from random_motors import equipped
+from shipped_cells import cell_of_arms, sampled
 
 import mrts
 
@@ -30,20 +28,22 @@ def gantries(folder, velocity=0.0, wrench=None, variation=None, object_velocity=
         | limits
         for name, y in (("near", -1), ("far", 1))
     ]
-    carried = {"mass": 3, "inertia": [1, 1, 1]}
-    if variation:
-        carried["variation"] = variation
-    if object_velocity:
-        carried["velocity"] = object_velocity
-    cell = {"name": "gantries", "gravity": list(gravity), "plane": "xy", "object": carried, "robots": robots}
-    (folder / "cell.yaml").write_text(yaml.safe_dump(cell))
-    return mrts.load_cell(folder / "cell.yaml")
+    carried = {"mass": 3, "inertia": [1, 1, 1]} | ({"variation": variation} if variation else {})
+    carried |= {"velocity": object_velocity} if object_velocity else {}
+    return mrts.load_cell(cell_of_arms(folder, *robots, name="gantries", gravity=gravity, plane="xy", object=carried))
 
 
 def along_x(samples=101, **changes):
     description = {"duration": 1.0, "samples": samples, "profile": "cubic"}
     description |= {"start": {"xyz": [0, 0, 0]}, "end": {"xyz": [2, 0, 0]}}
     return sampled(description | changes)
+
+
+def straight(time, x, v, a, **given):
+    """A motion along x of any positions, velocities and accelerations."""
+    place, twist, acceleration = np.zeros((3, len(time), 6))
+    place[:, 0], twist[:, 0], acceleration[:, 0] = x, v, a
+    return mrts.ObjectMotion(time, place[:, :3], np.tile(np.eye(3), (len(time), 1, 1)), twist, acceleration, **given)
 
 
 def there_and_back(turn, samples=101, wait=0):
@@ -58,14 +58,8 @@ def there_and_back(turn, samples=101, wait=0):
     v[np.isclose(time, turn)] = v[0] = v[-1] = 0.0
     middle = int(np.argmin(np.abs(time - turn)))
     order = np.concatenate([np.arange(middle), np.full(wait, middle), np.arange(middle, samples)]).astype(int)
-    column = np.zeros((len(order), 6))
-    twist, acceleration = column.copy(), column.copy()
-    twist[:, 0], acceleration[:, 0] = v[order], a[order]
-    position = np.zeros((len(order), 3))
-    position[:, 0] = x[order]
     time = np.linspace(0, 1, len(order)) if wait else time
-    eye = np.broadcast_to(np.eye(3), (len(order), 3, 3))
-    return mrts.ObjectMotion(time, position, eye, twist, acceleration, smooth=False)
+    return straight(time, x[order], v[order], a[order], smooth=False)
 
 
 UPHILL = 36 / 11  # m/s²; against it the two arms and the object need 36 of 40 N
@@ -75,6 +69,4 @@ VISCOUS = 6.0  # N s/m of each arm
 def uphill_gantries(folder, viscous=VISCOUS, **motors):
     """Gantries that push uphill against viscous friction: as the motion slows down, its inertia helps them."""
     cell = gantries(folder, gravity=(-UPHILL, 0, 0))
-    columns = {"viscous": np.array([viscous, 0, 0])} | motors
-    robots = (replace(robot, motors=replace(robot.motors, **columns)) for robot in cell.robots)
-    return replace(cell, robots=tuple(robots))
+    return equipped(cell, viscous=[viscous, 0, 0], **motors)

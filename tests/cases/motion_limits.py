@@ -1,5 +1,7 @@
 """The shipped cell of two arms with every key of the cell file that limits the motion alone."""
 
+from copy import deepcopy
+
 import yaml
 from conftest import DATA
 
@@ -41,7 +43,7 @@ def description(**of_right):
     given["object"] |= OBJECT
     given["robots"][0] |= LEFT
     given["robots"][1] |= RIGHT | of_right
-    return given
+    return deepcopy(given)
 
 
 def limited_cell(**of_right):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import airo_models
 import pinocchio as pin
-import yaml
+from shipped_cells import cell_of_arms
 
 SITE = Path(pin.__file__).parents[4]
 ROBOTS = SITE / "share" / "example-robot-data" / "robots"
@@ -30,19 +30,6 @@ def urdf_path(reference):
 
 
 def single_arm_cell(folder, reference, tip, joints):
-    cell = {
-        "name": "arm",
-        "gravity": [0.3, -0.2, -9.81],
-        "object": {"mass": 1.0, "inertia": [0.01, 0.01, 0.01]},
-        "robots": [
-            {
-                "name": "arm",
-                "urdf": reference if reference.startswith("package://") else str(ROBOTS / reference),
-                "tip_link": tip,
-                "posture": [0.1] * joints,
-                "torque": [100.0] * joints,
-            }
-        ],
-    }
-    (folder / "cell.yaml").write_text(yaml.safe_dump(cell), encoding="utf-8")
-    return folder / "cell.yaml"
+    arm = {"name": "arm", "urdf": reference if reference.startswith("package://") else str(ROBOTS / reference)}
+    arm |= {"tip_link": tip, "posture": [0.1] * joints, "torque": [100.0] * joints}
+    return cell_of_arms(folder, arm, gravity=[0.3, -0.2, -9.81])

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import yaml
+from shipped_cells import cell_of_arms
 
 PLANES = {"xy": (0, 1, 2, 1.0), "xz": (0, 2, 1, -1.0), "yz": (1, 2, 0, 1.0)}
 """Plane: its two axes, its normal axis, and the sign of first × second along that axis."""
@@ -50,6 +51,13 @@ def inertial_xml(rng, mass, size, rpy="0 0 0"):
     return f'<inertial><origin xyz="{com}" rpy="{rpy}"/><mass value="{mass:.17g}"/><inertia {entries}/></inertial>'
 
 
+def arm_keys(index, base, grasp, posture):
+    """Keys of a robot of a cell file."""
+    name = f"arm{index}"
+    keys = {"name": name, "urdf": f"{name}.urdf", "tip_link": "tip"}
+    return keys | {"base": base, "grasp": grasp, "posture": posture}
+
+
 def planar_structure(rng, plane: str, arms: int) -> Structure:
     """A reachable planar cell, whose elbows are away from full stretch and full fold."""
     *_, handed = PLANES[plane]
@@ -68,16 +76,8 @@ def planar_structure(rng, plane: str, arms: int) -> Structure:
         base_angle = start_angle + grasp_angle - absolute[2]
         base = start + rotation_in_plane(start_angle) @ grasp - rotation_in_plane(base_angle) @ tip
         urdfs[f"arm{index}.urdf"] = planar_urdf(rng, plane, links, signs * handed)
-        robots.append(
-            {
-                "name": f"arm{index}",
-                "urdf": f"arm{index}.urdf",
-                "tip_link": "tip",
-                "base": planar_pose(plane, base, base_angle),
-                "grasp": planar_pose(plane, grasp, grasp_angle),
-                "posture": q.tolist(),
-            }
-        )
+        poses = planar_pose(plane, base, base_angle), planar_pose(plane, grasp, grasp_angle)
+        robots.append(arm_keys(index, *poses, q.tolist()))
     gravity = planar_pose(plane, rng.normal(size=2) * 6, 0)["xyz"]
     return Structure({"gravity": gravity, "plane": plane, "robots": robots}, urdfs, (start, start_angle))
 
@@ -186,16 +186,8 @@ def spatial_structure(rng, arms: int, joints: int = 6) -> Structure:
         with TemporaryDirectory() as folder:
             urdfs[f"arm{index}.urdf"], q, T_base_tip = reachable_arm(rng, Path(folder), joints)
         grasp = pin.SE3(pin.exp3(rng.normal(size=3)), rng.uniform(-0.3, 0.3, 3))
-        robots.append(
-            {
-                "name": f"arm{index}",
-                "urdf": f"arm{index}.urdf",
-                "tip_link": "tip",
-                "base": spatial_pose(start * grasp * T_base_tip.inverse()),
-                "grasp": spatial_pose(grasp),
-                "posture": q.tolist(),
-            }
-        )
+        base = spatial_pose(start * grasp * T_base_tip.inverse())
+        robots.append(arm_keys(index, base, spatial_pose(grasp), q.tolist()))
     return Structure({"gravity": (rng.normal(size=3) * 5).tolist(), "robots": robots}, urdfs, start)
 
 
@@ -209,22 +201,8 @@ def spatial_cell(folder, seed, joints=(6, 7, 6)):
     robots = []
     for index, count in enumerate(joints):
         (folder / f"arm{index}.urdf").write_text(random_spatial_urdf(rng, count), encoding="utf-8")
-        robots.append(
-            {
-                "name": f"arm{index}",
-                "urdf": f"arm{index}.urdf",
-                "tip_link": "tip",
-                "base": {"xyz": rng.uniform(-1, 1, 3).tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()},
-                "grasp": {"xyz": rng.uniform(-0.5, 0.5, 3).tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()},
-                "posture": [0.0] * count,
-            }
-        )
-    cell = {
-        "name": "spatial",
-        "gravity": [1.0, -2.0, -9.5],
-        "object": {"mass": 2.0, "inertia": [[0.05, 0.01, -0.01], [0.01, 0.06, 0.02], [-0.01, 0.02, 0.07]]},
-        "robots": robots,
-    }
-    path = folder / "cell.yaml"
-    path.write_text(yaml.safe_dump(cell), encoding="utf-8")
-    return path, cell
+        poses = ({"xyz": rng.uniform(-far, far, 3).tolist(), "rpy": rng.uniform(-3, 3, 3).tolist()} for far in (1, 0.5))
+        robots.append(arm_keys(index, *poses, [0.0] * count))
+    inertia = [[0.05, 0.01, -0.01], [0.01, 0.06, 0.02], [-0.01, 0.02, 0.07]]
+    path = cell_of_arms(folder, *robots, gravity=[1.0, -2.0, -9.5], mass=2.0, inertia=inertia)
+    return path, yaml.safe_load(path.read_text(encoding="utf-8"))

@@ -8,18 +8,14 @@ from mrts.cell.motors import JointMotors
 
 
 def equipped(cell, **given):
-    """The same cell with the same motors at every joint; a curve is one for all."""
+    """The cell with the same motors in every arm: a number for all joints or one for each, a curve for all."""
     robots = []
     for robot in cell.robots:
         n = len(robot.joints)
-        motors = replace(
-            JointMotors.unknown(n),
-            **{
-                name: (np.array(value),) * n if name == "torque_speed" else np.full(n, float(value))
-                for name, value in given.items()
-            },
-        )
-        robots.append(replace(robot, motors=motors))
+        columns = {name: np.full(n, value, dtype=float) for name, value in given.items() if name != "torque_speed"}
+        if "torque_speed" in given:
+            columns["torque_speed"] = (np.array(given["torque_speed"]),) * n
+        robots.append(replace(robot, motors=replace(robot.motors, **columns)))
     return replace(cell, robots=tuple(robots))
 
 

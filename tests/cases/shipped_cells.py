@@ -1,14 +1,17 @@
-"""The shipped cells and motions, changed: their keys, and files of them."""
+"""Cell files of any keys, and the shipped cells and motions, changed."""
+
+from pathlib import Path
 
 import yaml
-from conftest import DATA
 
 import mrts
+
+DATA = Path(mrts.__file__).parent / "data"
 
 
 def shipped(name="planar_dual_arm", **robots):
     """Keys of a shipped cell file, its URDFs by their whole paths, some keys of all its robots changed."""
-    folder = DATA.parent / name
+    folder = DATA / name
     keys = yaml.safe_load((folder / "cell.yaml").read_text(encoding="utf-8"))
     changed = [robot | robots | {"urdf": str((folder / robot["urdf"]).resolve())} for robot in keys["robots"]]
     return keys | {"robots": changed}
@@ -20,6 +23,12 @@ def cell_file(folder, keys):
     return folder / "cell.yaml"
 
 
+def cell_of_arms(folder, *robots, name="arms", gravity=(0, 0, -9.81), mass=1.0, inertia=(0.01, 0.01, 0.01), **keys):
+    """A cell file of these robots."""
+    carried = {"mass": mass, "inertia": list(inertia)}
+    return cell_file(folder, {"name": name, "gravity": list(gravity), "object": carried, "robots": list(robots)} | keys)
+
+
 def changed_cell(folder, change, name="planar_dual_arm"):
     """The file of a shipped cell after a change of its keys."""
     keys = shipped(name)
@@ -29,7 +38,7 @@ def changed_cell(folder, change, name="planar_dual_arm"):
 
 def shipped_motion(name="planar_dual_arm", **keys):
     """Keys of the motion file of a shipped cell, some changed."""
-    folder = DATA.parent / name
+    folder = DATA / name
     path = next(path for path in (folder / "lift.yaml", folder / "lift_and_turn.yaml") if path.exists())
     return yaml.safe_load(path.read_text(encoding="utf-8")) | keys
 

@@ -1,12 +1,10 @@
 """Two gantries that slow an object down in a straight line, where rotor inertia helps against their friction."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from gantries import gantries
-
-import mrts
-from mrts.cell.motors import JointMotors
+from gantries import gantries, straight
+from random_motors import equipped
 
 GANTRY_MASS, OBJECT_MASS, FORCE = 4.0, 3.0, 20.0
 
@@ -24,22 +22,12 @@ class Slowing:
     def cell(self, folder, **changes):
         """The cell."""
         folder.mkdir(exist_ok=True)
-        given = gantries(folder, **changes)
-        motors = replace(
-            JointMotors.unknown(3),
-            armature=np.array([self.inertia, 0, 0]),
-            viscous=np.array([self.friction, 0, 0]),
-        )
-        return replace(given, robots=tuple(replace(robot, motors=motors) for robot in given.robots))
+        return equipped(gantries(folder, **changes), armature=[self.inertia, 0, 0], viscous=[self.friction, 0, 0])
 
     def motion(self, samples=11):
         """Of the object."""
         t = np.linspace(0, (self.first - self.last) / self.slowing, samples)
-        position, twist, acceleration = np.zeros((samples, 3)), np.zeros((samples, 6)), np.zeros((samples, 6))
-        position[:, 0] = self.first * t - self.slowing * t**2 / 2
-        twist[:, 0] = self.first - self.slowing * t
-        acceleration[:, 0] = -self.slowing
-        return mrts.ObjectMotion(t, position, np.tile(np.eye(3), (samples, 1, 1)), twist, acceleration)
+        return straight(t, self.first * t - self.slowing * t**2 / 2, self.first - self.slowing * t, -self.slowing)
 
     def intervals(self, mass=OBJECT_MASS):
         """Of c²: -FORCE <= b v c - M a c² <= FORCE at the first and the last speed; each arm moves half the object."""

@@ -7,6 +7,7 @@ import pytest
 import yaml
 from casadi_cells import casadi_cell
 from cell_bank import random_planar_cell, random_spatial_cell
+from changed_robots import with_left, with_robots
 from conftest import DATA
 from draws import seeds
 from same_cells import same_cell
@@ -119,7 +120,7 @@ def test_hands_made_in_python_are_written_as_they_were_made(tmp_path):
         mrts.rows_contact(A=np.vstack([np.eye(6), -np.eye(6)]), upper=np.full(12, 50.0)),
         mrts.box_contact(lower=[-np.inf, -5, -5, -5, -5, -5], upper=None, frame="object"),
     )
-    cell = replace(cell, robots=tuple(replace(robot, contacts=hands) for robot in cell.robots))
+    cell = with_robots(cell, contacts=hands)
     text = cell.to_yaml(tmp_path / "cell.yaml")
     assert "&" not in text  # written out, not referred to
     kinds = [next(iter(entry)) for entry in yaml.safe_load(text)["robots"][0]["contact"]]
@@ -128,12 +129,7 @@ def test_hands_made_in_python_are_written_as_they_were_made(tmp_path):
 
 
 def renamed(cell):
-    left, right = cell.robots
-    return replace(cell, robots=(replace(left, contacts=(replace(left.contacts[0], name="palm"),)), right))
-
-
-def of_left(**changes):
-    return lambda cell: replace(cell, robots=(replace(cell.robots[0], **changes), *cell.robots[1:]))
+    return with_left(cell, contacts=(replace(cell.robots[0].contacts[0], name="palm"),))
 
 
 REFUSED = {
@@ -145,7 +141,10 @@ REFUSED = {
         r"load\[2\] = 0.1: a cell file cannot hold this value",
     ),
     "no folder": (lambda cell: replace(cell, folder=None), "folder: it is not known where its URDFs are"),
-    "a position limit": (of_left(position_lower=np.full(6, -0.5)), r"position_lower\[0\] = -0.5: a cell file"),
+    "a position limit": (
+        lambda cell: with_left(cell, position_lower=np.full(6, -0.5)),
+        r"position_lower\[0\] = -0.5: a cell file",
+    ),
     "a contact renamed": (renamed, r"robots\[0\].contacts\[0\].name = 'palm': a cell file cannot hold this value"),
 }
 

@@ -28,14 +28,6 @@ def robot(description, name):
     return next(robot for robot in description["robots"] if robot["name"] == name)
 
 
-@pytest.mark.parametrize("name", SHIPPED)
-def test_a_dictionary_is_the_file(name):
-    cell = mrts.load_cell(SHIPPED[name])
-    again = from_dict(described(name), name)
-    assert same_cell(cell, again)
-    assert (again.folder, again.remarks) == (SHIPPED[name].parent, cell.remarks)
-
-
 @pytest.mark.quick
 def test_numbers_of_numpy_tuples_and_paths_are_taken(planar_cell):
     description = described("planar_dual_arm")

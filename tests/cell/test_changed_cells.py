@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell
+from changed_robots import with_left
 from conftest import DATA
 
 import mrts
@@ -17,11 +18,6 @@ SIDE = np.array([0.1, 0.0, 0.0])
 
 def moved(T):
     return mrts.RigidTransform(T.R, T.p + SIDE)
-
-
-def with_left(cell, **changes):
-    left, *others = cell.robots
-    return replace(cell, robots=(replace(left, **changes), *others))
 
 
 def c2(cell, lift):
@@ -67,21 +63,6 @@ def test_functions_of_another_cell_are_refused(planar_cell, tmp_path):
     other = random_planar_cell(np.random.default_rng(1), tmp_path, 2).cell
     with pytest.raises(mrts.InputError, match=r"^cell: name"):
         replace(planar_cell, functions=other.functions)
-
-
-def test_limits_postures_and_load_have_their_effect(planar_cell, lift):
-    """Torque and velocity limits halved, a wrench bounded, the load doubled: each lowers c²⁺; a posture may not."""
-    left, given = planar_cell.robots[0], c2(planar_cell, lift)
-    assert c2(with_left(planar_cell, torque_upper=left.torque_upper / 2), lift) < given
-    assert c2(with_left(planar_cell, velocity_limit=np.full(3, 0.5)), lift) < given
-    assert c2(replace(planar_cell, object_velocity_limit=np.array([1.0, np.inf])), lift) < given
-    free = planar_cell.without_wrench_limits()
-    bounded = with_left(free, wrench_lower=[-2, -np.inf, -np.inf], wrench_upper=[2, np.inf, np.inf])
-    assert c2(bounded, lift) < c2(free, lift)
-    assert c2(planar_cell.with_load(planar_cell.load * 2), lift) < given
-    assert c2(with_left(planar_cell, posture=left.posture + 0.01), lift) == pytest.approx(given)
-    with pytest.raises(mrts.MotionError, match="position limit"):
-        mrts.scale(with_left(planar_cell, position_lower=left.posture + 2, position_upper=left.posture + 2.1), lift)
 
 
 OF_ROBOTS = {

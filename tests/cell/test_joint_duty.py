@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from changed_robots import with_left
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from scipy.interpolate import make_interp_spline
@@ -63,7 +64,7 @@ def test_a_curve_that_ends_below_the_velocity_limit_is_the_limit_of_the_speed():
 @pytest.fixture(scope="module")
 def cell(planar_cell):
     """The paper's cell with friction and ratings of its left arm."""
-    left, right = planar_cell.robots
+    left = planar_cell.robots[0]
     motors = replace(
         left.motors,
         armature=np.array([0.3, 0.2, 0.05]),
@@ -72,7 +73,7 @@ def cell(planar_cell):
         torque_rate=np.full(3, 2000.0),
         jerk=np.full(3, 900.0),
     )
-    return replace(planar_cell, robots=(replace(left, motors=motors), right))
+    return with_left(planar_cell, motors=motors)
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +100,7 @@ def test_motors_above_their_rating_are_a_warning_until_the_motion_is_slow_enough
     worst = result.trajectory.duty["left"].rated_share
     assert f"{100 * max(worst):.0f} % of what its motor bears" in said.text
     relaxed = replace(cell.robots[0].motors, rated=np.full(3, 1e4))
-    easy = mrts.scale(replace(cell, robots=(replace(cell.robots[0], motors=relaxed), cell.robots[1])), lift)
+    easy = mrts.scale(with_left(cell, motors=relaxed), lift)
     assert not [warning for warning in easy.warnings if warning.code == "above-rated"]
 
 

@@ -92,6 +92,38 @@ def test_wrong_values_are_refused_by_their_key(path, value, key, cell):
     assert str(refused.value.key).startswith(key)
 
 
+BAD = {
+    "object.frames[0].name": lambda keys: keys["object"]["frames"][0].update(name="linear"),
+    "object.frames[1].name": lambda keys: keys["object"]["frames"][1].update(name="point"),
+    "object.carries[1].name": lambda keys: keys["object"]["carries"][1].update(name="cup"),
+    "object.carries[0]": lambda keys: keys["object"]["carries"][0].update(normal=[0, 1e-12, 0]),
+    "object.carries[1]": lambda keys: keys["object"]["carries"][1].update(height=0.1),
+    "object.frames[0]": lambda keys: keys["object"]["frames"][0].pop("speed"),
+    "object.carries[0].half_width": lambda keys: keys["object"]["carries"][0].update(half_width=[0.1]),
+    "robots[0] (left).frames[1].name": lambda keys: keys["robots"][0]["frames"][1].update(name="elbow"),
+    "robots[0] (left).frames[0].link": lambda keys: keys["robots"][0]["frames"][0].update(link="forarm"),
+    "robots[0] (left).frames[2].link": lambda keys: keys["robots"][0]["frames"][2].update(link="base_link"),
+    "robots[0] (left).acceleration": lambda keys: keys["robots"][0]["acceleration"].update(lower=[1.0] * 6),
+    "robots[0] (left).acceleration.upper": lambda keys: keys["robots"][0]["acceleration"].update(upper=[1.0] * 5),
+    "robots[1] (right).velocity": lambda keys: keys["robots"][1].update(velocity=[1.0] * 7),
+}
+
+
+@pytest.mark.parametrize("key", BAD)
+def test_wrong_keys_are_refused_by_name(key):
+    keys = description()
+    BAD[key](keys)
+    with pytest.raises(mrts.InputError) as refused:
+        mrts.Cell.from_description(keys)
+    assert refused.value.key == key
+
+
+def test_no_robot_is_called_as_the_object_is():
+    """Its limits and those of the object would have one name."""
+    with pytest.raises(mrts.InputError, match="cannot be called 'object'"):
+        mrts.Cell.from_description(description(name="object"))
+
+
 EXPECTED = {
     *(("contact", "object", name) for name in ("cup", "thing2")),
     *(("velocity", "left", joint) for joint in JOINTS if joint != "wrist_1_turn"),

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
+from changed_robots import with_left
 from conftest import DATA
 
 import mrts
-from mrts.cell.motors import torque_speed_lines
 
 pytestmark = pytest.mark.quick
 
@@ -79,12 +79,6 @@ def test_one_number_stands_for_all_joints_and_a_list_for_each(files):
     assert not right.has_effect
 
 
-def test_lines_of_a_curve_meet_its_corners():
-    for (speed, torque), (a, m) in zip(FALLING[1:], torque_speed_lines(np.array(FALLING)), strict=False):
-        assert a - m * speed == pytest.approx(torque)
-    assert len(torque_speed_lines(np.array(FALLING))) == 1  # its flat part is that of the torque limit
-
-
 def test_friction_is_that_of_the_urdf_unless_a_block_replaces_it(files):
     path = with_motors(files, None, shoulder='friction="1.5"', wrist='damping="0.25" friction="0.5"')
     cell = mrts.load_cell(path)
@@ -106,9 +100,7 @@ def test_a_urdf_with_impossible_friction_is_refused(files):
 
 def changed(cell, **columns):
     """The cell whose left robot has other motors."""
-    left, right = cell.robots
-    motors = replace(left.motors, **columns)
-    return replace(cell, robots=(replace(left, motors=motors), right))
+    return with_left(cell, motors=replace(cell.robots[0].motors, **columns))
 
 
 def test_motors_are_changed_in_python_and_checked_again(planar_cell, lift):

@@ -6,18 +6,15 @@ import pytest
 from conftest import DATA, UR5
 from mujoco_cells import (
     PLANAR_MOTORS,
-    POSITION_GAIN,
-    STEP,
     UR5_MOTORS,
-    VELOCITY_GAIN,
     add_arm,
+    closed_loop,
     empty_world,
     set_motors,
-    simulator,
     urdf_of,
-    with_motors,
 )
-from scipy.interpolate import CubicSpline, make_interp_spline
+from random_motors import equipped
+from scipy.interpolate import make_interp_spline
 from shipped_cells import sampled, shipped_motion
 
 import mrts
@@ -39,7 +36,7 @@ def cases(name):
         "dual_ur5": (UR5, UR5_MOTORS, "lift_and_turn.yaml"),
         "planar_dual_arm": (DATA, PLANAR_MOTORS, "lift.yaml"),
     }[name]
-    cell = with_motors(mrts.load_cell(folder / "cell.yaml"), columns)
+    cell = equipped(mrts.load_cell(folder / "cell.yaml"), **columns)
     return cell, mrts.load_motion(folder / motion), urdf_of(folder)
 
 
@@ -91,29 +88,11 @@ def played():
     cell, _, urdf = cases("dual_ur5")
     cell = cell.without_velocity_limits()
     done = mrts.scale(cell, sampled(shipped_motion("dual_ur5", samples=1001))).trajectory
-    return {kind: largest_error(cell, urdf, done, forward) for kind, forward in (
-        ("with", done.torque), ("without", done.torque - done.friction),
-    )}  # fmt: skip
-
-
-def largest_error(cell, urdf, done, forward):
-    """Of the joints, when these torques and a small feedback play the motion in MuJoCo [rad]."""
-    given = done.motion.object
-    model, data = simulator(cell, urdf, (given.position[0], given.rotation[0]), motors=True)
-    joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
-    q_index = [model.joint(name).qposadr[0] for name in joints]
-    v_index = [model.joint(name).dofadr[0] for name in joints]
-    data.qpos[q_index] = done.q[0]
-    torque, wanted = make_interp_spline(done.time, forward, k=1), CubicSpline(done.time, done.q)
-    worst = 0.0
-    for _ in range(int(done.duration / STEP)):
-        t = data.time
-        feedback = POSITION_GAIN * (wanted(t) - data.qpos[q_index])
-        feedback += VELOCITY_GAIN * (wanted(t, 1) - data.qvel[v_index])
-        data.qfrc_applied[v_index] = torque(t) + feedback
-        mujoco.mj_step(model, data)
-        worst = max(worst, float(np.max(np.abs(data.qpos[q_index] - wanted(data.time)))))
-    return worst
+    found = {}
+    for kind, forward in (("with", done.torque), ("without", done.torque - done.friction)):
+        steps = closed_loop(cell, urdf, done, make_interp_spline(done.time, forward, k=1), motors=True)
+        found[kind] = max(float(np.max(np.abs(off))) for *_, off in steps)
+    return found
 
 
 def test_friction_fed_forward_keeps_the_joints_on_their_path(played):

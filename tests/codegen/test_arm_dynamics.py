@@ -7,6 +7,7 @@ import yaml
 from casadi_cells import casadi_cell
 from published_robots import CASES, single_arm_cell, urdf_path
 from random_cells import chain_model, configuration, spatial_cell
+from shipped_cells import cell_of_arms
 
 STATES = 100
 TOLERANCE = 1e-10  # relative; both sides are exact recursions, 1e-13 is typical
@@ -96,9 +97,7 @@ def test_a_chain_inside_a_larger_tree_starts_at_its_base_link(tmp_path):
     spatial_cell(tmp_path, seed=7)
     urdf = tmp_path / "arm0.urdf"
     arm = {"name": "arm", "urdf": str(urdf), "base_link": "l0", "tip_link": "l3", "posture": [0.0] * 3}
-    cell = {"name": "part", "gravity": [0, 0, -9.81], "object": {"mass": 1.0, "inertia": [0.1, 0.1, 0.1]}}
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell | {"robots": [arm]}), encoding="utf-8")
-    loaded = casadi_cell(tmp_path / "cell.yaml")
+    loaded = casadi_cell(cell_of_arms(tmp_path, arm))
     assert loaded.robots[0].joints == ("j1", "j2", "j3")
     assert "torque_form" not in loaded.functions  # three joints, six wrench components
     full = pin.buildModelFromUrdf(str(urdf))

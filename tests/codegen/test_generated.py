@@ -11,6 +11,7 @@ import pytest
 from casadi_cells import casadi_cell
 from conftest import DATA, ROOT
 from mrts_codegen.generate import generate_cell
+from shipped_cells import cell_of_arms
 
 import mrts
 from mrts.cell.generation import generated_in_cache
@@ -144,9 +145,7 @@ def redundant(tmp_path_factory):
     )
     (folder / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
     arm = {"name": "arm", "urdf": "arm.urdf", "tip_link": "l4", "posture": [0.1, 0.2, 0.3, 0.4], "torque": [1.0] * 4}
-    cell = {"name": "one", "gravity": [0, 0, 0], "plane": "xy", "object": {"mass": 1.0, "inertia": [1.0, 1.0, 1.0]}}
-    (folder / "cell.yaml").write_text(json.dumps(cell | {"robots": [arm]}))
-    return generate_cell(folder / "cell.yaml")
+    return generate_cell(cell_of_arms(folder, arm, gravity=[0, 0, 0], inertia=[1, 1, 1], plane="xy"))
 
 
 @pytest.mark.parametrize("short", ["geometric_stiffness", "geometric_stiffness_rate"])

@@ -11,7 +11,7 @@ from mrts_codegen.content_key import chains_key
 from mrts_codegen.function_registry import build_functions
 from mrts_codegen.generate import generate_chains
 from published_robots import ROBOTS
-from shipped_cells import cell_file, shipped
+from shipped_cells import cell_file, cell_of_arms, shipped
 
 import mrts
 from mrts.cell.generation import CACHED_STEM, generate_to
@@ -37,10 +37,7 @@ def tiago_cell(folder, rng):
         }
         for side in ("left", "right")
     ]
-    carried = {"mass": 2.0, "inertia": [0.1, 0.1, 0.1]}
-    description = {"name": "torso", "gravity": rng.uniform(-9, 9, 3).tolist(), "object": carried, "robots": robots}
-    (folder / "cell.yaml").write_text(yaml.safe_dump(description), encoding="utf-8")
-    return folder / "cell.yaml"
+    return cell_of_arms(folder, *robots, gravity=rng.uniform(-9, 9, 3).tolist())
 
 
 def test_functions_of_geometry_are_those_with_it_folded_in(tmp_path):

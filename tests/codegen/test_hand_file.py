@@ -67,11 +67,21 @@ WRONG = [
     ([{"rows": {"A": [[1] * 6, [-1] * 6], "upper": [3, -4]}}], "[0].rows.A, upper", "leaves no wrench"),
     ([{"pad": PAD}] * 21, "", "has 21 values, at most 20"),
 ]
+WRONG_IN_A_PLANE = [
+    ([{"pad": PAD}], "[0].pad.normal", "must lie in the plane"),
+    ([{"pad": FLAT | {"half_width": [0.1, 0.1]}}], "[0].pad.half_width", "the contact is a line"),
+    ([{"gripper": JAWS | {"axis": [0, 0, 1]}}], "[0].gripper.axis", "must lie in the plane"),
+    ([{"box": {"upper": [1] * 6}}], "[0].box.upper", "must have 3 values (fx, fy, nz)"),
+    ([{"rows": {"A": [[1] * 6], "upper": [1]}}], "[0].rows.A", "each row must have 3 numbers"),
+]
 
 
-@pytest.mark.parametrize(("contacts", "key", "rule"), WRONG)
-def test_what_cannot_be_is_refused_by_file_key_and_rule(contacts, key, rule, tmp_path):
-    path = cell_with(contacts, tmp_path)
+@pytest.mark.parametrize(
+    ("make", "contacts", "key", "rule"),
+    [*((cell_with, *each) for each in WRONG), *((planar_with, *each) for each in WRONG_IN_A_PLANE)],
+)
+def test_what_cannot_be_is_refused_by_file_key_and_rule(make, contacts, key, rule, tmp_path):
+    path = make(contacts, tmp_path)
     with pytest.raises(mrts.InputError) as error:
         mrts.load_cell(path)
     said = str(error.value)
@@ -90,23 +100,6 @@ def test_a_planar_hand_has_three_components(tmp_path):
     assert rows.A.shape == (1, 3)
     result = mrts.scale(cell, mrts.load_motion(DATA / "lift.yaml"))
     assert result.trajectory is not None
-
-
-@pytest.mark.parametrize(
-    ("contacts", "key", "rule"),
-    [
-        ([{"pad": PAD}], "[0].pad.normal", "must lie in the plane"),
-        ([{"pad": FLAT | {"half_width": [0.1, 0.1]}}], "[0].pad.half_width", "the contact is a line"),
-        ([{"gripper": JAWS | {"axis": [0, 0, 1]}}], "[0].gripper.axis", "must lie in the plane"),
-        ([{"box": {"upper": [1] * 6}}], "[0].box.upper", "must have 3 values (fx, fy, nz)"),
-        ([{"rows": {"A": [[1] * 6], "upper": [1]}}], "[0].rows.A", "each row must have 3 numbers"),
-    ],
-)
-def test_what_a_planar_hand_cannot_do_is_refused(contacts, key, rule, tmp_path):
-    with pytest.raises(mrts.InputError) as error:
-        mrts.load_cell(planar_with(contacts, tmp_path))
-    assert rule in str(error.value)
-    assert f"contact{key}" in str(error.value).replace(" (left)", "")
 
 
 def tilted(place, turn):

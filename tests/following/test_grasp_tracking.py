@@ -10,6 +10,7 @@ from cell_bank import random_spatial_cell
 from conftest import UR5
 from followed_motions import assert_consistent, motion
 from published_robots import CASES, ROBOTS
+from shipped_cells import cell_of_arms
 
 import mrts
 from mrts.following.coordinate import coordinate
@@ -40,14 +41,7 @@ def two_pandas(tmp_path_factory):
         }
         for name, x, yaw in (("left", -0.75, 0.0), ("right", 0.75, np.pi))
     ]
-    cell = {
-        "name": "pandas",
-        "gravity": [0, 0, -9.81],
-        "object": {"mass": 1.0, "inertia": [0.01, 0.02, 0.02]},
-        "robots": robots,
-    }
-    (folder / "cell.yaml").write_text(yaml.safe_dump(cell), encoding="utf-8")
-    return mrts.load_cell(folder / "cell.yaml")
+    return mrts.load_cell(cell_of_arms(folder, *robots, inertia=[0.01, 0.02, 0.02]))
 
 
 def test_given_joints_of_redundant_arms_are_moved_as_little_as_needed(two_pandas):
@@ -88,8 +82,7 @@ def test_joint_limits_are_checked(dual_ur5):
     far = int(np.argmax(np.max(q, axis=0) - q[0]))
     upper = np.full(6, 7.0)
     upper[far] = np.max(q[:, far]) - 0.01
-    tight = replace(dual_ur5.robots[1], position_upper=upper, position_lower=np.full(6, -3.2))
-    cell = replace(dual_ur5, robots=(dual_ur5.robots[0], tight))
+    cell = limited(dual_ur5, 1, np.full(6, -3.2), upper)
     with pytest.raises(mrts.MotionError, match=r"robot 'right' passes a position limit .* '\w+' would be at"):
         mrts.follow_object(cell, given)
 
@@ -121,9 +114,7 @@ def test_whole_turns_bring_a_joint_inside_its_limits(dual_ur5):
     given = motion([0.03, 0.2, 0.5])
     free = mrts.follow_object(dual_ur5, given)
     upper = np.append(np.max(free.q[:, 6]) - 0.01, np.full(5, 7.0))
-    lower = np.full(6, -7.0)
-    tight = replace(dual_ur5.robots[1], position_lower=lower, position_upper=upper)
-    turned = mrts.follow_object(replace(dual_ur5, robots=(dual_ur5.robots[0], tight)), given)
+    turned = mrts.follow_object(limited(dual_ur5, 1, np.full(6, -7.0), upper), given)
     np.testing.assert_allclose(free.q - turned.q, np.tile(2 * np.pi * np.eye(12)[6], (201, 1)), atol=1e-9)
 
 

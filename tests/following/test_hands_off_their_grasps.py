@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import UR5
-from motion_tables import codes, columns_of, exact_motions, perturbed, read, write_table
+from motion_tables import codes, columns_of, perturbed, read, write_table
 from scipy.interpolate import CubicSpline
 
 import mrts
@@ -13,11 +13,6 @@ from mrts.following.coordinated_motion import tip_motions
 from mrts.following.grasp_closure import grasp_gaps
 from mrts.following.tracking import tip_rates
 from mrts.viewer.player_state import PlayerState
-
-
-@pytest.fixture(scope="module")
-def exact(dual_ur5):
-    return exact_motions(dual_ur5)
 
 
 def assert_closed(cell, motion, tolerance=1e-9):

@@ -1,10 +1,10 @@
 """The kernel's tracker against the one in numpy: outcomes and the samples at which they are met, q, q' and q''."""
 
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from changed_robots import with_robots
 from conftest import DATA
 from grasp_tracking import held, tracked
 
@@ -32,7 +32,7 @@ def free_cell(name):
     """A cell whose joints turn without limits."""
     cell = mrts.load_cell(DATA.parent / name / "cell.yaml")
     free = np.inf * np.ones(len(cell.robots[0].joints))
-    return replace(cell, robots=tuple(replace(each, position_lower=-free, position_upper=free) for each in cell.robots))
+    return with_robots(cell, position_lower=-free, position_upper=free)
 
 
 def drawn_motion(rng, cell, samples=21):

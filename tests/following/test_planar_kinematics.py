@@ -1,7 +1,10 @@
 """Planar closed forms: inverse kinematics, dynamics of the shipped arm, velocity profiles, object motions."""
 
+from functools import partial
+
 import numpy as np
 import pytest
+from followed_motions import motion
 from scipy.integrate import cumulative_trapezoid
 from scipy.spatial.transform import Rotation
 
@@ -43,15 +46,7 @@ def test_whole_turns_of_the_posture_are_kept(planar_cell, lift):
     )
 
 
-def motion_to(xyz, rpy=(0, 0, 0), **changes):
-    description = {
-        "duration": 0.5,
-        "samples": 11,
-        "profile": "cubic",
-        "start": {"xyz": [1.25, 1.0, 0.0]},
-        "end": {"xyz": list(xyz), "rpy": list(rpy)},
-    }
-    return mrts.sample_motion(mrts.MotionDescription.model_validate(description | changes))
+motion_to = partial(motion, start=(1.25, 1.0, 0.0), duration=0.5, samples=11, profile="cubic")
 
 
 def test_out_of_reach_names_robot_sample_and_distance(planar_cell):
@@ -71,7 +66,7 @@ def test_a_path_out_of_the_plane_is_refused(planar_cell, xyz, rpy):
 
 
 def test_a_path_in_a_parallel_plane_does_not_close(planar_cell):
-    lifted = motion_to([1.25, 1.2, 0.3], start={"xyz": [1.25, 1.0, 0.3]})
+    lifted = motion_to([1.25, 1.2, 0.3], start=(1.25, 1.0, 0.3))
     with pytest.raises(mrts.MotionError, match=r"came no nearer than 0\.3 m"):
         mrts.follow_object(planar_cell, lifted)
 

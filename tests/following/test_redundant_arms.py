@@ -3,11 +3,11 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-import yaml
 from casadi_cells import casadi_cell
 from followed_motions import assert_consistent, motion
 from published_robots import ROBOTS
 from scipy.optimize import minimize
+from shipped_cells import cell_of_arms
 
 import mrts
 import mrts.following.tracking
@@ -63,9 +63,7 @@ def held_cell(folder, arms, load=casadi_cell):
         | ({"base_link": arm["base_link"]} if "base_link" in arm else {})
         for name, arm in arms.items()
     ]
-    cell = {"name": "held", "gravity": [0, 0, -9.81], "object": {"mass": 1.0, "inertia": [0.01, 0.02, 0.02]}}
-    (folder / "cell.yaml").write_text(yaml.safe_dump(cell | {"robots": robots}), encoding="utf-8")
-    return load(folder / "cell.yaml"), middle
+    return load(cell_of_arms(folder, *robots, inertia=[0.01, 0.02, 0.02])), middle
 
 
 def chain_joints(model, arm):

@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 from cell_bank import random_planar_cell, random_spatial_cell
+from changed_robots import with_robots
 from conftest import UR5
+from random_motors import equipped
 from shipped_cells import still_motion
 
 import mrts
@@ -55,15 +57,7 @@ def braking_only(cell, lift, first):
 
 def with_all_rates(cell, wrench=20.0, jerk=2000.0):
     """A cell whose contact wrenches and joints change at limited rates; torque rates are given with the question."""
-    robots = [
-        replace(
-            robot,
-            contact_rate=np.full(len(cell.wrench_components), wrench),
-            motors=replace(robot.motors, jerk=np.full(len(robot.joints), jerk)),
-        )
-        for robot in cell.robots
-    ]
-    return replace(cell, robots=tuple(robots))
+    return with_robots(equipped(cell, jerk=jerk), contact_rate=np.full(len(cell.wrench_components), wrench))
 
 
 def with_changes(result, **steps):

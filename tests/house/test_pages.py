@@ -18,9 +18,9 @@ DOCS = ROOT / "docs"
 @pytest.mark.parametrize(
     ("name", "blocks"),
     [
-        ("tutorial", 11),
-        pytest.param("gallery", 9, marks=pytest.mark.slow),
-        pytest.param("own_cell", 7, marks=pytest.mark.slow),
+        ("tutorial", 10),
+        pytest.param("gallery", 8, marks=pytest.mark.slow),
+        pytest.param("own_cell", 6, marks=pytest.mark.slow),
         pytest.param("own_robot", 3, marks=pytest.mark.slow),
         pytest.param("check", 5, marks=pytest.mark.slow),
         pytest.param("command_line", 4, marks=pytest.mark.slow),
@@ -28,10 +28,10 @@ DOCS = ROOT / "docs"
         pytest.param("optimal_profile", 2, marks=pytest.mark.slow),
         pytest.param("smooth", 3, marks=pytest.mark.slow),
         pytest.param("real_cell", 6, marks=pytest.mark.slow),
-        pytest.param("studies", 9, marks=pytest.mark.slow),
+        pytest.param("studies", 8, marks=pytest.mark.slow),
         pytest.param("limits", 1, marks=pytest.mark.slow),
         pytest.param("what_if", 2, marks=pytest.mark.slow),
-        pytest.param("study_file", 4, marks=pytest.mark.slow),
+        pytest.param("study_file", 2, marks=pytest.mark.slow),
     ],
 )
 def test_a_page_does_what_it_shows_and_prints_what_it_says(name, blocks, tmp_path):

@@ -45,24 +45,6 @@ def test_waypoints_are_passed_on_a_smooth_path(tmp_path, dual_ur5):
     assert mrts.scale(dual_ur5, mrts.load_motion(short)).status is mrts.ScalingStatus.FEASIBLE
 
 
-@pytest.mark.parametrize("rates", [True, False])
-def test_object_tables_give_the_motion_back(tmp_path, dual_ur5, rates):
-    given = mrts.load_motion(UR5 / "lift_and_turn.yaml")
-    (tmp_path / "motion.csv").write_text(object_table(given, rates=rates))
-    read = mrts.load_motion(write_motion(tmp_path, file="motion.csv"))
-    np.testing.assert_allclose(read.time, given.time, atol=1e-9)
-    np.testing.assert_allclose(read.position, given.position, atol=1e-11)
-    np.testing.assert_allclose(read.rotation, given.rotation, atol=1e-11)
-    size = np.max(np.abs(given.acceleration))
-    # a natural spline's second derivative is wrong at its ends only
-    inner = slice(8, -8)
-    np.testing.assert_allclose(
-        read.acceleration[inner], given.acceleration[inner], atol=(1e-9 if rates else 5e-3) * size
-    )
-    expected = mrts.scale(dual_ur5, given).range.upper.c2
-    assert mrts.scale(dual_ur5, read).range.upper.c2 == pytest.approx(expected, rel=1e-8 if rates else 2e-2)
-
-
 def test_a_coarse_table_is_resampled_on_its_spline(tmp_path):
     given = mrts.load_motion(UR5 / "lift_and_turn.yaml")
     lines = object_table(given, rates=False).splitlines()
@@ -71,19 +53,6 @@ def test_a_coarse_table_is_resampled_on_its_spline(tmp_path):
     assert len(read.time) == 101
     np.testing.assert_allclose(read.position, given.position, atol=2e-3)
     assert_smooth(read, 1e-4)
-
-
-@pytest.mark.parametrize("rates", [True, False])
-def test_joint_tables_carry_the_object(tmp_path, dual_ur5, rates):
-    given = mrts.load_motion(UR5 / "lift_and_turn.yaml")
-    followed = mrts.follow_object(dual_ur5, given)
-    (tmp_path / "joints.csv").write_text(joint_table(dual_ur5, followed, ("q", "dq", "ddq") if rates else ("q",)))
-    table = mrts.load_motion(write_motion(tmp_path, joints="joints.csv"))
-    result = mrts.scale(dual_ur5, table)
-    np.testing.assert_allclose(result.motion.object.position, given.position, atol=1e-9)
-    np.testing.assert_allclose(result.motion.object.twist, given.twist, atol=1e-8 if rates else 1e-2)
-    expected = mrts.scale(dual_ur5, followed).range.upper.c2
-    assert result.range.upper.c2 == pytest.approx(expected, rel=1e-7 if rates else 2e-2)
 
 
 TABLE_MISTAKES = {

@@ -4,8 +4,8 @@ import sqlite3
 
 import numpy as np
 import pytest
-import yaml
 from conftest import UR5
+from motion_tables import write_motion
 from moveit_bags import MOVEIT, display, robot_trajectory, with_moveit
 from ros_bags import message, trajectory, write_bag
 from rosbags.rosbag2 import StoragePlugin
@@ -36,12 +36,6 @@ def whole(dual_ur5, followed):
     return names, rows
 
 
-def described(folder, **keys):
-    path = folder / "motion.yaml"
-    path.write_text(yaml.safe_dump(keys), encoding="utf-8")
-    return path
-
-
 def test_a_plan_is_a_motion(dual_ur5, followed, whole, tmp_path):
     """Either kind, either storage, types of another release: the very joints, and those of a gripper passed over."""
     names, rows = whole
@@ -67,17 +61,19 @@ def test_which_trajectory_is_named(whole, tmp_path):
     with pytest.raises(mrts.InputError, match=r"3 trajectories.*'joints: plans' and 'trajectory: 0' to 2") as told:
         mrts.load_motion(tmp_path / "plans")
     assert "0: 40 points of 12 joints" in str(told.value)
-    counts = [len(mrts.load_motion(described(tmp_path, joints="plans", trajectory=which)).time) for which in range(3)]
+    counts = [
+        len(mrts.load_motion(write_motion(tmp_path, joints="plans", trajectory=which)).time) for which in range(3)
+    ]
     assert counts == [40, len(rows), 7]
     with pytest.raises(mrts.InputError, match=r"display_planned_path: holds 3 .*there is no trajectory 3"):
-        mrts.load_motion(described(tmp_path, joints="plans", trajectory=3))
+        mrts.load_motion(write_motion(tmp_path, joints="plans", trajectory=3))
     with pytest.raises(mrts.InputError, match="trajectory = -1: must be >= 0"):
-        mrts.load_motion(described(tmp_path, joints="plans", trajectory=-1))
+        mrts.load_motion(write_motion(tmp_path, joints="plans", trajectory=-1))
     (tmp_path / "table.csv").write_text("t,q.a/b\n0,1\n1,1\n")
     with pytest.raises(mrts.InputError, match=r"trajectory: is of a ROS 2 bag, but table\.csv is none"):
-        mrts.load_motion(described(tmp_path, joints="table.csv", trajectory=0))
+        mrts.load_motion(write_motion(tmp_path, joints="table.csv", trajectory=0))
     with pytest.raises(mrts.InputError, match="'file' does not go with: trajectory"):
-        mrts.load_motion(described(tmp_path, file="table.csv", trajectory=0))
+        mrts.load_motion(write_motion(tmp_path, file="table.csv", trajectory=0))
 
 
 def test_what_a_controller_plays_comes_before_what_a_planner_shows(whole, tmp_path):
@@ -85,9 +81,9 @@ def test_what_a_controller_plays_comes_before_what_a_planner_shows(whole, tmp_pa
     messages = [(TOPIC, display(robot_trajectory(*whole))), ("/both/joint_trajectory", message(names, rows[:30]))]
     write_bag(tmp_path / "both", messages, types=MOVEIT)
     assert len(mrts.load_motion(tmp_path / "both").time) == 30
-    assert len(mrts.load_motion(described(tmp_path, joints="both", topic=TOPIC)).time) == len(rows)
+    assert len(mrts.load_motion(write_motion(tmp_path, joints="both", topic=TOPIC)).time) == len(rows)
     with pytest.raises(mrts.InputError, match=r"topic = '/plan': has no trajectories .* in /both/.*, /display_planned"):
-        mrts.load_motion(described(tmp_path, joints="both", topic="/plan"))
+        mrts.load_motion(write_motion(tmp_path, joints="both", topic="/plan"))
 
 
 def test_mistakes_in_plans(whole, tmp_path):

@@ -147,7 +147,7 @@ def test_mistakes_in_a_trajectory(mistake, dual_ur5, given, tmp_path):
     assert str(bag) in str(refused.value)
 
 
-def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
+def test_what_is_no_bag_of_trajectories_is_refused(tmp_path):
     text = TYPES.types["std_msgs/msg/String"]("hello")
     write_bag(tmp_path / "chatter", [("/chatter", text)])
     with pytest.raises(mrts.InputError, match=r"holds no message .*JointTrajectory or .*; its topics are /chatter"):
@@ -164,21 +164,6 @@ def test_what_is_no_bag_of_trajectories_is_refused(given, tmp_path):
     with pytest.raises(mrts.InputError, match="description of a bag is not valid YAML at line") as refused_metadata:
         mrts.load_motion(tmp_path / "empty")
     assert "\n" not in str(refused_metadata.value)
-    write_bag(tmp_path / "bag", [("/left/joint_trajectory", message(*given["left"]))])
-    whole = (tmp_path / "bag" / "bag.mcap").read_bytes()
-    rng = np.random.default_rng(8)
-    path, refused = tmp_path / "damaged.mcap", 0
-    for _ in range(60):
-        damaged = bytearray(whole[: rng.integers(len(whole))] if rng.random() < 0.3 else whole)
-        for place in rng.integers(len(damaged) or 1, size=5):
-            damaged[place : place + 1] = rng.bytes(1)
-        path.write_bytes(damaged)
-        try:
-            mrts.load_motion(path)
-        except mrts.InputError as error:
-            assert "damaged.mcap" in str(error)  # noqa: PT017 (either outcome is right)
-            refused += 1
-    assert refused > 15
 
 
 def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path, capsys):

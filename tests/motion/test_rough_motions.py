@@ -9,7 +9,6 @@ from motion_tables import (
     RATE_NAMES,
     TURNED,
     columns_of,
-    exact_motions,
     moved,
     object_columns,
     read,
@@ -23,11 +22,6 @@ from scipy.spatial.transform import Rotation
 import mrts
 from mrts.following.coordinate import coordinate
 from mrts.motion.rounded_samples import rounding, splines_through
-
-
-@pytest.fixture(scope="module")
-def exact(dual_ur5):
-    return exact_motions(dual_ur5)
 
 
 @pytest.mark.parametrize("name", ["lift", "turn"])

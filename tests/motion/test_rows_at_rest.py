@@ -1,10 +1,9 @@
 """Tables and bags begin and end with torques that hold still, and are the same motion when read again."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from gantries import gantries
+from changed_robots import with_robots
+from gantries import gantries, straight
 from scaled_paths import scaled_path
 
 import mrts
@@ -107,16 +106,9 @@ def test_only_rows_at_rest_beside_an_acceleration_are_left_out():
 def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
     """Two gantries whose contacts must push: at rest nothing takes the push."""
     cell = gantries(tmp_path)
-    pushed = tuple(
-        replace(robot, wrench_lower=np.array([0.5, -np.inf, -np.inf]), wrench_upper=np.array([10.0, np.inf, np.inf]))
-        for robot in cell.robots
-    )
+    push = {"wrench_lower": np.array([0.5, -np.inf, -np.inf]), "wrench_upper": np.array([10.0, np.inf, np.inf])}
     time = np.linspace(0, 1, 101)
-    columns = np.zeros((3, 101, 6))
-    columns[0, :, 0], columns[1, :, 0], columns[2, :, 0] = time**2 / 2, time, 1.0
-    eye = np.broadcast_to(np.eye(3), (101, 3, 3))
-    motion = mrts.ObjectMotion(time, columns[0, :, :3], eye, columns[1], columns[2])
-    result = mrts.scale(replace(cell, robots=pushed), motion)
+    result = mrts.scale(with_robots(cell, **push), straight(time, time**2 / 2, time, 1.0))
     (remark,) = [warning for warning in result.warnings if warning.code == "no-row-at-rest"]
     assert remark.sample == 0
     assert "do not let the cell hold still where the motion starts" in remark.text

@@ -2,15 +2,10 @@
 
 import numpy as np
 import pytest
-from motion_tables import columns_of, exact_motions, object_columns, read, scaled, write_table
+from motion_tables import columns_of, object_columns, read, scaled, write_table
 
 import mrts
 from mrts.motion.velocity_profile import PROFILES
-
-
-@pytest.fixture(scope="module")
-def exact(dual_ur5):
-    return exact_motions(dual_ur5)
 
 
 def swapped(columns, one, other):

@@ -244,38 +244,44 @@ def highs_range(A, lower, upper, x_lower, x_upper):
 
 
 def highs_minimum(A, lower, upper, x_lower, x_upper, direction):
-    rows, columns = A.shape
+    highs = exact_highs()
+    highs.passModel(filled(highspy.HighsLp(), A, lower, upper, x_lower, x_upper, last_cost(A, direction)))
+    highs.run()
+    return highs.getModelStatus(), highs.getInfo().objective_function_value
+
+
+def exact_highs():
+    """HiGHS with the least tolerances that it has."""
     highs = highspy.Highs()
     highs.silent()
     for option in ("primal_feasibility_tolerance", "dual_feasibility_tolerance"):
         highs.setOptionValue(option, HIGHS_TOLERANCE)
     highs.setOptionValue("presolve", "off")
-    lp = highspy.HighsLp()
+    return highs
+
+
+def last_cost(A, direction):
+    """The cost that is the last unknown, or its negative."""
+    return np.append(np.zeros(A.shape[1] - 1), direction)
+
+
+def filled(lp, A, lower, upper, x_lower, x_upper, cost):
+    """A linear program of HiGHS with these numbers."""
+    rows, columns = A.shape
     lp.num_col_, lp.num_row_ = columns, rows
-    lp.col_cost_ = np.concatenate([np.zeros(columns - 1), [direction]])
-    lp.col_lower_, lp.col_upper_ = x_lower, x_upper
+    lp.col_cost_, lp.col_lower_, lp.col_upper_ = cost, x_lower, x_upper
     lp.row_lower_, lp.row_upper_ = lower, upper
     lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
     lp.a_matrix_.start_ = np.arange(columns + 1) * rows
     lp.a_matrix_.index_ = np.tile(np.arange(rows), columns)
     lp.a_matrix_.value_ = A.T.ravel()
-    highs.passModel(lp)
-    highs.run()
-    return highs.getModelStatus(), highs.getInfo().objective_function_value
+    return lp
 
 
 def highs_cost(A, lower, upper, x_lower, x_upper, H, g):
     """Minimum of ½ xᵀHx + gᵀx by HiGHS."""
-    rows, columns = A.shape
-    model = highspy.HighsModel()
-    lp = model.lp_
-    lp.num_col_, lp.num_row_ = columns, rows
-    lp.col_cost_, lp.col_lower_, lp.col_upper_ = g, x_lower, x_upper
-    lp.row_lower_, lp.row_upper_ = lower, upper
-    lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-    lp.a_matrix_.start_ = np.arange(columns + 1) * rows
-    lp.a_matrix_.index_ = np.tile(np.arange(rows), columns)
-    lp.a_matrix_.value_ = A.T.ravel()
+    columns, model = A.shape[1], highspy.HighsModel()
+    filled(model.lp_, A, lower, upper, x_lower, x_upper, g)
     starts, indices, values = [0], [], []
     for column in range(columns):
         indices += range(column, columns)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import highspy
 import numpy as np
+from reference import exact_highs, filled, last_cost
 
 ADMITTED = 1e-9
 """Limits that must move by less than this share of their size hold: HiGHS is asked for 1e-10."""
@@ -82,21 +83,10 @@ class SpeedScan:
         self.highs = self._model()
 
     def _model(self):
-        highs = highspy.Highs()
-        highs.silent()
-        for option in ("primal_feasibility_tolerance", "dual_feasibility_tolerance"):
-            highs.setOptionValue(option, 1e-10)
-        highs.setOptionValue("presolve", "off")
-        lp = highspy.HighsLp()
-        rows, columns = self.A.shape
-        lp.num_col_, lp.num_row_ = columns, rows
-        lp.col_cost_ = np.append(np.zeros(columns - 1), 1.0)
-        lp.col_lower_, lp.col_upper_ = np.append(np.full(columns - 1, -np.inf), 0.0), np.full(columns, np.inf)
-        lp.row_lower_, lp.row_upper_ = np.full(rows, -np.inf), np.full(rows, np.inf)
-        lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
-        lp.a_matrix_.start_ = np.arange(columns + 1) * rows
-        lp.a_matrix_.index_ = np.tile(np.arange(rows), columns)
-        lp.a_matrix_.value_ = self.A.T.ravel()
+        highs, (rows, columns) = exact_highs(), self.A.shape
+        any_row, any_unknown = np.full(rows, np.inf), np.full(columns, np.inf)
+        least = np.append(-any_unknown[1:], 0.0)
+        lp = filled(highspy.HighsLp(), self.A, -any_row, any_row, least, any_unknown, last_cost(self.A, 1.0))
         highs.passModel(lp)
         return highs
 

@@ -5,12 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import yaml
 from command_line import mrts_without
-from conftest import DATA, UR5
+from conftest import DATA
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
-from shipped_cells import shipped
+from shipped_cells import changed_cell
 
 import mrts
 from mrts.cli import main
@@ -18,11 +17,6 @@ from mrts.output import TRAJECTORY_FORMATS
 from mrts.output.trajectory_table import played_rows
 
 pytestmark = pytest.mark.quick
-
-
-@pytest.fixture(scope="module")
-def result():
-    return mrts.scale(mrts.load_cell(UR5 / "cell.yaml"), mrts.load_motion(UR5 / "lift_and_turn.yaml"))
 
 
 def messages(path, topics=None):
@@ -35,18 +29,18 @@ def messages(path, topics=None):
         ]
 
 
-def test_a_bag_holds_what_controllers_expect(result, tmp_path):
+def test_a_bag_holds_what_controllers_expect(turned, tmp_path):
     bag = tmp_path / "deep" / "lift"
-    mrts.write_ros_bag(result, bag)
+    mrts.write_ros_bag(turned, bag)
     assert sorted(path.name for path in bag.iterdir()) == ["lift.mcap", "metadata.yaml"]
     assert [path.name for path in bag.parent.iterdir()] == ["lift"]  # nothing temporary is left
     seen = {}
     for schema, topic, message in messages(bag / "lift.mcap"):
         seen.setdefault(topic, []).append((schema, message))
-    done = result.trajectory
+    done = turned.trajectory
     stamps = np.rint(done.time * 1e9)
-    for robot in result.cell.robots:
-        joints, wrenches = result.cell.joint_slices[robot.name], result.cell.wrench_slices[robot.name]
+    for robot in turned.cell.robots:
+        joints, wrenches = turned.cell.joint_slices[robot.name], turned.cell.wrench_slices[robot.name]
         ((schema, trajectory),) = seen[f"/{robot.name}/joint_trajectory"]
         assert schema == "trajectory_msgs/msg/JointTrajectory"
         assert trajectory.joint_names == list(robot.joints)
@@ -63,7 +57,7 @@ def test_a_bag_holds_what_controllers_expect(result, tmp_path):
         forces = [message.wrench for _, message in seen[f"/{robot.name}/contact_wrench"]]
         six = [[w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z] for w in forces]
         np.testing.assert_array_equal(six, done.wrench[:, wrenches])
-    assert len(seen) == 3 * len(result.cell.robots)
+    assert len(seen) == 3 * len(turned.cell.robots)
 
 
 def test_a_planar_wrench_stands_in_its_own_components(planar_cell, lift, tmp_path):
@@ -75,28 +69,28 @@ def test_a_planar_wrench_stands_in_its_own_components(planar_cell, lift, tmp_pat
     np.testing.assert_array_equal([w.force.x, w.force.y, w.torque.z], played_rows(result.trajectory)["F"][-1, :3])
 
 
-def test_a_table_gives_every_number_back(result, tmp_path):
-    mrts.write_trajectory_csv(result, tmp_path / "trajectory.csv")
+def test_a_table_gives_every_number_back(turned, tmp_path):
+    mrts.write_trajectory_csv(turned, tmp_path / "trajectory.csv")
     head, *rows = csv.reader((tmp_path / "trajectory.csv").read_text().splitlines())
     table = dict(zip(head, np.array(rows, dtype=float).T, strict=True))
-    done = result.trajectory
+    done = turned.trajectory
     np.testing.assert_array_equal(table["t"], done.time)
-    np.testing.assert_array_equal(table["tau.left/elbow"], result.torque["left"][:, 2])
+    np.testing.assert_array_equal(table["tau.left/elbow"], turned.torque["left"][:, 2])
     np.testing.assert_array_equal(table["dq.right/shoulder_pan"], done.dq[:, 6])
-    np.testing.assert_array_equal(table["F.right/nz"], result.wrench["right"][:, 5])
+    np.testing.assert_array_equal(table["F.right/nz"], turned.wrench["right"][:, 5])
     assert len(head) == 1 + 4 * 12 + 12
 
 
 @pytest.mark.parametrize("name", TRAJECTORY_FORMATS)
-def test_every_format_is_written_whole_or_not_at_all(name, result, planar_cell, lift, tmp_path):
+def test_every_format_is_written_whole_or_not_at_all(name, turned, planar_cell, lift, tmp_path):
     form = TRAJECTORY_FORMATS[name]
-    form.write(result, tmp_path / "written")
+    form.write(turned, tmp_path / "written")
     assert (tmp_path / "written").is_dir() == form.is_folder
     with pytest.raises(mrts.InputError, match="none to write"):
         form.write(mrts.scale(planar_cell.with_mass(100.0), lift), tmp_path / "nothing")
     (tmp_path / "file").write_text("")
     with pytest.raises(mrts.InputError, match="cannot be written"):
-        form.write(result, tmp_path / "file" / "below")
+        form.write(turned, tmp_path / "file" / "below")
     assert {path.name for path in tmp_path.iterdir()} == {"written", "file"}
 
 
@@ -109,11 +103,9 @@ def test_a_missing_extra_is_named_before_any_work(tmp_path):
 
 
 def test_an_infeasible_motion_is_still_an_outcome_with_files_asked_for(tmp_path, capsys):
-    cell = shipped("planar_dual_arm")
-    cell["object"]["mass"] = 100.0
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(cell))
+    path = changed_cell(tmp_path, lambda cell: cell["object"].update(mass=100.0))
     for profile in ("constant", "optimal"):
-        command = ["scale", str(tmp_path / "cell.yaml"), str(DATA / "lift.yaml"), "--profile", profile]
+        command = ["scale", str(path), str(DATA / "lift.yaml"), "--profile", profile]
         assert main([*command, "--csv", str(tmp_path / "t.csv"), "--json", str(tmp_path / f"{profile}.json")]) == 1
         assert not (tmp_path / "t.csv").exists()
         assert (tmp_path / f"{profile}.json").exists()

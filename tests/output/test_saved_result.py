@@ -10,8 +10,8 @@ import yaml
 from casadi_cells import casadi_cell
 from conftest import DATA
 from same_cells import same_cell
-from shipped_cells import shipped
-from shown_results import result_of, still_motion, with_changes
+from shipped_cells import shipped, still_motion
+from shown_results import result_of, with_changes
 
 import mrts
 from mrts.cli import main
@@ -159,7 +159,7 @@ TIMINGS = {
     "of a box": lambda cell, motion: mrts.retime(cell.with_variation(mass=(0.2, 6.0)), motion),
     "what if": lambda cell, motion: with_changes(mrts.retime(cell, motion), share=0.2),
     "infeasible": lambda cell, motion: mrts.retime(cell.with_mass(60.0), motion),
-    "no path": lambda cell, motion: mrts.retime(cell, still_motion(motion)),
+    "no path": lambda cell, motion: mrts.retime(cell, still_motion(motion.position[0])),
 }
 
 

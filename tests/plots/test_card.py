@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import DATA, UR5
+from conftest import DATA
 
 import mrts
 from mrts.plots.card import MOST_BARS, answer_card
@@ -11,8 +11,8 @@ from mrts.plots.limit_shares import all_shares
 pytestmark = pytest.mark.quick
 
 
-def test_the_card_has_speed_durations_and_the_limit_that_decides(dual_ur5):
-    found = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
+def test_the_card_has_speed_durations_and_the_limit_that_decides(turned):
+    found = turned
     card, end = answer_card(found), found.range.upper
     ratio, durations, limit = card.outcome.split(" · ")
     assert float(ratio.split()[0]) == pytest.approx(np.sqrt(end.c2), rel=5e-3)  # three digits

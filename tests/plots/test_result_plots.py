@@ -167,9 +167,8 @@ def test_the_ranking_has_bars_and_marks_infeasible_and_unlimited_configurations(
     assert (crosses.symbol, len(crosses.x)) == ("cross", len(infeasible.ranked))
     reasons = plot.rows[0][0].y.beside
     assert sum(text.startswith("infeasible: ") for text in reasons) == len(infeasible.ranked) == 4
-    (bars,) = (
-        ranking_plot(mrts.rank_configurations(planar_cell, still_motion(lift.position[0])), "still").rows[0][0].items
-    )
+    still = mrts.rank_configurations(planar_cell, still_motion(lift.position[0]))
+    (bars,) = ranking_plot(still, "still").rows[0][0].items
     assert bars.hatch
 
 

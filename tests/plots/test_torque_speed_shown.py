@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from changed_robots import with_left
 from conftest import DATA
+from random_motors import equipped
 
 import mrts
 from mrts.limits.rows import TORQUE_SPEED
@@ -24,9 +26,7 @@ CURVE = np.array([[0, 120.0], [1, 110], [6, 10]])
 
 @pytest.fixture(scope="module")
 def cell(planar_cell):
-    left, right = planar_cell.robots
-    motors = replace(left.motors, torque_speed=(CURVE, CURVE, None))
-    return replace(planar_cell, robots=(replace(left, motors=motors), right))
+    return with_left(planar_cell, motors=replace(planar_cell.robots[0].motors, torque_speed=(CURVE, CURVE, None)))
 
 
 @pytest.fixture(scope="module")
@@ -73,10 +73,8 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     """Rows of every kind that a cell file has, in figures, report, table, saved result and words."""
     shipped = DATA.parent / "squeeze"
     cell = mrts.load_cell(shipped / "cell.yaml")
-    columns = {"armature": np.full(6, 0.1), "coulomb": np.full(6, 1.0), "viscous": np.full(6, 0.5)}
-    columns |= {"torque_speed": (np.array([[0, 200.0], [4, 20]]),) * 6, "rated": np.full(6, 30.0)}
-    robots = (replace(robot, motors=replace(robot.motors, **columns)) for robot in cell.robots)
-    result = mrts.scale(replace(cell, robots=tuple(robots)), mrts.load_motion(shipped / "lift_and_turn.yaml"))
+    real = equipped(cell, armature=0.1, coulomb=1.0, viscous=0.5, torque_speed=[[0, 200.0], [4, 20]], rated=30.0)
+    result = mrts.scale(real, mrts.load_motion(shipped / "lift_and_turn.yaml"))
     kinds = {use.name.kind for use in limit_uses(result)}
     assert kinds >= {"torque", "velocity", "contact", TORQUE_SPEED, "motor speed"}
     write_result_plots(result, tmp_path / "plots")

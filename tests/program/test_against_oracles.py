@@ -1,11 +1,11 @@
 """Smooth timing against an independent program: the same mathematics by cvxpy."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from changed_robots import with_robots
 from conftest import DATA
 from gantries import UPHILL, along_x, gantries, uphill_gantries
+from random_motors import equipped
 from shipped_cells import shipped_motion
 from smooth_program import Rates, quintic_path, smooth_timing, with_third
 
@@ -36,10 +36,8 @@ def test_torque_rates_on_the_shipped_cells(name):
 def test_jerk_and_wrench_rates_together():
     cell, description, rates = shipped("planar_dual_arm")
     jerk, wrench = np.full(6, 3e3), np.tile([60.0, 60.0, 30.0], 2)
-    robots = [
-        replace(robot, motors=replace(robot.motors, jerk=jerk[:3]), contact_rate=wrench[:3]) for robot in cell.robots
-    ]
-    ours = mrts.retime(replace(cell, robots=tuple(robots)), mrts.sample_motion(description), rates=RATE, between=None)
+    limited = with_robots(equipped(cell, jerk=3e3), contact_rate=wrench[:3])
+    ours = mrts.retime(limited, mrts.sample_motion(description), rates=RATE, between=None)
     path = with_third(ours.pieces[0].piece.path)
     theirs = smooth_timing(cell, path, Rates(torque=rates, jerk=jerk, wrench=wrench))
     assert ours.duration == pytest.approx(theirs.duration, rel=SAME)

@@ -1,10 +1,10 @@
 """Smooth timing of gantries along a line, whose fastest timings are known in closed form."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from changed_robots import with_robots
 from gantries import along_x, gantries
+from random_motors import equipped
 
 import mrts
 
@@ -21,13 +21,9 @@ SHORTER = 2e-4
 
 def gantry_cell(folder, jerk=np.inf, rate=np.inf, force=STRONG, speed=np.inf):
     """Two gantries with one limit for all joints of each kind."""
-    cell = gantries(folder)
-    robots = []
-    for robot in cell.robots:
-        motors = replace(robot.motors, jerk=np.full(3, jerk), torque_rate=np.full(3, rate))
-        limits = {"torque_lower": np.full(3, -force), "torque_upper": np.full(3, force)}
-        robots.append(replace(robot, motors=motors, velocity_limit=np.full(3, speed), **limits))
-    return replace(cell, robots=tuple(robots))
+    cell = equipped(gantries(folder), jerk=jerk, torque_rate=rate)
+    limits = {"torque_lower": -force, "torque_upper": force, "velocity_limit": speed}
+    return with_robots(cell, **{name: np.full(3, limit) for name, limit in limits.items()})
 
 
 def s_curve(jerk, acceleration=np.inf, speed=np.inf):

@@ -4,7 +4,8 @@ import numpy as np
 import played_plans
 import pytest
 from closed_loop_trials import DATA, GRASPS, measures, trial
-from mujoco_cells import urdf_of, with_motors
+from mujoco_cells import urdf_of
+from random_motors import equipped
 
 import mrts
 
@@ -81,8 +82,8 @@ def test_wrenches_of_a_slow_motion_without_errors_are_those_of_the_plan(grasp, m
     """What is measured is what the plan's limits are about: the same point, axes and sign."""
     for name, value in {"MASS_ERROR": 0.0, "FRICTION_ERROR": 0.0, "DELAY": 0.0, "LAG": played_plans.STEP}.items():
         monkeypatch.setattr(played_plans, name, value)
-    of, none = trial("dual_ur5"), np.zeros(6)
-    cell = with_motors(of.cell, {"coulomb": none, "viscous": none})
+    of = trial("dual_ur5")
+    cell = equipped(of.cell, coulomb=0, viscous=0)
     plan = mrts.scale(cell, of.motion, select="nominal").trajectory
     played = played_plans.play(cell, urdf_of(DATA / of.name), plan, GRASPS[grasp])
     limit = np.concatenate([robot.wrench_upper for robot in cell.robots])

@@ -62,7 +62,7 @@ def replaced_cost(program, profile, around, goal):
 def test_a_step_is_clarabels(kind):
     solver = KernelSolver()
     worst = 0.0
-    for program, base, goal in programs(kind, 22, 1):
+    for program, base, goal in programs(kind, 11, 1):
         ours, theirs = solver.step(program, base.x, goal), ConicSolver.step(program, base.x, goal)
         assert (ours is None) == (theirs is None)
         if ours is None:

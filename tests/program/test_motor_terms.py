@@ -4,28 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from random_motors import equipped
 
 import mrts
-from mrts.cell.motors import JointMotors
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms, travel_directions
 from mrts.program.sample_problem import build_sample_problem
-
-
-def with_motors(cell, **given):
-    """The same cell with the same motors at every arm; curves as one a joint."""
-    robots = []
-    for robot in cell.robots:
-        n = len(robot.joints)
-        values = {
-            name: np.broadcast_to(values, n) if name != "torque_speed" else (np.array(values),) * n
-            for name, values in given.items()
-        }
-        known = JointMotors.unknown(n)
-        kept = {name: getattr(known, name) for name in JointMotors.__dataclass_fields__}
-        robots.append(replace(robot, motors=JointMotors(**(kept | values))))
-    return replace(cell, robots=tuple(robots))
 
 
 def test_friction_points_along_the_travel_and_is_one_sided_at_rest(lift):
@@ -48,7 +33,7 @@ def test_at_a_turning_point_limits_move_inward_by_the_dry_friction(planar_cell, 
     dq, ddq = motion.dq.copy(), motion.ddq.copy()
     dq[4, 1], ddq[4, 1] = 0.0, -3.0
     turning = replace(motion, dq=dq, ddq=ddq)
-    cell = with_motors(planar_cell, coulomb=2.0)
+    cell = equipped(planar_cell, coulomb=2.0)
     terms = motor_terms(cell, turning)
     assert np.array_equal(np.argwhere(terms.turning), [[4, 1]])
     assert terms.dry[4, 1] == 0

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import DATA
+from changed_robots import with_left
 from shipped_cells import changed_cell
 
 import mrts
@@ -66,11 +66,10 @@ def test_true_takes_what_the_cell_gives(planar_cell):
 
 def test_a_number_fills_in_torque_rates_by_the_larger_side_of_the_limits(planar_cell):
     cell = with_rates(planar_cell, torque_rate=[100, np.inf, np.inf], jerk=[np.inf, 50.0, np.inf])
-    left, right = cell.robots
-    cell = replace(cell, robots=(replace(left, torque_lower=np.array([-9.0, -10, 0]), torque_upper=[9, 20, 4]), right))
+    cell = with_left(cell, torque_lower=[-9.0, -10, 0], torque_upper=[9, 20, 4])
     found = rate_limits(cell, FRANKA)
     np.testing.assert_allclose(found.torque[:3], [100, FRANKA * 20, FRANKA * 4], rtol=1e-15)
-    np.testing.assert_allclose(found.torque[3:], FRANKA * right.torque_upper, rtol=1e-15)
+    np.testing.assert_allclose(found.torque[3:], FRANKA * cell.robots[1].torque_upper, rtol=1e-15)
     np.testing.assert_array_equal(found.jerk, given_rate_limits(cell).jerk)
     np.testing.assert_array_equal(found.wrench, given_rate_limits(cell).wrench)
 
@@ -82,20 +81,18 @@ def test_what_is_no_rate_is_refused(planar_cell, rates):
 
 
 def test_a_multiple_of_no_limit_is_refused(planar_cell):
-    left, right = planar_cell.robots
-    free = replace(left, torque_upper=[np.inf, 1, 1], torque_lower=[-1.0, -1, -1])
+    free = with_left(planar_cell, torque_upper=[np.inf, 1, 1], torque_lower=[-1.0, -1, -1])
     with pytest.raises(mrts.InputError, match=r"rates = 11\.5: .*'shoulder' of robot 'left'.*torque_rate"):
-        rate_limits(replace(planar_cell, robots=(free, right)), 11.5)
+        rate_limits(free, 11.5)
     motors = replace(JointMotors.unknown(3), torque_rate=np.array([7.0, np.inf, np.inf]))
-    known = rate_limits(replace(planar_cell, robots=(replace(free, motors=motors), right)), 11.5)
+    known = rate_limits(with_left(free, motors=motors), 11.5)
     np.testing.assert_allclose(known.torque[:3], [7, 11.5, 11.5], rtol=1e-15)
 
 
 def with_all_rates(cell):
     """Torque rates, jerks and contact rates of one robot that its fastest factor passes."""
-    left, right = cell.robots
-    motors = replace(left.motors, torque_rate=np.array([250.0, np.inf, 200.0]), jerk=np.full(3, 450.0))
-    return replace(cell, robots=(replace(left, motors=motors, contact_rate=np.array([30.0, 30.0, np.inf])), right))
+    motors = replace(cell.robots[0].motors, torque_rate=np.array([250.0, np.inf, 200.0]), jerk=np.full(3, 450.0))
+    return with_left(cell, motors=motors, contact_rate=np.array([30.0, 30.0, np.inf]))
 
 
 def test_rates_are_reported_and_bind_nothing_unless_they_are_kept(planar_cell, lift, lifted):
@@ -120,21 +117,6 @@ def test_rates_are_reported_and_bind_nothing_unless_they_are_kept(planar_cell, l
     assert {row[0][0] for row in rates_table(kept, limiting_rows(kept, None)).rows} == {
         str(use.name) for use in rate_uses(kept)
     }
-
-
-@pytest.mark.parametrize(
-    ("options", "key"),
-    [
-        (["--rates", "cell"], "the cell 'planar_dual_arm' limits no rate"),
-        (["--rates", "nan"], "--rates = 'nan'"),
-        (["--rates", "3", "--distribute", "reserve"], "--distribute = 'reserve': with rates it must be"),
-        (["--rates", "3", "--formulation", "torque"], "--formulation = 'torque': with rates it must be"),
-        (["--rates", "3", "--profile", "optimal"], "--rates"),
-    ],
-)
-def test_what_does_not_go_with_rates_is_refused(options, key, capsys):
-    assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *options]) == 2
-    assert key in capsys.readouterr().err.replace("\n", " ")
 
 
 def test_a_chosen_factor_beyond_the_rates_is_refused(planar_cell, lift):

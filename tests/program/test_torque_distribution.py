@@ -1,9 +1,8 @@
 """The quadratic program against HiGHS in all wrenches, the effect of W and of limits, and samples side by side."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from changed_robots import with_left
 from conftest import DATA, UR5
 from random_motors import equipped
 from reference import ReferenceCell, highs_cost
@@ -66,9 +65,8 @@ def test_weak_joints_are_spared_unless_all_weigh_alike(dual_ur5):
 
 def test_a_joint_without_a_limit_is_not_spared(planar_cell):
     """It weighs as little as digits allow; one whose limit is next to nothing, as much: the others as ever."""
-    left, right = planar_cell.robots
-    free = replace(left, torque_lower=np.array([-np.inf, -80, -1e-9]), torque_upper=np.array([np.inf, 80, 1e-9]))
-    W = np.diag(torque_weights(None, replace(planar_cell, robots=(free, right))))
+    most = np.array([np.inf, 80, 1e-9])
+    W = np.diag(torque_weights(None, with_left(planar_cell, torque_lower=-most, torque_upper=most)))
     most = WEIGHT_SPREAD**0.25
     np.testing.assert_allclose(W, 1 / np.array([80 * most, 80, 80 / most, 100, 80, 50]) ** 2, rtol=1e-12)
 
@@ -84,7 +82,7 @@ def with_given_force(cell):
     robot = cell.robots[0]
     lower, upper = robot.wrench_lower.copy(), robot.wrench_upper.copy()
     lower[0] = upper[0] = 5.0
-    return replace(cell, robots=(replace(robot, wrench_lower=lower, wrench_upper=upper), *cell.robots[1:]))
+    return with_left(cell, wrench_lower=lower, wrench_upper=upper)
 
 
 CELLS = {

@@ -8,9 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from changed_robots import with_robots
 from command_line import mrts_without
 from conftest import DATA, UR5
 from report_pages import data_of, own_text
+from shipped_cells import still_motion
 from shown_results import AWKWARD, UGLY_JOINTS, with_all_rates, with_awkward_names
 
 import mrts
@@ -48,11 +50,6 @@ def smooth(planar_cell, lift):
     return mrts.retime(with_all_rates(planar_cell), lift, rates=11.0)
 
 
-@pytest.fixture(scope="module")
-def spatial(dual_ur5):
-    return mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-
-
 @pytest.mark.quick
 def test_names_stay_text_and_the_page_loads_nothing(planar_cell, lift, lifted):
     text = own_text(report_html(lifted))
@@ -66,8 +63,8 @@ def test_names_stay_text_and_the_page_loads_nothing(planar_cell, lift, lifted):
     assert all("<" not in name and "$" not in name for name in names)
 
 
-def test_plots_hold_the_numbers_of_the_result(dual_ur5, spatial):
-    found = spatial
+def test_plots_hold_the_numbers_of_the_result(dual_ur5, turned):
+    found = turned
     plots = data_of(report_html(found))["plots"]
     for number, robot in enumerate(dual_ur5.robots):
         traces = {trace["name"]: trace for trace in plots[f"plot-torque-{number}"]["data"] if trace["name"]}
@@ -82,14 +79,14 @@ def test_plots_hold_the_numbers_of_the_result(dual_ur5, spatial):
     assert plots["plot-energy"]["data"][-1]["y"][-1] == pytest.approx(found.trajectory.energy, rel=1e-5)
 
 
-def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, spatial):
-    shown, carried = player(spatial), spatial.motion.object
+def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, turned):
+    shown, carried = player(turned), turned.motion.object
     ((_, coordinates),) = [
         pair for pair in zip(shown["data"], shown["frames"], strict=False) if pair[0]["name"] == "force on the object"
     ]
     line = np.stack([np.array(coordinates[axis], dtype=float) for axis in "xyz"], axis=-1)
-    arrows = line.reshape(spatial.motion.samples, 2, 10, 3)
-    point, force, _ = contact_forces(dual_ur5, carried.position, carried.rotation, spatial.trajectory.wrench)
+    arrows = line.reshape(turned.motion.samples, 2, 10, 3)
+    point, force, _ = contact_forces(dual_ur5, carried.position, carried.rotation, turned.trajectory.wrench)
     shaft = arrows[:, :, 1] - arrows[:, :, 0]
     scale = np.max(np.linalg.norm(shaft, axis=-1)) / shown["largest_force"]
     np.testing.assert_allclose(arrows[:, :, 0], point, atol=2 * DRAWN)
@@ -117,11 +114,9 @@ def test_the_text_says_what_was_given_and_found(planar_cell, lift, lifted):
     assert "these limits conflict" in infeasible
     uncertain = report_html(mrts.scale(planar_cell.with_variation(mass=(0.2, 6.0)), lift))
     assert "<td>mass 3 kg</td>" in uncertain
-    here = {"xyz": lift.position[0].tolist()}
-    still = mrts.MotionDescription(start=here, end=here, duration=1.0, profile="quintic", samples=11)
-    assert "<td>nothing limits it</td>" in report_html(mrts.scale(planar_cell, mrts.sample_motion(still)))
-    slow = tuple(replace(robot, velocity_limit=np.full(3, 0.1)) for robot in planar_cell.robots)
-    too_fast = replace(planar_cell, robots=slow).without_velocity_limits()
+    still = mrts.scale(planar_cell, still_motion(lift.position[0]))
+    assert "<td>nothing limits it</td>" in report_html(still)
+    too_fast = with_robots(planar_cell, velocity_limit=np.full(3, 0.1)).without_velocity_limits()
     assert "its limit is 0.1 rad/s" in report_html(mrts.scale(too_fast, lift))
 
 
@@ -238,11 +233,8 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
 
 
 def test_positions_and_velocities_have_their_limits_and_percentages(planar_cell, lift):
-    robots = [
-        replace(robot, velocity_limit=np.full(3, 10.0), position_lower=np.full(3, -4.0), position_upper=np.full(3, 4.0))
-        for robot in planar_cell.robots
-    ]
-    found = mrts.scale(replace(planar_cell, robots=tuple(robots)), lift)
+    limits = {"velocity_limit": 10.0, "position_lower": -4.0, "position_upper": 4.0}
+    found = mrts.scale(with_robots(planar_cell, **{name: np.full(3, limit) for name, limit in limits.items()}), lift)
     plots = data_of(report_html(found))["plots"]
     for kind, values, limit in (("velocity", found.trajectory.dq, 10), ("position", found.trajectory.q, 4)):
         lines = plots[f"plot-{kind}-1-0"]["data"]

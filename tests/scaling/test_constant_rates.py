@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
+from changed_robots import with_robots
 from draws import seeds
-from gantries import along_x, gantries
+from gantries import along_x, gantries, straight
+from random_motors import equipped
 from rated_factor import RatedFactor
 from shipped_cells import still_motion
 
@@ -16,6 +18,9 @@ from mrts.program.rate_limits import rate_limits
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.constant_rates import RatedFactors
 from mrts.scaling.limit_use import rate_uses
+
+FREE = np.inf, np.inf
+"""Of the joints that do not slide along x."""
 
 THIRD = 24.0
 """Size of x''' along the cubic profile of `along_x` [m/s³]."""
@@ -36,18 +41,8 @@ KEPT = 1e-12
 """Share of a rate by which torques may pass it: rounding; a margin of 1e-8 is left for Clarabel."""
 
 
-def with_motors(cell, **columns):
-    """The cell with motors of every robot: one number for the first joint, infinity or 0 for all others."""
-    robots = []
-    for robot in cell.robots:
-        own = JointMotors.unknown(len(robot.joints))
-        arrays = {name: np.array([value, *getattr(own, name)[1:]]) for name, value in columns.items()}
-        robots.append(replace(robot, motors=replace(own, **arrays)))
-    return replace(cell, robots=tuple(robots))
-
-
 def with_contact_rate(cell, *rates):
-    return replace(cell, robots=tuple(replace(robot, contact_rate=np.array(rates)) for robot in cell.robots))
+    return with_robots(cell, contact_rate=np.array(rates))
 
 
 @pytest.fixture
@@ -60,15 +55,17 @@ def shares(result):
 
 
 CLOSED = {
-    "torque": (lambda cell: with_motors(cell, torque_rate=10.0), 2 * 10 / MOVED, "torque rate (lower, -10 N/s)"),
+    "torque": (lambda cell: equipped(cell, torque_rate=[10.0, *FREE]), 2 * 10 / MOVED, "torque rate (lower, -10 N/s)"),
     "wrench": (
         lambda cell: with_contact_rate(cell, 4.0, 4.0, np.inf),
         2 * 4 / CARRIED,
         "contact wrench rate (lower, -4 N/s)",
     ),
-    "jerk": (lambda cell: with_motors(cell, jerk=3.0), 3.0, "jerk (lower, -3 m/s³)"),
+    "jerk": (lambda cell: equipped(cell, jerk=[3.0, *FREE]), 3.0, "jerk (lower, -3 m/s³)"),
     "all": (
-        lambda cell: with_contact_rate(with_motors(cell, torque_rate=10.0, jerk=8.0), 4.0, np.inf, np.inf),
+        lambda cell: with_contact_rate(
+            equipped(cell, torque_rate=[10.0, *FREE], jerk=[8.0, *FREE]), 4.0, np.inf, np.inf
+        ),
         2 * 10 / MOVED,
         "torque rate (lower, -10 N/s)",
     ),
@@ -98,8 +95,8 @@ def test_two_gantries_share_the_change_of_what_accelerates_all(pushed, kind):
 
 @pytest.mark.quick
 def test_rates_alone_limit_what_nothing_else_limits(pushed):
-    free = tuple(replace(robot, torque_lower=np.full(3, -1e9), torque_upper=np.full(3, 1e9)) for robot in pushed.robots)
-    cell = with_motors(replace(pushed, robots=free), torque_rate=5000.0)
+    free = with_robots(pushed, torque_lower=np.full(3, -1e9), torque_upper=np.full(3, 1e9))
+    cell = equipped(free, torque_rate=[5000.0, *FREE])
     result = mrts.scale(cell, along_x(), rates=True)
     assert result.trajectory.c**3 == pytest.approx(2 * 5000 / (MOVED * THIRD), rel=3 * ROUNDED)
 
@@ -120,22 +117,16 @@ def test_rates_that_do_not_bind_change_nothing(planar_cell, lift, lifted):
 def speeding(samples=41):
     """An object that accelerates ever more: x'' = 1 + t."""
     t = np.linspace(0, 1, samples)
-    position, twist, acceleration = np.zeros((samples, 3)), np.zeros((samples, 6)), np.zeros((samples, 6))
-    position[:, 0], twist[:, 0], acceleration[:, 0] = t**2 / 2 + t**3 / 6, t + t**2 / 2, 1 + t
-    return mrts.ObjectMotion(t, position, np.tile(np.eye(3), (samples, 1, 1)), twist, acceleration)
+    return straight(t, t**2 / 2 + t**3 / 6, t + t**2 / 2, 1 + t)
 
 
 def pressed(cell, least):
-    robots = (
-        replace(robot, wrench_lower=np.array([least, -np.inf, -np.inf]), wrench_upper=np.full(3, np.inf))
-        for robot in cell.robots
-    )
-    return replace(cell, robots=tuple(robots))
+    return with_robots(cell, wrench_lower=np.array([least, -np.inf, -np.inf]), wrench_upper=np.full(3, np.inf))
 
 
 @pytest.mark.quick
 def test_a_least_speed_may_change_torques_too_fast(pushed):
-    cell = pressed(with_motors(pushed, torque_rate=5.0), 2.0)  # 2 · 2 N = 3 kg · 1 m/s² · c²
+    cell = pressed(equipped(pushed, torque_rate=[5.0, *FREE]), 2.0)  # 2 · 2 N = 3 kg · 1 m/s² · c²
     assert mrts.scale(cell, speeding()).range.lower.c2 == pytest.approx(4 / 3, rel=1e-6)
     result = mrts.scale(cell, speeding(), rates=True)
     assert result.status.value == "empty"
@@ -150,7 +141,7 @@ def test_a_least_speed_may_change_torques_too_fast(pushed):
 
 @pytest.mark.quick
 def test_a_load_that_varies_is_carried_at_its_worst(tmp_path):
-    cell = with_motors(gantries(tmp_path, variation={"mass": [0.5, 4]}), torque_rate=10.0)
+    cell = equipped(gantries(tmp_path, variation={"mass": [0.5, 4]}), torque_rate=[10.0, *FREE])
     result = mrts.scale(cell, along_x(), rates=True)
     assert result.trajectory.c**3 == pytest.approx(2 * 10 / ((8 + 4 * CARRIED) * THIRD), rel=3 * ROUNDED)
     assert result.range.upper.load.parameters == {"mass": 4}
@@ -168,18 +159,14 @@ def test_a_motion_that_stands_still_is_limited_by_no_rate(dual_ur5):
 def easing(samples=21):
     """An object whose acceleration falls from 2 to 1.9 m/s²: friction rises, inertia gives way."""
     t = np.linspace(0, 0.1, samples)
-    position, twist, acceleration = np.zeros((samples, 3)), np.zeros((samples, 6)), np.zeros((samples, 6))
-    position[:, 0], twist[:, 0], acceleration[:, 0] = t**2 - t**3 / 6, 2 * t - t**2 / 2, 2 - t
-    return mrts.ObjectMotion(t, position, np.tile(np.eye(3), (samples, 1, 1)), twist, acceleration)
+    return straight(t, t**2 - t**3 / 6, 2 * t - t**2 / 2, 2 - t)
 
 
 @pytest.mark.quick
 def test_rates_may_leave_a_gap_where_friction_is_made_up_for_by_inertia(pushed):
     """The torque of both changes by 12 x'' c² - 11 c³ a second: small at low and at high speed."""
-    strong = tuple(
-        replace(robot, torque_lower=np.full(3, -1e3), torque_upper=np.full(3, 1e3)) for robot in pushed.robots
-    )
-    cell = with_motors(replace(pushed, robots=strong), viscous=6.0, torque_rate=7.5)
+    strong = with_robots(pushed, torque_lower=np.full(3, -1e3), torque_upper=np.full(3, 1e3))
+    cell = equipped(strong, viscous=[6.0, 0, 0], torque_rate=[7.5, *FREE])
     result = mrts.scale(cell, easing(), rates=True, between=None)
     motion = result.motion.object
     steps, change = np.diff(motion.time), np.diff(motion.acceleration[:, 0])

@@ -121,19 +121,6 @@ def test_a_value_outside_the_range_is_refused_with_the_range(planar_cell, lift, 
     assert caught.value.result.range.upper.c2 == pytest.approx(3.0618125)
 
 
-def test_binding_rows_are_at_their_limits(planar_cell, lift):
-    result = mrts.scale(planar_cell, lift)
-    end = result.range.upper
-    values = {}
-    for robot in planar_cell.robots:
-        values |= {(robot.name, j): v for j, v in zip(robot.joints, result.torque[robot.name][end.sample], strict=True)}
-        wrench = result.wrench[robot.name][end.sample]
-        values |= {(robot.name, c): v for c, v in zip(planar_cell.wrench_components, wrench, strict=True)}
-    assert end.rows
-    for row in end.rows:
-        assert values[row.name.robot, row.name.element] == pytest.approx(row.limit, rel=1e-7)
-
-
 def test_shares_and_internal_wrench_of_a_fixed_distribution(planar_cell, lift):
     equal = mrts.scale(planar_cell, lift, sharing=mrts.LoadSharing())
     assert np.max(np.abs(equal.trajectory.internal_wrench)) < 1e-12

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
+from changed_robots import with_left
 from conftest import DATA
 from gantries import along_x, gantries
 
@@ -99,9 +100,7 @@ def test_closed_form_on_gantries(tmp_path):
 
 
 def test_sides_that_cross_are_an_outcome_that_names_the_reserve(planar_cell, lift):
-    left, right = planar_cell.robots
-    narrow = replace(left, wrench_lower=np.array([0.9, -9, -9]), wrench_upper=np.array([1.0, 9, 9]))
-    cell = replace(planar_cell, robots=(narrow, right))
+    cell = with_left(planar_cell, wrench_lower=np.array([0.9, -9, -9]), wrench_upper=np.array([1.0, 9, 9]))
     result = mrts.scale(cell, lift, reserve=0.1)
     assert result.status is mrts.ScalingStatus.INFEASIBLE
     assert result.explanation().startswith("with 10 % of every limit in reserve, 101 of 101 samples are infeasible")
@@ -123,9 +122,7 @@ def test_sides_that_cross_are_an_outcome_that_names_the_reserve(planar_cell, lif
 
 
 def test_one_number_on_both_sides_has_no_size_to_give(planar_cell, lift):
-    left, right = planar_cell.robots
-    held = replace(left, wrench_lower=np.array([0.5, -9, -9]), wrench_upper=np.array([0.5, 9, 9]))
-    cell = replace(planar_cell, robots=(held, right))
+    cell = with_left(planar_cell, wrench_lower=np.array([0.5, -9, -9]), wrench_upper=np.array([0.5, 9, 9]))
     for rule in ("least-torque", "reserve"):
         result = mrts.scale(cell, lift, 0.5, reserve=0.1, distribute=rule)
         assert np.allclose(result.wrench["left"][:, 0], 0.5, atol=1e-8)

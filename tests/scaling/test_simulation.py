@@ -4,11 +4,10 @@ Arms from the same URDF through MuJoCo's own parser, the object a free body weld
 c = √c²⁺ are played open loop with a small tracking feedback.
 """
 
-import mujoco
 import numpy as np
 import pytest
 from conftest import UR5
-from mujoco_cells import POSITION_GAIN, STEP, VELOCITY_GAIN, simulator, urdf_of, weld_wrench
+from mujoco_cells import closed_loop, urdf_of, weld_wrench
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 from shipped_cells import sampled, shipped_motion
@@ -21,30 +20,16 @@ def run():
     cell = mrts.load_cell(UR5 / "cell.yaml").without_velocity_limits()
     result = mrts.scale(cell, sampled(shipped_motion("dual_ur5", samples=1001)))
     done, given = result.trajectory, result.motion.object
-    model, data = simulator(cell, urdf_of(UR5), (given.position[0], given.rotation[0]))
-    assert model.nv == 18
-    joints = [f"{robot.name}/{joint}" for robot in cell.robots for joint in robot.joints]
-    q_index = [model.joint(name).qposadr[0] for name in joints]
-    v_index = [model.joint(name).dofadr[0] for name in joints]
-    data.qpos[q_index] = done.q[0]
-    torque = CubicSpline(done.time, done.torque)
-    wanted = CubicSpline(done.time, done.q)
-    path = CubicSpline(done.time, given.position)
+    torque, path = CubicSpline(done.time, done.torque), CubicSpline(done.time, given.position)
     B = cell.functions("terms", len(given.time), result.motion.inputs(cell.load))["B"]
     arms = [slice(0, 6), slice(6, 12)]
     on_object = [np.einsum("nij,nj->ni", B[:, :, arm], done.wrench[:, arm]) for arm in arms]
     wrenches = [CubicSpline(done.time, wrench) for wrench in on_object]
     log = {"path": [], "feedback": [], "forward": [], "weld": [], "wrench": []}
-    for _ in range(int(done.duration / STEP)):
-        t = data.time
-        forward = torque(t)
-        feedback = POSITION_GAIN * (wanted(t) - data.qpos[q_index])
-        feedback += VELOCITY_GAIN * (wanted(t, 1) - data.qvel[v_index])
-        data.qfrc_applied[v_index] = forward + feedback
-        mujoco.mj_step(model, data)
+    for model, data, t, feedback, _ in closed_loop(cell, urdf_of(UR5), done, torque):
         log["path"].append(data.body("object").xpos - path(data.time))
         log["feedback"].append(feedback)
-        log["forward"].append(forward)
+        log["forward"].append(torque(t))
         log["weld"].append([weld_wrench(model, data, weld) for weld in range(2)])
         log["wrench"].append([wrench(t) for wrench in wrenches])
     final = Rotation.from_matrix(data.body("object").xmat.reshape(3, 3) @ given.rotation[-1].T).magnitude()

@@ -1,11 +1,11 @@
 """The guaranteed, possible and grid ranges of an uncertain load: properties, closed forms, independent programs."""
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import pytest
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
+from changed_robots import with_robots
 from draws import seeds
 from shipped_cells import cell_file, sampled, shipped, shipped_motion
 
@@ -98,11 +98,8 @@ def test_no_load_of_the_box_violates_the_guaranteed_range_and_a_corner_attains_i
 
 def on_forks(cell, highest=None):
     """The planar cell with grippers that can lift but not push down: f_y >= 1 N, and at most `highest`."""
-    robots = []
-    for robot in cell.robots:
-        lower, upper = (np.array([end, side, end]) for end, side in ((-np.inf, 1.0), (np.inf, highest or np.inf)))
-        robots.append(replace(robot, wrench_lower=lower, wrench_upper=upper))
-    return replace(cell, robots=tuple(robots))
+    lower, upper = (np.array([end, side, end]) for end, side in ((-np.inf, 1.0), (np.inf, highest or np.inf)))
+    return with_robots(cell, wrench_lower=lower, wrench_upper=upper)
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from changed_robots import with_left
 from conftest import DATA
 from gantries import along_x, gantries
 
@@ -96,8 +97,7 @@ def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
 
 def with_curves(cell):
     """The left shoulder's torque falls with its speed."""
-    motors = replace(cell.robots[0].motors, torque_speed=(MOTORS, None, None))
-    return replace(cell, robots=(replace(cell.robots[0], motors=motors), *cell.robots[1:]))
+    return with_left(cell, motors=replace(cell.robots[0].motors, torque_speed=(MOTORS, None, None)))
 
 
 def test_a_motor_with_a_curve_changes_as_a_whole(planar_cell, lift):
@@ -110,8 +110,8 @@ def test_a_motor_with_a_curve_changes_as_a_whole(planar_cell, lift):
         robot = cell.robots[0]
         limit = robot.torque_upper * [factor[1], 1, 1]
         motors = replace(robot.motors, torque_speed=(MOTORS * factor, None, None))
-        arm = replace(robot, torque_lower=-limit, torque_upper=limit, motors=motors)
-        again = mrts.scale(replace(cell, robots=(arm, *cell.robots[1:])), lift, between=None)
+        other = with_left(cell, torque_lower=-limit, torque_upper=limit, motors=motors)
+        again = mrts.scale(other, lift, between=None)
         assert found[text].after.c2 == pytest.approx(again.range.upper.c2, rel=1e-8)
         assert found[text].matters
 

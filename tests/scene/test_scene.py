@@ -6,12 +6,12 @@ from functools import partial
 import numpy as np
 import pytest
 import trimesh
-import yaml
 import yourdfpy
 from casadi_cells import casadi_cell
 from cell_bank import random_planar_cell, random_spatial_cell
-from conftest import DATA, UR5
+from conftest import DATA
 from published_robots import ROBOTS
+from shipped_cells import cell_of_arms
 from shown_results import as_if_generated
 
 import mrts
@@ -32,18 +32,11 @@ MOST_SPARE = 0.2
 """Free at the narrower sides, as a share of the picture: a camera stands a little farther away than it must."""
 
 
-@pytest.fixture(scope="module")
-def turned(dual_ur5):
-    return mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-
-
 def arm_of(folder, urdf, base_link, tip_link, joints):
     """A cell of one arm of a URDF."""
     robot = {"name": "arm", "urdf": str(urdf), "base_link": base_link, "tip_link": tip_link}
     robot |= {"posture": [0.1] * joints, "torque": [100.0] * joints, "base": {"xyz": [1, 2, 3], "rpy": [0.3, 0.2, 0.1]}}
-    cell = {"name": "arm", "gravity": [0, 0, -9.81], "object": {"mass": 1.0, "inertia": [0.01, 0.01, 0.01]}}
-    (folder / "cell.yaml").write_text(yaml.safe_dump(cell | {"robots": [robot]}), encoding="utf-8")
-    return folder / "cell.yaml"
+    return cell_of_arms(folder, robot)
 
 
 def vertices_of(path, first, q):

@@ -6,8 +6,9 @@ from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
-from mujoco_cells import PLANAR_MOTORS, UR5_MOTORS, urdf_of, with_motors
+from mujoco_cells import PLANAR_MOTORS, UR5_MOTORS, urdf_of
 from played_plans import CLAMP, play
+from random_motors import equipped
 
 import mrts
 
@@ -94,13 +95,8 @@ def trial(name, *, dry=DRY, torque_rate=TORQUE_RATE, filled=FILLED, velocity_lim
         rate = contact_rates(cell, upper, filled)
         held.append(replace(robot, wrench_lower=lower, wrench_upper=upper, contact_rate=rate))
     most = held[0].torque_upper
-    columns = {
-        "armature": armature,
-        "coulomb": dry * most,
-        "viscous": VISCOUS * most,
-        "torque_rate": torque_rate * most,
-    }
-    real = with_motors(replace(cell, robots=tuple(held)), columns)
+    motors = {"armature": armature, "coulomb": dry * most, "viscous": VISCOUS * most}
+    real = equipped(replace(cell, robots=tuple(held)), torque_rate=torque_rate * most, **motors)
     left = 1 - FOR_FEEDBACK
     used = [replace(r, torque_lower=left * r.torque_lower, torque_upper=left * r.torque_upper) for r in real.robots]
     return Trial(name, real, replace(real, robots=tuple(used)), mrts.load_motion(DATA / name / motion))

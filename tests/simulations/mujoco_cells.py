@@ -1,10 +1,9 @@
 """Cells as MuJoCo builds them: arms from their URDF through its own parser, the object welded to the hands."""
 
-from dataclasses import replace
-
 import mujoco
 import numpy as np
 import yaml
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 STEP = 5e-5  # s; a weld is a stiff spring in MuJoCo, and its time constant is two steps
@@ -21,13 +20,6 @@ UR5_MOTORS = {
 """Of the size that is published for arms of this class [kg m², N m, N m s/rad]."""
 
 PLANAR_MOTORS = {"armature": [0.4, 0.3, 0.05], "coulomb": [4.0, 3.0, 0.5], "viscous": [1.0, 0.8, 0.1]}
-
-
-def with_motors(cell, columns):
-    """The cell with these motors in every arm."""
-    arrays = {name: np.array(values) for name, values in columns.items()}
-    robots = (replace(robot, motors=replace(robot.motors, **arrays)) for robot in cell.robots)
-    return replace(cell, robots=tuple(robots))
 
 
 def urdf_of(folder):
@@ -88,6 +80,27 @@ def simulator(cell, urdf, start_pose, *, motors=False):
     for robot in cell.robots if motors else ():
         set_motors(model, robot)
     return model, mujoco.MjData(model)
+
+
+def closed_loop(cell, urdf, done, forward, *, motors=False):
+    """Every step in which torques by time and a small feedback play a motion.
+
+    Yields:
+        Model and data after the step, its time before it [s], the feedback [N m], and errors of the joints [rad].
+    """
+    given = done.motion.object
+    model, data = simulator(cell, urdf, (given.position[0], given.rotation[0]), motors=motors)
+    joints = [model.joint(f"{robot.name}/{joint}") for robot in cell.robots for joint in robot.joints]
+    q_index, v_index = [joint.qposadr[0] for joint in joints], [joint.dofadr[0] for joint in joints]
+    data.qpos[q_index] = done.q[0]
+    wanted = CubicSpline(done.time, done.q)
+    for _ in range(int(done.duration / STEP)):
+        t = data.time
+        feedback = POSITION_GAIN * (wanted(t) - data.qpos[q_index])
+        feedback += VELOCITY_GAIN * (wanted(t, 1) - data.qvel[v_index])
+        data.qfrc_applied[v_index] = forward(t) + feedback
+        mujoco.mj_step(model, data)
+        yield model, data, t, feedback, data.qpos[q_index] - wanted(data.time)
 
 
 def weld_wrench(model, data, weld):

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA
-from motion_tables import columns_of, write_table
+from motion_tables import columns_of, write_motion, write_table
+from shipped_cells import shipped_motion
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
@@ -57,12 +57,10 @@ def test_swapped_columns_are_tried(files, tmp_path):
 
 def moved(folder, by):
     """The shipped machine's motion, elsewhere."""
-    motion = yaml.safe_load((UPPER_BODY / "lift.yaml").read_text(encoding="utf-8")) | {"samples": 21}
+    motion = shipped_motion("upper_body", samples=21)
     for key in ("start", "end"):
         motion[key]["xyz"] = (np.array(motion[key]["xyz"]) + by).tolist()
-    path = folder / "motion.yaml"
-    path.write_text(yaml.safe_dump(motion), encoding="utf-8")
-    return path
+    return write_motion(folder, **motion)
 
 
 def test_arms_of_one_machine_are_moved_together(tmp_path, capsys):

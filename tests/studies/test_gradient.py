@@ -6,7 +6,7 @@ import yaml
 from draws import draws
 from layouts import DATA, Layouts, write_study
 from published_robots import ROBOTS
-from shipped_cells import shipped
+from shipped_cells import shipped, shipped_motion
 
 STEP = 1e-5
 """Of central differences [m, rad]: their error is its square, 1e-10, times third derivatives, and rounding of c²⁺,
@@ -43,8 +43,7 @@ MOTORS = {
 
 def motion_of(folder, cell):
     """The shipped motion of a cell with fewer samples."""
-    keys = yaml.safe_load((DATA / cell / "lift_and_turn.yaml").read_text(encoding="utf-8")) | {"samples": SAMPLES}
-    (folder / "motion.yaml").write_text(yaml.safe_dump(keys), encoding="utf-8")
+    (folder / "motion.yaml").write_text(yaml.safe_dump(shipped_motion(cell, samples=SAMPLES)), encoding="utf-8")
     return folder / "motion.yaml"
 
 

@@ -20,7 +20,7 @@ import mrts
 import mrts.studies.sweep as engine
 from mrts.studies.best_variants import write_best
 from mrts.studies.study_folder import opened_study_folder
-from mrts.studies.sweep_progress import SweepProgress
+from mrts.studies.sweep import SweepProgress
 from mrts.studies.variant_rows import solve_variants
 
 STUDY = """
@@ -108,13 +108,6 @@ def test_a_complete_study_is_read_not_solved(out, study, alone):
     assert len(before) == 12
     assert_same_table(mrts.sweep(str(study.path), str(out), workers=1), alone)
     assert {path: path.stat().st_mtime_ns for path in out.glob("rows/*")} == before
-
-
-def test_parts_that_are_lost_or_damaged_are_solved_again(out, study, alone):
-    first, second, *_ = sorted(out.glob("rows/part*"))
-    first.unlink()
-    second.write_bytes(second.read_bytes()[:100])
-    assert_same_table(mrts.sweep(study, out, workers=1), alone)
 
 
 def test_a_driver_that_is_ended_at_any_moment_loses_nothing(study, alone, tmp_path):
@@ -213,6 +206,7 @@ def test_wrong_arguments_are_named(arguments, said, study):
 def test_a_limit_given_in_python_is_kept_by_workers_or_refused(tmp_path):
     own = planar_study(tmp_path, "vary: {object.mass: [0.4, 0.5]}")
     assert mrts.sweep(own, workers=1)["status"].to_pylist() == ["feasible", "feasible"]
+    assert own.with_limits(tenth) != own
     assert mrts.sweep(own.with_limits(tenth), workers=1)["status"].to_pylist() == ["infeasible", "infeasible"]
     with pytest.raises(mrts.InputError, match="study: limits: must be functions of a module that workers can import"):
         mrts.sweep(own.with_limits(lambda _cell, _motion: None), workers=1)

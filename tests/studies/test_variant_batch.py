@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from conftest import DATA, UR5
 from draws import draws
-from own_limits import tenth
 from shipped_cells import shipped
 from study_files import planar_study
 from wide_studies import wide_study
@@ -106,15 +105,6 @@ def test_what_it_does_not_cover_is_solved_one_by_one(asked, robots, tmp_path):
     study = planar_study(tmp_path, f"{asked}\nvary: {{object.mass: [1, 2]}}", cell=cell)
     assert batch_for(study) is None
     assert solve_variants(study, 0, 2)["status"] == ["feasible", "feasible"]
-
-
-def test_a_limit_of_ones_own_is_kept(tmp_path):
-    text = "vary: {object.mass: [0.4, 0.5]}"
-    study = planar_study(tmp_path, text)
-    before, after = solve_variants(study, 0, 2), solve_variants(study.with_limits(tenth), 0, 2)
-    assert before["status"] == ["feasible", "feasible"]
-    assert after["status"] == ["infeasible", "infeasible"]
-    assert study.with_limits(tenth) != study
 
 
 def test_a_share_that_is_kept_free_is(tmp_path):

@@ -2,13 +2,12 @@
 
 import json
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 from cell_bank import random_planar_cell
-from gantries import along_x, gantries, there_and_back
+from changed_robots import with_robots
+from gantries import along_x, gantries, straight, there_and_back
 from shipped_cells import still_motion
 
 import mrts
@@ -74,11 +73,7 @@ def test_a_turn_between_samples_and_a_wait_are_named(tmp_path):
 def test_end_speeds_count_where_the_motion_does_not_rest(tmp_path):
     cell = gantries(tmp_path)
     time = np.linspace(0, 1, 101)
-    steady = np.zeros((101, 6))
-    steady[:, 0] = 2.0
-    position = np.zeros((101, 3))
-    position[:, 0] = 2 * time
-    motion = mrts.ObjectMotion(time, position, np.broadcast_to(np.eye(3), (101, 3, 3)), steady, np.zeros((101, 6)))
+    motion = straight(time, 2 * time, 2.0, 0.0)
     acceleration = 40 / 11
     still = mrts.retime(cell, motion)
     assert still.duration == pytest.approx(2 * np.sqrt(2 / acceleration), rel=1e-6)
@@ -100,9 +95,7 @@ def test_end_speeds_count_where_the_motion_does_not_rest(tmp_path):
 def test_a_cell_without_a_single_limit_is_an_outcome(sharing, planar_cell, lift):
     none = np.full(3, np.inf)
     limits = {"torque_lower": -none, "torque_upper": none, "wrench_lower": -none, "wrench_upper": none}
-    free = replace(
-        planar_cell, robots=tuple(replace(robot, **limits, velocity_limit=none) for robot in planar_cell.robots)
-    )
+    free = with_robots(planar_cell, **limits, velocity_limit=none)
     result = mrts.scale(free, lift, sharing=sharing)
     assert (result.status.value, result.range.lower.c2, result.trajectory.c2) == ("unbounded", 0.0, 1.0)
     assert mrts.retime(free, lift, sharing=sharing).status.value == "unbounded"
@@ -110,16 +103,9 @@ def test_a_cell_without_a_single_limit_is_an_outcome(sharing, planar_cell, lift)
 
 def test_a_path_that_cannot_be_braked_is_explained(tmp_path):
     """Thrown up by a gravity that no motor holds: each sample is admissible, but the end is not reached at rest."""
-    gantries(tmp_path)
-    found = mrts.retime(load_with_gravity(tmp_path, 9.81), along_x())
+    found = mrts.retime(gantries(tmp_path, gravity=(9.81, 0, 0)), along_x())
     assert found.status.value in {"not controllable", "start speed not admissible", "end speed not admissible"}
     assert "torque" in found.explanation or "rest" in found.explanation
-
-
-def load_with_gravity(folder, gravity):
-    text = yaml.safe_load((folder / "cell.yaml").read_text()) | {"gravity": [gravity, 0, 0]}
-    (folder / "falling.yaml").write_text(yaml.safe_dump(text))
-    return mrts.load_cell(folder / "falling.yaml")
 
 
 def test_bad_arguments_are_named(planar_cell, lift):

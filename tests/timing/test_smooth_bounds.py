@@ -4,16 +4,14 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
-import yaml
+from conftest import DATA
+from random_motors import equipped
+from shipped_cells import sampled, shipped_motion
 
 import mrts
-
-SQUEEZE = Path(mrts.__file__).parent / "data" / "squeeze"
 
 AT_ONCE = 2.0
 """Seconds in which an interrupted process ends on a busy machine; the program alone takes many times as long."""
@@ -35,15 +33,10 @@ while True:
 
 
 @pytest.fixture(scope="module")
-def rounded(tmp_path_factory):
+def rounded():
     """A timing whose samples are too close for their rounding once limits of jerk ask for more nodes."""
-    motion = yaml.safe_load((SQUEEZE / "lift_and_turn.yaml").read_text()) | {"samples": 58, "duration": 2.4}
-    path = tmp_path_factory.mktemp("rounded") / "motion.yaml"
-    path.write_text(yaml.safe_dump(motion))
-    cell = mrts.load_cell(SQUEEZE / "cell.yaml")
-    motors = [replace(robot.motors, jerk=np.full(6, 950.0)) for robot in cell.robots]
-    robots = tuple(replace(robot, motors=of) for robot, of in zip(cell.robots, motors, strict=True))
-    return mrts.retime(replace(cell, robots=robots), mrts.load_motion(path), rates=11.5)
+    cell = equipped(mrts.load_cell(DATA.parent / "squeeze" / "cell.yaml"), jerk=950.0)
+    return mrts.retime(cell, sampled(shipped_motion("squeeze", samples=58, duration=2.4)), rates=11.5)
 
 
 def test_the_timing_with_the_least_excess_is_kept_and_said(rounded):

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from changed_robots import with_left
 from gantries import along_x, gantries, there_and_back, uphill_gantries
 
 import mrts
@@ -188,9 +189,9 @@ def test_wrong_arguments_are_refused_by_name(planar_cell, lift):
 
 def test_a_joint_without_a_torque_limit_needs_a_rate(tmp_path):
     cell = gantries(tmp_path)
-    endless = replace(cell.robots[0], torque_upper=np.full(3, np.inf), torque_lower=np.full(3, -np.inf))
+    endless = with_left(cell, torque_upper=np.full(3, np.inf), torque_lower=np.full(3, -np.inf))
     with pytest.raises(mrts.InputError, match=r"joint 'slide_x' of robot 'near' has none"):
-        mrts.retime(replace(cell, robots=(endless, cell.robots[1])), along_x(), rates=RATES)
+        mrts.retime(endless, along_x(), rates=RATES)
 
 
 def test_the_given_duration_is_no_matter(planar_cell, lift):

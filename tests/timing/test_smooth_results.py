@@ -1,9 +1,8 @@
 """What a smooth result carries beside its timing, and how it says it."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from random_motors import equipped
 
 import mrts
 from mrts.program.motion_rows import motion_rows
@@ -36,9 +35,7 @@ def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, plana
 
 
 def test_a_jerk_that_passes_between_nodes_is_told_by_name(planar_cell, lift):
-    motors = [replace(robot.motors, jerk=np.full(3, 200.0)) for robot in planar_cell.robots]
-    robots = tuple(replace(robot, motors=of) for robot, of in zip(planar_cell.robots, motors, strict=True))
-    free = replace(planar_cell, robots=robots).without_wrench_limits()
+    free = equipped(planar_cell, jerk=200.0).without_wrench_limits()
     found = mrts.retime(free, lift, rates=True, between=None)
     assert found.excess.row.name.kind == "jerk"
     assert "jerk" in found.sentence()

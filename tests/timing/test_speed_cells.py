@@ -1,9 +1,8 @@
 """The first profile with terms in the speed where slow ones are none, and why there is none at all."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from changed_robots import with_robots
 from gantries import along_x, gantries
 from one_arm import duration
 from random_motors import equipped
@@ -23,7 +22,7 @@ def on_an_arc(folder, **motors):
     """Two gantries on an arc of radius 2 that may only push towards its centre, by 1 to 5 N each: 3 kg need speed."""
     cell = equipped(gantries(folder), **motors)
     push = {"wrench_lower": np.array([-np.inf, 1.0, -np.inf]), "wrench_upper": np.array([np.inf, 5.0, np.inf])}
-    cell = replace(cell, robots=tuple(replace(robot, **push) for robot in cell.robots))
+    cell = with_robots(cell, **push)
     time = np.linspace(-0.35, 0.35, 61)
     zero, s, c = np.zeros(61), np.sin(time), np.cos(time)
     position, velocity = np.column_stack([2 * s, -2 * c, zero]), np.column_stack([2 * c, 2 * s, zero])
@@ -81,12 +80,8 @@ def test_what_cannot_be_timed_says_which_limits_conflict(planar_cell, lift, tmp_
     assert heavy.conflict is not None
     limits = [row for row in ideal.conflict.rows if row.name.kind != "speed"]
     assert heavy.conflict.rows == tuple(limits)  # at rest viscous friction has no effect
-    one_way = gantries(tmp_path, wrench=3.0)
-    most = np.array([-1.0, np.inf, np.inf])
-    one_way = equipped(
-        replace(one_way, robots=tuple(replace(r, wrench_upper=most) for r in one_way.robots)),
-        viscous=1.0,
-    )
+    one_way = with_robots(gantries(tmp_path, wrench=3.0), wrench_upper=np.array([-1.0, np.inf, np.inf]))
+    one_way = equipped(one_way, viscous=1.0)
     found = mrts.retime(one_way, along_x())
     assert found.status.value == "start speed not admissible", found.summary()
     assert "cannot start from rest" in found.explanation

@@ -1,9 +1,8 @@
 """What changes to a cell would do to the fastest timing: the same as timing the changed cell."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from changed_robots import with_left
 from gantries import along_x, gantries
 
 import mrts
@@ -14,10 +13,6 @@ SAME_TIMING = 1e-7  # regions of speeds are projections, right to 1e-9
 
 def by_text(found):
     return {str(one.change): one for one in found.changes}
-
-
-def with_left(cell, **values):
-    return replace(cell, robots=(replace(cell.robots[0], **values), *cell.robots[1:]))
 
 
 def test_each_change_is_what_timing_the_changed_cell_gives(planar_cell, lift):

@@ -1,13 +1,11 @@
 """The fastest timing with motors, against toppra, a nonlinear program, closed forms and its own rows."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
 from draws import seeds
 from gantries import along_x, gantries
-from one_arm import by_toppra, duration, one_arm
+from one_arm import duration
 from random_motors import drawn_motors, equipped
 from scipy.optimize import linprog
 from transcription import transcribed
@@ -16,41 +14,16 @@ import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import motion_ranges
-from mrts.timing.fastest_profile import Obstacle, SpeedProfile, fastest_profile
+from mrts.timing.fastest_profile import Obstacle
 from mrts.timing.path_pieces import path_pieces
-from mrts.timing.speed_regions import speed_regions
 from mrts.timing.successive_profiles import successive_profiles
 
-TOPPRA_TOLERANCE = 1e-4  # as without motors
 TRANSCRIPTION_TOLERANCE = 1e-5
 DISCRETE = 2e-3  # limits hold at samples, closed forms everywhere
 FEASIBLE = 1e-8  # of a limit: projections are exact to 1e-9
 FALLING = 1e-12  # rounding of a sum of times
 
 CELLS = 12
-
-
-@pytest.mark.parametrize("seed", seeds(2, 3))
-def test_one_arm_with_inertia_and_dry_friction_equals_toppra(seed, tmp_path):
-    grid = np.linspace(0, 1, 101)
-    cell, model, path = one_arm(seed, tmp_path)
-    rng = np.random.default_rng([151, seed])
-    motors = replace(
-        cell.robots[0].motors,
-        armature=rng.uniform(0, 2, 6),
-        coulomb=rng.uniform(0, 0.2, 6) * cell.robots[0].torque_upper,
-    )
-    cell = replace(cell, robots=(replace(cell.robots[0], motors=motors),))
-    theirs = by_toppra(cell, model, path, grid)
-    motion = carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
-    problem = build_sample_problem(motion_rows(cell, motion), varying=True)
-    assert problem.speed is None
-    ours = fastest_profile(np.diff(grid), speed_regions(problem, 1.0), (0.0, 0.0))
-    assert (theirs is None) == isinstance(ours, Obstacle)
-    if theirs is not None:
-        assert isinstance(ours, SpeedProfile)
-        np.testing.assert_allclose(ours.x, theirs, atol=TOPPRA_TOLERANCE * np.max(theirs))
 
 
 def drawn_case(seed, folder, samples=21):
@@ -157,17 +130,3 @@ def test_friction_at_a_stop_points_along_the_travel(back, profile, tmp_path):
     assert both.retimed.residuals().limits <= FEASIBLE
     mrts.save_result(both.retimed, tmp_path / "stop.npz")
     assert np.array_equal(mrts.load_result(tmp_path / "stop.npz").trajectory.friction, done.friction)
-
-
-def test_every_load_of_a_box_follows_the_guaranteed_profile(planar_cell, lift):
-    cell = equipped(planar_cell.with_variation(mass=(0.5, 1.5), mx=(-0.05, 0.05)), viscous=8.0, coulomb=3.0)
-    found = mrts.retime(cell, lift)
-    assert len(found.loads) == 4
-    assert found.duration > mrts.retime(cell, lift, load="nominal").duration
-    for point in cell.load_box.draw(np.random.default_rng(8), 100):
-        samples = motion_ranges(motion_rows(cell, found.retimed.motion), "kernel", point.load)
-        assert np.max(samples.lower) <= 1 + FEASIBLE
-        assert np.min(samples.upper) >= 1 - FEASIBLE
-    even = mrts.retime(cell, lift, sharing=mrts.LoadSharing())
-    assert even.duration > found.duration
-    assert even.retimed.residuals().limits <= FEASIBLE

@@ -41,8 +41,6 @@ def working(what: str) -> Iterator[Callable[..., None]]:
 
 
 class _Line(threading.Thread):
-    """One line, rewritten until the work is done."""
-
     def __init__(self, what: str) -> None:
         super().__init__(daemon=True)
         self.what, self.count, self.done = what, "", threading.Event()

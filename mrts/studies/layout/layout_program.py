@@ -490,14 +490,6 @@ def _stretched(robot: Robot, q: Any) -> Any:
 
 
 class _Watch(ca.Callback):
-    """Tells IPOPT at every iteration whether to stop.
-
-    Args:
-        unknowns: Number of unknowns.
-        rows: Number of rows.
-        stop: Asked.
-    """
-
     def __init__(self, unknowns: int, rows: int, stop: Callable[[], bool]) -> None:
         ca.Callback.__init__(self)
         sizes = {"x": unknowns, "f": 1, "g": rows, "lam_x": unknowns, "lam_g": rows, "lam_p": 0}

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: MIT
+"""A plan at the rate of a controller: its own motion at equal steps, with torques there."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from mrts.base.argument_types import is_number
+from mrts.base.errors import InputError, MrtsError, SolverError
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.denser_motion import between_samples
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
+
+MOST_ROWS = 1_000_000
+"""Of a plan: as many as a table may have that is read."""
+
+ATTEMPTS = 10
+"""Durations that are tried, each slower by what the one before passed its limits."""
+
+WHOLE = 1e-9
+"""Share of a step by which a duration may miss a whole number of steps: rounding."""
+
+
+def at_rate(result: ScalingResult, rate: float) -> ScalingResult:
+    """See `mrts.ScalingResult.at_rate`."""
+    done = result.trajectory
+    if done is None:
+        raise InputError("rate", "there is no trajectory to sample: no c² was chosen.", value=rate)
+    if not is_number(rate, 1 / done.duration, MOST_ROWS / done.duration):
+        rule = f"must be a number of rows per second, at least one and at most {MOST_ROWS} in {done.duration:.4g} s."
+        raise InputError("rate", rule, value=rate)
+    sharing = result.options.sharing
+    if sharing is not None and np.ndim(sharing.internal_wrench if sharing.internal_wrench is not None else 0.0) > 1:
+        raise InputError("rate", "an internal wrench that is given for each sample is not known at others.", value=rate)
+    options = replace(result.options, load="nominal", select=1.0, rates=None)
+    steps, refused = int(np.ceil(done.duration * rate * (1 - WHOLE))), MrtsError("")
+    for _ in range(ATTEMPTS):
+        motion = _sampled(result, steps, float(rate))
+        try:
+            excess = chosen_factor(done.cell, motion, options)[0].excess
+            found, rows = chosen_factor(done.cell, motion, replace(options, between=None))
+            if found.c2 is None:
+                raise SelectionError(f"at {rate:g} Hz: {found.sentence()}", found)  # noqa: TRY301 (as the others)
+            found = replace(found, options=replace(options, rates=result.options.rates), excess=excess)
+            sampled = with_torques(found, rows=rows)
+        except (SelectionError, SolverError) as error:  # the latter where rates do not suit
+            refused, end = error, None
+            if isinstance(error, SelectionError) and error.result is not None:
+                end = error.result.range.upper
+            steps = max(steps + 1, int(np.ceil(steps / np.sqrt(end.c2))) if end is not None and end.c2 > 0 else 0)
+            continue
+        played = sampled.trajectory
+        assert played is not None and played.holding is not None  # noqa: S101, PT018 (c² is in the range)
+        played = replace(played, holding=replace(played.holding, rate=float(rate)))
+        return replace(sampled, trajectory=played, origin=f"sampled at {rate:g} Hz")
+    raise refused
+
+
+def _sampled(result: ScalingResult, steps: int, rate: float) -> CoordinatedMotion:
+    """The motion as it is played, at equal steps from its first sample to its last, slower by less than one of them."""
+    assert result.trajectory is not None  # noqa: S101 (the caller has looked)
+    given, time = result.motion, np.arange(steps + 1) / rate
+    end = float(given.object.time[-1])
+    some = between_samples(result.trajectory.cell, given, time[1:-1] * (end / time[-1]))
+    c = end / float(time[-1])
+    carried = some.object.played(time, c * some.object.twist, c**2 * some.object.acceleration)
+    return CoordinatedMotion(carried, some.q, c * some.dq, c**2 * some.ddq, travel=some.travel)
