@@ -18,7 +18,7 @@ DOCS = ROOT / "docs"
 @pytest.mark.parametrize(
     ("name", "blocks"),
     [
-        ("tutorial", 10),
+        ("tutorial", 8),
         pytest.param("gallery", 8, marks=pytest.mark.slow),
         pytest.param("own_cell", 6, marks=pytest.mark.slow),
         pytest.param("own_robot", 3, marks=pytest.mark.slow),
