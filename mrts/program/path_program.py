@@ -185,26 +185,30 @@ def path_program(
     )
 
 
-def with_cones(program: SmoothProgram, problems: Sequence[SampleProblem]) -> SmoothProgram:
-    """A program of some loads with circles for the polygons among its rows: once, as no load matters to them."""
-    names, places = np.array(program.names), polygons(problems[0].names)
-    sides = np.isin(names, [str(name) for name in places])
-    if not np.any(sides):
+def without_polygons(problem: SampleProblem) -> SampleProblem:
+    """A problem without the rows that are sides of polygons."""
+    kept = np.flatnonzero([not name.sides for name in problem.names])
+    return problem if len(kept) == len(problem.names) else problem.only(kept)
+
+
+def with_circles(program: SmoothProgram, problem: SampleProblem) -> SmoothProgram:
+    """A program with circles for the polygons of a problem, whose rows it lacks."""
+    cones, of_polygons = [], polygons(problem.names)
+    if not of_polygons:
         return program
-    cones = []
-    for name, own in places.items():
-        upper, lower = program.upper[:, own], program.lower[:, own]
-        free = np.all(np.isinf(upper) & np.isinf(lower), axis=1)
-        terms = np.stack([of[:, own] for of in (program.rate, program.square, program.offset)], axis=2)
-        both = np.concatenate([terms, -terms], axis=1)
-        both[:, :, 2] -= np.concatenate([upper, -lower], axis=1)
-        both[free] = 0.0
-        gram, bound = circle(both[:, np.all(np.isfinite(both), axis=(0, 2))], name.sides)
-        bound[free, 2] = np.inf
-        cones.append((gram, bound))
+    for name, own in of_polygons.items():
+        terms = np.stack([problem.rate[:, own], problem.square[:, own]], axis=2)
+        sides = [
+            np.concatenate([sign * terms, -sign * limit[:, own, None]], axis=2)
+            for sign, limit in ((1, problem.upper), (-1, problem.lower))
+            if np.all(np.isfinite(limit[:, own]))
+        ]
+        cones.append(circle(np.concatenate(sides, axis=1), name.sides))
     gram, bound = (np.stack(of, axis=1) for of in zip(*cones, strict=True))
-    kept = program.only(~sides)
-    return replace(kept, gram=gram, bound=bound, names=(*kept.names, *map(str, places)))
+    for place, held in zip((0, -1), program.end_free, strict=True):
+        if held is not None:
+            bound[place, :, 2] = np.inf
+    return replace(program, gram=gram, bound=bound, names=(*program.names, *map(str, of_polygons)))
 
 
 def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:

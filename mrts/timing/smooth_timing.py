@@ -14,7 +14,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.circles import in_circles
 from mrts.program.motion_rows import motion_rows
-from mrts.program.path_program import path_program, with_cones
+from mrts.program.path_program import path_program, with_circles, without_polygons
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
@@ -112,8 +112,9 @@ class SmoothQuestion:
             for stopped, speed, place in zip(piece.stops, self.bare.end_speeds, (0, -1), strict=True)
         )
         third = np.stack([piece.third[::STRIDE, 0], piece.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
-        program = path_program(self.bare.cell, piece.path, problems, self.rates, weights, (start, end), held, third)
-        return with_cones(program, problems)
+        rows = [without_polygons(problem) for problem in problems]
+        program = path_program(self.bare.cell, piece.path, rows, self.rates, weights, (start, end), held, third)
+        return with_circles(program, problems[0])  # they are the same for all loads
 
     def held(self, problems: Sequence[SampleProblem], before: Held | None, *, last: bool) -> Held:
         """Wrenches at both ends of a piece: those given, or at a stop on the way those of the least torques.
