@@ -60,9 +60,9 @@ def batch_for(study: Study) -> "VariantBatch | None":
 
     Covered are ranges of a constant factor at the samples, for a known load and a free distribution of it, on a path
     from pose to pose or one that does not vary, with varied poses, gravity, object, postures, duration, and limits of
-    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal, and that limit neither points
-    nor things on the object. Arms of a planar cell, and
-    hands with contacts that are limited in axes of the tip, must not turn.
+    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal, without limits of points
+    and things on the object. Arms of a planar cell, and hands with contacts that are limited in axes of the tip, must
+    not turn.
     """
     question = study.question
     asked = question == StudyQuestion(load=question.load, reserve=question.reserve)
