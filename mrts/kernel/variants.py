@@ -52,17 +52,16 @@ def variant_ranges(
         limits: Rows over torques and wrenches; which limits there are is the same for all variants.
         terms: What is added at every sample, those of all variants one after the other.
         given: By name, with V first, or 1 where all share one: the path's "rotation", "twist" and "acceleration" as in
-            `mrts.kernel.tracking.follow_variants`, "load", Shape (V, 10), "geometry" as there, "velocity", limits of
-            the joints and of the object's linear and angular one, infinity where there is none, Shape (V, m + 2),
-            "lower" and "upper" limits of the rows, Shape (V, r), and what the rows are made of, `SparseLimits.values`,
-            Shape (V, e).
+            `mrts.kernel.tracking.follow_variants`, "load", Shape (V, 10), "geometry" as there, "most", the largest
+            c² by limits of the motion alone, infinity where there is none, Shape (V, N), "lower" and "upper" limits of
+            the rows, Shape (V, r), and what the rows are made of, `SparseLimits.values`, Shape (V, e).
     """
     variants, samples, m = joints[0].shape
     shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("q", "dq", "ddq"), (samples, m))
     shapes |= {name: (samples, *PATH[name]) for name in ("rotation", "twist", "acceleration")}
-    shapes |= {"load": (10,), "geometry": given["geometry"].shape[-1:], "velocity": (m + 2,)}
+    shapes |= {"load": (10,), "geometry": given["geometry"].shape[-1:], "most": (samples,)}
     shapes |= {"lower": (limits.rows,), "upper": (limits.rows,), "values": limits.values.shape}
-    bounds = {name: np.clip(given[name], -INFINITY, INFINITY) for name in ("velocity", "lower", "upper")}
+    bounds = {name: np.clip(given[name], -INFINITY, INFINITY) for name in ("most", "lower", "upper")}
     followed = dict(zip(("q", "dq", "ddq"), joints, strict=True))
     arrays, strides = strided(variants, shapes, {**given, **followed, **bounds})
     found = np.zeros(variants, dtype=range_record(library.unknowns))

@@ -116,9 +116,9 @@ class MotionRows:
 
 
 def largest_square(cap_share: Array) -> Array:
-    """Largest ṙ² that keeps all caps, infinity where none moves, Shape (N,)."""
+    """Largest ṙ² that keeps all caps, infinity where none moves, Shape (…), of shares Shape (…, s)."""
     with np.errstate(divide="ignore"):
-        return np.asarray(1 / np.max(cap_share, axis=1, initial=0.0), dtype=np.float64)
+        return np.asarray(1 / np.max(cap_share, axis=-1, initial=0.0), dtype=np.float64)
 
 
 def side_share(square: Array, lower: Array, upper: Array) -> Array:

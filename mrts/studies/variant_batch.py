@@ -21,12 +21,12 @@ from mrts.kernel.tracking import PATH, REFUSED
 from mrts.kernel.variants import variant_ranges
 from mrts.limits import limit_rows
 from mrts.limits.cell_limits import torque_limits, velocity_limits, wrench_limits
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, Side
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_courses import geodesic_rates
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.velocity_profile import PROFILES
-from mrts.program.motion_rows import binds
+from mrts.program.motion_rows import binds, largest_square, side_share
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE
 from mrts.scaling.range import RangeEnd, contradiction
@@ -47,6 +47,9 @@ from mrts.studies.variant_rows import UNREACHABLE, Columns, Row, columns_of, end
 BLOCK_BYTES = 8_000_000
 """Of the arrays of the variants that one native call solves: small enough to stay near the processor."""
 
+RATES = ("twist", "acceleration")
+"""Of the object."""
+
 KEPT = 4
 """Studies whose cells are kept ready."""
 
@@ -57,8 +60,9 @@ def batch_for(study: Study) -> "VariantBatch | None":
 
     Covered are ranges of a constant factor at the samples, for a known load and a free distribution of it, on a path
     from pose to pose or one that does not vary, with varied poses, gravity, object, postures, duration, and limits of
-    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal. Arms of a planar cell, and
-    hands with contacts that are limited in axes of the tip, must not turn.
+    torques, wrenches and the object's velocity; of two arms or more whose motors are ideal, without limits of points
+    and things on the object. Arms of a planar cell, and hands with contacts that are limited in axes of the tip, must
+    not turn.
     """
     question = study.question
     asked = question == StudyQuestion(load=question.load, reserve=question.reserve)
@@ -88,7 +92,12 @@ def _covers(cell: Cell, entries: Sequence[Entry]) -> bool:
     limited = {entry.index[0] for entry in entries if entry.name.startswith("wrench")}
     has_rows = not np.any(free[list(limited)])  # a limit on what the cell leaves free is a row more than it has
     may_tilt = cell.plane is not None and not names.isdisjoint({"base_rpy", "grasp_rpy"})
-    return ideal and not cell.limits_motion and has_rows and not turned_in_tip and not may_tilt
+    return ideal and _of_joints_and_object(cell) and has_rows and not turned_in_tip and not may_tilt
+
+
+def _of_joints_and_object(cell: Cell) -> bool:
+    """Whether what it limits of the motion alone is of joints and of the object's frame."""
+    return not (cell.object_points or cell.carried or any(robot.point_limits for robot in cell.robots))
 
 
 class VariantBatch:
@@ -109,8 +118,13 @@ class VariantBatch:
         still = np.zeros((len(motion.time), m))
         at_rest = CoordinatedMotion(motion, still, still, still)
         given = limit_rows(cell.with_reserve(0.0), at_rest)
-        self.rows = given.only(np.array([name.kind != "velocity" for name in given.names], dtype=bool))
-        self._speeds = velocity_limits(replace(cell, enforces_velocity_limits=True), at_rest).names
+        alone = {"velocity", "acceleration"}  # these bound c² by themselves
+        self.rows = given.only(np.array([name.kind not in alone for name in given.names], dtype=bool))
+        self._caps = velocity_limits(replace(cell, enforces_velocity_limits=True), at_rest).names
+        self._accelerations = np.concatenate(
+            [[robot.acceleration_lower, robot.acceleration_upper] for robot in cell.robots], axis=1
+        )
+        self._caps += tuple(replace(name, kind="acceleration", unit=f"{name.unit}²") for name in self._caps)
         every = {"torque": torque_limits(cell, at_rest).names, "wrench": wrench_limits(cell, at_rest).names}
         self._places = {}  # of rows in `rows`, and in the arrays of all limits
         for kind, names in every.items():
@@ -157,8 +171,22 @@ class VariantBatch:
         tracked = track_variants(self._cell, path, geometry, numbers["posture"], refused)
         joints = tracked.q, tracked.dq, tracked.ddq
         given = {**path, "geometry": geometry, "load": load_vectors(numbers), **self._limits(numbers)}
-        found = variant_ranges(self._cell.library, joints, ~tracked.followed, self._sparse, SampleTerms(), given)
+        given["cap_share"] = self._cap_shares(given, tracked)
+        asked = given | {"most": largest_square(given["cap_share"])}
+        found = variant_ranges(self._cell.library, joints, ~tracked.followed, self._sparse, SampleTerms(), asked)
         return given, tracked, found
+
+    def _cap_shares(self, given: Mapping[str, Array], tracked: TrackedVariants) -> Array:
+        """What velocities and accelerations are of their limits in ṙ² at ṙ = 1, Shape (V, N, 2 m + 4)."""
+        shape = (*tracked.q.shape[:2], 2)
+        sizes = [np.linalg.norm(given[name].reshape(*given[name].shape[:2], 2, 3), axis=3) for name in RATES]
+        speeds, accelerations = (np.broadcast_to(size, shape) for size in sizes)
+        velocity = np.concatenate([np.abs(tracked.dq), speeds], axis=2) / given["velocity"][:, None]
+        least = 1 - self._reserve
+        joints = side_share(tracked.ddq, *(least * self._accelerations))
+        return np.concatenate(
+            [velocity**2, joints, accelerations / (least * self._cell.object_acceleration_limit)], axis=2
+        )
 
     def _path(self, numbers: Mapping[str, Array], refused: NDArray[np.bool_]) -> dict[str, Array]:
         """The motion of the object, as `mrts.kernel.tracking.PATH` with V or 1 first; refused ones last a second."""
@@ -200,7 +228,7 @@ class VariantBatch:
         self, given: Mapping[str, Array], tracked: TrackedVariants, found: NDArray[np.void]
     ) -> Iterator[Row | None]:
         """The row of each variant, without its number and its parameters; None where it is not settled."""
-        velocities = self._binding_velocities(given, tracked, found)
+        velocities = self._binding_caps(given, tracked, found)
         for variant, record in enumerate(found):
             failure, status = tracked.failure(variant), int(record["status"])
             if failure is not None:
@@ -223,20 +251,28 @@ class VariantBatch:
             for code in codes.tolist()
         ]
 
-    def _binding_velocities(
+    def _binding_caps(
         self, given: Mapping[str, Array], tracked: TrackedVariants, found: NDArray[np.void]
     ) -> dict[int, list[ActiveRow]]:
-        """The velocities that bound c² the most, by variant, where one does."""
+        """The velocities and accelerations that bound c² the most, by variant, where one does."""
         capped = np.flatnonzero(tracked.followed & (found["status"] == OPTIMAL) & (found["capped"] != 0))
-        sample = found["sample"][capped, 1]
-        twist, limit = (np.broadcast_to(each, (len(found), *each.shape[1:])) for each in
-                        (given["twist"], given["velocity"]))  # fmt: skip
-        of_object = np.linalg.norm(twist[capped, sample].reshape(-1, 2, 3), axis=2)
-        speed = np.concatenate([np.abs(tracked.dq[capped, sample]), of_object], axis=1)
+        sample, m = found["sample"][capped, 1], tracked.q.shape[2]
+        limit = np.broadcast_to(given["velocity"], (len(found), m + 2))
+        least, most = (1 - self._reserve) * self._accelerations
+        of_object = (1 - self._reserve) * self._cell.object_acceleration_limit
         rows: dict[int, list[ActiveRow]] = {}
-        for place, row in np.argwhere(binds((speed / limit[capped]) ** 2)).tolist():
-            variant = int(capped[place])
-            rows.setdefault(variant, []).append(ActiveRow(self._speeds[row], "upper", float(limit[variant, row])))
+        for place, cap in np.argwhere(binds(given["cap_share"][capped, sample])).tolist():
+            variant, joint = int(capped[place]), cap - m - 2
+            side: Side = "upper"
+            if joint < 0:
+                value = limit[variant, cap]
+            elif joint >= m:
+                value = of_object[joint - m]
+            elif tracked.ddq[variant, sample[place], joint] > 0:
+                value = most[joint]
+            else:
+                side, value = "lower", least[joint]
+            rows.setdefault(variant, []).append(ActiveRow(self._caps[cap], side, float(value)))
         return rows
 
 

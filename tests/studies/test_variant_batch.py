@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import DATA, UR5
 from draws import draws
-from shipped_cells import shipped
+from shipped_cells import changed_cell, shipped
 from study_files import planar_study
 from wide_studies import wide_study
 
@@ -70,6 +70,23 @@ def test_variants_of_shipped_cells(name, tmp_path):
     count = draws(how["count"])
     met = compare(wide_study(tmp_path, *SHIPPED[cell], **how | {"count": count}), count)
     assert met.keys() >= SEEN.get(name, {"feasible"}), met
+
+
+def of_joints(cell):
+    for robot, least in zip(cell["robots"], (-2, -30), strict=True):
+        robot["acceleration"] = {"lower": [least] * 6, "upper": [20] * 6}
+
+
+def of_object(cell):
+    cell["object"]["acceleration"] = {"linear": 0.5, "angular": 8}
+
+
+@pytest.mark.parametrize(("limits", "bound"), [(of_joints, "left/elbow"), (of_object, "object/linear")])
+def test_accelerations_bound_variants(limits, bound, tmp_path):
+    path = changed_cell(tmp_path, limits, "dual_ur5")
+    study = wide_study(tmp_path, path, UR5 / "lift_and_turn.yaml", spread=0.1, count=12)
+    assert compare(study, 12)["feasible"] > 0
+    assert f"{bound} acceleration" in batch_for(study).solve(study.points(0, 12), 0)["upper_limit"]
 
 
 @pytest.mark.parametrize(("draw", "arms", "seed"), [

@@ -15,7 +15,7 @@
 
 /* The inputs of one variant: of all its samples one after the other, load, geometry, and limits of velocities. */
 typedef struct {
-    const double *q, *dq, *ddq, *rotation, *twist, *acceleration, *load, *geometry, *velocity;
+    const double *q, *dq, *ddq, *rotation, *twist, *acceleration, *load, *geometry, *most;
 } mrts_variant;
 
 /* What mrts_ranges takes and finds at the samples of a variant. */
@@ -171,7 +171,7 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
                                      const long long *stride, const mrts_limits *limits, const mrts_terms *terms,
                                      const unsigned char *skipped, mrts_variant_range *range, double *work,
                                      int *iwork) {
-    enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, VELOCITY, LOWER, UPPER, VALUES, GIVEN };
+    enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, MOST, LOWER, UPPER, VALUES, GIVEN };
     enum { M = MRTS_JOINTS, ROWS_MOST = MRTS_MOST_NAMED };
     static const long long apart[] = {M, M, M, 9, 6, 6, 0, 0};
     const int most = 2 * limits->rows + ROWS_MOST;
@@ -190,7 +190,7 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
         if (skipped[v]) continue;
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] + v * stride[i];
         const mrts_variant variant = {of[Q],     of[DQ],           of[DDQ],  of[ROTATION], of[TWIST],
-                                      of[ACCELERATION], of[LOAD], of[GEOMETRY], of[VELOCITY]};
+                                      of[ACCELERATION], of[LOAD], of[GEOMETRY], of[MOST]};
         const double *const inputs[] = {of[Q],     of[DQ],           of[DDQ],  found->columns,
                                         of[TWIST], of[ACCELERATION], of[LOAD], of[GEOMETRY]};
         const mrts_terms own = mrts_terms_of_sample(terms, v * samples, limits->rows);
@@ -202,9 +202,8 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
             base[i] = MRTS_ARM(variant.geometry, i / 9)->base_rotation[3 * (i % 9 / 3) + limits->axes[i % 3]];
         }
         for (long long n = 0; n < samples; ++n) {
-            int binding;
             for (int i = 0; i < 9; ++i) found->columns[9 * n + i] = variant.rotation[9 * n + 3 * (i % 3) + i / 3];
-            found->most[n] = mrts_speed_cap(M, variant.dq + n * M, variant.twist + 6 * n, variant.velocity, &binding);
+            found->most[n] = variant.most[n];
         }
         in.of = &variant;
         in.terms = &own;

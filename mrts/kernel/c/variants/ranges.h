@@ -20,13 +20,13 @@ enum { MRTS_VK = MRTS_UNKNOWNS, MRTS_VF = MRTS_UNKNOWNS - 1 };
 typedef struct {
     mrts_form form;
     mrts_terms terms;
-    double most; /* largest c^2 of the velocities */
+    double most; /* largest c^2 by limits of the motion alone */
 } mrts_sample;
 
 /* Where a variant's range ends, and why. */
 typedef struct {
     int status;    /* MRTS_OPTIMAL, MRTS_INFEASIBLE at sample[0], or MRTS_STOPPED */
-    int capped;    /* whether velocities bound the largest c^2 */
+    int capped;    /* whether limits of the motion alone bound the largest c^2 */
     int sample[2]; /* of the least and the largest c^2, the first of those that differ by rounding only; -1: none sets it */
     int count[2];  /* of the rows that set each end there; of rows[0] those of the certificate of MRTS_INFEASIBLE */
     int rows[2][MRTS_MOST_NAMED]; /* 1 + row at an upper, -1 - row at a lower limit, in their order */
