@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Limits of the motion alone, whatever carries it: accelerations, points of arms and object, things on the object."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from mrts.base.arrays import Array, cross, row_products
@@ -68,7 +70,7 @@ def carried_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
         pieces.append(
             LimitRows.of(
                 cell,
-                names=[RowName("contact", "object", f"{thing.name} {what}", "m/s²") for what in names],
+                names=[RowName("contact", "object", f"{thing.name} {what}", "m/s²", sides) for what, sides in names],
                 lower=np.full(len(axes), -np.inf),
                 upper=np.zeros(len(axes)),
                 rate=rate,
@@ -80,19 +82,19 @@ def carried_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
     return stack_rows(pieces)
 
 
-def _facets(thing: CarriedThing) -> tuple[Array, list[str]]:
-    """Directions d with d s <= 0 in object axes, Shape (k, 3), and what each keeps from happening."""
+def _facets(thing: CarriedThing) -> tuple[Array, list[tuple[str, int]]]:
+    """Directions d with d s <= 0 in object axes, Shape (k, 3), what each keeps from happening, and `RowName.sides`."""
     a, b, n = thing.axes
-    directions, names = [], []
+    directions, names = [], list[tuple[str, int]]()
     if thing.friction is not None:
         angle = (np.arange(NORM_SIDES) + 0.5) * (2 * np.pi / NORM_SIDES)
         within = thing.friction * np.cos(np.pi / NORM_SIDES)
         directions += [np.outer(np.cos(angle), a) + np.outer(np.sin(angle), b) - within * n]
-        names += ["friction"] * NORM_SIDES
+        names += [("friction", NORM_SIDES)] * NORM_SIDES
     if thing.half_width is not None:
         for axis, width, name in zip((a, b), thing.half_width, "ab", strict=True):
             directions += [np.array([sign * axis - width / thing.centre_height * n for sign in (1, -1)])]
-            names += [f"tilt +{name}", f"tilt -{name}"]
+            names += [(f"tilt +{name}", 0), (f"tilt -{name}", 0)]
     return np.concatenate(directions), names
 
 
@@ -118,8 +120,8 @@ def norm_rows(cell: Cell, name: RowName, rate: Array, square: Array, limit: floa
         key: np.stack([row_products(of, first), row_products(of, second)], axis=1) @ sides
         for key, of in (("rate", rate), ("square", square))
     }
-    most = np.full(len(angle), limit)
-    return LimitRows.of(cell, names=[name] * len(angle), lower=-most, upper=most, **columns)
+    most, names = np.full(len(angle), limit), [replace(name, sides=NORM_SIDES)] * len(angle)
+    return LimitRows.of(cell, names=names, lower=-most, upper=most, **columns)
 
 
 def _unit(vectors: Array) -> Array:

@@ -2,7 +2,7 @@
 """The canonical form of every limit: named two-sided linear rows, `LimitRows`."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any, Literal, Self
 
@@ -16,6 +16,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.hands import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import SparseLimits
+from mrts.limits.circles import in_circles, polygons
 
 Side = Literal["lower", "upper"]
 
@@ -50,12 +51,15 @@ class RowName:
         element: Joint, wrench component, contact and what of it is limited ("pad friction +a"), "linear" or "angular",
             or empty.
         unit: "N m", "N", "rad/s", "m/s", or empty.
+        sides: Of the regular polygon in a circle whose sides the rows of this name are, two of a row with two limits; 0
+            for a row of its own.
     """
 
     kind: str
     robot: str = ""
     element: str = ""
     unit: str = ""
+    sides: int = field(default=0, compare=False)
 
     def __str__(self) -> str:
         if self.kind == "c2":
@@ -317,18 +321,18 @@ class LimitRows:
 
     def share(self, value: Array) -> Array:
         """The share of its limit that each value uses, Shape (N, r): 1 is at the limit, the nearer of both sides."""
-        used = []
-        low, high = self.side_sizes()
-        for limit, size, distance in ((self.lower, low, value - self.lower), (self.upper, high, self.upper - value)):
-            bounded = np.isfinite(limit)
-            share = np.full_like(value, -np.inf)
-            share[:, bounded] = 1 - distance[:, bounded] / size[bounded]
-            used.append(share)
-        return np.asarray(np.maximum(*used), dtype=np.float64)
+        (above, below), (low, high) = self._beyond(value), self.side_sizes()
+        return np.asarray(1 + np.maximum(above / high, below / low), dtype=np.float64)
 
     def excess(self, value: Array) -> Array:
         """How far each value is beyond its limits in `units`, below 0 within them, Shape (N, r)."""
-        return np.asarray(np.maximum(self.lower - value, value - self.upper) / self.units(), dtype=np.float64)
+        return np.asarray(np.maximum(*self._beyond(value)) / self.units(), dtype=np.float64)
+
+    def _beyond(self, value: Array) -> tuple[Array, Array]:
+        """By what each value passes its upper and its lower limit, sides of a polygon their circle."""
+        above, below = value - self.upper, self.lower - value
+        in_circles(self.names, above, below)
+        return above, below
 
     @property
     def alike_speeds(self) -> NDArray[np.bool_]:
@@ -502,29 +506,38 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
         **dict.fromkeys(COLUMNS, ((samples, count), "(samples, r)")),
         "size": ((count,), "(r,)"),
     }
-    for field, (shape, meaning) in shapes.items():
-        values = getattr(rows, field)
-        if values is None and field in {"object_matrix", "size", *COLUMNS}:
+    for key, (shape, meaning) in shapes.items():
+        values = getattr(rows, key)
+        if values is None and key in {"object_matrix", "size", *COLUMNS}:
             continue
         if not isinstance(values, np.ndarray) or values.dtype.kind not in "fiu" or values.shape != shape:
             given = (
                 f"{values.dtype} of shape {values.shape}" if isinstance(values, np.ndarray) else type(values).__name__
             )
             rule = f"must be real numbers of shape {shape}: {meaning}, r = {count} names; not {given}."
-            raise InputError(where, rule, key=field)
-        bounds = field in {"lower", "upper"}
+            raise InputError(where, rule, key=key)
+        bounds = key in {"lower", "upper"}
         wrong = np.argwhere(np.isnan(values) if bounds else ~np.isfinite(values))
         if len(wrong):
-            along_motion = field in COLUMNS
+            along_motion = key in COLUMNS
             row, place = wrong[0][-1 if along_motion else 0], f" at sample {wrong[0][0]}" if along_motion else ""
             rule = "may not be NaN; a side without a limit is infinite." if bounds else "must be finite."
-            raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=field)
+            raise InputError(where, f"{rows.names[row]}{place}: {rule}", key=key)
     if rows.object_matrix is not None and not (rows.object_axes and rows.object_axes.fit(cell, motion)):
         rule = "must be mrts.limits.rows.object_axes(cell, motion) where there is an object_matrix."
         raise InputError(where, rule, key="object_axes")
+    _check_polygons(where, rows)
     in_order = (rows.lower <= rows.upper) & (rows.lower < np.inf) & (rows.upper > -np.inf)
     if not in_order.all():
         row = int(np.argmin(in_order))
         rule = f"{rows.names[row]}: no number is from {rows.lower[row]:g} to {rows.upper[row]:g}."
         raise InputError(where, rule, key="lower, upper")
     return rows
+
+
+def _check_polygons(where: str, rows: LimitRows) -> None:
+    for name, own in polygons(rows.names).items():
+        sides = int(np.sum(np.isfinite([rows.lower[own], rows.upper[own]])))
+        if not sides == name.sides >= 3:  # noqa: PLR2004 (a triangle)
+            rule = f"{name}: its rows have {sides} limits and its polygon {name.sides} sides: as many, at least 3."
+            raise InputError(where, rule, key="names")

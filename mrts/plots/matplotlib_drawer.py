@@ -166,9 +166,7 @@ def _draw(axes: Axes, panel: Panel, columns: int, *, labelled: bool, headed: boo
     axes.set_axisbelow(True)
     handles, labels = axes.get_legend_handles_labels()
     if labels:
-        figure = axes.get_figure()
-        assert figure is not None  # noqa: S101 (axes that are drawn into belong to a figure)
-        drop = ScaledTranslation(0, -(LEGEND_DROP if labelled else SHARED_DROP) / 72, figure.dpi_scale_trans)
+        drop = ScaledTranslation(0, -(LEGEND_DROP if labelled else SHARED_DROP) / 72, axes.figure.dpi_scale_trans)
         axes.legend(
             handles,
             labels,
@@ -289,10 +287,8 @@ def _add_heat_map(axes: Axes, heat: HeatMap) -> None:
     values = np.ma.masked_invalid(heat.z)
     colors = LinearSegmentedColormap.from_list("mrts", list(heat.colors))
     mesh = axes.pcolormesh(heat.x, heat.y, values, cmap=colors, vmin=heat.low, vmax=heat.high)
-    figure = axes.get_figure()
-    assert figure is not None  # noqa: S101 (axes that are drawn into belong to a figure)
     beyond = "max" if values.count() and float(np.max(values)) > heat.high else "neither"
-    figure.colorbar(mesh, ax=axes, label=_plain(heat.title), extend=beyond)
+    axes.figure.colorbar(mesh, ax=axes, label=_plain(heat.title), extend=beyond)
     if heat.contours and min(heat.z.shape) >= CONTOURS and heat.high > heat.low:
         levels = np.linspace(heat.low, heat.high, CONTOURS + 2)[1:-1]
         near = np.ma.masked_greater(values, heat.high)  # far longer ones beside them would draw an edge as contours

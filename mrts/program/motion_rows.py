@@ -13,6 +13,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import SparseLimits
 from mrts.kernel.sample_terms import SampleTerms
 from mrts.limits import limit_rows
+from mrts.limits.circles import few_sides
 from mrts.limits.rows import LimitRows, moved
 from mrts.program.formulation import FormulationName
 from mrts.program.load_sharing import LoadSharing
@@ -142,8 +143,10 @@ def motion_rows(
     motion: CoordinatedMotion,
     sharing: LoadSharing | None = None,
     formulation: FormulationName = "wrench",
+    *,
+    circles: bool = False,
 ) -> MotionRows:
-    """A cell along a motion as the programs take it.
+    """A cell along a motion as the programs take it; for `circles` polygons have as many sides as tell these.
 
     Rows that nothing but ṙ moves are linear in ṙ²: b ṙ becomes b |b| ṙ² between l |l| and u |u|, as ṙ >= 0 and squares
     with their sign keep the order. Where the speed is limited alike in both directions that is b² ṙ² <= u². A row with
@@ -153,6 +156,7 @@ def motion_rows(
         InputError: If a limit that the cell was given gives no rows of this cell along this motion.
     """
     given, samples, motors = limit_rows(cell, motion), motion.samples, motor_terms(cell, motion)
+    given = given.only(few_sides(given.names)) if circles else given
     size = given.units()
     rows, unit, is_cap, square = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))
     if given.speed is not None or given.square is not None:

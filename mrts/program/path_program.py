@@ -2,12 +2,14 @@
 """The rows of a cell along a path, from the rows of its samples."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.circles import circle, polygons
 from mrts.program.motor_terms import motor_terms
 from mrts.program.rate_limits import RateLimits
 from mrts.program.sample_problem import SampleProblem
@@ -181,6 +183,28 @@ def path_program(
         ends=ends,
         end_free=end_free,
     )
+
+
+def with_cones(program: SmoothProgram, problems: Sequence[SampleProblem]) -> SmoothProgram:
+    """A program of some loads with circles for the polygons among its rows: once, as no load matters to them."""
+    names, places = np.array(program.names), polygons(problems[0].names)
+    sides = np.isin(names, [str(name) for name in places])
+    if not np.any(sides):
+        return program
+    cones = []
+    for name, own in places.items():
+        upper, lower = program.upper[:, own], program.lower[:, own]
+        free = np.all(np.isinf(upper) & np.isinf(lower), axis=1)
+        terms = np.stack([of[:, own] for of in (program.rate, program.square, program.offset)], axis=2)
+        both = np.concatenate([terms, -terms], axis=1)
+        both[:, :, 2] -= np.concatenate([upper, -lower], axis=1)
+        both[free] = 0.0
+        gram, bound = circle(both[:, np.all(np.isfinite(both), axis=(0, 2))], name.sides)
+        bound[free, 2] = np.inf
+        cones.append((gram, bound))
+    gram, bound = (np.stack(of, axis=1) for of in zip(*cones, strict=True))
+    kept = program.only(~sides)
+    return replace(kept, gram=gram, bound=bound, names=(*kept.names, *map(str, places)))
 
 
 def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:

@@ -67,7 +67,7 @@ class KernelSolver:
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
         """F of the least effort at a given timing, Shape (n, f); None where none is found."""
-        program = program.without_jerks()
+        program = program.of_free()
         if program.free.shape[2] == 0:
             return np.zeros((program.nodes, 0))
         timed = replace(_start(program, x), u=np.array(u, dtype=np.float64))
@@ -145,14 +145,17 @@ def _arrays(program: SmoothProgram) -> dict[str, int | NDArray[Any]]:
     limited, count = np.flatnonzero(np.isfinite(program.change)), end - first
     given = {name: getattr(program, name) for name in ("step", "square", "rate", "offset", "q1", "q2", "q3", "jerk")}
     given |= {name: getattr(program, name) for name in ("root", "weight") if np.any(getattr(program, name))}
+    cones = program.gram.shape[1]
     given |= {
+        "gram": np.broadcast_to(program.gram, (n, cones, 3, 3)),
+        "bound": np.minimum(np.broadcast_to(program.bound, (n, cones, 3)), INFINITY),
         "entry": program.free.reshape(n, r * f)[:, taken],
         "change": program.change[limited],
         "lower": np.maximum(program.lower, -INFINITY),
         "upper": np.minimum(program.upper, INFINITY),
     }
     indices = {"first": first, "count": count, "place": np.cumsum(count) - count, "limited": limited}
-    sizes = {"nodes": n, "rows": r, "free": f, "width": len(taken), "changes": len(limited)}
+    sizes = {"nodes": n, "rows": r, "free": f, "width": len(taken), "cones": cones, "changes": len(limited)}
     return {
         **(sizes | {"jerks": len(program.jerk)}),
         **{name: np.ascontiguousarray(array, dtype=np.float64) for name, array in given.items()},

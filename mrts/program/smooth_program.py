@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: MIT
 """A path with rows whose values and rates of change are limited: what is solved for a smooth timing."""
 
-from dataclasses import dataclass, replace
-from typing import Self
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
+
+OF_NODES = ("square", "rate", "root", "offset", "free", "lower", "upper")
+"""Attributes with rows of each node."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -17,6 +21,7 @@ class SmoothProgram:
     v = square x + rate u + root √x + free F + offset, and
 
         lower <= v_k <= upper                                           at every node
+        √(zᵀ gram z) <= bound z with z = (u, x, 1)                      at every node, of each cone
         |v_{k+1} - v_k| <= change Δt_k                                  on every segment
         |q' (u_{k+1} - u_k) / h_k + 3 q'' u + q''' x| <= jerk / √x      at both ends of every segment
 
@@ -38,7 +43,9 @@ class SmoothProgram:
         q2: q'' of them, Shape (n, J).
         q3: q''' of them at the start and at the end of every segment, Shape (n - 1, 2, J).
         jerk: Shape (J,).
-        names: Names of the rows.
+        gram: Of c cones, Shape (n, c, 3, 3).
+        bound: Of them, Shape (n, c, 3); the last of each is infinite at nodes without it.
+        names: Names of the rows, and then of the cones.
         joints: Names of the joints whose jerk is limited.
         ends: x at the first and the last node where it is given, else None.
         end_free: F at the first and the last node, Shape (f,), where it is given, else None.
@@ -58,6 +65,8 @@ class SmoothProgram:
     q2: Array
     q3: Array
     jerk: Array
+    gram: Array = field(default_factory=lambda: np.zeros((1, 0, 3, 3)))
+    bound: Array = field(default_factory=lambda: np.zeros((1, 0, 3)))
     names: tuple[str, ...] = ()
     joints: tuple[str, ...] = ()
     ends: tuple[float | None, float | None] = (None, None)
@@ -86,19 +95,46 @@ class SmoothProgram:
             upper=self.upper - inward,
             change=self.change * (1 - share),
             jerk=self.jerk * (1 - share),
+            bound=self.bound - share * np.eye(3)[2],
         )
 
-    def without_jerks(self) -> Self:
-        """The same program without limits of jerk, which x and u keep or not, whatever the torques."""
-        n = self.nodes
-        nothing = np.zeros((n, 0))
-        return replace(self, q1=nothing, q2=nothing, q3=np.zeros((n - 1, 2, 0)), jerk=np.zeros(0), joints=())
+    def of_free(self) -> Self:
+        """The same program with the rows alone that F moves: x and u keep the others and limits of jerk, or not."""
+        nothing = np.zeros((self.nodes, 0))
+        return replace(
+            self.only(np.any(self.free, axis=(0, 2))),
+            q1=nothing,
+            q2=nothing,
+            q3=np.zeros((self.nodes - 1, 2, 0)),
+            jerk=np.zeros(0),
+            joints=(),
+            gram=self.gram[:, :0],
+            bound=self.bound[:, :0],
+        )
+
+    def only(self, chosen: NDArray[np.bool_]) -> Self:
+        """The same program with some of the rows.
+
+        Args:
+            chosen: Which, Shape (r,).
+        """
+        rows, cones = np.flatnonzero(chosen), self.names[len(chosen) :]
+        names = (name for name, kept in zip(self.names, chosen.tolist(), strict=False) if kept)
+        some: dict[str, Any] = {name: getattr(self, name)[:, rows] for name in OF_NODES}
+        some |= {name: getattr(self, name)[rows] for name in ("change", "weight")}
+        return replace(self, **some, names=(*names, *cones))
 
     def values(self, x: Array, u: Array, free: Array) -> Array:
         """Values v of every row, Shape (n, r)."""
         moved = self.square * x[:, None] + self.rate * u[:, None] + self.root * np.sqrt(x)[:, None] + self.offset
         values: Array = moved + np.einsum("nrf,nf->nr", self.free, free)
         return values
+
+    def beyond_cones(self, x: Array, u: Array) -> Array:
+        """By what every cone is passed, Shape (n, c); infinitely little at nodes without it."""
+        z = np.column_stack([u, x, np.ones(len(x))])
+        square = np.einsum("ni,ncij,nj->nc", z, np.broadcast_to(self.gram, (len(x), *self.gram.shape[1:])), z)
+        return np.asarray(np.sqrt(np.maximum(square, 0.0)) - np.sum(self.bound * z[:, None], axis=2))
 
     def times(self, x: Array) -> Array:
         """Δt of every segment, Shape (n - 1,) [s]; infinity where both ends stand still."""
@@ -123,6 +159,7 @@ class SmoothProgram:
         """Names of what is within a share `near` of its limit at an end of every segment or on it."""
         values, times = self.values(x, u, free), self.times(x)[:, None]
         at = (values >= self.upper - near) | (values <= self.lower + near)
+        at = np.concatenate([at, self.beyond_cones(x, u) >= -near], axis=1)
         changing = np.abs(np.diff(values, axis=0)) >= (1 - near) * self.change * times
         jerking = np.max(np.abs(self.jerks(x, u)), axis=1) >= (1 - near) * self.jerk
         kinds = (
@@ -143,6 +180,7 @@ class SmoothProgram:
         parts = [
             values - self.upper,
             self.lower - values,
+            self.beyond_cones(x, u),
             np.abs(np.diff(values[:, limited], axis=0)) / (self.change[limited] * times) - 1,
             np.abs(self.jerks(x, u)) / self.jerk - 1,
         ]

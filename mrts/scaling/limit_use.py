@@ -2,7 +2,7 @@
 """What a trajectory makes of the quantities that are limited, and how much of each limit it uses."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -12,7 +12,8 @@ from mrts.base.arrays import Array
 from mrts.base.notebook.in_notebooks import NotebookTable
 from mrts.base.words import interval_text
 from mrts.limits import all_rows
-from mrts.limits.rows import TORQUE_SPEED, RowName
+from mrts.limits.circles import polygons
+from mrts.limits.rows import TORQUE_SPEED, RowName, side_size
 from mrts.program.motor_terms import motor_terms
 from mrts.program.rate_limits import given_rate_limits, rate_names
 
@@ -229,19 +230,15 @@ def all_quantities(done: "ScaledTrajectory", *, driven: bool = False) -> Limited
 
 
 def _without_sides(found: LimitedQuantities) -> LimitedQuantities:
-    """Of rows of one name, the sides of a norm or a cone, at each sample that which uses the largest share."""
-    places: dict[RowName, list[int]] = {}
-    for place, name in enumerate(found.rows):
-        places.setdefault(name, []).append(place)
-    if len(places) == len(found.rows):
+    """Of the sides of each polygon the first, with what its circle limits: the size of a norm."""
+    polygon = list(polygons(found.rows).values())
+    if not polygon:
         return found
-    columns = [np.array(own)[np.argmax(found.share[:, own], axis=1)] for own in places.values()]
-    chosen = np.arange(len(found.values))[:, None], np.stack(columns, axis=1)
-    values, lower, upper = found.values[chosen], found.lower[chosen], found.upper[chosen]
-    norm = np.array([len(own) > 1 for own in places.values()]) & np.all(lower == -upper, axis=0)
-    values[:, norm], lower[:, norm] = np.abs(values[:, norm]), -np.inf
-    unit = found.unit[[own[0] for own in places.values()]]
-    return LimitedQuantities((*places,), values, lower, upper, found.share[chosen], unit)
+    first, others = [own[0] for own in polygon], np.concatenate([own[1:] for own in polygon])
+    values, lower, upper = found.values.copy(), found.lower.copy(), found.upper[:, first]
+    values[:, first] = upper + (found.share[:, first] - 1) * side_size(upper, found.unit[first])
+    lower[:, first] = -np.inf
+    return replace(found, values=values, lower=lower).only(~np.isin(np.arange(len(found.rows)), others))
 
 
 def limited_rates(result: "ScalingResult") -> LimitedQuantities | None:

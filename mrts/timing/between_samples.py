@@ -11,6 +11,7 @@ from mrts.base.arrays import Array, apply
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
+from mrts.limits.circles import in_circles
 from mrts.limits.rows import ActiveRow
 from mrts.motion.object_courses import PoseSplines, ProfiledPath
 from mrts.program.between_samples import COARSE
@@ -46,16 +47,18 @@ def refined_timing(
     tolerance: float | None,
     *,
     near: float = 1.0,
+    parts: int = 2,
 ) -> RetimingResult:
     """A timing whose limits hold between samples to a tolerance, or that says by how much they do not.
 
-    Each segment that oversteps limits gets a sample in its middle, and the whole path is timed again: a bounded number
+    Each segment that oversteps limits is divided, and the whole path is timed again: a bounded number
     of times, of which the one with the least excess is kept.
 
     Args:
         tolerance: Share of a limit by which it may be overstepped; None adds no samples.
         near: Share of the tolerance from which a segment gets a sample once one passes it: less than 1 takes fewer
             rounds and more samples.
+        parts: Into how many a segment goes in one round at most.
 
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
@@ -76,10 +79,12 @@ def refined_timing(
         passing = np.flatnonzero(share > (near * tolerance if np.any(share > tolerance) else tolerance))
         if not adds or turn == MOST_ROUNDS or stalled == MOST_STALLED or not len(passing):
             break
-        if timed.motion.samples + len(passing) > most:
+        count = np.ceil(np.sqrt(share[passing] / tolerance)).clip(2, parts).astype(int)  # excess goes as its square
+        if timed.motion.samples + np.sum(count - 1) > most:
             break
-        time = timed.motion.object.time
-        timed = again(with_samples(timed.cell, timed.motion, (time[passing] + time[passing + 1]) / 2))
+        time, segment = timed.motion.object.time, np.repeat(passing, count - 1)
+        place = np.concatenate([np.arange(1, of) / of for of in count.tolist()])
+        timed = again(with_samples(timed.cell, timed.motion, time[segment] * (1 - place) + time[segment + 1] * place))
     if best.excess is None or not best.excess.passes:
         return best
     return replace(best, status=best.status.at_samples)
@@ -163,14 +168,16 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
         over.append(np.abs(jerk) * np.sqrt(x)[:, None] / part.program.jerk - 1)
         names = [rate_names(timed.cell)[2][joint] for joint in limited.tolist()]
         row_at.append(lambda row, **_side: ActiveRow(names[row], "upper", float(part.program.jerk[row])))
-    rows = motion_rows(timed.cell, path, timed.options.sharing)
+    rows = motion_rows(timed.cell, path, timed.options.sharing, circles=True)
     for load, free in zip(loads, carried, strict=True):
         between = free[segment] * (1 - place[:, None]) + free[segment + 1] * place[:, None]
         problem = build_sample_problem(rows, load=load, varying=True)
         values = apply(problem.A, np.column_stack([between, u, x]))
         if problem.speed is not None:
             values += problem.speed * np.sqrt(x[:, None])
-        over.append(np.stack([values - problem.upper, problem.lower - values]))
+        sides = np.stack([values - problem.upper, problem.lower - values])
+        in_circles(problem.names, *sides)
+        over.append(sides)
         row_at.append(problem.active_row)
     shares = np.stack([np.max(sides, axis=(0, 2)) for sides in over])
     source, most = divmod(int(np.argmax(shares)), len(x))

@@ -12,8 +12,9 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, SolverError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits.circles import in_circles
 from mrts.program.motion_rows import motion_rows
-from mrts.program.path_program import path_program
+from mrts.program.path_program import path_program, with_cones
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
@@ -111,7 +112,8 @@ class SmoothQuestion:
             for stopped, speed, place in zip(piece.stops, self.bare.end_speeds, (0, -1), strict=True)
         )
         third = np.stack([piece.third[::STRIDE, 0], piece.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
-        return path_program(self.bare.cell, piece.path, problems, self.rates, weights, (start, end), held, third)
+        program = path_program(self.bare.cell, piece.path, problems, self.rates, weights, (start, end), held, third)
+        return with_cones(program, problems)
 
     def held(self, problems: Sequence[SampleProblem], before: Held | None, *, last: bool) -> Held:
         """Wrenches at both ends of a piece: those given, or at a stop on the way those of the least torques.
@@ -165,7 +167,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     parts: list[_Part] = []
     held: Held | None = None
     for number, piece in enumerate(paths):
-        rows = motion_rows(cell, piece.path, question.bare.options.sharing)
+        rows = motion_rows(cell, piece.path, question.bare.options.sharing, circles=True)
         problems = [build_sample_problem(rows, load=load, varying=True) for load in question.bare.loads]
         for end, place in ((0, 0), (1, len(paths) - 1)):
             why = _unheld(cell, problems[0], question.end_torques, end) if number == place else None
@@ -298,6 +300,7 @@ def _unheld(cell: Cell, problem: SampleProblem, given: GivenTorques, end: int) -
         )
     values = problem.A[place, :, :-2] @ free
     over, under = values - problem.upper[place], problem.lower[place] - values
+    in_circles(problem.names, over, under)
     row = int(np.argmax(np.maximum(over, under)))
     if max(over[row], under[row]) > ON_LIMIT:
         limit = problem.active_row(row, upper=bool(over[row] > under[row]))

@@ -54,7 +54,7 @@ class SpeedRegions:
 
 
 def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, float] = (0.0, 0.0)) -> SpeedRegions:
-    """Project the polytope of every sample onto (u, x).
+    """Project the polytope of every sample onto (u, x); rows of u and x alone are half-planes as they are.
 
     A projection is the hull of answers of linear programs, so a mixture of its corners is feasible: the region lies
     inside the true one, by less than 1e-9 of a limit. The programs count x in units of what may be reached on this
@@ -64,15 +64,22 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
         problem: Rows of [F, u, x], from `build_sample_problem` with a varying speed.
         length: Of the path: over it u changes x by 2 u times that.
     """
-    rows, most = np.flatnonzero(~problem.is_cap).astype(np.int32), problem.cap()
-    effect = default_programs().effects(problem.A, rows)
-    if problem.unknowns == 2:  # noqa: PLR2004 (u and x: the rows are the half-planes)
-        A, lower, upper = problem.A[:, rows], problem.lower[:, rows], problem.upper[:, rows]
-        return _regions_of_planes(_both_sides(A, lower, upper), effect, most, length, ends)
+    every, most = np.flatnonzero(~problem.is_cap).astype(np.int32), problem.cap()
+    effect = default_programs().effects(problem.A, every)
+    alone = every[~np.any(problem.A[0, every, :-2], axis=1)]
+    alone = alone[~np.any(problem.A[:, alone, :-2], axis=(0, 2))]
+    planes = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone])
+    rows = np.setdiff1d(every, alone)
     effect[_at_rest(effect), -2] = 0.0
-    likely = _likely_speed(_rates_by_projection(problem, rows, effect[:, -2]), most, length, ends)
+    rates = _rates_of_planes(planes, effect[:, -2])
+    if rows.size:
+        rates = np.minimum(rates, _rates_by_projection(problem, rows, effect[:, -2]))
+    likely = _likely_speed(rates, most, length, ends)
     reached, bound = np.minimum(likely, most), FARTHEST * likely
     effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
+    of_planes = _regions_of_planes(planes, effect, most, bound)
+    if not rows.size:
+        return of_planes
     with np.errstate(divide="ignore"):
         unit = 1 / effect
     unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
@@ -90,26 +97,18 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     start, planes, low, high = default_programs().half_planes(number, corners, unit[:, -2:], cap, BOX, NEAR_BOX)
     high = np.where(moves[:, 1] & (high < NEAR_BOX * box), high * moving, np.inf)
     lower = np.maximum(low, 0.0) * scale[:, -1]
-    return SpeedRegions(start, planes, lower, np.minimum(high, most), bound, tuple(np.flatnonzero(~found).tolist()))
+    undecided = tuple(np.flatnonzero(~found).tolist())
+    projected = SpeedRegions(start, planes, lower, np.minimum(high, most), bound, undecided)
+    return intersect_regions([projected, of_planes]) if alone.size else projected
 
 
-def _regions_of_planes(
-    planes: Array, effect: Array, most: Array, length: float, ends: tuple[float, float]
-) -> SpeedRegions:
-    """The regions where u and x are the only unknowns: every side of a row is a half-plane, Shape (N, e, 3).
-
-    Those of samples at rest lose what rounding left of u or x.
-    """
-    at_rest = _at_rest(effect)
-    if np.any(at_rest):
-        planes[at_rest, :, 0] = effect[at_rest, 0] = 0.0
-    likely = _likely_speed(_rates_of_planes(planes, effect[:, 0]), most, length, ends)
-    straight = effect[:, 1] * np.minimum(likely, most) <= NEGLIGIBLE
-    if np.any(straight):
-        planes[straight, :, 1] = 0.0
+def _regions_of_planes(planes: Array, effect: Array, most: Array, bound: float) -> SpeedRegions:
+    """The regions of half-planes, Shape (N, e, 3); where u or x has no effect, they lose what rounding left of it."""
+    for unknown, of in ((0, effect[:, -2]), (1, effect[:, -1])):
+        planes[of == 0, :, unknown] = 0.0
     count, sides, _ = planes.shape
     start = np.arange(count + 1, dtype=np.int64) * sides
-    return SpeedRegions(start, planes.reshape(-1, 3), np.zeros(count), most, FARTHEST * likely, ())
+    return SpeedRegions(start, planes.reshape(-1, 3), np.zeros(count), most, bound, ())
 
 
 def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:

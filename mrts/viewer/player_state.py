@@ -204,9 +204,7 @@ class PlayerState:
     @classmethod
     def saved(cls, result: ScalingResult) -> "PlayerState":
         """A result that was read from a file, at its own speed: other torques take the functions of its cell."""
-        done = result.trajectory
-        assert done is not None  # noqa: S101 (what is shown has one)
-        state = cls.__new__(cls)
+        state, done = cls.__new__(cls), played(result)
         state.result, state.speeds = result, Speeds({}, done.c, done.c, 1.0, done.c)
         state._take(done)  # noqa: SLF001 (its own)
         return state

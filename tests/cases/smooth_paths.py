@@ -16,7 +16,7 @@ def waves(rng, s, shape, size=1.0):
     return total
 
 
-def smooth_path(rng, n, *, rows, free=0, blocks=1, changes=True, roots=False, joints=0, loose=0.7):
+def smooth_path(rng, n, *, rows, free=0, blocks=1, changes=True, roots=False, joints=0, cones=0, loose=0.7):
     """A program and a profile that uses `loose` of its limits at most.
 
     Args:
@@ -28,6 +28,7 @@ def smooth_path(rng, n, *, rows, free=0, blocks=1, changes=True, roots=False, jo
         changes: Whether changes of rows are limited.
         roots: Whether rows have terms with the root of x.
         joints: How many have limited jerk.
+        cones: How many.
         loose: Share of the limits.
     """
     s = np.linspace(0, 1, n)
@@ -71,4 +72,11 @@ def smooth_path(rng, n, *, rows, free=0, blocks=1, changes=True, roots=False, jo
         change = (moved + 0.2) / loose
         change[rng.random(r) < 0.2] = np.inf
         program = replace(program, change=change)
+    if cones:
+        left, right = waves(rng, s, (cones, 3, 3), 0.5), waves(rng, s, (cones, 3), 0.1)
+        z = np.column_stack([u, x, np.ones(n)])[:, None]
+        size = np.linalg.norm(np.sum(left * z[:, :, None], axis=3), axis=2) / loose
+        right[:, :, 2] += size - np.sum(right * z, axis=2)
+        left, right = left / size.max(0)[:, None, None], right / size.max(0)[:, None]
+        program = replace(program, gram=left.transpose(0, 1, 3, 2) @ left, bound=right)
     return program, SmoothProfile(x, u, force)

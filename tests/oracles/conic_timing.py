@@ -17,7 +17,7 @@ THIN = {"static_regularization_constant": 1e-12}
 
 def in_units_of(program: SmoothProgram, unit: float) -> SmoothProgram:
     """The same program with x and u in multiples of a unit [1/s²], and times in multiples of 1/√unit."""
-    root = float(np.sqrt(unit))
+    root, z = float(np.sqrt(unit)), np.array([unit, unit, 1.0])
     first, last = (None if x is None else x / unit for x in program.ends)
     return replace(
         program,
@@ -26,6 +26,8 @@ def in_units_of(program: SmoothProgram, unit: float) -> SmoothProgram:
         root=program.root * root,
         change=program.change / root,
         jerk=program.jerk / (unit * root),
+        gram=program.gram * np.outer(z, z),
+        bound=program.bound * z,
         ends=(first, last),
     )
 
@@ -99,6 +101,17 @@ def within(values, lower, upper):
             if np.any(kept := np.isfinite(limit))]  # fmt: skip
 
 
+def in_cones(program, z):
+    """Cones over z = (u, x, 1), Shape (n, 3)."""
+    rows = []
+    for gram, bound in zip(program.gram.swapaxes(0, 1), program.bound.swapaxes(0, 1), strict=True):
+        sizes, axes = np.linalg.eigh(gram)
+        left = np.sqrt(sizes.clip(0))[:, None] * axes
+        sides = [cp.sum(cp.multiply(left[:, :, side], z), axis=1) for side in range(3)]
+        rows.append(cp.norm(cp.vstack(sides), axis=0) <= cp.sum(cp.multiply(bound, z), axis=1))
+    return rows
+
+
 def given_free(program, free):
     return [free[place] == given for place, given in zip((0, -1), program.end_free, strict=True) if given is not None]
 
@@ -125,6 +138,7 @@ def best(program, around, goal):
         kept = np.isfinite(limit)
         if np.any(kept):
             rows.append((sign * linear + rooted(sign * program.root))[kept] <= limit[kept])
+    rows += in_cones(program, cp.hstack([column(u), column(x), np.ones((n, 1))]))
     limited = np.flatnonzero(np.isfinite(program.change))
     if limited.size:
         total = speed[:-1] + speed[1:]

@@ -16,7 +16,8 @@ KINDS = {
     "two arms": {"rows": 24, "free": 6},
     "corners": {"rows": 12, "free": 6, "blocks": 2},
     "roots": {"rows": 12, "free": 6, "roots": True},
-    "everything": {"rows": 8, "free": 3, "blocks": 2, "roots": True, "joints": 3},
+    "cones": {"rows": 8, "free": 3, "cones": 2},
+    "everything": {"rows": 8, "free": 3, "blocks": 2, "roots": True, "joints": 3, "cones": 1},
 }
 
 AGREES = 1e-6
@@ -144,10 +145,10 @@ def test_an_answer_does_not_depend_on_what_was_asked_before(kind):
         )
 
 
-@pytest.mark.parametrize("name", ["square", "rate", "offset", "lower", "upper", "step", "weight"])
+@pytest.mark.parametrize("name", ["square", "rate", "offset", "lower", "upper", "step", "weight", "gram", "bound"])
 @pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf, 1e308, -1e308, 1e-320])
 def test_numbers_of_any_size_get_an_answer_that_is_one_or_none(name, number):
-    program, base = smooth_path(np.random.default_rng(1), 9, **KINDS["two arms"])
+    program, base = smooth_path(np.random.default_rng(1), 9, **KINDS["two arms"] | {"cones": 2})
     array = getattr(program, name).copy()
     array.flat[array.size // 2] = number
     hostile = replace(program, **{name: array})

@@ -54,7 +54,7 @@ static long long mrts_smooth_share_slot(const mrts_smooth_program *p) { return m
 
 /* Whether a slot is that of a change or of a jerk. */
 static int mrts_smooth_relaxes(const mrts_smooth_program *p, long long slot) {
-    return slot < mrts_smooth_duration_slot(p) && slot % mrts_smooth_slots(p) >= 2 * p->rows;
+    return slot < mrts_smooth_duration_slot(p) && slot % mrts_smooth_slots(p) >= mrts_smooth_node_slots(p);
 }
 
 /* Reals of an iterate that is kept. */
@@ -91,14 +91,17 @@ static void mrts_smooth_iterate_in(const mrts_smooth_program *p, double *memory,
 
 /* Marks the slots that have a limit by multipliers of 1. */
 static void mrts_smooth_present(const mrts_smooth_program *p, mrts_smooth_iterate *at) {
-    const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p);
+    const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p), segment = mrts_smooth_node_slots(p);
     at->present = 0;
     for (int k = 0; k < n; ++k) {
         double *y = at->y + (long long)k * slots;
-        for (int i = 0; i < slots; ++i) y[i] = k < n - 1 && (i < 2 * (r + p->changes) || !p->timed);
+        for (int i = 0; i < slots; ++i) y[i] = k < n - 1 && (i < segment + 2 * p->changes || !p->timed);
         for (int j = 0; j < r; ++j) {
             y[j] = p->upper[(long long)k * r + j] < MRTS_INFINITY;
             y[r + j] = p->lower[(long long)k * r + j] > -MRTS_INFINITY;
+        }
+        for (int i = 0; i < p->cones; ++i) {
+            y[2 * r + i] = p->bound[3 * ((long long)k * p->cones + i) + 2] < MRTS_INFINITY;
         }
     }
     at->y[mrts_smooth_duration_slot(p)] = p->longest < MRTS_INFINITY && !p->timed;

@@ -6,6 +6,7 @@
  * node k has the value v = square x + rate u + root sqrt(x) + free F + offset, and
  *
  *     lower <= v_k <= upper                                          at every node
+ *     sqrt(z' gram z) <= bound' z with z = (u, x, 1)                 at every node, of each cone
  *     |v_(k+1) - v_k| <= change Dt_k                                 on every segment
  *     |q1 (u_(k+1) - u_k) / step + 3 q2 u + q3 x| <= jerk / sqrt(x)  at both ends of every segment
  *
@@ -16,8 +17,8 @@
  *
  * Each one-sided constraint has a slot: g <= 0 in units of its limit, a slack s and a multiplier, which is 0 where there
  * is no limit.
- * Node k has the slots [rows above, rows below, changes above, changes below, jerks at the start of its segment above,
- * below, at its end above, below]; the last two slots of all are those of the duration and of the share.
+ * Node k has the slots [rows above, rows below, cones, changes above, changes below, jerks at the start of its segment
+ * above, below, at its end above, below]; the last two slots of all are those of the duration and of the share.
  */
 #ifndef MRTS_SMOOTH_PROGRAM_H
 #define MRTS_SMOOTH_PROGRAM_H
@@ -29,6 +30,7 @@ typedef struct {
     int rows;        /* r of a node */
     int free;        /* f of a node */
     int width;       /* of a node: coefficients of its rows, each row's columns only */
+    int cones;       /* of a node */
     int changes;     /* rows whose change is limited */
     int jerks;       /* joints whose jerk is limited */
     int timed;       /* x and u are given: F alone is looked for */
@@ -56,6 +58,8 @@ typedef struct {
     const double *entry; /* coefficients of F, (n, width) */
     const double *lower;
     const double *upper;
+    const double *gram;   /* (n, cones, 3, 3), symmetric */
+    const double *bound;  /* (n, cones, 3), of which the last is infinite where there is no limit */
     const double *change; /* (changes) */
     const double *weight; /* (r), null where all are 0 */
     const double *q1;     /* (n, jerks) */
@@ -79,6 +83,8 @@ typedef struct {
     double *value;            /* v without its root, (n, r) */
     double *above, *below;    /* convex above v, concave below v, equal to v at `around`, (n, r) */
     double *above_x, *below_x; /* their slopes along x, (n, r) */
+    double *cone_u, *cone_x;  /* slopes of the cones' left sides, (n, cones) */
+    double *cone_root;        /* their left sides, (n, cones) */
     double *duration_x;       /* slopes of the duration, (n) */
     double *row_weight, *row_cross; /* of a node's second derivatives along (value, value) and (x, value), (n, r) */
     double *change_weight, *change_before, *change_after; /* likewise between two nodes, (n - 1, changes) */
@@ -88,7 +94,11 @@ typedef struct {
     double unit;              /* of the objective */
 } mrts_smooth_state;
 
-static inline int mrts_smooth_slots(const mrts_smooth_program *p) { return 2 * (p->rows + p->changes + 2 * p->jerks); }
+/* Slots of a node alone, and with those of its segment. */
+static inline int mrts_smooth_node_slots(const mrts_smooth_program *p) { return 2 * p->rows + p->cones; }
+static inline int mrts_smooth_slots(const mrts_smooth_program *p) {
+    return mrts_smooth_node_slots(p) + 2 * (p->changes + 2 * p->jerks);
+}
 
 /* Reals of a state, and a state laid out in them. */
 MRTS_LOCAL long long mrts_smooth_state_size(const mrts_smooth_program *p);

@@ -4,9 +4,11 @@
  */
 #include "smooth_program.h"
 
+#define MRTS_SMOOTH_APEX 1e-4 /* of a limit: cones are rounded there, and narrower by half its square at most */
+
 MRTS_LOCAL long long mrts_smooth_state_size(const mrts_smooth_program *p) {
     const long long n = p->nodes, r = p->rows;
-    return 17 * n + n * p->free + 7 * n * r + 3 * n * p->changes + 4 * n + p->changes + 2 * r;
+    return 21 * n + n * p->free + 7 * n * r + 3 * n * (p->cones + p->changes) + p->changes + 2 * r;
 }
 
 static double *mrts_smooth_take(double **memory, long long size) {
@@ -16,7 +18,7 @@ static double *mrts_smooth_take(double **memory, long long size) {
 }
 
 MRTS_LOCAL void mrts_smooth_state_in(const mrts_smooth_program *p, double *memory, mrts_smooth_state *state) {
-    const long long n = p->nodes, r = p->rows, c = p->changes;
+    const long long n = p->nodes, r = p->rows, cones = n * p->cones, c = p->changes;
     double **at = &memory;
     state->x = mrts_smooth_take(at, n);
     state->u = mrts_smooth_take(at, n);
@@ -36,6 +38,9 @@ MRTS_LOCAL void mrts_smooth_state_in(const mrts_smooth_program *p, double *memor
     state->below = mrts_smooth_take(at, n * r);
     state->above_x = mrts_smooth_take(at, n * r);
     state->below_x = mrts_smooth_take(at, n * r);
+    state->cone_u = mrts_smooth_take(at, cones);
+    state->cone_x = mrts_smooth_take(at, cones);
+    state->cone_root = mrts_smooth_take(at, cones);
     state->duration_x = mrts_smooth_take(at, n);
     state->row_weight = mrts_smooth_take(at, n * r);
     state->row_cross = mrts_smooth_take(at, n * r);
@@ -120,6 +125,22 @@ static void mrts_smooth_node(const mrts_smooth_program *p, mrts_smooth_state *st
     }
 }
 
+/* Cones of one node. */
+static void mrts_smooth_cones(const mrts_smooth_program *p, mrts_smooth_state *state, int k, double *g) {
+    const double u = state->u[k], x = state->x[k];
+    for (int i = 0; i < p->cones; ++i) {
+        const long long at = (long long)k * p->cones + i;
+        const double *gram = p->gram + 9 * at, *bound = p->bound + 3 * at;
+        const double along_u = gram[0] * u + gram[1] * x + gram[2], along_x = gram[3] * u + gram[4] * x + gram[5];
+        const double square = along_u * u + along_x * x + gram[6] * u + gram[7] * x + gram[8];
+        const double root = sqrt((square > 0 ? square : 0) + MRTS_SMOOTH_APEX * MRTS_SMOOTH_APEX);
+        state->cone_u[at] = along_u / root;
+        state->cone_x[at] = along_x / root;
+        state->cone_root[at] = root;
+        g[i] = root - bound[0] * u - bound[1] * x - bound[2];
+    }
+}
+
 /* Of joint i at end e of a segment: q1 (u' - u) / step + 3 q2 u_e + q3 x_e, in units of its limit at `around`. */
 static double mrts_smooth_jerk(const mrts_smooth_program *p, const mrts_smooth_state *state, int k, int e, int i,
                                double slope, double u, double x) {
@@ -156,8 +177,10 @@ static void mrts_smooth_segment(const mrts_smooth_program *p, const mrts_smooth_
 
 MRTS_LOCAL void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_state *state, double *g) {
     const int n = p->nodes, r = p->rows, slots = mrts_smooth_slots(p);
+    const int segment = mrts_smooth_node_slots(p);
     for (int k = 0; k < n; ++k) {
         mrts_smooth_node(p, state, k);
+        mrts_smooth_cones(p, state, k, g + (long long)k * slots + 2 * r);
         const long long at = (long long)k * r;
         double *here = g + (long long)k * slots;
         for (int j = 0; j < r; ++j) {
@@ -167,7 +190,7 @@ MRTS_LOCAL void mrts_smooth_values(const mrts_smooth_program *p, mrts_smooth_sta
     }
     for (int k = 0; k < n - 1; ++k) {
         mrts_smooth_segment(p, state, k, 1, state->x, state->u, state->above, state->below,
-                            g + (long long)k * slots + 2 * r);
+                            g + (long long)k * slots + segment);
     }
 }
 
@@ -187,9 +210,14 @@ MRTS_LOCAL void mrts_smooth_moved(const mrts_smooth_program *p, const mrts_smoot
             below[at + j] = sum + state->below_x[at + j] * dx[k];
             here[r + j] = -below[at + j];
         }
+        for (int i = 0; i < p->cones; ++i) {
+            const long long cone = (long long)k * p->cones + i;
+            here[2 * r + i] = (state->cone_u[cone] - p->bound[3 * cone]) * du[k] +
+                              (state->cone_x[cone] - p->bound[3 * cone + 1]) * dx[k];
+        }
     }
     for (int k = 0; k < n - 1; ++k) {
-        mrts_smooth_segment(p, state, k, 0, dx, du, above, below, dg + (long long)k * slots + 2 * r);
+        mrts_smooth_segment(p, state, k, 0, dx, du, above, below, dg + (long long)k * slots + mrts_smooth_node_slots(p));
     }
     if (p->longest < MRTS_INFINITY) dg[(long long)n * slots] = mrts_dot(n, state->duration_x, dx) / p->longest;
 }
@@ -202,7 +230,7 @@ MRTS_LOCAL void mrts_smooth_presses(const mrts_smooth_program *p, mrts_smooth_st
         state->holding[j] = here[r + j];
     }
     for (int s = k > 0 ? k - 1 : 0; s <= k && s < n - 1; ++s) {
-        const double *up = y + (long long)s * slots + 2 * r, *down = up + c;
+        const double *up = y + (long long)s * slots + mrts_smooth_node_slots(p), *down = up + c;
         const double *pressing = s < k ? up : down, *holding = s < k ? down : up;
         for (int i = 0; i < c; ++i) {
             const double by = state->by_time[s] * state->by_change[i];
@@ -228,11 +256,17 @@ MRTS_LOCAL void mrts_smooth_pulled(const mrts_smooth_program *p, mrts_smooth_sta
             double *f = F + p->first[j];
             for (int l = 0; l < p->count[j]; ++l) f[l] += both * e[l];
         }
+        for (int i = 0; i < p->cones; ++i) {
+            const long long cone = (long long)k * p->cones + i;
+            const double by = y[(long long)k * slots + 2 * r + i];
+            along_u += by * (state->cone_u[cone] - p->bound[3 * cone]);
+            along_x += by * (state->cone_x[cone] - p->bound[3 * cone + 1]);
+        }
         gx[k] += along_x;
         gu[k] += along_u;
     }
     for (int k = 0; k < n - 1; ++k) {
-        const double *here = y + (long long)k * slots + 2 * r;
+        const double *here = y + (long long)k * slots + mrts_smooth_node_slots(p);
         double time = 0, slope = 0;
         for (int i = 0; i < 2 * c; ++i) time += here[i];
         gx[k] -= time * state->time_x[k];

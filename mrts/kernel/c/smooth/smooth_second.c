@@ -51,7 +51,21 @@ MRTS_LOCAL double mrts_smooth_objective(const mrts_smooth_program *p, mrts_smoot
     return p->time / state->unit * total + effort + uneven;
 }
 
-/* Of a node: its rows' slots, the effort, and the bend of what replaces roots. */
+/* Of a node: its cones' slots. */
+static void mrts_smooth_cone_second(const mrts_smooth_program *p, const mrts_smooth_state *state, const double *weight,
+                                    const double *multiplier, int k, double *second) {
+    for (int i = 0; i < p->cones; ++i) {
+        const long long at = (long long)k * p->cones + i;
+        const double *gram = p->gram + 9 * at, *bound = p->bound + 3 * at;
+        const double u = state->cone_u[at], x = state->cone_x[at], bend = multiplier[i] / state->cone_root[at];
+        const double along_u = u - bound[0], along_x = x - bound[1];
+        second[0] += weight[i] * along_x * along_x + bend * (gram[4] - x * x);
+        second[1] += weight[i] * along_x * along_u + bend * (gram[1] - x * u);
+        second[2] += weight[i] * along_u * along_u + bend * (gram[0] - u * u);
+    }
+}
+
+/* Of a node: its slots, the effort, and the bend of what replaces roots. */
 static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_state *state, const double *weight,
                                     const double *multiplier, int k) {
     const int r = p->rows, slots = mrts_smooth_slots(p);
@@ -84,6 +98,8 @@ static void mrts_smooth_node_second(const mrts_smooth_program *p, mrts_smooth_st
     }
     state->node_second[3 * k] = second;
     state->node_second[3 * k + 1] = state->node_second[3 * k + 2] = 0;
+    mrts_smooth_cone_second(p, state, below + r, multiplier + (long long)k * slots + 2 * r, k,
+                            state->node_second + 3 * k);
 }
 
 /* Of a segment: the duration, weighed by `time`. */
@@ -166,7 +182,7 @@ MRTS_LOCAL void mrts_smooth_second(const mrts_smooth_program *p, mrts_smooth_sta
     if (p->longest < MRTS_INFINITY) time += multiplier[(long long)n * slots] / p->longest;
     for (int k = 0; k < n; ++k) mrts_smooth_node_second(p, state, weight, multiplier, k);
     for (int k = 0; k < n - 1; ++k) {
-        const long long at = (long long)k * slots + 2 * p->rows;
+        const long long at = (long long)k * slots + mrts_smooth_node_slots(p);
         for (int i = 0; i < 4; ++i) state->segment_second[4 * k + i] = 0;
         mrts_smooth_time_second(p, state, time, k);
         const double even = 2 * p->uneven / (state->unit * p->step[k]);
