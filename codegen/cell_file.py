@@ -8,7 +8,7 @@ import numpy as np
 from mrts_codegen.hand_file import MOST_CONTACTS, ContactDescription
 from mrts_codegen.joint_limits import joint_limits_reference
 from mrts_codegen.motors_block import MotorsDescription
-from mrts_codegen.object_shape import ShapeDescription
+from mrts_codegen.object_shape import ObstacleDescription, ShapeDescription
 from mrts_codegen.urdf_reference import FileReference, mesh_reference
 
 from mrts.base.arrays import Array
@@ -17,6 +17,7 @@ from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positiv
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import plain, read_model, validated
 from mrts.base.load_box import PARAMETERS, range_problem
+from mrts.base.manifest import MOST
 from mrts.cell.hands import Bounds
 from mrts.cell.motors import Accelerations, TorqueLimits, Velocities
 from mrts.cell.points import CarriedThing, LinkPointLimit, ObjectRates, PointLimit
@@ -155,6 +156,7 @@ class CellDescription(Record):
     power: Positive | None = None
     inertia: Literal["strict", "lenient"] = "strict"
     object: ObjectDescription
+    surroundings: Annotated[list[ObstacleDescription], Rule(max_length=MOST)] = []  # noqa: RUF012
     robots: Annotated[list[RobotDescription], Rule(min_length=1)]
 
     @property
@@ -163,7 +165,8 @@ class CellDescription(Record):
         limits = [joint_limits_reference(robot.joint_limits) for robot in self.robots if robot.joint_limits]
         shape = self.object.shape
         meshes = [mesh_reference(shape.mesh)] if shape is not None and shape.mesh is not None else []
-        return [*self.urdf_references, *meshes, *limits]
+        around = [mesh_reference(of.mesh, f"surroundings[{at}]") for at, of in enumerate(self.surroundings) if of.mesh]
+        return [*self.urdf_references, *meshes, *limits, *around]
 
     @property
     def urdf_references(self) -> list[FileReference]:

@@ -20,7 +20,7 @@ from mrts_codegen.contact_normals import check_contact_normals
 from mrts_codegen.hand_file import build_contacts
 from mrts_codegen.joint_limits import joint_motion_limits
 from mrts_codegen.motors_block import build_motors
-from mrts_codegen.object_shape import build_shape
+from mrts_codegen.object_shape import build_shape, build_surroundings
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
 from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
@@ -135,6 +135,8 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
             built.append(build_robot(path, key, robot, description.plane, folder, lenient=lenient))
     with mistakes.noted():
         inertia, shape, of_object = _build_object(path, folder, carried)
+    with mistakes.noted():
+        surroundings = build_surroundings(path, folder, description.surroundings)
     mistakes.raise_noted()
     remarks = [*of_object, *check_contact_normals(path, description.robots, shape)]
     remarks += [remark for arm in built for remark in (*arm.model.remarks, *arm.remarks)]
@@ -154,6 +156,7 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
         object_points=_named(path, "object.frames", carried.frames, "point"),
         carried=_named(path, "object.carries", carried.carries, "thing"),
         object_shape=shape,
+        surroundings=surroundings,
         robots=tuple(arm.robot for arm in built),
         machines=check_machines(path, built),
         remarks=tuple(dict.fromkeys(remarks)),

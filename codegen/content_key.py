@@ -35,7 +35,7 @@ def text_key(path: Path) -> str:
 
 def is_as_made(path: Path, record: CellRecord) -> bool:
     """Whether the files that a cell file names hold what the record of a cell was made from."""
-    folder, shape = path.resolve().parent, record.object_shape
+    folder = path.resolve().parent
     known = [(robot_reference(robot.source), robot.source.sha256) for robot in record.robots]
     known += [
         (joint_limits_reference(named), made)
@@ -43,8 +43,8 @@ def is_as_made(path: Path, record: CellRecord) -> bool:
         if robot.source.joint_limits
         for named, made in [robot.source.joint_limits]
     ]
-    if shape is not None and shape.mesh is not None:
-        known.append((mesh_reference(shape.mesh.file), shape.mesh.sha256))
+    shapes = [shape for shape in (record.object_shape, *record.surroundings) if shape is not None]
+    known += [(mesh_reference(shape.mesh.file), shape.mesh.sha256) for shape in shapes if shape.mesh is not None]
     try:
         return all(reference.sha256(path, folder) == made for reference, made in known)
     except InputError:

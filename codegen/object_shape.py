@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""`object.shape` of the cell file: what the object looks like, and the inertia of a uniform body of that shape."""
+"""`object.shape` and `surroundings` of the cell file: what bodies look like, and the inertia of a uniform one."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,11 +10,12 @@ from mrts_codegen.urdf_reference import mesh_reference
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Pose, Positive
+from mrts.base.formats.pose import Name, Pose, Positive
 from mrts.base.formats.record import Record, Rule
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
-from mrts.cell.record import CylinderRecord, MeshRecord, ShapeRecord
+from mrts.cell.points import point_names
+from mrts.cell.record import CylinderRecord, MeshRecord, ObstacleRecord, ShapeRecord
 
 KINDS = ("box", "cylinder", "mesh")
 
@@ -54,6 +55,37 @@ class ShapeDescription(Record):
         return ""
 
 
+class ObstacleDescription(ShapeDescription):
+    """A body that stands still around the arms; `pose` is its frame in the world.
+
+    Attributes:
+        name: Of its own; None takes "obstacle", numbered.
+    """
+
+    name: Name | None = None
+
+
+def build_surroundings(path: Path, folder: Path, given: list[ObstacleDescription]) -> tuple[ObstacleRecord, ...]:
+    """The bodies of the surroundings."""
+    names, found = point_names(given, "obstacle"), list[ObstacleRecord]()
+    if len({*names}) < len(names):
+        raise InputError(path, "must have names of their own.", key="surroundings", value=names)
+    for at, (shape, name) in enumerate(zip(given, names, strict=True)):
+        record, _ = _shape_record(path, folder, shape, f"surroundings[{at}]")
+        found.append(ObstacleRecord(**dict(record), name=name))
+    return tuple(found)
+
+
+def _shape_record(path: Path, folder: Path, shape: ShapeDescription, key: str) -> tuple[ShapeRecord, Mesh | None]:
+    mesh, of_mesh, scale = None, None, shape.scale or 1.0
+    if shape.mesh is not None:
+        reference = mesh_reference(shape.mesh, key)
+        mesh = read_mesh(reference.path(path, folder), reference.content(path, folder), scale)
+        drawn = {"vertices": mesh.vertices, "triangles": mesh.triangles}
+        of_mesh = MeshRecord(file=shape.mesh, scale=scale, sha256=mesh.sha256, **drawn)
+    return ShapeRecord(box=shape.box, cylinder=shape.cylinder, mesh=of_mesh, pose=shape.pose.transform), mesh
+
+
 def build_shape(
     path: Path, folder: Path, shape: ShapeDescription, mass: float, inertia: Array | None
 ) -> tuple[ShapeRecord, Array, tuple[Remark, ...]]:
@@ -62,19 +94,8 @@ def build_shape(
     Returns:
         The shape, the inertia, and what to know.
     """
-    T = shape.pose.transform
-    mesh, of_mesh, scale = None, None, shape.scale or 1.0
-    if shape.mesh is not None:
-        reference = mesh_reference(shape.mesh)
-        mesh = read_mesh(reference.path(path, folder), reference.content(path, folder), scale)
-        drawn = {"vertices": mesh.vertices, "triangles": mesh.triangles}
-        of_mesh = MeshRecord(file=shape.mesh, scale=scale, sha256=mesh.sha256, **drawn)
-    record = ShapeRecord(
-        box=shape.box,
-        cylinder=shape.cylinder,
-        mesh=of_mesh,
-        pose=T,
-    )
+    record, mesh = _shape_record(path, folder, shape, "object.shape")
+    T = record.pose
     if inertia is None:
         inertia = multiply(multiply(T.R, _inertia(path, shape, T, mass, mesh)), T.R.T)
     return record, inertia, _remarks(path, _size(shape, mesh), mesh)

@@ -55,9 +55,9 @@ class FileReference:
         return hashlib.sha256(self.content(cell_path, folder)).hexdigest()
 
 
-def mesh_reference(text: str) -> FileReference:
-    """What a cell file says of the mesh of its object."""
-    return FileReference(text, key="object.shape.mesh", what="mesh")
+def mesh_reference(text: str, key: str = "object.shape") -> FileReference:
+    """What a cell file says of the mesh of its object, or of a body of the surroundings."""
+    return FileReference(text, key=f"{key}.mesh", what="mesh")
 
 
 def robot_reference(source: RobotSource) -> FileReference:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from mrts.cell.loading import load_cell as load_cell
     from mrts.cell.motors import JointMotors as JointMotors
     from mrts.cell.robot import Robot as Robot
+    from mrts.collisions.clearance import Clearance as Clearance
+    from mrts.collisions.clearance import clearance as clearance
     from mrts.following.coordinated_motion import CoordinatedMotion as CoordinatedMotion
     from mrts.following.coordinated_motion import follow_object as follow_object
     from mrts.following.grasp_closure import ClosureBound as ClosureBound
@@ -84,6 +86,7 @@ __all__, __getattr__, __dir__ = lazy_names(
         "cell.motors": "JointMotors",
         "cell.robot": "Robot",
         "starting.check": "check",
+        "collisions.clearance": "Clearance clearance",
         "following.coordinated_motion": "CoordinatedMotion follow_object",
         "following.grasp_closure": "ClosureBound",
         "identification.identify": "identify",

@@ -124,11 +124,14 @@ def _check_name(name: str) -> None:
 
 def conditions(limits: EmbeddedLimits, precision: Precision, parts: Iterable[str]) -> dict[str, bool]:
     """What the conditions on CELL_... in the kernel's files for exported libraries are here."""
-    wanted, motors = set(parts), limits.motors
+    wanted, motors, motions = set(parts), limits.motors, limits.motions
     return {
         "MOTORS": motors is not None,
         "LINES": motors is not None and len(motors.line_rows) > 0,
         "ENDS": motors is not None and len(motors.end_joints) > 0,
+        "MOTIONS": motions is not None,
+        "POINTS": motions is not None and len(motions.points) > 0,
+        "THINGS": motions is not None and len(motions.friction) > 0,
         "TURNED": limits.base is not None,
         "SINGLE": precision == "float",
         "WHOLE": is_whole(wanted),

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotors, EmbeddedVector
+from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotions, EmbeddedMotors, EmbeddedVector
 from mrts.base.torque_weights import weights_by_limits
 from mrts.cell.record import CellRecord
 
@@ -57,6 +57,8 @@ def cell_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -
     torque_limits = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in cell.robots], axis=1)
     row, column = np.nonzero(limits.matrix)
     start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(limits.lower)))])
+    motions = limits.motions
+    texts = (*limits.texts, *limits.velocity_texts, *(() if motions is None else motions.texts))
     words = {
         "NAME": cell.name,
         "REAL": precision,
@@ -78,14 +80,40 @@ def cell_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -
         "ROW_COLUMN": _integers(column),
         "ROW_VALUE": c_numbers(limits.matrix[row, column], precision),
         "ROW_GROUP": _integers(limits.group),
-        "ROW_TEXT": "\n".join(f"    {c_string(text)}," for text in (*limits.texts, *limits.velocity_texts)),
+        "ROW_TEXT": "\n".join(f"    {c_string(text)}," for text in texts),
         "LOWER": c_numbers(limits.lower, precision),
         "UPPER": c_numbers(limits.upper, precision),
         "VELOCITY": c_numbers(limits.velocity, precision),
     }
     if limits.base is not None:
         words |= {"BASE": c_numbers(limits.base.ravel(), precision), "AXES": _integers(limits.axes)}
+    words |= {} if motions is None else _motion_words(motions, precision)
     return words | ({} if limits.motors is None else _motor_words(limits.motors, precision))
+
+
+def _motion_words(motions: EmbeddedMotions, precision: Precision) -> dict[str, str]:
+    arrays = {
+        "ACCELERATION_LOWER": motions.acceleration[0],
+        "ACCELERATION_UPPER": motions.acceleration[1],
+        "OBJECT_ACCELERATION": motions.object_acceleration,
+        "POINT_SPEED": motions.point_limits[:, 0],
+        "POINT_ACCELERATION": motions.point_limits[:, 1],
+        "POINT_PLACE": motions.points,
+        "JOINT_AXIS": motions.axes,
+        "JOINT_POINT": motions.axis_points,
+        "THING_AXES": motions.thing_axes,
+        "THING_CENTRE": motions.thing_centres,
+        "FRICTION": motions.friction,
+        "TILT": motions.tilt,
+        "GRAVITY": motions.gravity,
+    }
+    return {word: c_numbers(array.ravel(), precision) for word, array in arrays.items()} | {
+        "POINTS": str(len(motions.points)),
+        "THINGS": str(len(motions.friction)),
+        "JOINT_SLIDES": _integers(motions.slides),
+        "POINT_FIRST": _integers(first for first, _ in motions.point_joints),
+        "POINT_JOINTS": _integers(joints for _, joints in motions.point_joints),
+    }
 
 
 def _motor_words(motors: EmbeddedMotors, precision: Precision) -> dict[str, str]:

@@ -33,6 +33,44 @@ class EmbeddedMotors:
 
 
 @dataclass(frozen=True, kw_only=True)
+class EmbeddedMotions:
+    """Limits of accelerations, of p points and of t things on the object, infinity where there is none; m joints.
+
+    Attributes:
+        texts: Of each joint's acceleration, the object's linear and angular one, speed and acceleration of each point,
+            and of each thing friction and tilt along +a, -a, +b and -b.
+        acceleration: Least and largest of the joints, Shape (2, m) [rad/s² or m/s²].
+        object_acceleration: Linear and angular, Shape (2,) [m/s², rad/s²].
+        axes: Of the joints with all of them at zero, base axes, Shape (m, 3).
+        axis_points: A point on each, base frame, Shape (m, 3) [m].
+        slides: Whether each joint is prismatic.
+        point_joints: First joint of each point's arm, and how many move it: none moves a point of the object.
+        points: With every joint at zero in the base frame, or in the object's, Shape (p, 3) [m].
+        point_limits: Speed and acceleration of each, Shape (p, 2) [m/s, m/s²].
+        thing_axes: a, b and n of each as rows, object frame, Shape (t, 3, 3).
+        thing_centres: Centres of mass, object frame, Shape (t, 3) [m].
+        friction: Coefficients, Shape (t,).
+        tilt: Half widths along a and b over the height of the centre of mass, Shape (t, 2).
+        gravity: World axes, Shape (3,) [m/s²].
+    """
+
+    texts: tuple[str, ...]
+    acceleration: Array
+    object_acceleration: Array
+    axes: Array
+    axis_points: Array
+    slides: tuple[bool, ...]
+    point_joints: tuple[tuple[int, int], ...]
+    points: Array
+    point_limits: Array
+    thing_axes: Array
+    thing_centres: Array
+    friction: Array
+    tilt: Array
+    gravity: Array
+
+
+@dataclass(frozen=True, kw_only=True)
 class EmbeddedLimits:
     """Rows lower <= M [τ; F; H] <= upper over m torques, all wrenches and the same in object axes, and velocity limits.
 
@@ -48,6 +86,7 @@ class EmbeddedLimits:
         velocity: Of all joints, then of the object's linear and angular velocity, infinity where none is enforced,
             then of e motors whose torque-speed curve ends there, Shape (m + 2 + e,) [rad/s or m/s].
         motors: None where all motors are ideal.
+        motions: None where the cell limits neither accelerations nor points, and no thing stands on its object.
     """
 
     texts: tuple[str, ...]
@@ -60,6 +99,7 @@ class EmbeddedLimits:
     velocity_texts: tuple[str, ...]
     velocity: Array
     motors: EmbeddedMotors | None = None
+    motions: EmbeddedMotions | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -72,6 +72,7 @@ def cell_keys(cell: Cell) -> dict[str, Any]:
             "frames": dumped(cell.object_points) or None,
             "carries": dumped(cell.carried) or None,
         },
+        "surroundings": [{"name": one.name, **_shape(one)} for one in cell.surroundings] or None,
         "robots": [_robot(robot) for robot in cell.robots],
     }
 
@@ -254,8 +255,8 @@ def _written(cell: Cell, folder: Path, beside: Path | None) -> dict[str, Any]:
         return file.relative_to(beside).as_posix() if near and beside is not None else file.as_posix()
 
     keys = cell_keys(cell)
-    shape = keys["object"]["shape"]
-    if shape is not None and shape["mesh"] is not None:
+    shapes = [keys["object"]["shape"] or {}, *(keys["surroundings"] or ())]
+    for shape in filter(lambda shape: shape.get("mesh"), shapes):
         shape["mesh"] = reference(shape["mesh"])
     for robot, said in zip(cell.robots, keys["robots"], strict=True):
         said["urdf"] = reference(said["urdf"])

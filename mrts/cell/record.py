@@ -94,6 +94,16 @@ class ShapeRecord(Record):
         return "" if len(given) == 1 else "it must be one of box, cylinder, mesh"
 
 
+class ObstacleRecord(ShapeRecord):
+    """A body of the surroundings that stands still, its `pose` in the world.
+
+    Attributes:
+        name: Of its own.
+    """
+
+    name: Name
+
+
 @dataclass(frozen=True, eq=False)
 class CellRecord:
     """All of a cell but its functions and what is asked of it: n arms and the object that they hold.
@@ -111,7 +121,8 @@ class CellRecord:
         object_acceleration_limit: Likewise of its acceleration, Shape (2,) [m/s², rad/s²].
         object_points: Points of the object whose motion is limited.
         carried: Things that stand loose on the object.
-        object_shape: What the object looks like, None where that is not known; for pictures alone.
+        object_shape: What the object looks like, None where that is not known; for pictures and collisions.
+        surroundings: What stands around the arms; for collisions.
         robots: The arms in the order of the cell file.
         machines: Names of each two robots that are arms of one machine.
         remarks: What was noticed as its files were read.
@@ -132,6 +143,7 @@ class CellRecord:
     object_points: Annotated[tuple[PointLimit, ...], Rule(max_length=MOST)]
     carried: Annotated[tuple[CarriedThing, ...], Rule(max_length=MOST)]
     object_shape: ShapeRecord | None
+    surroundings: Annotated[tuple[ObstacleRecord, ...], Rule(max_length=MOST)]
     robots: Annotated[tuple[Robot, ...], Rule(min_length=1, max_length=MOST)]
     machines: Annotated[tuple[tuple[str, str], ...], Rule(max_length=MOST)]
     remarks: Annotated[tuple[Remark, ...], Rule(max_length=MOST)]
@@ -140,7 +152,8 @@ class CellRecord:
         check_type("cell: load_box", self.load_box, LoadBox, NoneType)
         check_type("cell: object_shape", self.object_shape, ShapeRecord, NoneType)
         lists = {"wrench_components": str, "robots": Robot, "remarks": Remark, "machines": tuple}
-        for key, kind in (lists | {"object_points": PointLimit, "carried": CarriedThing}).items():
+        records = {"object_points": PointLimit, "carried": CarriedThing, "surroundings": ObstacleRecord}
+        for key, kind in (lists | records).items():
             check_list(f"cell: {key}", getattr(self, key), kind)
             object.__setattr__(self, key, tuple(getattr(self, key)))
         freeze_array(self, "gravity", "cell", (3,), finite=True)

@@ -90,6 +90,10 @@ NO_COLLISIONS = "collisions are not looked at: not of arms and hands with each o
 """Said wherever somebody could think they were: of cells that are begun, checked, or laid out."""
 
 
+COLLISIONS_UNKNOWN = "no-collisions"
+"""Code of the remark that says so."""
+
+
 JOINT_ASSUMPTIONS: tuple[tuple[str, str, Callable[["Robot"], NDArray[np.bool_]]], ...] = (
     (
         "no-effort-limit",
@@ -445,7 +449,7 @@ def _assumptions(cell: "Cell") -> Iterator[Remark]:
     if cubes:
         text = f"the centre of mass of {', '.join(cubes)} is as high as the larger half width: 'height' gives another"
         yield Remark.assumed("carried-height", text)
-    yield Remark.assumed("no-collisions", NO_COLLISIONS)
+    yield Remark.assumed(COLLISIONS_UNKNOWN, NO_COLLISIONS)
     free = [
         robot.name
         for robot in cell.robots

@@ -59,17 +59,29 @@ def described(path: Path) -> Any:
 
 def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
     """URDF and base link (None is its root) of every robot of a cell file, by name; of a xacro a URDF in the cache."""
-    folder, found, description = path.resolve().parent, {}, described(path)
-    for robot, reference in zip(description.robots, description.urdf_references, strict=True):
-        file = reference.path(path, folder)
-        if is_xacro(file):
-            from mrts_codegen.urdf.xacro_file import with_found_meshes  # noqa: PLC0415 (only for xacros)
+    description = described(path)
+    return {
+        robot.name: (_urdf_file(path, path.resolve().parent, robot.name, reference), robot.base_link)
+        for robot, reference in zip(description.robots, description.urdf_references, strict=True)
+    }
 
-            text = with_found_meshes(file, reference.content(path, folder)).decode()
-            file = cache_folder("urdfs", hashlib.sha256(text.encode()).hexdigest()) / f"{robot.name}.urdf"
-            write_text_atomically(file, text, private=True)
-        found[robot.name] = file, robot.base_link
-    return found
+
+def urdf_of(robot: Robot, folder: Path) -> Path:
+    """The URDF of an arm of a cell whose files are relative to a folder; of a xacro a URDF in the cache."""
+    from mrts_codegen.urdf_reference import robot_reference  # noqa: PLC0415 (build time, on demand)
+
+    return _urdf_file(folder / CELL_FILE, folder, robot.name, robot_reference(robot.source))
+
+
+def _urdf_file(where: Path, folder: Path, name: str, reference: Any) -> Path:
+    file: Path = reference.path(where, folder)
+    if is_xacro(file):
+        from mrts_codegen.urdf.xacro_file import with_found_meshes  # noqa: PLC0415 (only for xacros)
+
+        text = with_found_meshes(file, reference.content(where, folder)).decode()
+        file = cache_folder("urdfs", hashlib.sha256(text.encode()).hexdigest()) / f"{name}.urdf"
+        write_text_atomically(file, text, private=True)
+    return file
 
 
 def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> UrdfReading:

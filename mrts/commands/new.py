@@ -193,8 +193,6 @@ def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
 
 
 def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
-    from mrts.cell.remarks import NO_COLLISIONS
-
     lift = max(abs(proposal.layout.lift))
     asked = proposal.request.mass
     cell, motion = folder / "cell.yaml", folder / "motion.yaml"
@@ -207,8 +205,9 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     say(proposal.result.sentence())
     for remark in proposal.result.warnings:
         say(str(remark), "note")
-    say(f"{NO_COLLISIONS}\n", "note")
-    say("Look at it, ask how fast it may be played, then put your own numbers in:")
+    for remark in proposal.collisions:
+        say(remark.text, "note")
+    say("\nLook at it, ask how fast it may be played, then put your own numbers in:")
     files = f"{shlex.quote(str(cell))} {shlex.quote(str(motion))}"
     say(f"  mrts view {files}")
     say(f"  mrts scale {files}")

@@ -23,7 +23,7 @@ TRACKING_FILES = (
 
 CELL_FILES = (
     *(*PROGRAM_FILES, "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
-    *("least_torques.c", "trajectory.c"),
+    *("least_torques.c", "trajectory.c", "arm_points.c"),
     *(*TRACKING_FILES, "tracking/closure.c"),
     *(f"dense/{name}.c" for name in ("path_places", "widening")),
     *(f"variants/{name}.c" for name in ("end_rows", "ranges")),

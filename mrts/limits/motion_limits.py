@@ -6,15 +6,19 @@ from dataclasses import replace
 import numpy as np
 
 from mrts.base.arrays import Array, cross, row_products
-from mrts.base.rigid_transform import rotations_from_vectors
 from mrts.cell.cell import Cell
 from mrts.cell.points import ArmPointLimit, CarriedThing, PointLimit
 from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.kernel.arm_points import chain_point
+from mrts.kernel.cell_library import CellLibrary
 from mrts.limits.rows import LimitRows, RowName, row_names, stack_rows
 
 NORM_SIDES = 224
 """Sides of the polygon that stands for a circle: inside it, by at most 1 - cos(π / 224) < 1e-4 of the radius."""
+
+STANDING = ("friction", "tilt +a", "tilt -a", "tilt +b", "tilt -b")
+"""What keeps a thing on the object where it stands."""
 
 
 def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
@@ -44,11 +48,9 @@ def point_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | None:
         return None
     pieces = []
     for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        given = [of[:, joints] for of in (motion.q, motion.dq, motion.ddq)]
         for point in robot.point_limits:
-            velocity, acceleration = arm_point(
-                robot, point, *(of[:, joints] for of in (motion.q, motion.dq, motion.ddq))
-            )
-            pieces += _of_point(cell, robot.name, point, velocity, acceleration)
+            pieces += _of_point(cell, robot.name, point, *arm_point(cell.library, robot, point, *given))
     for own in cell.object_points:
         pieces += _of_point(cell, "object", own, *object_point(motion, np.array(own.point)))
     return stack_rows(pieces) if pieces else None
@@ -90,11 +92,11 @@ def _facets(thing: CarriedThing) -> tuple[Array, list[tuple[str, int]]]:
         angle = (np.arange(NORM_SIDES) + 0.5) * (2 * np.pi / NORM_SIDES)
         within = thing.friction * np.cos(np.pi / NORM_SIDES)
         directions += [np.outer(np.cos(angle), a) + np.outer(np.sin(angle), b) - within * n]
-        names += [("friction", NORM_SIDES)] * NORM_SIDES
+        names += [(STANDING[0], NORM_SIDES)] * NORM_SIDES
     if thing.half_width is not None:
-        for axis, width, name in zip((a, b), thing.half_width, "ab", strict=True):
+        for axis, width in zip((a, b), thing.half_width, strict=True):
             directions += [np.array([sign * axis - width / thing.centre_height * n for sign in (1, -1)])]
-            names += [(f"tilt +{name}", 0), (f"tilt -{name}", 0)]
+        names += [(what, 0) for what in STANDING[1:]]
     return np.concatenate(directions), names
 
 
@@ -158,31 +160,25 @@ def object_point(motion: CoordinatedMotion, point: Array) -> tuple[Array, Array]
     return velocity + around, acceleration + cross(change, r) + cross(turning, around)
 
 
-def arm_point(robot: Robot, point: ArmPointLimit, q: Array, dq: Array, ddq: Array) -> tuple[Array, Array]:
+def arm_point(
+    library: CellLibrary, robot: Robot, point: ArmPointLimit, q: Array, dq: Array, ddq: Array
+) -> tuple[Array, Array]:
     """Velocity p' and acceleration p'' of a point of an arm, base axes, each Shape (N, 3).
 
     Args:
+        library: Of any cell.
         robot: The arm.
         point: The point.
         q: Shape (N, n).
         dq: q', likewise.
         ddq: q'', likewise.
     """
-    place = np.broadcast_to(np.array(point.at_zero), (len(q), 3))
-    velocity, acceleration = np.zeros((2, len(q), 3))
-    for j in reversed(range(point.joints)):
-        axis, (speed, change) = robot.axes[j], (of[:, j, None] for of in (dq, ddq))
-        if robot.joint_types[j] == "prismatic":
-            place = place + axis * q[:, j, None]
-            velocity, acceleration = velocity + axis * speed, acceleration + axis * change
-            continue
-        R = rotations_from_vectors(axis * q[:, j, None])
-        arm, velocity, acceleration = (
-            np.einsum("nij,nj->ni", R, of) for of in (place - robot.points[j], velocity, acceleration)
-        )
-        along = np.broadcast_to(axis, arm.shape)
-        around = cross(along, arm)
-        turned = cross(along, around) * speed**2 + 2 * cross(along, velocity) * speed
-        acceleration = acceleration + around * change + turned
-        velocity, place = velocity + around * speed, robot.points[j] + arm
-    return velocity, acceleration
+    moving = slice(point.joints)
+    return chain_point(
+        library,
+        axes=robot.axes[moving],
+        points=robot.points[moving],
+        slides=[kind == "prismatic" for kind in robot.joint_types[moving]],
+        at_zero=np.array(point.at_zero),
+        rates=[of[:, moving] for of in (q, dq, ddq)],
+    )

@@ -1,21 +1,18 @@
 # SPDX-License-Identifier: MIT
 """Arms as meshes, each with the body that carries it: the visuals of a URDF, or bars from joint to joint."""
 
-from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mrts.base.errors import InputError, MrtsError
-from mrts.base.formats.package_uri import file_of_uri, is_uri
-from mrts.base.regular_file import is_file
+from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
+from mrts.collisions.bodies import posed_urdf, reading_meshes
 from mrts.scene.cell_shapes import shares_base
 from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, Rgb, arm_colour
 
@@ -50,7 +47,7 @@ class ArmMesh:
     """A part of an arm that one body carries.
 
     Attributes:
-        body: 0 stands with the base, k is moved by the first k joints (`mrts.scene.cell_shapes.body_poses`).
+        body: 0 stands with the base, k is moved by the first k joints (`mrts.collisions.bodies.body_poses`).
         mesh: In base axes with every joint of the chain at zero [m].
         own: Its colour.
         marks: Whether it shows that its body's joint decides how fast the motion may be played.
@@ -136,64 +133,14 @@ def arm_meshes(
         InputError: If the file or one of its meshes cannot be read.
     """
     from trimesh import Trimesh  # noqa: PLC0415 (half a second, for cells that have meshes to show)
-    from yourdfpy import URDF  # noqa: PLC0415
 
-    try:
-        model = URDF.load(str(path), filename_handler=partial(mesh_file, path))
-        still = {name: value for name, value in (held or {}).items() if name in model.actuated_joint_names}
-        model.update_cfg(still)  # what mimics them follows
-        body = _bodies(model.robot.joints, base_link or model.base_link, joints, held or {})
+    with reading_meshes(path):
+        model, body, base = posed_urdf(path, base_link, joints, held or {})
         graph, found = model.scene.graph, []
         for node in graph.nodes_geometry:
             link = graph.transforms.parents[node]
-            pose, name = graph.get(node, base_link or model.base_link)
+            pose, name = graph.get(node, base)
             shape = model.scene.geometry[name]
             if link in body and isinstance(shape, Trimesh) and len(shape.faces):
                 found.append((body[link], shape.copy().apply_transform(pose)))
-    except MrtsError:
-        raise
-    except Exception as error:  # noqa: BLE001 (the readers of a dozen formats raise what they like)
-        raise InputError(path, f"its meshes cannot be read ({type(error).__name__}: {error}).") from None
     return found
-
-
-def _bodies(joints: list[Any], base_link: str, chain: tuple[str, ...], held: Mapping[str, float]) -> dict[str, int]:
-    """The body that each link belongs to, for the links that stand with the base or hang from the chain."""
-    body, pending = {base_link: 0}, deque([base_link])
-    while pending:
-        link = pending.popleft()
-        for joint in joints:
-            stands = joint.type == "fixed" or joint.name in held
-            if joint.parent == link:
-                other, moved = joint.child, not stands
-            elif joint.child == link and stands:
-                other, moved = joint.parent, False
-            else:
-                continue
-            if other in body or (moved and joint.name not in chain and body[link] == 0):
-                continue
-            body[other] = chain.index(joint.name) + 1 if joint.name in chain else body[link]
-            pending.append(other)
-    return body
-
-
-def mesh_file(urdf: Path, fname: str) -> str:
-    """Path of a mesh: of a package, relative to the URDF, or in a package that stands there under another name.
-
-    Raises:
-        InputError: If it is not there.
-    """
-    inside = fname.removeprefix("file://")
-    if is_uri(fname):
-        inside = fname.partition("://")[2].partition("/")[2]
-        try:
-            return str(file_of_uri(urdf, fname, urdf))
-        except InputError as error:
-            for above in urdf.resolve().parents:
-                if is_file(above / inside):
-                    return str(above / inside)
-            raise InputError(urdf, f"its mesh '{fname}' is not found: {error.rule}") from None
-    file = urdf.resolve().parent / inside
-    if is_file(file):
-        return str(file)
-    raise InputError(urdf, f"its mesh '{fname}' is not found.")

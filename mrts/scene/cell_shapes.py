@@ -4,9 +4,10 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.rigid_transform import RigidTransform, rotations_from_vectors
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
+from mrts.collisions.bodies import body_poses
 
 THINNEST = 0.05
 """Least side of a drawn object, as a share of its longest: a planar object may have no thickness."""
@@ -35,33 +36,6 @@ def perpendicular(direction: Array) -> Array:
     """A unit vector at right angles to a direction, Shape (3,)."""
     across = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     return np.asarray(across / np.linalg.norm(across))
-
-
-def body_poses(robot: Robot, q: Array) -> tuple[Array, Array]:
-    """What takes each body of the arm from where it is in base axes with every joint at zero to the world.
-
-    Body 0 is the base, body k is moved by the first k joints.
-
-    Args:
-        robot: The arm.
-        q: Joint positions, Shape (N, n_i) [rad or m].
-
-    Returns:
-        R, Shape (N, n_i + 1, 3, 3), and p, Shape (N, n_i + 1, 3) [m].
-    """
-    R = np.broadcast_to(robot.T_world_base.R, (len(q), 3, 3))
-    p = np.broadcast_to(robot.T_world_base.p, (len(q), 3))
-    rotations, positions = [R], [p]
-    for index, (kind, axis, point) in enumerate(zip(robot.joint_types, robot.axes, robot.points, strict=True)):
-        if kind == "prismatic":
-            p = p + R @ axis * q[:, index, None]
-        else:
-            center = p + R @ point
-            R = R @ rotations_from_vectors(q[:, index, None] * axis)
-            p = center - R @ point
-        rotations.append(R)
-        positions.append(p)
-    return np.stack(rotations, axis=1), np.stack(positions, axis=1)
 
 
 def tip_at_posture(robot: Robot) -> RigidTransform:

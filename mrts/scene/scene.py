@@ -11,12 +11,13 @@ from mrts.base.arrays import Array
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
+from mrts.collisions.bodies import body_poses
 from mrts.limits.rows import RowName
 from mrts.plots.colours import COLOURS
 from mrts.scaling.limit_use import used_shares
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scene.cell_shapes import body_poses, points_on_bodies
+from mrts.scene.cell_shapes import points_on_bodies
 
 Rgb = tuple[int, int, int]
 """0 to 255."""

@@ -11,7 +11,7 @@ from mrts.base.arrays import Array, cross
 from mrts.base.rigid_transform import PLANE_TOLERANCE, plane_normal
 from mrts.cell.remarks import link_lengths
 from mrts.cell.robot import Robot
-from mrts.scene.cell_shapes import body_poses
+from mrts.collisions.bodies import body_poses
 
 NO_LEVER = 1e-3
 """A hand nearer to its last joint than this says nothing of where it points [m]."""

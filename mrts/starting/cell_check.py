@@ -18,6 +18,7 @@ from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
 from mrts.cell.remarks import friction_sources, torque_source
 from mrts.cell.robot import JOINT_HEAD, Robot
+from mrts.collisions.clearance import Clearance
 from mrts.starting.arm_reach import HELD, ArmMargin, ArmReach
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
@@ -44,6 +45,7 @@ class CellCheck(InNotebooks, JsonOutput):
         remarks: What to know of the cell and the motion, what is taken for granted included.
         arms: How far every arm follows the motion of an object; empty where that is not asked or not known.
         problem: Why the motion is impossible whatever the arms do, or as joints that are given; empty if it is not.
+        clearance: How near bodies come to each other; None where that is not known.
     """
 
     cell: Path
@@ -53,6 +55,7 @@ class CellCheck(InNotebooks, JsonOutput):
     remarks: tuple[Remark, ...] = ()
     arms: tuple[ArmReach, ...] = ()
     problem: str = ""
+    clearance: Clearance | None = None
 
     @property
     def hints(self) -> tuple[Remark, ...]:
@@ -147,6 +150,7 @@ class CellCheck(InNotebooks, JsonOutput):
             "hints": [remark.to_json() for remark in self.hints],
             "problem": self.problem or None,
             "arms": [_arm_json(arm) for arm in self.arms],
+            "clearance": self.clearance and self.clearance.to_json(),
             "joints": [joint for robot in self.robots for joint in _joints_json(robot)],
             "assumed": [remark.to_json() for remark in self.assumed],
             "warnings": [remark.to_json() for remark in self.warnings],

@@ -12,9 +12,11 @@ from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import machine_of
 from mrts.cell.loading import uncompiled_cell
+from mrts.cell.remarks import COLLISIONS_UNKNOWN
 from mrts.cell.source_files import is_generated, read_without_generating
+from mrts.collisions.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
-from mrts.following.coordinated_motion import check_motion
+from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
@@ -72,7 +74,7 @@ def _with_reach(
     try:
         if isinstance(motion, JointTable):
             closed = coordinate(cell, motion)
-            return replace(found, remarks=(*found.remarks, *closed.remarks))
+            return _with_clearance(replace(found, remarks=(*found.remarks, *closed.remarks)), cell, closed)
         check_motion(cell, motion)
     except InputError as error:
         return replace(found, mistakes=(*found.mistakes, *error.each()))
@@ -94,7 +96,15 @@ def _with_reach(
     if len(remarks) == len(found.remarks) and not explained and any(not reach.follows for reach in reaches):
         remarks += posture_hints(arms, motion)
     progress(len(arms), len(arms))
-    return replace(found, arms=tuple(reaches), remarks=tuple(remarks))
+    found = replace(found, arms=tuple(reaches), remarks=tuple(remarks))
+    return found if explained or found.status != "fine" else _with_clearance(found, cell, motion)
+
+
+def _with_clearance(found: CellCheck, cell: Cell, motion: ObjectMotion | CoordinatedMotion) -> CellCheck:
+    """The same with the least distance between bodies in the place of the remark that it is not known."""
+    near, said = clearance_remarks(cell, motion)
+    others = [remark for remark in found.remarks if remark.code != COLLISIONS_UNKNOWN]
+    return replace(found, clearance=near, remarks=(*others, *said))
 
 
 def _fellows(cell: Cell, index: int) -> list[int]:

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from mrts.base.errors import MotionError, MrtsError
+from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import pose_keys
+from mrts.collisions.clearance import clearance_remarks
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.program.excess import BETWEEN
 from mrts.scaling.result import ScalingResult
@@ -66,6 +68,7 @@ class Proposal:
         cell: Keys and values of the cell file.
         motion: Likewise of the motion file.
         result: What `mrts.scale` finds.
+        collisions: What is to say of them.
     """
 
     request: Request
@@ -74,10 +77,11 @@ class Proposal:
     cell: dict[str, Any]
     motion: dict[str, Any]
     result: ScalingResult
+    collisions: tuple[Remark, ...]
 
 
 def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) -> Proposal:
-    """A cell and a motion that can be played."""
+    """A cell and a motion that can be played; of the layouts for a mass and a lift the first without a collision."""
     first = _first_mass(request) if request.mass is None else request.mass
     reason = ""
     total = len(LIFTS) * len(LOADS)
@@ -91,11 +95,17 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
             except MotionError as error:
                 reason = reason or str(error)
                 continue
+            colliding = None
             for layout in found[:TRIED_LAYOUTS]:
                 tried = _tried(request, layout, mass)
-                if isinstance(tried, Proposal):
+                if isinstance(tried, str):
+                    reason = tried
+                elif all(remark.severity != "hint" for remark in tried.collisions):
                     return tried
-                reason = tried
+                else:
+                    colliding = colliding or tried
+            if colliding is not None:
+                return colliding
     with_loads = "" if request.mass is None else f" with {request.mass:g} kg, nor with {mass:g} kg"
     raise MotionError(f"nothing was found that can be played{with_loads}. The last try: {reason}")
 
@@ -128,7 +138,8 @@ def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
         return str(error)
     if not _upper(result) > 1:
         return result.explanation() or result.sentence()
-    return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, result=result)
+    _, said = clearance_remarks(result.cell, result.motion)
+    return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, result=result, collisions=said)
 
 
 def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], between: float | None) -> ScalingResult:

@@ -10,7 +10,7 @@ from mrts.base.remark import Remark
 from mrts.base.words import first_names
 from mrts.cell.remarks import NAMES_SHOWN, joint_assumptions, missing_masses, urdf_remarks
 from mrts.cell.source_files import UrdfReading, arm_of_urdf, read_urdf
-from mrts.scene.arm_meshes import mesh_file
+from mrts.collisions.bodies import mesh_file
 from mrts.starting.arm import Arm, plane_of
 from mrts.starting.cell_check import CellCheck
 from mrts.starting.reading import check_movable

@@ -12,6 +12,7 @@ from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.json_output import JsonOutput
 from mrts.cell.cell import Cell
+from mrts.collisions.clearance import Clearance, CollisionModel
 from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.following.tracking import OUT_OF_REACH, TrackedVariants, TrackingFailure, follow_from
@@ -50,10 +51,12 @@ class Configuration:
     Attributes:
         branches: In the order of the cell's robots.
         range: The admissible range of c².
+        clearance: How near bodies come to each other; None where that was not asked.
     """
 
     branches: tuple[Branch, ...]
     range: ScalingRange
+    clearance: Clearance | None = None
 
     @property
     def c2_upper(self) -> float:
@@ -96,11 +99,13 @@ class ConfigurationStudy(JsonOutput):
         lines = [f"{self.combinations} configurations reach the end, by falling c²⁺"]
         lines[0] += f"; branches left out: {lost}:" if lost else ":"
         names = [*self.branches]
-        lines.append(f"{'rank':>4}  " + "  ".join(f"{name:>8}" for name in names) + f"  {'c²⁺':>9}  limited at")
+        near = f"  {'clearance':>10}" if any(one.clearance for one in self.ranked) else ""
+        lines.append(f"{'rank':>4}  " + "  ".join(f"{name:>8}" for name in names) + f"  {'c²⁺':>9}{near}  limited at")
         for rank, configuration in enumerate(self.ranked[:rows], start=1):
             numbers = "  ".join(f"{branch.number:>8}" for branch in configuration.branches)
             c2 = f"{configuration.c2_upper:#.4g}" if np.isfinite(configuration.c2_upper) else "-"
-            lines.append(f"{rank:>4}  {numbers}  {c2:>9}  {outcome(configuration)}")
+            near = "" if configuration.clearance is None else f"  {_clearance_text(configuration.clearance):>10}"
+            lines.append(f"{rank:>4}  {numbers}  {c2:>9}{near}  {outcome(configuration)}")
         lines.append("\nbranches at t = 0 (rad, m; a line is a `posture` for the cell file):")
         for branches in self.branches.values():
             good = [branch for branch in branches if branch.failure is None]
@@ -124,6 +129,7 @@ class ConfigurationStudy(JsonOutput):
                 "status": one.range.status.value,
                 "c2": {"lower": c2(one.range, one.range.lower), "upper": c2(one.range, one.range.upper)},
                 "outcome": outcome(one),
+                "clearance": one.clearance and one.clearance.to_json(),
             }
             for one in self.ranked
         ]
@@ -144,6 +150,7 @@ def rank_configurations(
     sharing: LoadSharing | None = None,
     solver: str = DEFAULT_SOLVER,
     between: float | None = BETWEEN,
+    clearance: bool = False,
     progress: Progress = lambda _done, _total: None,
 ) -> ConfigurationStudy:
     """Evaluate every combination of inverse-kinematics branches.
@@ -158,25 +165,28 @@ def rank_configurations(
         sharing: A fixed distribution of the load; None leaves it free.
         solver: Name in the registry.
         between: As in `mrts.scale`.
+        clearance: Whether to find how near bodies come to each other in each, as `mrts.clearance`.
         progress: Told how many of how many evaluations are done.
 
     Raises:
-        InputError: If an arm has too few joints.
+        InputError: If an arm has too few joints, or of `mrts.clearance`.
         MotionError: If the object leaves the plane of a planar cell.
     """
     check_type("cell", cell, Cell)
     check_type("motion", motion, ObjectMotion)
     check_callable("progress", progress)
+    check_type("clearance", clearance, bool)
     options = Options(sharing=sharing, solver=solver, between=between).checked(cell)
     check_motion(cell, motion)
     starts = [branches_at_start(cell, index, motion) for index in range(len(cell.robots))]
     tracks, branches = _follow(cell, motion, starts)
     good = [[branch for branch in branches[robot.name] if branch.failure is None] for robot in cell.robots]
     combinations = int(np.prod([len(of_robot) for of_robot in good]))
+    bodies = CollisionModel(cell) if clearance else None
     ranked = []
     for number, choice in enumerate(product(*good)):
         progress(number, combinations)
-        ranked.append(_evaluate(cell, motion, tracks, choice, options))
+        ranked.append(_evaluate(cell, motion, tracks, choice, options, bodies))
     progress(combinations, combinations)
     return ConfigurationStudy(branches, tuple(sorted(ranked, key=lambda one: -one.c2_upper)))
 
@@ -212,6 +222,7 @@ def _evaluate(
     tracks: TrackedVariants,
     choice: tuple[Branch, ...],
     options: Options,
+    bodies: CollisionModel | None,
 ) -> Configuration:
     places = [(branch.number - 1, joints) for branch, joints in zip(choice, cell.joint_slices.values(), strict=True)]
     q, dq, ddq = (
@@ -219,7 +230,12 @@ def _evaluate(
         for values in (tracks.q, tracks.dq, tracks.ddq)
     )
     whole = CoordinatedMotion(motion, q, dq, ddq)
-    return Configuration(choice, admissible_range(cell, whole, options)[0].range)
+    near = None if bodies is None else bodies.clearance(whole)
+    return Configuration(choice, admissible_range(cell, whole, options)[0].range, near)
+
+
+def _clearance_text(near: Clearance) -> str:
+    return "collides" if near.collides else f"{1e3 * near.distance:.3g} mm" if near.pair else "-"
 
 
 def outcome(configuration: Configuration) -> str:

@@ -32,7 +32,7 @@ ANSWERS = dict.fromkeys(("status", "reason", "lower_limit", "upper_limit"), "str
 ANSWERS |= dict.fromkeys(("c2_lower", "c2_upper", "lower_time", "upper_time", "duration"), "float64")
 """Columns of every study behind the number of a variant and what varies, and their types."""
 
-RESERVED_NAMES = ("variant", *ANSWERS, "energy")
+RESERVED_NAMES = ("variant", *ANSWERS, "clearance", "energy")
 """Columns of a study's table beside those of its parameters."""
 
 MOVES = ("sets", "shifts", "scales")

@@ -42,6 +42,7 @@ class StudyQuestion(Record):
         torques: Whether energy and root mean square torques are wanted.
         reserve: Share of every limit that is kept free; None is the cell's own.
         between: Share of a limit by which it may be overstepped between the samples; None looks at the samples alone.
+        clearance: Whether the least distance between bodies is wanted (`mrts.clearance`).
     """
 
     profile: Literal["constant", "optimal"] = "constant"
@@ -49,6 +50,7 @@ class StudyQuestion(Record):
     torques: bool = False
     reserve: Annotated[float, Rule(ge=0, lt=1, allow_inf_nan=False)] | None = None
     between: Finite | None = None
+    clearance: bool = False
 
 
 @dataclass(frozen=True)

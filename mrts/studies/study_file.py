@@ -24,6 +24,7 @@ from mrts.cell.cell_keys import cell_keys
 from mrts.cell.loading import load_cell
 from mrts.cell.number_paths import ONE_FOR_ALL, Keys, value_at
 from mrts.cell.source_files import described, urdf_files
+from mrts.collisions.clearance import CollisionModel
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
@@ -124,6 +125,8 @@ def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
     for at, robot in enumerate(given["robots"]):
         if robot.get("joint_limits"):
             named.append((("robots", at, "joint_limits"), "joint limits file"))
+    around = enumerate(given.get("surroundings") or [])
+    named += [(("surroundings", at, "mesh"), "mesh") for at, one in around if one.get("mesh")]
     for (keys, what), origin in zip(named, origins[len(given["robots"]) :], strict=True):
         content = read_regular(origin, what, MAX_FILE_BYTES)
         yield StudyFile(keys, value_at(given, keys), str(origin), content, str(origin))
@@ -203,6 +206,8 @@ def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None
     if described.profile == "optimal" and load not in {"auto", "nominal", "guaranteed"}:
         rule = "must be guaranteed or nominal where the speed varies (profile: optimal)."
         raise InputError(path, rule, key="load", value=load)
+    if described.clearance:
+        CollisionModel(cell)  # which says what it lacks
     try:
         Options(load=load, between=described.between).checked(cell)
         if cell.load_box is not None and load.startswith("grid"):

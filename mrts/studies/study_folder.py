@@ -46,7 +46,7 @@ TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
 MAX_RECORD_BYTES = 10**8
 """Of study.json: many more than lists of values take."""
 
-UNITS = {"lower_time": "s", "upper_time": "s", "duration": "s", "energy": "J"}
+UNITS = {"lower_time": "s", "upper_time": "s", "duration": "s", "clearance": "m", "energy": "J"}
 """Of columns that are not parameters; c² has none, and torques have that of their joint."""
 
 DIGEST_KEY = b"study"

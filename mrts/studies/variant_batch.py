@@ -30,7 +30,7 @@ from mrts.program.motion_rows import binds
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_ranges import POINT_TOLERANCE
 from mrts.scaling.range import RangeEnd, contradiction
-from mrts.studies.study import Study
+from mrts.studies.study import Study, StudyQuestion
 from mrts.studies.variant_numbers import (
     LIMITS,
     PATH_ENDS,
@@ -61,7 +61,7 @@ def batch_for(study: Study) -> "VariantBatch | None":
     hands with contacts that are limited in axes of the tip, must not turn.
     """
     question = study.question
-    asked = (question.profile, question.torques, question.between) == ("constant", False, None)
+    asked = question == StudyQuestion(load=question.load, reserve=question.reserve)
     if not asked or study.limits:
         return None
     here = study.at_hand()

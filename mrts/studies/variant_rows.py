@@ -12,6 +12,7 @@ from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
 from mrts.cell.cell import Cell
+from mrts.collisions.clearance import clearance
 from mrts.following.coordinate import coordinate
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import MotionDescription, sample_motion
@@ -40,7 +41,8 @@ Columns = dict[str, Any]
 def column_types(study: Study) -> dict[str, str]:
     """Names and types ("int64", "float64", "string") of the columns of a study's table, in order."""
     types = {"variant": "int64"} | {parameter.path: "float64" for parameter in study.parameters}
-    return types | ANSWERS | dict.fromkeys(_torque_columns(study), "float64")
+    asked = ["clearance"] * study.question.clearance + _torque_columns(study)
+    return types | ANSWERS | dict.fromkeys(asked, "float64")
 
 
 def solve_variants(study: Study, first: int, last: int) -> Columns:
@@ -128,7 +130,7 @@ def solved_row(study: Study, point: Array) -> Row:
         keys, motion_keys = study.descriptions(point)
         cell = Cell.from_description(keys, folder=study.folder).with_limits(*study.limits)
         motion = study.table if study.table is not None else sample_motion(MotionDescription(**motion_keys))
-        return _answer(study, cell, motion)
+        return _answer(study, cell, motion) | _clearance(study, cell, motion)
     except InputError as error:
         return {"status": INVALID, "reason": str(error)}
     except MotionError as error:
@@ -155,6 +157,13 @@ def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
     cell = cell if question.reserve is None else cell.with_reserve(question.reserve)
     options = Options(load=question.load, between=question.between).checked(cell)
     return _range_row(admissible_range(cell, coordinate(cell, motion, None), options)[0])
+
+
+def _clearance(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
+    if not study.question.clearance:
+        return {}
+    near = clearance(cell, motion)
+    return {"clearance": near.distance if near.pair else None}
 
 
 def _timed_row(study: Study, found: RetimingResult) -> Row:

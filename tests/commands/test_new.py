@@ -8,8 +8,6 @@ import yaml
 from command_line import mrts_command
 from conftest import DATA
 
-from mrts.cell.remarks import NO_COLLISIONS
-
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
 
 
@@ -31,7 +29,7 @@ def test_what_it_tells_is_enough_to_go_on(begun):
         r"shoulder_pan\s+revolute\s+\[-\d+, \d+\] N m\s+\[-6\.283, 6\.283\] rad\s+[\d.]+ rad/s", done.stdout
     )
     assert "you may play it up to" in done.stdout
-    assert NO_COLLISIONS in done.stdout
+    assert "the least distance is " in done.stdout
     *_, next_line = done.stdout.splitlines()
     assert next_line == "  mrts scale 'first cell/cell.yaml' 'first cell/motion.yaml'"
     scaled = mrts_command("scale", "first cell/cell.yaml", "first cell/motion.yaml", cwd=folder)

@@ -39,7 +39,7 @@ def random_arm(rng, folder):
 
 
 @pytest.mark.parametrize("seed", range(draws(4)))
-def test_points_of_an_arm_move_as_pinocchio_says(seed, tmp_path):
+def test_points_of_an_arm_move_as_pinocchio_says(seed, tmp_path, planar_cell):
     """On links of the chain and off it, with a prismatic joint, held joints, and a base link that is not the root."""
     rng = np.random.default_rng([90, seed])
     robot, held = random_arm(rng, tmp_path)
@@ -61,7 +61,8 @@ def test_points_of_an_arm_move_as_pinocchio_says(seed, tmp_path):
         pin.updateFramePlacements(model, data)
         R = data.oMf[base].rotation.T
         for point, frame in zip(robot.point_limits, frames, strict=True):
-            velocity, acceleration = arm_point(robot, point, *(of[sample : sample + 1] for of in (q, dq, ddq)))
+            here = (of[sample : sample + 1] for of in (q, dq, ddq))
+            velocity, acceleration = arm_point(planar_cell.library, robot, point, *here)
             axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
             theirs = R @ pin.getFrameVelocity(model, data, frame, axes).linear
             np.testing.assert_allclose(velocity[0], theirs, atol=1e-9 * np.linalg.norm(theirs))

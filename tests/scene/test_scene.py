@@ -16,8 +16,9 @@ from shown_results import as_if_generated
 
 import mrts
 from mrts.cell.source_files import urdf_files
+from mrts.collisions.bodies import body_poses
 from mrts.scene.arm_meshes import arm_meshes, drawn_arms
-from mrts.scene.cell_shapes import body_poses, contact_forces, joint_points, name_place, object_box, shares_base
+from mrts.scene.cell_shapes import contact_forces, joint_points, name_place, object_box, shares_base
 from mrts.scene.cell_view import FIELD_OF_VIEW, CellView, look_at_cell
 from mrts.scene.held_body import held_body
 from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour, deciding_limit, round_down

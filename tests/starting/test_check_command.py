@@ -29,6 +29,7 @@ def test_exit_codes_and_json(far, tmp_path, capsys):
     assert main(["check", *far, "-q", "--json", "-"]) == 1
     told = json.loads(capsys.readouterr().out)
     assert told["status"] == "impossible"
+    assert told["clearance"] is None
     assert [arm["follows"] for arm in told["arms"]] == [True, False]
     assert NO_COLLISIONS in [one["text"] for one in told["assumed"]]
     assert told["arms"][1]["shift"][0] < 0

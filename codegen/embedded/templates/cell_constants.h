@@ -13,6 +13,11 @@ typedef @REAL@ cell_real;
 #else
 #define CELL_VELOCITIES (CELL_JOINTS + 2) /* of all joints, and the object's linear and angular one */
 #endif
+#if CELL_MOTIONS
+#define CELL_POINTS @POINTS@      /* points of arms and object whose motion is limited */
+#define CELL_THINGS @THINGS@      /* things that stand loose on the object */
+#define CELL_MOTIONS (CELL_JOINTS + 2 + 2 * CELL_POINTS + 5 * CELL_THINGS) /* limits of accelerations, points and things */
+#endif
 #define CELL_LOAD 10        /* mass, mx, my, mz (mass times com), ixx, iyy, izz, ixy, ixz, iyz (about the origin) */
 #define CELL_CORNERS @CORNERS@      /* corners of the cell file's load variation; 1 if it has none */
 #define CELL_UNLIMITED @UNLIMITED@ /* an absent limit is this, or its negative */

@@ -1,6 +1,10 @@
 /* @NOTICE@
  * The cell's names, numbers and limits of torques and wrenches, as mrts_limits has them. */
+#if CELL_MOTIONS
+static const char *const ROW_TEXT[1 + CELL_ROWS + CELL_VELOCITIES + CELL_MOTIONS] = {
+#else
 static const char *const ROW_TEXT[1 + CELL_ROWS + CELL_VELOCITIES] = {
+#endif
     "c^2 >= 0",
 @ROW_TEXT@
 };
@@ -19,6 +23,21 @@ static const cell_settings DEFAULTS = {
 #if CELL_LINES
     {@SLOPE@},
 #endif
+#endif
+#if CELL_MOTIONS
+    {@ACCELERATION_LOWER@},
+    {@ACCELERATION_UPPER@},
+    {@OBJECT_ACCELERATION@},
+#endif
+#if CELL_POINTS
+    {@POINT_SPEED@},
+    {@POINT_ACCELERATION@},
+#endif
+#if CELL_THINGS
+    {@FRICTION@},
+    {@TILT@},
+#endif
+#if CELL_MOTORS
     CELL_UNLIMITED,
 #endif
 };
@@ -36,6 +55,19 @@ static const int line_row[CELL_LINES] = {@LINE_ROWS@}, line_joint[CELL_LINES] = 
 #endif
 #if CELL_ENDS
 static const int end_joint[CELL_ENDS] = {@END_JOINTS@};
+#endif
+#if CELL_POINTS
+/* Arms with every joint at zero, axes and a point on each. Points: first joint of the arm, how many move it (0: it is one of
+ * the object), and where it is, with every joint at zero in base axes or in the object's frame. */
+static const cell_real joint_axis[3 * CELL_JOINTS] = {@JOINT_AXIS@}, joint_point[3 * CELL_JOINTS] = {@JOINT_POINT@};
+static const int joint_slides[CELL_JOINTS] = {@JOINT_SLIDES@};
+static const int point_first[CELL_POINTS] = {@POINT_FIRST@}, point_joints[CELL_POINTS] = {@POINT_JOINTS@};
+static const cell_real point_place[3 * CELL_POINTS] = {@POINT_PLACE@};
+#endif
+#if CELL_THINGS
+/* Of each thing the axes a, b, n as rows and the centre of mass, in the object's frame. */
+static const cell_real thing_axes[9 * CELL_THINGS] = {@THING_AXES@}, thing_centre[3 * CELL_THINGS] = {@THING_CENTRE@};
+static const cell_real gravity[3] = {@GRAVITY@};
 #endif
 #endif
 #if CELL_HAS_RANGE

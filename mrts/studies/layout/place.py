@@ -19,6 +19,7 @@ from mrts.base.errors import InputError, MotionError, MrtsError
 from mrts.base.held_interrupt import held_interrupt
 from mrts.cell.cell import Cell
 from mrts.cell.generation import symbolic_functions
+from mrts.collisions.clearance import clearance_remarks
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN, checked_tolerance
@@ -73,8 +74,8 @@ def place(
 
     The layouts looked at first are points of a Sobol sequence between the bounds, and the layout that the cell file
     gives. From the best of them IPOPT searches the nearest local optimum (`mrts.studies.layout.layout_program`);
-    what it finds counts only as `mrts.scale` confirms it, so the answer is never worse than the best start. Ctrl-C and
-    the time limit keep the best so far.
+    what it finds counts only as `mrts.scale` confirms it, so the answer is never worse than the best start. Layouts in
+    which bodies collide (`mrts.clearance`) are no answer. Ctrl-C and the time limit keep the best so far.
 
     Args:
         study: The study, or its file; `vary` names numbers of base, grasp or posture, each `from` and `to`.
@@ -121,6 +122,7 @@ def place(
         after=after,
         reason=search.failures[-1] if search.failures else "",
         stopped=stopped,
+        colliding=search.colliding,
         **counts,
     )
 
@@ -136,6 +138,7 @@ class LayoutSearch:
         given: What the cell can do as its file has it; None if it can do nothing.
         found: All layouts that can be played at the samples.
         failures: Why others cannot.
+        colliding: How many were the fastest, but for a collision.
         over: Says whether to come to the end.
     """
 
@@ -149,6 +152,7 @@ class LayoutSearch:
         self.over: Callable[[], bool] = lambda: False
         self.found: list[PlayedLayout] = []
         self.failures: list[str] = []
+        self.colliding = 0
         nearest, is_layout = self.numbers.nearest_given()
         self.given = self._scaled(study.cell, nearest, None)
         if self.given is not None and is_layout:
@@ -244,7 +248,7 @@ class LayoutSearch:
         """The best, and the best start, which might be better between the samples, less what moved for nothing."""
         best_first = sorted(self.found, key=lambda one: -one.c2)
         groups = best_first, [one for one in best_first if one.slope is None]
-        played = (next(filter(None, (self.played(self._settled(one)) for one in group)), None) for group in groups)
+        played = (next(filter(None, (self._free(self._settled(one)) for one in group)), None) for group in groups)
         return max(filter(None, played), key=lambda layout: layout.c2, default=None)
 
     def _settled(self, best: PlayedLayout) -> PlayedLayout:
@@ -257,6 +261,18 @@ class LayoutSearch:
                 if tried is not None and tried.c2 >= best.c2 * (1 - NO_GAIN):
                     best = replace(tried, slope=best.slope)
         return best
+
+    def _free(self, layout: PlayedLayout) -> PlayedLayout | None:
+        """As `played`; None too if two bodies collide."""
+        played = self.played(layout)
+        if played is None:
+            return None
+        near, said = clearance_remarks(played.result.cell, played.result.motion)
+        if near is not None and near.collides:
+            self.failures.append(near.sentence())
+            self.colliding += 1
+            return None
+        return replace(played, collisions=said)
 
     def played(self, layout: PlayedLayout) -> PlayedLayout | None:
         """A layout between the samples too; None if it cannot be played there."""

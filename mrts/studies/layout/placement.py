@@ -13,8 +13,8 @@ from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
+from mrts.base.remark import Remark
 from mrts.cell.number_paths import value_at
-from mrts.cell.remarks import NO_COLLISIONS
 from mrts.scaling.result import ScalingResult, kept_text
 from mrts.studies.layout.layout_numbers import LayoutNumbers
 from mrts.studies.study import Study
@@ -43,6 +43,7 @@ class PlayedLayout:
         result: What `mrts.scale` finds, between the samples too.
         fastest: Duration at a speed that varies [s]; None if nothing limits it, or no timing was found.
         postures: By robot, where they are not the study's [rad or m]; None where they are.
+        collisions: What is to say of them.
     """
 
     keys: dict[str, Any]
@@ -51,6 +52,7 @@ class PlayedLayout:
     result: ScalingResult
     fastest: float | None
     postures: dict[str, list[float]] | None = None
+    collisions: tuple[Remark, ...] = ()
 
     @property
     def c2(self) -> float:
@@ -77,6 +79,7 @@ class Placement:
         playable: How many of them can be played.
         searches: Number of layouts from which IPOPT searched.
         stopped: What ended the search early: "Ctrl-C", "the time limit"; empty if nothing did.
+        colliding: Number of faster layouts that were passed over because bodies collide.
     """
 
     study: Study
@@ -88,6 +91,7 @@ class Placement:
     playable: int
     searches: int
     stopped: str
+    colliding: int
 
     def __repr__(self) -> str:
         return f"<Placement: {self.sentence()}>"
@@ -137,7 +141,9 @@ class Placement:
             f"searched from the best {self.searches} of {self.looked_at} layouts, of which "
             f"{self.playable} can be played{ended}"
         )
-        yield NO_COLLISIONS
+        if self.colliding:
+            yield f"layouts passed over because bodies collide: {self.colliding}"
+        yield from (remark.text for remark in after.collisions)
 
     def moved(self) -> list[tuple[str, str, float, float]]:
         """Path, unit, value before and after of each number that the study sets, and of postures that followed."""

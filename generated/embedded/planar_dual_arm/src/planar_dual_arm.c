@@ -49,7 +49,7 @@ const char *planar_dual_arm_status_text(planar_dual_arm_status status) {
 
 const char *planar_dual_arm_row_text(int row) {
     const int place = row < 0 ? -row : row;
-    return place <= ROWS + VELOCITIES ? ROW_TEXT[place] : "unknown row";
+    return place < (int)(sizeof ROW_TEXT / sizeof *ROW_TEXT) ? ROW_TEXT[place] : "unknown row";
 }
 
 void planar_dual_arm_default_settings(planar_dual_arm_settings *settings) { *settings = DEFAULTS; }
@@ -152,9 +152,9 @@ static mrts_real most_asked(const planar_dual_arm_settings *settings) {
     return MRTS_INFINITY;
 }
 
-/* Largest c^2 that the velocities allow, or that is `asked` for, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0;
- * `named` is the velocity that sets it, as in planar_dual_arm_range, 0 if none does. */
-static mrts_real velocity_cap(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, mrts_real asked, int *named) {
+/* Largest c^2 that limits of the motion alone allow, or that is `asked` for, MRTS_INFINITY if none bounds it, -1 if a limit is
+ * not > 0; `named` is the one that sets it, as in planar_dual_arm_range, 0 if none does. */
+static mrts_real motion_cap(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, mrts_real asked, int *named) {
     int binding;
     *named = 0;
     for (int i = 0; i < VELOCITIES; ++i) {
@@ -283,7 +283,7 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
     range->lower = range->upper = 0;
     range->lower_count = range->upper_count = 0;
     if (!is_sound(sample, load)) return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
-    const mrts_real most = velocity_cap(sample, settings, asked, &fastest);
+    const mrts_real most = motion_cap(sample, settings, asked, &fastest);
     mrts_form form = wrench_form(sample, load, workspace);
     if (most < 0 || !build_rows(sample, settings, 0, K, &form, workspace, &rows)) {
         return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
@@ -317,7 +317,8 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
 
 planar_dual_arm_status planar_dual_arm_range_of_sample(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
                          planar_dual_arm_workspace *workspace) {
-    return range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
+    range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
+    return range->status;
 }
 
 
@@ -365,8 +366,8 @@ planar_dual_arm_status planar_dual_arm_guaranteed_range(const planar_dual_arm_sa
 }
 
 
-planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings,
-                                   planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
+static planar_dual_arm_status share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, planar_dual_arm_range *range,
+                                 planar_dual_arm_workspace *workspace) {
     mrts_real turned[9], shares[PLANAR_DUAL_ARM_ROBOTS], internal[WRENCHES], *res[4];
     const mrts_real *arg[9];
     mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
@@ -385,7 +386,7 @@ planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_s
     res[2] = form.wrench_map;
     res[3] = form.wrench_offset;
     planar_dual_arm_model_fixed_distribution(arg, res);
-    const mrts_real most = velocity_cap(sample, settings, most_asked(settings), &fastest);
+    const mrts_real most = motion_cap(sample, settings, most_asked(settings), &fastest);
     if (most < 0 || !build_rows(sample, settings, 0, 1, &form, workspace, &rows)) {
         return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
     }
@@ -423,6 +424,12 @@ planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_s
     return range->status = range->upper < MRTS_INFINITY ? PLANAR_DUAL_ARM_OK : PLANAR_DUAL_ARM_UNBOUNDED;
 }
 
+planar_dual_arm_status planar_dual_arm_equal_share_range(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings,
+                                   planar_dual_arm_range *range, planar_dual_arm_workspace *workspace) {
+    share_range(sample, settings, range, workspace);
+    return range->status;
+}
+
 #ifdef MRTS_SINGLE
 #define TORQUE_WIDENING MRTS_C(1e-5) /* of limits: at the end of a range the feasible set is a point */
 #else
@@ -442,7 +449,7 @@ planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sam
     for (int i = 0; i < JOINTS; ++i) torque[i] = 0;
     for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
     if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !is_sound(sample, settings->load)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
-    const mrts_real most = velocity_cap(sample, settings, most_asked(settings), &fastest);
+    const mrts_real most = motion_cap(sample, settings, most_asked(settings), &fastest);
     mrts_form form = wrench_form(sample, settings->load, workspace);
     if (most < 0 || !build_rows(sample, settings, c2, K, &form, workspace, &rows)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
     const mrts_weights weights = {settings->weight, 1};

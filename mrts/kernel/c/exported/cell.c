@@ -19,6 +19,12 @@
 #include "../numbers.h"
 #if CELL_HAS_ROWS
 #include "../rows.c"
+#if CELL_POINTS || CELL_THINGS
+#include "../point_motion.h"
+#endif
+#if CELL_THINGS
+#include "../standing.h"
+#endif
 #endif
 #if CELL_HAS_FORM || CELL_HAS_SPEEDS
 #include "../linear_programs.c"
@@ -66,10 +72,32 @@ const char *cell_status_text(cell_status status) {
 
 const char *cell_row_text(int row) {
     const int place = row < 0 ? -row : row;
-    return place <= ROWS + VELOCITIES ? ROW_TEXT[place] : "unknown row";
+    return place < (int)(sizeof ROW_TEXT / sizeof *ROW_TEXT) ? ROW_TEXT[place] : "unknown row";
 }
 
 void cell_default_settings(cell_settings *settings) { *settings = DEFAULTS; }
+#if CELL_MOTIONS
+
+static int are_positive(int count, const mrts_real *values) {
+    int sound = 1;
+    for (int i = 0; i < count; ++i) sound &= values[i] > 0;
+    return sound;
+}
+
+/* Whether limits of accelerations, points and things are > 0, lower ones < 0. */
+static int has_sound_motions(const cell_settings *settings) {
+    int sound = are_positive(JOINTS, settings->acceleration_upper) && are_positive(2, settings->object_acceleration);
+    for (int i = 0; i < JOINTS; ++i) sound &= settings->acceleration_lower[i] < 0;
+#if CELL_POINTS
+    sound &= are_positive(CELL_POINTS, settings->point_speed);
+    sound &= are_positive(CELL_POINTS, settings->point_acceleration);
+#endif
+#if CELL_THINGS
+    sound &= are_positive(CELL_THINGS, settings->friction) && are_positive(2 * CELL_THINGS, settings->tilt);
+#endif
+    return sound;
+}
+#endif
 
 cell_status cell_check_settings(const cell_settings *settings) {
     int sound = settings->load[0] > 0 && all_finite(CELL_LOAD, settings->load) && all_finite(JOINTS, settings->weight);
@@ -86,6 +114,9 @@ cell_status cell_check_settings(const cell_settings *settings) {
 #endif
 #if CELL_LINES
     for (int i = 0; i < CELL_LINES; ++i) sound &= settings->slope[i] >= 0 && settings->slope[i] < MRTS_INFINITY;
+#endif
+#if CELL_MOTIONS
+    sound &= has_sound_motions(settings);
 #endif
     return sound ? CELL_OK : CELL_BAD_ARGUMENT;
 }
@@ -229,22 +260,145 @@ static mrts_real most_asked(const cell_settings *settings) {
     return MRTS_INFINITY;
 #endif
 }
+#if CELL_ENDS || CELL_MOTIONS
 
-/* Largest c^2 that the velocities allow, or that is `asked` for, MRTS_INFINITY if none bounds it, -1 if a limit is not > 0;
- * `named` is the velocity that sets it, as in cell_range, 0 if none does. */
-static mrts_real velocity_cap(const cell_sample *sample, const cell_settings *settings, mrts_real asked, int *named) {
+/* Caps c^2 by a limit of which c^2 = 1 takes this share; what is not finite leaves nothing. */
+static void cap(mrts_real share, int limit, mrts_real *most, int *binding) {
+    if (share * *most <= 1) return;
+    *most = share < MRTS_INFINITY ? 1 / share : 0;
+    *binding = limit;
+}
+#endif
+#if CELL_MOTIONS
+
+enum { FIRST_POINT = VELOCITIES + JOINTS + 2, FIRST_THING = FIRST_POINT + 2 * CELL_POINTS };
+
+static mrts_real norm(const mrts_real *vector) { return MRTS_SQRT(mrts_dot(3, vector, vector)); }
+
+/* Caps c^2 by accelerations of joints and object. */
+static void cap_accelerations(const cell_sample *sample, const cell_settings *settings, mrts_real *most, int *binding) {
+    for (int i = 0; i < JOINTS; ++i) {
+        const mrts_real *limit = sample->ddq[i] > 0 ? settings->acceleration_upper : settings->acceleration_lower;
+        cap(sample->ddq[i] / limit[i], VELOCITIES + i, most, binding);
+    }
+    for (int i = 0; i < 2; ++i) {
+        cap(norm(sample->acceleration + 3 * i) / settings->object_acceleration[i], VELOCITIES + JOINTS + i, most, binding);
+    }
+}
+#endif
+#if CELL_POINTS
+
+/* Caps c^2 by speeds and accelerations of points. */
+static void cap_points(const cell_sample *sample, const cell_settings *settings, mrts_real *most, int *binding) {
+    for (int i = 0; i < CELL_POINTS; ++i) {
+        mrts_real velocity[3], acceleration[3], place[3];
+        const int first = point_first[i];
+        const mrts_chain chain = {point_joints[i], joint_axis + 3 * first, joint_point + 3 * first, joint_slides + first};
+        for (int j = 0; j < 3; ++j) place[j] = point_place[3 * i + j];
+        if (chain.joints > 0) {
+            mrts_arm_point(&chain, sample->q + first, sample->dq + first, sample->ddq + first, place, velocity, acceleration);
+        } else {
+            mrts_object_point(sample->rotation, sample->twist, sample->acceleration, place, velocity, acceleration);
+        }
+        const mrts_real share = norm(velocity) / settings->point_speed[i];
+        cap(share * share, FIRST_POINT + 2 * i, most, binding);
+        cap(norm(acceleration) / settings->point_acceleration[i], FIRST_POINT + 2 * i + 1, most, binding);
+    }
+}
+#endif
+#if CELL_THINGS
+
+/* Narrows a span to another one, of a limit. */
+static void narrow(mrts_span *span, mrts_span other, int limit, int binding[2]) {
+    if (other.low > span->low) {
+        span->low = other.low;
+        binding[0] = limit;
+    }
+    if (other.high < span->high && other.low < MRTS_INFINITY) {
+        span->high = other.high;
+        binding[1] = limit;
+    }
+}
+
+/* The c^2 with which all things stay as they stand, and which limits set its ends, -1 where none does. */
+static mrts_span standing(const cell_sample *sample, const cell_settings *settings, int binding[2]) {
+    mrts_span span = {0, MRTS_INFINITY};
+    binding[0] = binding[1] = -1;
+    for (int i = 0; i < CELL_THINGS; ++i) {
+        const int first = FIRST_THING + 5 * i;
+        mrts_real velocity[3], acceleration[3], axis[3], square[3], offset[3];
+        mrts_object_point(sample->rotation, sample->twist, sample->acceleration, thing_centre + 3 * i, velocity, acceleration);
+        for (int j = 0; j < 3; ++j) { /* in its axes it takes square c^2 + offset from the object, per mass */
+            for (int k = 0; k < 3; ++k) axis[k] = mrts_dot(3, sample->rotation + 3 * k, thing_axes + 9 * i + 3 * j);
+            square[j] = mrts_dot(3, axis, acceleration);
+            offset[j] = -mrts_dot(3, axis, gravity);
+        }
+        if (settings->friction[i] < MRTS_INFINITY) {
+            narrow(&span, mrts_span_in_cone(square, offset, settings->friction[i]), first, binding);
+        }
+        for (int side = 0; side < 4; ++side) {
+            const mrts_real tilt = settings->tilt[2 * i + side / 2], sign = side % 2 == 0 ? 1 : -1;
+            if (!(tilt < MRTS_INFINITY)) continue;
+            narrow(&span, mrts_span_below(sign * square[side / 2] - tilt * square[2], sign * offset[side / 2] - tilt * offset[2]),
+                   first + 1 + side, binding);
+        }
+    }
+    return span;
+}
+#if CELL_HAS_RANGE || CELL_HAS_SHARE
+
+/* Narrows a range to the c^2 with which all things stay as they stand. */
+static cell_status keep_standing(const cell_sample *sample, const cell_settings *settings, cell_range *range) {
+    int binding[2];
+    if (range->status != CELL_OK && range->status != CELL_UNBOUNDED) return range->status;
+    const mrts_span span = standing(sample, settings, binding);
+    if (!(span.low > range->lower)) return range->status;
+    range->lower = span.low;
+    range->lower_count = 1;
+    range->lower_rows[0] = 1 + ROWS + binding[0];
+    if (span.low < UNLIKELY && span.low <= range->upper * (1 + MRTS_GAP)) {
+        if (range->lower > range->upper) range->lower = range->upper;
+        return range->status;
+    }
+    if (!(span.low < UNLIKELY)) range->upper_count = 0; /* it falls at every speed */
+    range->upper_rows[range->upper_count++] = range->lower_rows[0];
+    range->lower = range->upper = 0;
+    range->lower_count = 0;
+    return range->status = CELL_INFEASIBLE;
+}
+#endif
+#endif
+
+/* Largest c^2 that limits of the motion alone allow, or that is `asked` for, MRTS_INFINITY if none bounds it, -1 if a limit is
+ * not > 0; `named` is the one that sets it, as in cell_range, 0 if none does. */
+static mrts_real motion_cap(const cell_sample *sample, const cell_settings *settings, mrts_real asked, int *named) {
     int binding;
     *named = 0;
     for (int i = 0; i < VELOCITIES; ++i) {
         if (!(settings->velocity[i] > 0)) return -1;
     }
+#if CELL_MOTIONS
+    if (!has_sound_motions(settings)) return -1;
+#endif
     mrts_real most = mrts_speed_cap(JOINTS, sample->dq, sample->twist, settings->velocity, &binding);
 #if CELL_ENDS
     for (int end = 0; end < CELL_ENDS; ++end) {
         const mrts_real share = MRTS_ABS(sample->dq[end_joint[end]]) / settings->velocity[JOINTS + 2 + end];
-        if (share * share * most <= 1) continue;
-        most = 1 / (share * share);
-        binding = JOINTS + 2 + end;
+        cap(share * share, JOINTS + 2 + end, &most, &binding);
+    }
+#endif
+#if CELL_MOTIONS
+    cap_accelerations(sample, settings, &most, &binding);
+#endif
+#if CELL_POINTS
+    cap_points(sample, settings, &most, &binding);
+#endif
+#if CELL_THINGS
+    int ends[2];
+    const mrts_span span = standing(sample, settings, ends);
+    if (span.high < most) {
+        most = span.high;
+        binding = ends[1];
     }
 #endif
     if (!(asked > 0)) return -1;
@@ -528,7 +682,7 @@ static cell_status range_with_load(const cell_sample *sample, const cell_setting
     range->lower = range->upper = 0;
     range->lower_count = range->upper_count = 0;
     if (!is_sound(sample, load)) return range->status = CELL_BAD_ARGUMENT;
-    const mrts_real most = velocity_cap(sample, settings, asked, &fastest);
+    const mrts_real most = motion_cap(sample, settings, asked, &fastest);
     mrts_form form = wrench_form(sample, load, workspace);
     if (most < 0 || !build_rows(sample, settings, 0, K, &form, workspace, &rows)) {
         return range->status = CELL_BAD_ARGUMENT;
@@ -567,7 +721,11 @@ static cell_status range_with_load(const cell_sample *sample, const cell_setting
 
 cell_status cell_range_of_sample(const cell_sample *sample, const cell_settings *settings, cell_range *range,
                          cell_workspace *workspace) {
-    return range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
+    range_with_load(sample, settings, most_asked(settings), settings->load, range, workspace);
+#if CELL_THINGS
+    keep_standing(sample, settings, range);
+#endif
+    return range->status;
 }
 
 #if CELL_MOTORS
@@ -603,6 +761,9 @@ static cell_status range_in_common(const cell_sample *sample, const cell_setting
         }
     }
     if (range->status == CELL_OK && range->lower > range->upper) range->status = CELL_EMPTY;
+#if CELL_THINGS
+    keep_standing(sample, settings, range);
+#endif
     return range->status;
 }
 
@@ -676,8 +837,8 @@ static cell_status share_of_speed(mrts_rows *rows, mrts_real most, int fastest, 
 }
 #endif
 
-cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings,
-                                   cell_range *range, cell_workspace *workspace) {
+static cell_status share_range(const cell_sample *sample, const cell_settings *settings, cell_range *range,
+                                 cell_workspace *workspace) {
     mrts_real turned[9], shares[CELL_ROBOTS], internal[WRENCHES], *res[4];
     const mrts_real *arg[9];
     mrts_form form = mrts_form_in(1, JOINTS, WRENCHES, workspace->form);
@@ -696,7 +857,7 @@ cell_status cell_equal_share_range(const cell_sample *sample, const cell_setting
     res[2] = form.wrench_map;
     res[3] = form.wrench_offset;
     cell_model_fixed_distribution(arg, res);
-    const mrts_real most = velocity_cap(sample, settings, most_asked(settings), &fastest);
+    const mrts_real most = motion_cap(sample, settings, most_asked(settings), &fastest);
     if (most < 0 || !build_rows(sample, settings, 0, 1, &form, workspace, &rows)) {
         return range->status = CELL_BAD_ARGUMENT;
     }
@@ -738,6 +899,15 @@ cell_status cell_equal_share_range(const cell_sample *sample, const cell_setting
     }
     return range->status = range->upper < MRTS_INFINITY ? CELL_OK : CELL_UNBOUNDED;
 }
+
+cell_status cell_equal_share_range(const cell_sample *sample, const cell_settings *settings,
+                                   cell_range *range, cell_workspace *workspace) {
+    share_range(sample, settings, range, workspace);
+#if CELL_THINGS
+    keep_standing(sample, settings, range);
+#endif
+    return range->status;
+}
 #endif
 
 #if CELL_HAS_TORQUES
@@ -760,13 +930,17 @@ cell_status cell_torques(const cell_sample *sample, const cell_settings *setting
     for (int i = 0; i < JOINTS; ++i) torque[i] = 0;
     for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
     if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !is_sound(sample, settings->load)) return CELL_BAD_ARGUMENT;
-    const mrts_real most = velocity_cap(sample, settings, most_asked(settings), &fastest);
+    const mrts_real most = motion_cap(sample, settings, most_asked(settings), &fastest);
     mrts_form form = wrench_form(sample, settings->load, workspace);
     if (most < 0 || !build_rows(sample, settings, c2, K, &form, workspace, &rows)) return CELL_BAD_ARGUMENT;
     const mrts_weights weights = {settings->weight, 1};
     int status = mrts_least_torques(K, JOINTS, WRENCHES, &limits, &weights, c2, TORQUE_WIDENING, &form, &rows, active, &count,
                                     torque, wrench, memory, workspace->work, workspace->integers);
     if (c2 > most * (1 + 2 * TORQUE_WIDENING)) status = MRTS_INFEASIBLE;
+#if CELL_THINGS
+    int ends[2];
+    if (c2 < standing(sample, settings, ends).low * (1 - 2 * TORQUE_WIDENING)) status = MRTS_INFEASIBLE;
+#endif
     if (!all_finite(JOINTS, torque) || !all_finite(WRENCHES, wrench)) return CELL_UNDECIDED;
     return status == MRTS_OPTIMAL ? CELL_OK : status == MRTS_INFEASIBLE ? CELL_INFEASIBLE : CELL_UNDECIDED;
 }

@@ -65,6 +65,20 @@ typedef struct {
 #if CELL_LINES
     cell_real slope[CELL_LINES];    /* of torque-speed lines |torque| <= upper - slope |q'| r', >= 0 */
 #endif
+#if CELL_MOTIONS
+    cell_real acceleration_lower[CELL_JOINTS]; /* of joints, < 0, rad/s^2 or m/s^2; -CELL_UNLIMITED where there is none */
+    cell_real acceleration_upper[CELL_JOINTS]; /* > 0 */
+    cell_real object_acceleration[2];          /* of its frame, linear and angular, > 0, m/s^2 and rad/s^2 */
+#endif
+#if CELL_POINTS
+    cell_real point_speed[CELL_POINTS];        /* > 0, m/s */
+    cell_real point_acceleration[CELL_POINTS]; /* > 0, m/s^2 */
+#endif
+#if CELL_THINGS
+    cell_real friction[CELL_THINGS];           /* between a thing and the object, > 0; CELL_UNLIMITED: it cannot slide */
+    cell_real tilt[2 * CELL_THINGS]; /* half width over height of the centre of mass, along a and b, > 0; CELL_UNLIMITED: it
+                                         * cannot tip. The centre itself stays where it is in the cell file */
+#endif
 #if CELL_MOTORS
     cell_real most; /* largest c^2 that is asked for, > 0: ranges are the highest intervals up to it; no row is named there */
 #endif
@@ -73,6 +87,10 @@ typedef struct {
 /* Range of c^2. Rows are 1 + row at an upper and -1 - row at a lower limit, the strongest first; 0 stands for c^2 >= 0,
  * 1 + CELL_ROWS + i for velocity i, of several that bind for the first. Of an infeasible sample `upper_rows` are the
  * rows in conflict. */
+#if CELL_MOTIONS
+/* 1 + CELL_ROWS + CELL_VELOCITIES + i is limit i of accelerations (of joints, at either side; of the object), points (speed
+ * and acceleration of each) and things (friction, and tilt to either side along a and b): CELL_MOTIONS of them. */
+#endif
 typedef struct {
     cell_status status;
     cell_real lower;

