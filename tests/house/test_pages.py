@@ -19,7 +19,7 @@ DOCS = ROOT / "docs"
     ("name", "blocks"),
     [
         ("tutorial", 8),
-        pytest.param("gallery", 7, marks=pytest.mark.slow),
+        pytest.param("gallery", 8, marks=pytest.mark.slow),
         pytest.param("own_cell", 6, marks=pytest.mark.slow),
         pytest.param("own_robot", 3, marks=pytest.mark.slow),
         pytest.param("check", 5, marks=pytest.mark.slow),
