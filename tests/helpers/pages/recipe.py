@@ -9,7 +9,7 @@ from pathlib import Path
 
 from page_runner import BLOCK, matches
 
-COPIED = ("mrts", "codegen", "docs", "generated", "benchmarks", "tests/house", "tests/conftest.py")
+COPIED = ("mrts", "codegen", "docs", "generated", "benchmarks", "tests/house", "tests/cases", "tests/conftest.py")
 COPIED += ("README.md", "pyproject.toml")
 """What a recipe changes, and what the house's tests read."""
 
