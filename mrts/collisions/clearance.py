@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The least distance between arms, object and surroundings along a motion, its samples and between them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -76,6 +76,21 @@ class Clearance:
             return f"{one} and {other} collide at t = {self.time:.4g} s: they overlap by {size}"
         return f"the least distance is {size}, between {one} and {other} at t = {self.time:.4g} s"
 
+    def at_speed(self, c: float) -> "Clearance":
+        """Of the same motion played c times as fast."""
+        return self if self.time is None else replace(self, time=self.time / c)
+
+    def remarks(self) -> tuple[Remark, ...]:
+        """What is to say of it: a collision as a hint, and what was not looked at."""
+        said = list[Remark]()
+        if self.pair:
+            told = Remark.hint("collision", self.sentence()), Remark.assumed("clearance", self.sentence())
+            said.append(told[0 if self.collides else 1])
+        if self.unseen:
+            text = f"collisions of {', '.join(self.unseen)} are not looked at: nothing gives a shape"
+            said.append(Remark.assumed(COLLISIONS_UNKNOWN, text))
+        return tuple(said)
+
     def to_json(self) -> dict[str, Any]:
         """Distance, pair, time, points, and what was not looked at, as values of JSON."""
         return {
@@ -115,14 +130,7 @@ def clearance_remarks(
         near = clearance(cell, motion)
     except (InputError, MotionError) as error:
         return None, (Remark.assumed(COLLISIONS_UNKNOWN, f"{NO_COLLISIONS}. {error}"),)
-    said = list[Remark]()
-    if near.pair:
-        told = Remark.hint("collision", near.sentence()), Remark.assumed("clearance", near.sentence())
-        said.append(told[0 if near.collides else 1])
-    if near.unseen:
-        text = f"collisions of {', '.join(near.unseen)} are not looked at: nothing gives a shape"
-        said.append(Remark.assumed(COLLISIONS_UNKNOWN, text))
-    return near, tuple(said)
+    return near, near.remarks()
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,8 @@ from mrts.plots.plotly_drawer import FONT, numbers, plot_text
 from mrts.scaling.result import ScalingResult
 from mrts.scene.cell_shapes import contact_forces, joint_points
 from mrts.scene.cell_view import look_at_cell
-from mrts.scene.held_body import held_body, object_edges
-from mrts.scene.scene import FORCE, OBJECT, arm_hex, suited_pace
+from mrts.scene.held_body import held_body, object_edges, shape_surface
+from mrts.scene.scene import FORCE, OBJECT, SEE_THROUGH, SURROUNDINGS, Rgb, arm_hex, suited_pace
 
 MOST_FRAMES = 160
 MOST_TRIANGLES = 250
@@ -74,15 +74,23 @@ def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
         (arm, _arm_trace(robot.name, index, arm.shape[1]))
         for index, (robot, arm) in enumerate(zip(cell.robots, arms, strict=True))
     ]
-    moving += [(box, _object_trace(triangles)), (edges, _line_trace("object", "#555", 3, legend=False))]
+    moving += [
+        (box, _surface_trace("object", triangles, OBJECT, 0.6)),
+        (edges, _line_trace("object", "#555", 3, legend=False)),
+    ]
     if largest > NO_FORCE:
         moving.append((arrows, _line_trace("force on the object", f"rgb{FORCE}", 5)))
     path = _line_trace("path of the object", "#888", 2) | _coordinates(given.position[frames])
+    obstacles = [
+        _surface_trace(one.name, around.faces, SURROUNDINGS, SEE_THROUGH) | _coordinates(around.vertices)
+        for one in cell.surroundings
+        for around in [shape_surface(one, MOST_TRIANGLES)]
+    ]
     still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
     camera = _camera(cell, q, given.position[frames])
     clocks = {"given": given.time, "played": time} | ({} if way is None else {"way": way})
     return {
-        "data": [*still, path],
+        "data": [*still, path, *obstacles],
         "layout": _layout(cell, np.concatenate([solid, arrows.reshape(-1, 3)]), camera),
         "frames": [_coordinates(points) for points, _ in moving],
         "time": numbers(time[frames]),
@@ -138,16 +146,16 @@ def _arm_trace(name: str, index: int, points: int) -> dict[str, Any]:
     }
 
 
-def _object_trace(triangles: NDArray[np.int64]) -> dict[str, Any]:
+def _surface_trace(name: str, triangles: NDArray[np.int64], colour: Rgb, opacity: float) -> dict[str, Any]:
     i, j, k = triangles.T.tolist()
     return {
         "type": "mesh3d",
-        "name": "object",
+        "name": plot_text(shortened(name)),
         "i": i,
         "j": j,
         "k": k,
-        "color": f"rgb{OBJECT}",
-        "opacity": 0.6,
+        "color": f"rgb{colour}",
+        "opacity": opacity,
         "flatshading": True,
         "hoverinfo": "name",
     }

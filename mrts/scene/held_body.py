@@ -41,8 +41,8 @@ HANDLE = 0.04
 
 
 @dataclass(frozen=True, eq=False)
-class HeldBody:
-    """Triangles in the object's frame.
+class Surface:
+    """Triangles in the frame of what carries them.
 
     Attributes:
         vertices: Shape (V, 3) [m].
@@ -52,14 +52,14 @@ class HeldBody:
     vertices: Array
     faces: NDArray[np.int_]
 
-    def __add__(self, other: "HeldBody") -> "HeldBody":
-        return HeldBody(
+    def __add__(self, other: "Surface") -> "Surface":
+        return Surface(
             np.concatenate([self.vertices, other.vertices]),
             np.concatenate([self.faces, other.faces + len(self.vertices)]),
         )
 
 
-def held_body(cell: Cell, most: int = MOST_DRAWN) -> HeldBody:
+def held_body(cell: Cell, most: int = MOST_DRAWN) -> Surface:
     """The object as it is drawn: its shape, or a box with about its inertia that its hands touch, or hold by handles.
 
     Such a box that reaches beyond a contact is drawn narrower, so that the hand is at its surface; a contact beside it
@@ -70,11 +70,11 @@ def held_body(cell: Cell, most: int = MOST_DRAWN) -> HeldBody:
         most: Triangles of a mesh, which is drawn coarser than it is known where it has more.
     """
     if cell.object_shape is not None:
-        return _surface(cell.object_shape, most)
+        return shape_surface(cell.object_shape, most)
     contacts = np.array([robot.T_object_tip.p for robot in cell.robots])
     half = _narrowed(object_box(cell) / 2, contacts)
     size = 2 * float(np.linalg.norm(half))
-    body = HeldBody(CORNERS * 2 * half, TRIANGLES)
+    body = Surface(CORNERS * 2 * half, TRIANGLES)
     for contact in contacts:
         nearest = np.clip(contact, -half, half)
         if np.linalg.norm(contact - nearest) > REACHED * size:
@@ -93,14 +93,15 @@ def _narrowed(half: Array, contacts: Array) -> Array:
     return half
 
 
-def _bar(start: Array, end: Array, half_width: float) -> HeldBody:
+def _bar(start: Array, end: Array, half_width: float) -> Surface:
     along = (end - start) / np.linalg.norm(end - start)
     across = perpendicular(along)
     axes = np.stack([2 * half_width * across, 2 * half_width * np.cross(along, across), end - start])
-    return HeldBody((start + end) / 2 + CORNERS @ axes, TRIANGLES)
+    return Surface((start + end) / 2 + CORNERS @ axes, TRIANGLES)
 
 
-def _surface(shape: ShapeRecord, most: int) -> HeldBody:
+def shape_surface(shape: ShapeRecord, most: int = MOST_DRAWN) -> Surface:
+    """A shape in the frame that its pose is given in; a mesh of more than `most` triangles is made coarser."""
     if shape.box is not None:
         vertices, triangles = CORNERS * np.array(shape.box), TRIANGLES
     elif shape.cylinder is not None:
@@ -108,7 +109,7 @@ def _surface(shape: ShapeRecord, most: int) -> HeldBody:
     else:
         assert shape.mesh is not None  # noqa: S101 (the record has one of the three)
         vertices, triangles = coarser_surface(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles), most)
-    return HeldBody(vertices @ shape.pose.R.T + shape.pose.p, triangles)
+    return Surface(vertices @ shape.pose.R.T + shape.pose.p, triangles)
 
 
 def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.int64]:

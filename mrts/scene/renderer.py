@@ -18,12 +18,14 @@ from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import contact_forces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
-from mrts.scene.held_body import held_body, object_edges
+from mrts.scene.held_body import Surface, held_body, object_edges, shape_surface
 from mrts.scene.scene import (
     FORCE,
     OBJECT,
     OUTLINE,
     PATH,
+    SEE_THROUGH,
+    SURROUNDINGS,
     DecidingLimit,
     Rgb,
     Scene,
@@ -163,14 +165,12 @@ class SceneRenderer:
         self._clip, self._view, self._camera, self._metres_per_newton = clip, view, camera, metres_per_newton
         cell, scene = clip.trajectory.cell, clip.scene
         self._spec = mujoco.MjSpec()
-        self._add_surroundings(size)
+        self._add_stage(size)
         self._body = held_body(cell)
-        corners = self._body.vertices[self._body.faces]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-        held = self._spec.worldbody.add_body(name="object", mocap=True)
-        flat = np.arange(3 * len(corners)).reshape(-1, 3)
-        self._add_mesh(held, "object", corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), flat, OBJECT)
+        self._add_surface(self._spec.worldbody.add_body(name="object", mocap=True), "object", self._body, OBJECT)
+        for number, one in enumerate(cell.surroundings):
+            name = f"surroundings/{number}"
+            self._add_surface(self._spec.worldbody, name, shape_surface(one), SURROUNDINGS, SEE_THROUGH)
         for number, parts in enumerate(drawn_arms(cell, clip.urdfs, warn)):
             robot, found = cell.robots[number], clip.deciding
             deciding = None if found is None else found.body(robot)
@@ -230,7 +230,7 @@ class SceneRenderer:
                 start, step = eye + NEARER * (point - eye), NEARER * HALF_DRAWN * force
                 self._connect(arrow, start, start + step, NEARER * ARROW_RADIUS * size, FORCE)
 
-    def _add_surroundings(self, size: tuple[int, int]) -> None:
+    def _add_stage(self, size: tuple[int, int]) -> None:
         mujoco, spec, view, camera = self._mujoco, self._spec, self._view, self._camera
         spec.visual.global_.offwidth, spec.visual.global_.offheight = size
         spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 2048, 4
@@ -264,8 +264,22 @@ class SceneRenderer:
         plane = mujoco.mjtGeom.mjGEOM_PLANE
         world.add_geom(type=plane, size=(0, 0, 0.1), pos=view.floor, material="floor", quat=wxyz(view.level))
 
+    def _add_surface(self, body: Any, name: str, surface: Surface, colour: Rgb, opacity: float = 1.0) -> None:
+        corners = surface.vertices[surface.faces]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
+        flat = np.arange(3 * len(corners)).reshape(-1, 3)
+        self._add_mesh(body, name, corners.reshape(-1, 3), np.repeat(normals, 3, axis=0), flat, colour, opacity)
+
     def _add_mesh(
-        self, body: Any, name: str, vertices: Array, normals: Array, faces: NDArray[np.integer], colour: Rgb
+        self,
+        body: Any,
+        name: str,
+        vertices: Array,
+        normals: Array,
+        faces: NDArray[np.integer],
+        colour: Rgb,
+        opacity: float = 1.0,
     ) -> None:
         corners = np.asarray(vertices)[faces]
         area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
@@ -277,7 +291,7 @@ class SceneRenderer:
         body.add_geom(
             type=self._mujoco.mjtGeom.mjGEOM_MESH,
             meshname=name,
-            rgba=rgba(colour),
+            rgba=rgba(colour, opacity),
             contype=0,
             conaffinity=0,
         )

@@ -25,6 +25,9 @@ Rgb = tuple[int, int, int]
 OBJECT, OUTLINE = (236, 178, 60), (196, 138, 24)
 """Of the object, and of its edges at the start and the goal: seen on a light page and on a dark one."""
 
+SURROUNDINGS, SEE_THROUGH = (140, 152, 170), 0.4
+"""Of what stands around the arms, and how opaque it is: they are seen behind it."""
+
 PATH, OVER_LIMIT = (70, 70, 80), (212, 0, 0)
 """Of the object's path where limits are kept, and of what passes or decides a limit."""
 
@@ -55,10 +58,10 @@ def arm_colour(index: int) -> Rgb:
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:], 16)
 
 
-def rgba(colour: Rgb) -> tuple[float, float, float, float]:
-    """The colour with shares from 0 to 1, opaque."""
+def rgba(colour: Rgb, opacity: float = 1.0) -> tuple[float, float, float, float]:
+    """The colour with shares from 0 to 1."""
     red, green, blue = (part / 255 for part in colour)
-    return red, green, blue, 1.0
+    return red, green, blue, opacity
 
 
 def round_down(value: float) -> float:

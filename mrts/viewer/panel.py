@@ -11,8 +11,10 @@ import viser
 
 from mrts.base.load_box import LoadPoint
 from mrts.base.printable import html_text
+from mrts.base.remark import Remark
 from mrts.base.words import interval_text
 from mrts.cell.cell import Cell
+from mrts.collisions.clearance import Clearance
 from mrts.limits.rows import ActiveRow
 from mrts.program.range_status import RangeStatus
 from mrts.scene.scene import FORCE, MOMENT, Rgb
@@ -70,6 +72,12 @@ def outcome_html(state: PlayerState, *, coarse: bool = False) -> str:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     text += "".join(f"<br>{html_text(str(remark))}" for remark in result.warnings)
     return _paragraph("outcome", text, "inherit" if admits else OVER)
+
+
+def collisions_html(near: Clearance | None, said: Sequence[Remark]) -> str:
+    """How near bodies come to each other and what was not looked at, in red where they collide; empty without both."""
+    text = html_text(". ".join(remark.text for remark in said))
+    return _paragraph("collisions", text, OVER if near is not None and near.collides else "inherit") if said else ""
 
 
 def held_html(held: HeldPoses) -> str:

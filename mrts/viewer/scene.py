@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
+from mrts.collisions.clearance import Clearance
 from mrts.plots.labels import shortened
 from mrts.plots.limit_shares import played
 from mrts.scaling.result import ScalingResult
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import contact_forces, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
-from mrts.scene.held_body import HeldBody, held_body, object_edges
+from mrts.scene.held_body import Surface, held_body, object_edges, shape_surface
 from mrts.scene.scene import (
     FORCE,
     MOMENT,
@@ -26,6 +27,8 @@ from mrts.scene.scene import (
     OUTLINE,
     OVER_LIMIT,
     PATH,
+    SEE_THROUGH,
+    SURROUNDINGS,
     DecidingLimit,
     Moment,
     Rgb,
@@ -50,6 +53,9 @@ SHORTEST = 1e-3
 OUTLINE_WIDTH = 1.5
 """Of the object's edges at the start and at the end of its path [pixels]."""
 
+NEAREST_WIDTH = 5.0
+"""Of the line between the two nearest bodies [pixels]."""
+
 FRAME = 0.12
 """Length of a frame's axes, as a share of the cell's size."""
 
@@ -66,7 +72,7 @@ MOVED_AWAY = 0.02
 
 
 class DrawnCell:
-    """Arms, a frame for each body that carries its meshes, and the object that they carry.
+    """Arms, a frame for each body that carries its meshes, the object that they carry, and what stands around them.
 
     Attributes:
         carried: The object's frame.
@@ -88,11 +94,17 @@ class DrawnCell:
                     at, mesh.vertices, mesh.faces, color=colour or part.own, flat_shading=False
                 )
                 self._parts.append((robot, part, drawn))
+        for number, one in enumerate(cell.surroundings):
+            surface = shape_surface(one)
+            scene.add_mesh_simple(
+                f"{name}/surroundings/{number}", surface.vertices.astype(np.float32), surface.faces.astype(np.uint32),
+                color=SURROUNDINGS, opacity=SEE_THROUGH, flat_shading=True, side="double", cast_shadow=False,
+            )  # fmt: skip
         self.carried = scene.add_frame(f"{name}/carried", show_axes=False)
         self._body_key = b""
         self.show_body(cell)
 
-    def show_body(self, cell: Cell) -> HeldBody | None:
+    def show_body(self, cell: Cell) -> Surface | None:
         """Draw the object where its shape is another one; None where it is as it was."""
         body = held_body(cell)
         if body.vertices.tobytes() == self._body_key:
@@ -175,6 +187,10 @@ class ViewerScene:
             self._scene.add_label(f"/gap_names/{robot.name}", "", visible=False, anchor="bottom-center")
             for robot in cell.robots
         ]
+        self._nearest = self._scene.add_line_segments(
+            "/nearest", np.zeros((1, 2, 3)), PATH, thickness=NEAREST_WIDTH, thickness_units="screen", visible=False
+        )
+        self._nearest_name = self._scene.add_label("/nearest_name", "", visible=False, anchor="bottom-center")
         self._end_names = [
             self._scene.add_label("/start_name", "start", anchor="top-left"),
             self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
@@ -224,6 +240,16 @@ class ViewerScene:
         self._forces.points = self._arrows(points, force @ moment.rotation * self.metres_per_newton)
         self._moments.points = self._arrows(points, turning @ moment.rotation * self.metres_per_newton_metre)
         self._show_gaps({})
+
+    def show_nearest(self, near: Clearance | None) -> None:
+        """Draw the least distance along a motion between its two points, red if it is a depth, and say when it is."""
+        points, name = None if near is None else near.points, self._nearest_name
+        self._nearest.visible, name.text = points is not None, ""
+        if near is not None and points is not None:
+            self._nearest.points = points[None].astype(np.float32)
+            self._nearest.colors = np.full((1, 2, 3), OVER_LIMIT if near.collides else PATH, dtype=np.uint8)
+            name.text, name.position = f"{1e3 * near.distance:.3g} mm at {near.time:.3g} s", np.mean(points, axis=0)
+        self._show_names()
 
     def held_pose(self, sample: int) -> RigidTransform:
         """The object in the world at a sample of what is shown."""
@@ -298,6 +324,7 @@ class ViewerScene:
             label.visible = self._named
         for label in self._end_names:
             label.visible = self._named and moves
+        self._nearest_name.visible = self._named and self._nearest.visible
 
     def _arrows(self, start: Array, step: Array) -> NDArray[np.float32]:
         long = np.linalg.norm(step, axis=1) > SHORTEST * self.size
@@ -309,7 +336,7 @@ class ViewerScene:
         for index, label in enumerate(self._gap_names):
             label.visible = index in lines
 
-    def _draw_outlines(self, body: HeldBody) -> None:
+    def _draw_outlines(self, body: Surface) -> None:
         edges = object_edges(body.vertices, body.faces)
         lines = body.vertices[edges if len(edges) else body.faces[:, :2]]  # a ball has no edges
         self._outlines = [

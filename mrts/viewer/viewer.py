@@ -33,6 +33,7 @@ from mrts.viewer.panel import (
     PANEL,
     STYLE,
     Readings,
+    collisions_html,
     held_html,
     limits_html,
     moment_html,
@@ -315,10 +316,12 @@ class Viewer:
             if others:
                 self._scene.show(answer.scene)
             self._scene.mark(None if state is None else state.deciding)
+            near, said = answer.clearance()
+            self._scene.show_nearest(near)
             if state is not None:
                 if others:
                     self._scene.rescale(state)
-                self._outcome = outcome_html(state, coarse=answer.coarse)
+                self._outcome = outcome_html(state, coarse=answer.coarse) + collisions_html(near, said)
             elif answer.held is not None:
                 self._outcome = held_html(answer.held)
                 if self._limits is not None:

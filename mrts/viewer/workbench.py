@@ -2,7 +2,8 @@
 """The workbench: choices with undo, and answers to the newest of them, found beside the caller's work.
 
 One thread finds them, one at a time. An answer that takes long comes twice, coarse and then whole; a newer question
-ends work on the whole one, and is answered between two configurations that are being ranked.
+ends work on the whole one, and is answered between two configurations that are being ranked. The whole one comes once
+more with how near bodies come to each other, unless something newer was asked meanwhile.
 """
 
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
@@ -15,6 +16,8 @@ from time import perf_counter
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
+from mrts.base.remark import Remark
+from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN
@@ -41,6 +44,7 @@ class Answer:
         held: Where arms are without a motion that can be played, or where none was given; None else.
         error: Why there is neither; None else.
         coarse: Whether it has few samples and keeps the limits at these alone; the whole answer follows.
+        collisions: What `clearance_remarks` finds for the motion as it is given; None until it is looked at, at last.
     """
 
     choices: Choices
@@ -48,6 +52,7 @@ class Answer:
     held: HeldPoses | None = None
     error: MrtsError | None = None
     coarse: bool = False
+    collisions: tuple[Clearance | None, tuple[Remark, ...]] | None = None
 
     @property
     def scene(self) -> Scene:
@@ -63,6 +68,14 @@ class Answer:
             return self.state.trajectory.time
         assert self.held is not None  # noqa: S101 (likewise)
         return self.held.time
+
+    def clearance(self) -> tuple[Clearance | None, tuple[Remark, ...]]:
+        """As `clearance_remarks`, at the speed that is played; nothing until it is known."""
+        near, said = self.collisions or (None, ())
+        if near is None or self.state is None:
+            return near, said
+        near = near.at_speed(self.state.trajectory.c)
+        return near, near.remarks()
 
     @property
     def message(self) -> str:
@@ -139,6 +152,7 @@ class Workbench:
         self._known = self.answer = find_answer(given, self.choices, progress, coarse=False)
         if self.answer.error is not None:
             raise self.answer.error
+        self._jobs.append(self._worker.submit(self._look_for_collisions, None, self.answer))
 
     @property
     def waits(self) -> bool:
@@ -281,8 +295,17 @@ class Workbench:
                     raise CancelledError
 
             with suppress(CancelledError):
-                self._ready.put((request, self._found(request, progress, coarse=False)))
+                found = self._found(request, progress, coarse=False)
+                self._ready.put((request, found))
         self._answered = request
+        self._look_for_collisions(request, found)
+
+    def _look_for_collisions(self, request: _Request | None, found: Answer) -> None:
+        if found.state is None or found.coarse or found.collisions is not None or request is not self._request:
+            return
+        looked = clearance_remarks(found.state.result.cell, found.state.result.motion)
+        self._known = replace(self._known, collisions=looked)
+        self._ready.put((request, replace(found, collisions=looked)))
 
     def _found(self, request: _Request, progress: Progress, *, coarse: bool) -> Answer:
         known, (choices, speed) = self._known, request

@@ -124,6 +124,8 @@ def test_nearest_points_are_as_far_apart_as_told():
     found = mrts.clearance(cell, lifting())
     one, other = found.points
     assert np.linalg.norm(one - other) == pytest.approx(found.distance, abs=EXACT)
+    faster = found.at_speed(2.0)
+    assert (faster.time, faster.distance, faster.pair) == (found.time / 2, found.distance, found.pair)
     json = found.to_json()
     assert json["pair"] == list(found.pair)
     assert json["time"] == found.time

@@ -1,5 +1,6 @@
 """The viewer without a browser: its controls are set as a browser's messages set them, its scene is read back."""
 
+import sys
 from dataclasses import replace
 
 import lxml.html
@@ -9,6 +10,7 @@ import viser
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA, UR5
 from scipy.spatial.transform import Rotation
+from shipped_cells import shipped
 from shown_viewer import cell_of_real_arms, news_of, planar_given, shown_viewer, spatial_given
 from viewer_socket import connected, messages_of
 
@@ -21,6 +23,7 @@ from mrts.plots.plot import Axis, Line, Panel
 from mrts.plots.plotly_drawer import MOST_SAMPLES
 from mrts.scene.arm_meshes import bars
 from mrts.scene.cell_shapes import joint_points
+from mrts.scene.scene import OVER_LIMIT
 from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
 from mrts.viewer.held_poses import still_motion
@@ -212,6 +215,35 @@ def test_a_cell_alone_has_nothing_to_play_and_shows_gaps(planar_cell, monkeypatc
     monkeypatch.setattr(Viewer, "run", lambda _viewer: None)  # Ctrl-C comes at once
     assert main(["view", str(DATA / "cell.yaml"), "--port", "0", "--no-open"]) == 0
     assert "no motion was given, the cell stands at its posture" in capsys.readouterr().out
+
+
+def test_surroundings_and_the_nearest_pair_are_drawn(dual_ur5, monkeypatch):
+    """Beside a post, and then through a shelf: where `mrts.clearance` says, and when at the speed that is played."""
+    given = spatial_given(dual_ur5)
+    posts = [{"name": "post", "cylinder": {"radius": 0.05, "length": 1.0}, "pose": {"xyz": [0.0, 0.6, 0.2]}}]
+    shelf = {"name": "shelf", "box": [0.6, 0.4, 0.002], "pose": {"xyz": [0.0, 0.2, 0.5]}}
+    for surroundings, red in ((posts, False), ([*posts, shelf], True)):
+        cell = mrts.Cell.from_description(shipped("dual_ur5") | {"surroundings": surroundings}, folder=UR5)
+        near = mrts.clearance(cell, given.motion)
+        with shown_viewer(replace(given, cell=cell)) as viewer:
+            viewer.shown.settle()
+            choose(viewer, speed_c=0.5)
+            for number, one in enumerate(surroundings):
+                middle = np.mean(drawn(viewer, f"/surroundings/{number}").vertices, axis=0)
+                np.testing.assert_allclose(middle, one["pose"]["xyz"], atol=SINGLE)
+            line, label = drawn(viewer, "/nearest"), drawn(viewer, "/nearest_name")
+            np.testing.assert_allclose(line.points[0], near.points, atol=SINGLE)
+            assert (line.visible, label.visible, tuple(line.colors[0, 0]) == OVER_LIMIT) == (True, True, red)
+            c = viewer.shown.state.trajectory.c
+            assert label.text == f"{1e3 * near.distance:.3g} mm at {near.time / c:.3g} s"
+            text = viewer.shown._outcome  # noqa: SLF001 (what the page shows)
+            assert near.at_speed(c).sentence() in text
+            assert ('data-text="collisions" style="color:var(--mrts-over)"' in text) == red
+    monkeypatch.setitem(sys.modules, "coal", None)
+    with shown_viewer(given) as viewer:
+        viewer.shown.settle()
+        assert not drawn(viewer, "/nearest").visible
+        assert "mrts[collision]" in viewer.shown._outcome  # noqa: SLF001 (likewise)
 
 
 def frame_after(opened):

@@ -39,6 +39,7 @@ def fine(spatial):
     """A workbench whose motion has more samples than a coarse answer."""
     description = spatial.description.model_copy(update={"samples": 201})
     opened = Workbench(Given(spatial.cell, sample_motion(description), description))
+    answered(opened)
     yield opened
     opened.close()
 
@@ -214,16 +215,21 @@ def gates(monkeypatch):
 def test_a_coarse_answer_comes_first_says_so_and_is_replaced(fine):
     """The whole one is that of `mrts.retime`; the coarse one has fewer samples and keeps limits at these alone."""
     fine.edit(Choices(profile="smooth", mass=9.0))
-    coarse, whole = news_of(fine)
-    assert [coarse.coarse, whole.coarse] == [True, False]
+    coarse, whole, looked = news_of(fine)
+    assert [coarse.coarse, whole.coarse, looked.coarse] == [True, False, False]
+    assert whole.collisions is None
+    assert looked.state is whole.state
+    near = mrts.clearance(whole.state.result.cell, whole.state.result.motion)
+    assert (looked.collisions[0].distance, looked.collisions[0].pair) == (near.distance, near.pair)
     assert len(coarse.state.excess) == COARSE_SAMPLES
     assert "Coarse, the whole answer follows" in outcome_html(coarse.state, coarse=coarse.coarse)
     wanted = mrts.retime(fine.given.cell.with_mass(9.0), fine.given.motion, rates=whole.choices.torque_rate)
     assert whole.state.trajectory.duration == pytest.approx(wanted.duration, rel=SAME)
-    assert fine.answer is whole
+    assert fine.answer is looked
     fine.ask(0.5)  # of a whole answer, whole at once
     (slower,) = news_of(fine)
     assert not slower.coarse
+    assert slower.clearance()[0].time == pytest.approx(2 * near.time)
     assert slower.state.trajectory.duration == pytest.approx(2 * wanted.duration, rel=SAME)
 
 
@@ -245,7 +251,8 @@ def test_what_is_newer_ends_work_on_a_whole_answer(fine, monkeypatch):
         taken += news_of(fine, until=lambda one: one.coarse)
     taken += news_of(fine)
     assert [one.choices.mass for one in taken if one.coarse] == masses
-    assert [one.choices.mass for one in taken if not one.coarse] == masses[-1:]
+    assert [one.choices.mass for one in taken if not one.coarse and one.collisions is None] == masses[-1:]
+    assert [one.choices.mass for one in taken if one.collisions is not None] == masses[-1:]
 
 
 def test_answers_come_while_configurations_are_ranked(fine, gates):
