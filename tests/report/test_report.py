@@ -12,7 +12,7 @@ from changed_robots import with_robots
 from command_line import mrts_without
 from conftest import DATA, UR5
 from report_pages import data_of, own_text
-from shipped_cells import still_motion
+from shipped_cells import shipped, still_motion
 from shown_results import AWKWARD, UGLY_JOINTS, with_all_rates, with_awkward_names
 
 import mrts
@@ -95,6 +95,16 @@ def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, turned):
     np.testing.assert_allclose(np.mean(barbs, axis=2), -0.25 * shaft, atol=4 * DRAWN)  # about the shaft
     sizes = np.linalg.norm(barbs, axis=-1) / np.linalg.norm(shaft, axis=-1, keepdims=True)
     np.testing.assert_allclose(sizes, np.hypot(0.25, 0.125), rtol=1e-3)
+
+
+def test_surroundings_stand_in_the_player(lift_and_turn):
+    crate = {"name": "crate", "box": [0.4, 0.2, 0.1], "pose": {"xyz": [0.1, 0.6, 0.3]}}
+    cell = mrts.Cell.from_description(shipped("dual_ur5") | {"surroundings": [crate]}, folder=UR5)
+    shown = player(mrts.scale(cell, lift_and_turn))
+    (drawn,) = [trace for trace in shown["data"][len(shown["frames"]) :] if trace["name"] == "crate"]
+    corners = np.array([drawn[axis] for axis in "xyz"])
+    np.testing.assert_allclose(np.ptp(corners, axis=1), crate["box"], atol=DRAWN)
+    np.testing.assert_allclose(np.mean(corners, axis=1), crate["pose"]["xyz"], atol=DRAWN)
 
 
 @pytest.mark.quick

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from conftest import DATA, UR5
 from PIL import Image
+from shipped_cells import shipped
 from trimesh import Trimesh
 from trimesh.creation import box
 
@@ -153,6 +154,20 @@ def test_arms_object_and_forces_are_where_the_motion_has_them(dual_ur5):
     assert amount(picture, OBJECT) > 0.03
     joint = seen(camera, moment.lines[1][5:6])[0].astype(int)
     assert where(picture, OVER_LIMIT)[joint[1] - 3 : joint[1] + 4, joint[0] - 3 : joint[0] + 4].any()
+
+
+def test_surroundings_are_where_the_cell_file_has_them(lift_and_turn):
+    """A drum's pixels change at its middle, and what is behind it still shows through."""
+    drum = {"name": "drum", "cylinder": {"radius": 0.05, "length": 0.1}, "pose": {"xyz": [0.0, 0.5, 0.6]}}
+    pictures = []
+    for around in ([], [drum]):
+        cell = mrts.Cell.from_description(shipped("dual_ur5") | {"surroundings": around}, folder=UR5)
+        picture, camera, _ = rendered(clip_of("", mrts.scale(cell, lift_and_turn)), 0.2)
+        pictures.append(picture)
+    changed = np.max(np.abs(pictures[1] - pictures[0]), axis=2)
+    ((right, down),) = seen(camera, np.array([drum["pose"]["xyz"]]))
+    assert 5 < changed[int(down), int(right)] < 150
+    assert 0.001 < np.mean(changed > 5) < 0.1
 
 
 def test_meshes_without_a_surface_are_left_out(lifted, monkeypatch):
