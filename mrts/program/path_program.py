@@ -23,6 +23,9 @@ START = "constant jerk from rest"
 
 BETWEEN_NODES = "speed between nodes"
 
+OF_PATH = (START, BETWEEN_NODES)
+"""Names of rows of the speed along the path, which stand once, behind those of the first load."""
+
 SAME_ROW = 1e-12
 """Share by which the row of a limit may differ from that of a torque whose rate is limited: rounding."""
 

@@ -27,7 +27,7 @@ from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.convex_program import HIGHS_TOLERANCE
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
-from mrts.program.path_program import path_program
+from mrts.program.path_program import OF_PATH, path_program
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits, rate_names
@@ -284,9 +284,10 @@ class RatedFactors:
         """The rates of the segment that matters most, and the limits that bind at its ends."""
         weight = np.sum(asked.changes, axis=0)
         segment, place = (int(one) for one in np.unravel_index(np.argmax(weight), weight.shape))
-        rows_each = self.program.square.shape[1] // len(self.problems)
-        load = int(self._limited[place]) // rows_each
-        problem, first = self.problems[load], load * rows_each
+        of_path = sum(name in OF_PATH for name in self.program.names)  # rows of the first load alone
+        rows_each = (self.program.square.shape[1] - of_path) // len(self.problems)
+        load = max(int(self._limited[place]) - of_path, 0) // rows_each
+        problem, first = self.problems[load], load * rows_each + (of_path if load else 0)
         least = FELT * max(float(np.max(asked.rows)), float(np.max(weight)))
         at_ends = np.max(asked.rows[:, segment : segment + 2, first : first + len(problem.names)], axis=1)
         rates = [

@@ -80,12 +80,13 @@ def good(planar_cell):
         "rows_contact": {"A": np.vstack([np.eye(6), -np.eye(6)]), "upper": [1.0] * 12} | named,
         "suction_contact": {"holding_force": 50.0, "friction": 0.5, "radius": 0.02, "normal": [0, 0, 1], "pull": False}
         | named,
+        "clearance": {"cell": planar_cell, "motion": motion},
         "check": {"cell": DATA / "cell.yaml", "motion": DATA / "lift.yaml", "progress": lambda _done, _total: None},
         "follow_object": {"cell": planar_cell, "motion": motion},
         "load_cell": {"path": DATA / "cell.yaml"},
         "load_motion": {"path": DATA / "lift.yaml"},
         "load_result": {"path": "good.npz", "cell": planar_cell},
-        "rank_configurations": search | with_solver,
+        "rank_configurations": search | with_solver | {"clearance": False},
         "place": {"study": study, "starts": 1, "looked_at": 2, "seconds": None}
         | {"between": None, "progress": lambda _done, _total: None},
         "read_study": {"path": UR5 / "study.yaml"},
