@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import check_type
+from mrts.base.argument_types import Progress, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError
 from mrts.base.remark import Remark
@@ -103,7 +103,9 @@ class Clearance:
         }
 
 
-def clearance(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion) -> Clearance:
+def clearance(
+    cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion, progress: Progress = lambda _done, _total: None
+) -> Clearance:
     """The least distance between bodies of a cell along a motion: links of all arms, the object, the surroundings.
 
     Between the samples it is found to within 1 mm, or 2 % of it, on the path that the joints take there. Pairs that are
@@ -113,21 +115,22 @@ def clearance(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion)
     Args:
         cell: The cell, with the folder of its URDFs (`Cell.folder`).
         motion: As in `mrts.scale`.
+        progress: Told how many of the motion's samples are looked at.
 
     Raises:
         InputError: If coal is not installed, a mesh cannot be read, or it is not known where the URDFs are.
         MotionError: If the arms cannot follow the motion.
     """
     check_type("cell", cell, Cell)
-    return CollisionModel(cell).clearance(coordinate(cell, motion))
+    return CollisionModel(cell).clearance(coordinate(cell, motion), progress)
 
 
 def clearance_remarks(
-    cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion
+    cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion, progress: Progress = lambda _done, _total: None
 ) -> tuple[Clearance | None, tuple[Remark, ...]]:
     """As `clearance`, None where that raises an error, and what is to say of it."""
     try:
-        near = clearance(cell, motion)
+        near = clearance(cell, motion, progress)
     except (InputError, MotionError) as error:
         return None, (Remark.assumed(COLLISIONS_UNKNOWN, f"{NO_COLLISIONS}. {error}"),)
     return near, near.remarks()
@@ -193,10 +196,10 @@ class CollisionModel:
         self.left_out = tuple(self._names(pair) for pair in np.flatnonzero(always).tolist())
         self._set_pairs([pair for pair, left in zip(candidates, always, strict=True) if not left])
 
-    def clearance(self, motion: CoordinatedMotion) -> Clearance:
+    def clearance(self, motion: CoordinatedMotion, progress: Progress = lambda _done, _total: None) -> Clearance:
         """The least distance along a motion of this cell, which may have other postures than the model's."""
         found = self._poses(motion)
-        own = self._look(found)
+        own = self._look(found, progress)
         while len(between := self._to_look_between(found, motion.q)):
             time = (found.time[between] + found.time[between + 1]) / 2
             more = self._poses(between_samples(self._cell, motion, time), slice(1, -1))
@@ -301,10 +304,11 @@ class CollisionModel:
             poses.exact[k, pair] = True
         return float(poses.bounds[k, pair])
 
-    def _look(self, poses: _Poses) -> Array:
+    def _look(self, poses: _Poses, progress: Progress = lambda _done, _total: None) -> Array:
         """The least distance at each pose, Shape (K,): the nearest balls first, until none can be nearer."""
         least = np.full(len(poses.time), np.inf)
         for k, order in enumerate(np.argsort(poses.bounds, axis=1)):
+            progress(k, len(least))
             for pair in order.tolist():
                 if poses.bounds[k, pair] >= least[k]:
                     break

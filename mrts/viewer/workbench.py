@@ -289,13 +289,8 @@ class Workbench:
         found = self._found(request, lambda _done, _total: None, coarse=coarse)
         self._ready.put((request, found))
         if found.coarse and request is self._request:
-
-            def progress(_done: int, _total: int) -> None:
-                if request is not self._request:
-                    raise CancelledError
-
             with suppress(CancelledError):
-                found = self._found(request, progress, coarse=False)
+                found = self._found(request, self._while_newest(request), coarse=False)
                 self._ready.put((request, found))
         self._answered = request
         self._look_for_collisions(request, found)
@@ -303,9 +298,20 @@ class Workbench:
     def _look_for_collisions(self, request: _Request | None, found: Answer) -> None:
         if found.state is None or found.coarse or found.collisions is not None or request is not self._request:
             return
-        looked = clearance_remarks(found.state.result.cell, found.state.result.motion)
-        self._known = replace(self._known, collisions=looked)
-        self._ready.put((request, replace(found, collisions=looked)))
+        result = found.state.result
+        with suppress(CancelledError):
+            looked = clearance_remarks(result.cell, result.motion, self._while_newest(request))
+            self._known = replace(self._known, collisions=looked)
+            self._ready.put((request, replace(found, collisions=looked)))
+
+    def _while_newest(self, request: _Request | None) -> Progress:
+        """What ends work on a request once there is a newer one."""
+
+        def progress(_done: int, _total: int) -> None:
+            if request is not self._request:
+                raise CancelledError
+
+        return progress
 
     def _found(self, request: _Request, progress: Progress, *, coarse: bool) -> Answer:
         known, (choices, speed) = self._known, request

@@ -12,6 +12,7 @@ from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_give
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
+from mrts.collisions.clearance import clearance_remarks
 from mrts.motion.motion_file import sample_motion
 from mrts.scene.cell_shapes import joint_points
 from mrts.viewer import workbench
@@ -253,6 +254,21 @@ def test_what_is_newer_ends_work_on_a_whole_answer(fine, monkeypatch):
     assert [one.choices.mass for one in taken if one.coarse] == masses
     assert [one.choices.mass for one in taken if not one.coarse and one.collisions is None] == masses[-1:]
     assert [one.choices.mass for one in taken if one.collisions is not None] == masses[-1:]
+
+
+def test_what_is_newer_ends_the_look_for_collisions(fine, monkeypatch):
+    begun = Gate()
+
+    def looked(*given):
+        begun.wait()
+        return clearance_remarks(*given)
+
+    monkeypatch.setattr(workbench, "clearance_remarks", looked)
+    fine.edit(Choices(mass=9.0))
+    assert begun.reached.wait(PATIENCE)
+    fine.edit(Choices(mass=9.5))
+    begun.opened.set()
+    assert [one.choices.mass for one in news_of(fine) if one.collisions is not None] == [9.5]
 
 
 def test_answers_come_while_configurations_are_ranked(fine, gates):
