@@ -103,9 +103,7 @@ class Clearance:
         }
 
 
-def clearance(
-    cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion, progress: Progress = lambda _done, _total: None
-) -> Clearance:
+def clearance(cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion) -> Clearance:
     """The least distance between bodies of a cell along a motion: links of all arms, the object, the surroundings.
 
     Between the samples it is found to within 1 mm, or 2 % of it, on the path that the joints take there. Pairs that are
@@ -115,22 +113,24 @@ def clearance(
     Args:
         cell: The cell, with the folder of its URDFs (`Cell.folder`).
         motion: As in `mrts.scale`.
-        progress: Told how many of the motion's samples are looked at.
 
     Raises:
         InputError: If coal is not installed, a mesh cannot be read, or it is not known where the URDFs are.
         MotionError: If the arms cannot follow the motion.
     """
     check_type("cell", cell, Cell)
-    return CollisionModel(cell).clearance(coordinate(cell, motion), progress)
+    return CollisionModel(cell).clearance(coordinate(cell, motion))
 
 
 def clearance_remarks(
     cell: Cell, motion: ObjectMotion | JointTable | CoordinatedMotion, progress: Progress = lambda _done, _total: None
 ) -> tuple[Clearance | None, tuple[Remark, ...]]:
-    """As `clearance`, None where that raises an error, and what is to say of it."""
+    """As `clearance`, None where that raises an error, and what is to say of it.
+
+    `progress` is told how many samples are looked at.
+    """
     try:
-        near = clearance(cell, motion, progress)
+        near = CollisionModel(cell).clearance(coordinate(cell, motion), progress)
     except (InputError, MotionError) as error:
         return None, (Remark.assumed(COLLISIONS_UNKNOWN, f"{NO_COLLISIONS}. {error}"),)
     return near, near.remarks()
