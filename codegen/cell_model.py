@@ -136,7 +136,9 @@ def build_cell_model(path: Path, description: CellDescription, folder: Path | No
     with mistakes.noted():
         inertia, shape, of_object = _build_object(path, folder, carried)
     with mistakes.noted():
-        surroundings = build_surroundings(path, folder, description.surroundings)
+        surroundings = build_surroundings(
+            path, folder, description.surroundings, [robot.name for robot in description.robots]
+        )
     mistakes.raise_noted()
     remarks = [*of_object, *check_contact_normals(path, description.robots, shape)]
     remarks += [remark for arm in built for remark in (*arm.model.remarks, *arm.remarks)]

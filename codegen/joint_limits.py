@@ -36,11 +36,13 @@ class FileLimits(NamedTuple):
 
     Attributes:
         limits: By quantity; NaN where nothing is said.
+        velocity_factor: Its own default one, for velocities of the URDF too.
         reference: As the cell file names it, and the hash of its bytes.
         remarks: What of it is not taken as it reads.
     """
 
     limits: dict[str, Array]
+    velocity_factor: float
     reference: tuple[str, str]
     remarks: tuple[Remark, ...]
 
@@ -77,7 +79,7 @@ def joint_motion_limits(
     if robot.joint_limits is not None:
         found = _read(path, f"{key}.joint_limits", robot, joints, folder)
         said = {name: ~np.isnan(values) for name, values in found.limits.items()}
-        velocity = np.where(said["velocity"], found.limits["velocity"], velocity)
+        velocity = np.where(said["velocity"], found.limits["velocity"], velocity * found.velocity_factor)
         upper = np.where(said["acceleration"], found.limits["acceleration"], upper)
         lower, file, remarks = -upper, found.reference, found.remarks
         if said["jerk"].any():
@@ -152,6 +154,7 @@ def _read(path: Path, key: str, robot: "RobotDescription", joints: Sequence[str]
         limits[of] = limits[of] * factor
     return FileLimits(
         limits,
+        factors["velocity"],
         (reference.text, hashlib.sha256(content).hexdigest()),
         tuple(_remarks(robot.name, key, file.name, factors, passed)),
     )
@@ -174,8 +177,9 @@ def _remarks(
     if scaled:
         yield Remark(
             "joint-limits-scaled",
-            f"robot '{robot}': limits of {file} are multiplied by its default scaling factors ({', '.join(scaled)}), "
-            "as MoveIt does unless a request says otherwise. Take them out of the file for the whole range.",
+            f"robot '{robot}': limits of {file}, and velocities of the URDF, are multiplied by its default scaling "
+            f"factors ({', '.join(scaled)}), as MoveIt does unless a request says otherwise. Take them out of the file "
+            "for the whole range.",
         )
     if passed:
         names = first_names([f"{name} of {joint}" for name, joint in passed.items()], SHOWN)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """`object.shape` and `surroundings` of the cell file: what bodies look like, and the inertia of a uniform one."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -65,11 +66,14 @@ class ObstacleDescription(ShapeDescription):
     name: Name | None = None
 
 
-def build_surroundings(path: Path, folder: Path, given: list[ObstacleDescription]) -> tuple[ObstacleRecord, ...]:
+def build_surroundings(
+    path: Path, folder: Path, given: list[ObstacleDescription], robots: Sequence[str]
+) -> tuple[ObstacleRecord, ...]:
     """The bodies of the surroundings."""
     names, found = point_names(given, "obstacle"), list[ObstacleRecord]()
-    if len({*names}) < len(names):
-        raise InputError(path, "must have names of their own.", key="surroundings", value=names)
+    if len({*names, *robots, "object"}) <= len(names) + len(robots):
+        rule = "must have names of their own, none of them 'object' or a robot's."
+        raise InputError(path, rule, key="surroundings", value=names)
     for at, (shape, name) in enumerate(zip(given, names, strict=True)):
         record, _ = _shape_record(path, folder, shape, f"surroundings[{at}]")
         found.append(ObstacleRecord(**dict(record), name=name))

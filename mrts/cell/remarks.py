@@ -399,7 +399,7 @@ def _unlike_limits(cell: "Cell") -> Iterator[Remark]:
         speed_units = [f"{unit}/s" for unit in pair[0].position_units]
         for kind, limits, units, given in (
             ("torque", torques, pair[0].torque_units, sources),
-            ("velocity", speeds, speed_units, ["URDF", "URDF"]),
+            ("velocity", speeds, speed_units, ["URDF" if robot.has_urdf_velocity else "cell file" for robot in pair]),
         ):
             known = (np.minimum(*limits) > 0) & (np.maximum(*limits) < np.inf)
             ratios = np.divide(np.maximum(*limits), np.minimum(*limits), out=np.ones(len(known)), where=known)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Bodies of an arm, which its joints move against each other: where they are, and the links of the URDF in each."""
 
+import logging
 from collections import deque
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -77,6 +78,7 @@ def posed_urdf(
     """
     from yourdfpy import URDF  # noqa: PLC0415 (half a second, for cells that have meshes)
 
+    logging.getLogger("yourdfpy").setLevel(logging.CRITICAL)  # it tells of namespaces that it gets over
     model = URDF.load(str(path), filename_handler=partial(mesh_file, path), load_meshes=visuals)
     still = {name: value for name, value in held.items() if name in model.actuated_joint_names}
     model.update_cfg(still)  # what mimics them follows

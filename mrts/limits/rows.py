@@ -16,7 +16,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.hands import triple_axes
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.kernel.cell_library import SparseLimits
-from mrts.limits.circles import in_circles, polygons
+from mrts.limits.circles import circle, few_sides, in_circles, polygons
 
 Side = Literal["lower", "upper"]
 
@@ -31,6 +31,9 @@ RATES = {"torque rate", "wrench rate", "jerk"}
 
 COLUMNS = ("rate", "speed", "square", "offset")
 """Attributes of rows with a number for each sample."""
+
+SAME_CIRCLE = 1e-6
+"""Share by which circles of some sides and of all sides of a polygon may differ: rounding of its author's numbers."""
 
 MOST_NAMES = 3
 """Rows that a short list names."""
@@ -536,8 +539,27 @@ def checked_rows(limit: Callable[..., object], cell: Cell, motion: CoordinatedMo
 
 
 def _check_polygons(where: str, rows: LimitRows) -> None:
+    few, of_others = few_sides(rows.names), rows.of_forces | moved(rows.speed, len(rows.names))
     for name, own in polygons(rows.names).items():
-        sides = int(np.sum(np.isfinite([rows.lower[own], rows.upper[own]])))
+        limits = np.stack([rows.upper[own], -rows.lower[own]])
+        sides = int(np.sum(np.isfinite(limits)))
         if not sides == name.sides >= 3:  # noqa: PLR2004 (a triangle)
             rule = f"{name}: its rows have {sides} limits and its polygon {name.sides} sides: as many, at least 3."
+            raise InputError(where, rule, key="names")
+        nothing = np.zeros((1, len(own)))
+        terms = np.stack(
+            np.broadcast_arrays(*(nothing if c is None else c[:, own] for c in (rows.rate, rows.square, rows.offset))),
+            axis=2,
+        )
+        both = np.stack([terms, -terms], axis=1)
+        both[..., 2] -= limits
+        whole, some = (
+            circle(both[:, np.isfinite(limits) & chosen], name.sides) for chosen in (np.ones(len(own), bool), few[own])
+        )
+        alike = all(
+            np.allclose(*of, rtol=SAME_CIRCLE, atol=SAME_CIRCLE * np.max(np.abs(of[0])))
+            for of in zip(whole, some, strict=True)
+        )
+        if np.any(of_others[own]) or not alike:
+            rule = f"{name}: must be the sides of a regular polygon in the plane of r̈ and ṙ², in their order."
             raise InputError(where, rule, key="names")

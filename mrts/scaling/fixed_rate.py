@@ -45,10 +45,14 @@ def at_rate(result: ScalingResult, rate: float) -> ScalingResult:
             found = replace(found, options=replace(options, rates=result.options.rates), excess=excess)
             sampled = with_torques(found, rows=rows)
         except (SelectionError, SolverError) as error:  # the latter where rates do not suit
-            refused, end = error, None
+            refused, admitted = error, None
             if isinstance(error, SelectionError) and error.result is not None:
-                end = error.result.range.upper
-            steps = max(steps + 1, int(np.ceil(steps / np.sqrt(end.c2))) if end is not None and end.c2 > 0 else 0)
+                admitted = error.result.range
+            if admitted is not None and admitted.lower is not None and admitted.lower.c2 > 1:
+                steps = int(steps / np.sqrt(admitted.lower.c2))  # a least speed
+                continue
+            most = 0.0 if admitted is None or admitted.upper is None else admitted.upper.c2
+            steps = max(steps + 1, int(np.ceil(steps / np.sqrt(most))) if most > 0 else 0)
             continue
         played = sampled.trajectory
         assert played is not None and played.holding is not None  # noqa: S101, PT018 (c² is in the range)

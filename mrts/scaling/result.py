@@ -218,7 +218,7 @@ class ScalingResult(Result):
             InputError: If there is no trajectory, the rate is no number that suits it, or an internal wrench is given
                 for each sample.
             MotionError: If the arms cannot hold the object there.
-            SelectionError: If no slower plan keeps the limits either.
+            SelectionError: If no plan near it keeps the limits.
             SolverError: If no solver answers.
         """
         from mrts.scaling.fixed_rate import at_rate  # noqa: PLC0415 (it scales, which makes results)

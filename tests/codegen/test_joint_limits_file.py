@@ -67,12 +67,15 @@ def test_joints_that_the_file_leaves_out_keep_the_velocities_of_the_urdf(written
 
 @pytest.mark.parametrize("wrappers", [(), ("/**", "ros__parameters"), ("robot_description_planning",),
                                       ("/**", "ros__parameters", "robot_description_planning")])  # fmt: skip
-def test_scaling_factors_are_applied_and_told_under_any_wrapper(wrappers, written):
+def test_scaling_factors_are_applied_and_told_under_any_wrapper(wrappers, written, planar_cell):
     data = joints(FULL, NONE, BARE) | SCALED
     for name in reversed(wrappers):
         data = {name: data}
     cell = mrts.load_cell(written(data))
     assert cell.robots[0].velocity_limit.tolist() == pytest.approx([0.2, np.inf, 0.15])
+    some = mrts.load_cell(written(joints(FULL) | SCALED)).robots[0]
+    of_urdf = np.array(planar_cell.robots[0].velocity_limit[1:])
+    assert some.velocity_limit.tolist() == pytest.approx([0.2, *(0.1 * of_urdf).tolist()])  # as MoveIt's whole model
     assert cell.robots[0].acceleration_upper.tolist() == pytest.approx([2.5, np.inf, 2.0])
     assert cell.robots[0].motors.jerk[2] == 60.0
     (remark,) = (remark for remark in cell.remarks if remark.code == "joint-limits-scaled")

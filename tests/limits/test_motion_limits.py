@@ -185,3 +185,6 @@ def test_a_loop_must_be_fast_enough_for_a_cup(tmp_path):
     assert found.upper.c2 == pytest.approx(40.0 / (radius * speed**2), rel=1e-9)
     assert {row.name.failure for row in found.lower.rows} == {"object/cup slips"}
     assert {str(row.name) for row in found.upper.rows} == {"object/linear acceleration"}
+    plan = mrts.scale(replace(cell, robots=turned), motion, select=found.lower.c2 * (1 + 1e-6))
+    sampled = plan.at_rate(200)  # one slower would drop it: it ends a step earlier
+    assert sampled.trajectory.duration <= plan.trajectory.duration <= sampled.trajectory.duration + 2 / 200

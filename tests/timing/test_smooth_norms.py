@@ -66,6 +66,24 @@ def test_a_polygon_that_lacks_sides_is_refused(sides, dual_ur5, lift_and_turn):
     assert refused.value.key == "names"
 
 
+@pytest.mark.parametrize("wrong", ["order", "speed", "force"])
+def test_a_polygon_of_another_plane_is_refused(wrong, dual_ur5, lift_and_turn):
+    """As a circle of r̈ and ṙ² it would be none: torques overstepped limits twofold."""
+    shuffled = np.random.default_rng(3).permutation(112)
+
+    def mixed(cell, motion):
+        rows = corner_limit(cell, motion)
+        if wrong == "order":
+            return replace(rows, rate=rows.rate[:, shuffled], square=rows.square[:, shuffled])
+        if wrong == "speed":
+            return replace(rows, speed=np.abs(rows.rate))
+        return replace(rows, wrench_matrix=rows.wrench_matrix + 1)
+
+    with pytest.raises(InputError) as refused:
+        mrts.retime(dual_ur5, lift_and_turn, limits=[mixed], rates=11.5)
+    assert refused.value.key == "names"
+
+
 def test_a_cup_takes_all_of_its_friction(dual_ur5, lift_and_turn):
     cup = CarriedThing(name="cup", at=[0.1, 0.05, 0.05], normal=[0, 0.02, 1], friction=0.5)
     cell = replace(dual_ur5, carried=(cup,))

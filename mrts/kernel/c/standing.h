@@ -30,7 +30,9 @@ static inline mrts_span mrts_span_in_cone(const mrts_real *square, const mrts_re
     const mrts_real d = mrts_dot(2, offset, offset) - steep * offset[2] * offset[2];
     const mrts_real along = square[0] * offset[2] - square[2] * offset[0], across = square[1] * offset[2] - square[2] * offset[1];
     const mrts_real aside = square[0] * offset[1] - square[1] * offset[0];
-    const mrts_real root = steep * (along * along + across * across) - aside * aside; /* b^2 - a d, without cancellation */
+    const mrts_real lost = MRTS_ZERO * steep * mrts_dot(3, square, square) * mrts_dot(3, offset, offset);
+    mrts_real root = steep * (along * along + across * across) - aside * aside; /* b^2 - a d, without cancellation */
+    if (root < 0 && root >= -lost) root = 0; /* of a thing that is lifted straight up both are one direction */
     mrts_span found = a == 0 ? mrts_span_below(2 * b, d) : nothing;
     if (a != 0 && root >= 0) {
         const mrts_real sum = b < 0 ? MRTS_SQRT(root) - b : -MRTS_SQRT(root) - b;
