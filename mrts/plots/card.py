@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from mrts.plots.labels import range_facts, row_text
-from mrts.plots.limit_shares import AT_END, REACHED, limiting_rows, played
+from mrts.plots.limit_shares import AT_END, AT_LIMIT, REACHED, limiting_rows, played
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 
@@ -97,7 +97,7 @@ def _nearest(result: ScalingResult, timing: "RetimingResult | None") -> tuple[Li
     limiting, time, bars = limiting_rows(result, timing), played(result).time, []
     for label, (row, *_) in limiting.ranked.items():
         if limiting.names[row].kind != "velocity" or result.cell.enforces_velocity_limits:
-            share = limiting.shares[:, row]
-            at = int(np.argmax(share >= min(np.max(share), REACHED)))
-            bars.append(LimitBar(label, float(np.max(share)), float(time[at])))
+            share, most = limiting.shares[:, row], float(np.max(limiting.shares[:, row]))
+            at = int(np.argmax(share >= (most if most > 1 + AT_LIMIT else min(most, REACHED))))
+            bars.append(LimitBar(label, most, float(time[at])))
     return tuple(bars[:MOST_BARS])

@@ -140,9 +140,10 @@ class LimitingRows:
 
     @cached_property
     def ranked(self) -> dict[str, list[int]]:
-        """Rows by what they limit: those that set the speed first, then by falling share; at 100 % they are alike."""
+        """Rows by what they limit: those that set the speed first, then by falling share; those at 100 % are alike."""
         first = {name: place for place, name in enumerate(self.setting)}
-        most, rows = np.minimum(np.max(self.shares, axis=0), REACHED), dict[str, list[int]]()
+        largest, rows = np.max(self.shares, axis=0), dict[str, list[int]]()
+        most = np.where(largest > 1 + AT_LIMIT, largest, np.minimum(largest, REACHED))
         for row in sorted(range(len(most)), key=lambda row: (first.get(self.names[row], len(first)), -most[row])):
             rows.setdefault(short_name(self.names[row]), []).append(row)
         return rows

@@ -1,5 +1,7 @@
 """The answer in one line with the nearest limits: the numbers of the result."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import DATA
@@ -7,6 +9,7 @@ from conftest import DATA
 import mrts
 from mrts.plots.card import MOST_BARS, answer_card
 from mrts.plots.limit_shares import all_shares
+from mrts.scaling.limit_use import rate_uses
 
 pytestmark = pytest.mark.quick
 
@@ -46,3 +49,13 @@ def test_what_sets_the_speed_comes_first_and_hands_are_named_by_how_they_fail():
     card = answer_card(found)
     assert {bar.label for bar in card.bars[:3]} == {"left/pad normal force", "left/pad slips", "right/pad slips"}
     assert "limited by left/pad normal force ↑, 120 N and 2 more, at " in card.outcome
+
+
+def test_of_rates_that_pass_their_limits_the_worst_is_told_with_its_moment(dual_ur5, lift_and_turn):
+    rate = np.array([100.0, 100.0, 100.0, 3.0, 20.0, 10.0])
+    robots = [replace(robot, motors=replace(robot.motors, torque_rate=rate)) for robot in dual_ur5.robots]
+    found = mrts.scale(replace(dual_ur5, robots=tuple(robots)), lift_and_turn)
+    worst, *_ = rate_uses(found)
+    told = [bar for bar in answer_card(found).bars if bar.label.endswith("torque rate")]
+    assert worst.share > 1.1
+    assert [told[0].label, told[0].share, told[0].time] == [str(worst.name), pytest.approx(worst.share), worst.time]
