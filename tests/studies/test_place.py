@@ -171,6 +171,14 @@ def test_accelerations_and_a_cup_are_searched_with(tmp_path):
     assert {row.name.kind for row in found.after.result.range.upper.rows} == {"acceleration"}
 
 
+def test_points_of_arms_are_searched_with(tmp_path):
+    cell = shipped("dual_ur5", frames=[{"link": "wrist_1", "speed": 0.45, "acceleration": 4.0}])
+    path = write_study(tmp_path, cell, DATA / "dual_ur5" / "lift_and_turn.yaml", UR5_VARY)
+    found = mrts.place(path, starts=1, looked_at=4, between=None)
+    assert found.after.c2 > found.before.c2
+    assert {row.name.element for row in found.after.result.range.upper.rows} == {"wrist_1"}
+
+
 def test_arms_of_one_machine_move_together(tmp_path):
     def hold(robots):
         for robot in robots:

@@ -20,6 +20,7 @@ from mrts.base.errors import InputError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
 from mrts.cell.hands import triple_axes
+from mrts.cell.points import ArmPointLimit
 from mrts.cell.robot import Robot
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
@@ -100,7 +101,7 @@ def solve_layout(
     reference, first_force = ca.SX.sym("reference", len(redundant)), ca.SX.sym("multiplier", force.shape[1])
     shared = ca.vertcat(theta, log_c2, reference, first_force)
     geometry = numbers.geometry(cell, theta)
-    limits = _Limits.of(cell, motion.at(samples))
+    limits = _Limits.of(_without_arm_points(cell), motion.at(samples))
     sample = _sample_function(cell, functions, geometry, (shared, log_c2, reference), force.shape[1], limits, loads)
     posture = numbers.postures(cell, theta)
     begin = _start_equations(cell, functions, motion, geometry, (shared, reference, first_force), posture)
@@ -114,8 +115,9 @@ def solve_layout(
         "g": ca.vertcat(begin(ours), ca.vec(rows)),
     }
     row_bounds = []
-    for bound in limits.bounds:
-        of_loads = [bound, *[bound[:, limits.rows.of_forces]] * (len(loads) - 1)]
+    points = len(_point_rows(cell, *(ca.SX(m, 1),) * 3, 1.0))
+    for bound, end in zip(limits.bounds, (-np.inf, 1.0), strict=True):
+        of_loads = [bound, *[bound[:, limits.rows.of_forces]] * (len(loads) - 1), np.full((N, points), end)]
         held = np.zeros((N, sample.size1_out(0) - sum(each.shape[1] for each in of_loads)))
         row_bounds.append(np.append(np.zeros(begin.numel_out()), np.concatenate([held, *of_loads], axis=1)))
     unknown_bounds = []
@@ -208,12 +210,47 @@ def _sample_function(
         torque = form["torque_map"] @ x + form["torque_offset"] + of_motors
         value = limits.values(torque, F, _turned_wrenches(cell, F, carried[1], geometry), of_speed)
         values.append(value[np.flatnonzero(limits.rows.of_forces).tolist()] if values else value)
+    values += _point_rows(cell, q, dq, ddq, c2)
     position_, R, *rates = carried
     return ca.Function(
         "sample",
         [ca.vertcat(*position, *wrenches, *force), whole, ca.vertcat(position_, ca.vec(R), *rates, s, e, dry)],
         ca.cse([ca.densify(ca.vertcat(*equations, *values))]),
     )
+
+
+def _without_arm_points(cell: Cell) -> Cell:
+    return replace(cell, robots=tuple(replace(robot, point_limits=()) for robot in cell.robots))
+
+
+def _point_rows(cell: Cell, q: Any, dq: Any, ddq: Any, c2: Any) -> list[Any]:
+    """Squares of what points of arms use of their limits at a c², at most 1 each."""
+    rows, kept = [], 1 - cell.reserve
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        for point in robot.point_limits:
+            velocity, acceleration = _point_rates(robot, point, q[joints], dq[joints], ddq[joints])
+            if point.speed is not None and cell.enforces_velocity_limits:
+                rows.append(ca.sumsqr(velocity) * c2 / (kept * point.speed) ** 2)
+            if point.acceleration is not None:
+                rows.append(ca.sumsqr(acceleration) * c2**2 / (kept * point.acceleration) ** 2)
+    return rows
+
+
+def _point_rates(robot: Robot, point: ArmPointLimit, q: Any, dq: Any, ddq: Any) -> tuple[Any, Any]:
+    """`mrts.limits.motion_limits.arm_point` in CasADi, at one sample."""
+    place, velocity, acceleration = ca.DM(point.at_zero), ca.DM.zeros(3), ca.DM.zeros(3)
+    for j in reversed(range(point.joints)):
+        axis, K = ca.DM(robot.axes[j]), ca.skew(ca.DM(robot.axes[j]))
+        if robot.joint_types[j] == "prismatic":
+            place = place + axis * q[j]
+            velocity, acceleration = velocity + axis * dq[j], acceleration + axis * ddq[j]
+            continue
+        R = ca.DM.eye(3) + ca.sin(q[j]) * K + (1 - ca.cos(q[j])) * (K @ K)
+        arm, velocity, acceleration = R @ (place - robot.points[j]), R @ velocity, R @ acceleration
+        around = K @ arm
+        acceleration = acceleration + around * ddq[j] + K @ around * dq[j] ** 2 + 2 * (K @ velocity) * dq[j]
+        velocity, place = velocity + around * dq[j], robot.points[j] + arm
+    return velocity, acceleration
 
 
 def _object_columns(motion: CoordinatedMotion) -> Array:
