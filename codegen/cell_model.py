@@ -207,7 +207,7 @@ def build_robot(
     components = _components(plane)
     held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
     model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held, lenient=lenient)
-    joints = [joint.name for joint in model.joints]
+    joints, of_chain = [joint.name for joint in model.joints], model.of_robot()
     T_world_base = robot.base.transform
     T_object_tip = robot.grasp.transform
     bounds = robot.wrench
@@ -220,7 +220,7 @@ def build_robot(
         torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model.joints)
         motors, of_motors = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
     with mistakes.noted():
-        moving = joint_motion_limits(path, key, robot, joints, model.of_robot()["velocity_limit"], folder)
+        moving = joint_motion_limits(path, key, robot, joints, of_chain["velocity_limit"], folder)
         points = _point_limits(path, f"{key}.frames", robot, model, urdf, held)
     with mistakes.noted():
         wrench_lower, wrench_upper = wrench_bounds(path, f"{key}.wrench", bounds.lower, bounds.upper, components)
@@ -233,7 +233,7 @@ def build_robot(
     given_friction = robot.motors.friction is not None
     built = Robot(
         name=robot.name,
-        **model.of_robot()
+        **of_chain
         | {
             "velocity_limit": moving.velocity,
             "acceleration_lower": moving.acceleration_lower,

@@ -12,7 +12,7 @@ from mrts.base.errors import InputError
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule
 from mrts.base.remark import Remark
-from mrts.cell.motors import NONE_GIVEN, PER_JOINT, JointMotors
+from mrts.cell.motors import NONE_GIVEN, RATINGS, JointMotors
 
 if TYPE_CHECKING:
     from mrts_codegen.cell_file import RobotDescription
@@ -102,7 +102,7 @@ def build_motors(
         chosen = FrictionDescription() if given.friction == "none" else given.friction
         friction = {name: getattr(chosen, name) for name in OF_FRICTION}
     columns = {name: one_a_joint(f"friction.{name}", friction[name]) for name in OF_FRICTION}
-    for name in ("armature", *PER_JOINT[3:]):
+    for name in ("armature", *RATINGS):
         columns[name] = one_a_joint(name, getattr(given, name), NONE_GIVEN[name])
     curves = _curves(path, f"{key}.torque_speed", given.torque_speed, joints)
     try:

@@ -104,12 +104,8 @@ class RobotModel:
 
     def link_frame(self, urdf: Urdf, link: str, held: Mapping[str, float]) -> tuple[int, RigidTransform]:
         """How many joints of the chain move a link, and its frame in the base frame with every joint at zero."""
-        names = [joint.name for joint in self.joints]
-        joints, T = 0, self.T_base_root
-        for joint in urdf.joints_to(link):
-            T = T @ joint.pose(held.get(joint.name, 0.0))
-            joints += joint.name in names
-        return joints, T
+        moving = {joint.name for joint in self.joints} & {joint.name for joint in urdf.joints_to(link)}
+        return len(moving), self.T_base_root @ frame_in_root(urdf, link, held)
 
     def zero_frames(self) -> list[RigidTransform]:
         """Joint frames, then the tip, in the base frame with every joint at zero."""
@@ -184,17 +180,17 @@ def build_robot_model(
         joints=tuple(joints),
         tip=placement,
         tip_by_held=placed_by_held,
-        T_base_root=root_in_base(urdf, base_link, held),
+        T_base_root=frame_in_root(urdf, base_link, held).inverse(),
         remarks=(*remarks, *_follower_remarks(path, urdf, joints)),
     )
 
 
-def root_in_base(urdf: Urdf, base_link: str, held: Mapping[str, float]) -> RigidTransform:
-    """Root of a URDF in the frame of one of its links, joints in between held where `held` says, else at zero."""
+def frame_in_root(urdf: Urdf, link: str, held: Mapping[str, float]) -> RigidTransform:
+    """Frame of a link in the root of its URDF, joints in between held where `held` says, else at zero."""
     T = RigidTransform.identity()
-    for joint in urdf.joints_to(base_link):
+    for joint in urdf.joints_to(link):
         T = T @ joint.pose(held.get(joint.name, 0.0))
-    return T.inverse()
+    return T
 
 
 def _follower_remarks(path: Path, urdf: Urdf, moving: list[Joint]) -> Iterator[Remark]:

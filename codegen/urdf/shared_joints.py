@@ -6,7 +6,7 @@ from itertools import combinations, permutations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrts_codegen.urdf.robot_model import root_in_base
+from mrts_codegen.urdf.robot_model import frame_in_root
 
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import SAME_PLACE, RigidTransform, in_one_place
@@ -45,7 +45,7 @@ def _still(arm: "BuiltRobot") -> set[str]:
 
 def _root(arm: "BuiltRobot", positions: Mapping[str, float]) -> RigidTransform:
     """Root of the URDF in the world, where the joints up to the base link stand at given positions."""
-    return arm.robot.T_world_base @ root_in_base(arm.urdf, arm.model.base_link, positions)
+    return arm.robot.T_world_base @ frame_in_root(arm.urdf, arm.model.base_link, positions).inverse()
 
 
 def _of_one_machine(first: "BuiltRobot", second: "BuiltRobot") -> bool:

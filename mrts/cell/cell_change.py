@@ -45,6 +45,9 @@ SIDES: dict[ChangeKind, tuple[str, ...]] = {
     "acceleration": ("acceleration_lower", "acceleration_upper"),
 }
 
+OF_POINT: dict[ChangeKind, str] = {"velocity": "speed", "acceleration": "acceleration"}
+"""What a limited point calls a limit of the kinds that it has."""
+
 SPOKEN_CHANGES: dict[ChangeKind, tuple[str, str]] = {
     "torque": ("a torque limit", "torque limits"),
     "wrench": ("a contact wrench limit", "contact wrench limits"),
@@ -163,7 +166,7 @@ class CellChange:
         return {name: limit, "object_points": tuple(map(self._of_point, cell.object_points))}
 
     def _of_point(self, point: Point) -> Point:
-        key = "speed" if self.kind == "velocity" else "acceleration"
+        key = OF_POINT[self.kind]
         given = getattr(point, key)
         changes = given is not None and point.name == self.element
         return point.model_copy(update={key: given * (1 + self.step)}) if changes else point
@@ -187,7 +190,7 @@ class CellChange:
             return {"contacts": tuple(self._of_contact(contact) for contact in robot.contacts)}
         steps = self._steps(cell.wrench_components if self.kind == "wrench" else robot.joints)
         changed: dict[str, Any] = {name: _outward(robot, name, steps) for name in SIDES.get(self.kind, ())}
-        if self.kind in {"velocity", "acceleration"}:
+        if self.kind in OF_POINT:
             changed["point_limits"] = tuple(map(self._of_point, robot.point_limits))
         if self.kind in {"torque", "motor speed"}:  # another motor: its curve changes with its torque limit
             factor = np.array([1 + self.step, 1.0] if self.kind == "motor speed" else [1.0, 1 + self.step])
@@ -247,8 +250,9 @@ def limit_names(cell: Cell) -> Iterator[Changed]:
         yield from _bounded("wrench", robot.name, cell.wrench_components, robot.wrench_lower, robot.wrench_upper)
     yield from (("contact", robot.name, contact.name) for robot in cell.robots for contact in robot.contacts)
     yield from (("contact", "object", thing.name or "") for thing in cell.carried)
-    kinds: tuple[ChangeKind, ...] = ("velocity", "acceleration") if cell.enforces_velocity_limits else ("acceleration",)
-    for kind in kinds:
+    for kind in OF_POINT:
+        if kind == "velocity" and not cell.enforces_velocity_limits:
+            continue
         for robot in cell.robots:
             sides = [getattr(robot, name) for name in SIDES[kind]]
             lower, upper = sides if len(sides) > 1 else (-sides[0], sides[0])
@@ -263,8 +267,8 @@ def limit_names(cell: Cell) -> Iterator[Changed]:
 
 
 def _points(kind: ChangeKind, owner: str, points: Sequence[PointLimit]) -> Iterator[Changed]:
-    key = "speed" if kind == "velocity" else "acceleration"
-    yield from ((kind, owner, point.name or "") for point in points if getattr(point, key) is not None)
+    limited = (point for point in points if getattr(point, OF_POINT[kind]) is not None)
+    yield from ((kind, owner, point.name or "") for point in limited)
 
 
 def _bounded(kind: ChangeKind, robot: str, elements: Sequence[str], lower: Array, upper: Array) -> Iterator[Changed]:

@@ -24,7 +24,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.generation import described_model
 from mrts.cell.hands import Bounds, numbered, wrench_bounds
 from mrts.cell.motors import (
-    PER_JOINT,
+    RATINGS,
     Accelerations,
     TorqueLimits,
     Velocities,
@@ -101,7 +101,7 @@ def _robot(robot: Robot) -> dict[str, Any]:
     points = [{key: getattr(one, key) for key in LinkPointLimit.model_fields} for one in robot.point_limits]
     for point, unnamed in zip(points, numbered([one.link for one in robot.point_limits]), strict=True):
         point["name"] = None if point["name"] == unnamed else point["name"]
-    per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", *PER_JOINT[3:])}
+    per_joint = {name: without_infinity(getattr(motors, name)) for name in ("armature", *RATINGS)}
     return {
         "name": robot.name,
         "urdf": source.urdf,

@@ -18,9 +18,15 @@ from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 ROUNDED_SLOPE = 1e-9
 """Share by which a torque-speed curve may miss falling and concave: corners printed with few digits lie on one line."""
 
-PER_JOINT = ("armature", "coulomb", "viscous", "torque_rate", "jerk", "rated", "power")
+EFFECTS = ("armature", "coulomb", "viscous")
+"""What moves a motor's torque, a number a joint."""
 
-NONE_GIVEN = dict.fromkeys(PER_JOINT[:3], 0.0) | dict.fromkeys(PER_JOINT[3:], np.inf)
+RATINGS = ("torque_rate", "jerk", "rated", "power")
+"""What a motor bears at most, likewise."""
+
+PER_JOINT = (*EFFECTS, *RATINGS)
+
+NONE_GIVEN = dict.fromkeys(EFFECTS, 0.0) | dict.fromkeys(RATINGS, np.inf)
 """What they are where nothing is known: no effect, no limit."""
 
 

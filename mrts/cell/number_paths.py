@@ -8,19 +8,18 @@ from typing import Any
 
 from mrts.base.argument_types import is_number
 from mrts.base.errors import did_you_mean
+from mrts.cell.motors import PER_JOINT, RATINGS
 from mrts.cell.robot import Robot
 
 Keys = tuple[str | int, ...]
 """Where a number stands, from "cell" or "motion" inward."""
 
-ONE_FOR_ALL = frozenset({"armature", "coulomb", "viscous", "torque_rate", "jerk", "rated", "power"})
+ONE_FOR_ALL = frozenset(PER_JOINT)
 """Keys of `motors` where one number stands for all joints."""
 
 NOTHING_THERE = "the file says nothing of {}, and there is no default. Write it there first."
 
-NEED_NOT_BE_GIVEN = frozenset(
-    {"linear", "angular", "speed", "acceleration", "friction", "height", "torque_rate", "jerk", "rated", "power"}
-)
+NEED_NOT_BE_GIVEN = frozenset({"linear", "angular", "speed", "acceleration", "friction", "height", *RATINGS})
 """Keys where null stands for a number that is not limited or not known; so it does in lists of limits."""
 
 BY_KEY = {

@@ -16,7 +16,7 @@ MOST_ROWS = 1_000_000
 """Of a plan: as many as a table may have that is read."""
 
 ATTEMPTS = 10
-"""Durations that are tried, each slower by what the one before passed its limits."""
+"""Durations that are tried, each by what the one before passed its limits."""
 
 WHOLE = 1e-9
 """Share of a step by which a duration may miss a whole number of steps: rounding."""
@@ -38,8 +38,10 @@ def at_rate(result: ScalingResult, rate: float) -> ScalingResult:
     for _ in range(ATTEMPTS):
         motion = _sampled(result, steps, float(rate))
         try:
-            excess = chosen_factor(done.cell, motion, options)[0].excess
-            found, rows = chosen_factor(done.cell, motion, replace(options, between=None))
+            found, rows = chosen_factor(done.cell, motion, options)
+            excess = found.excess
+            if found.motion.samples > motion.samples:  # those between were looked at: a plan has its own rows alone
+                found, rows = chosen_factor(done.cell, motion, replace(options, between=None))
             if found.c2 is None:
                 raise SelectionError(f"at {rate:g} Hz: {found.sentence()}", found)  # noqa: TRY301 (as the others)
             found = replace(found, options=replace(options, rates=result.options.rates), excess=excess)
