@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from mrts.scaling.scale import torques_for_load as torques_for_load
     from mrts.starting.check import check as check
     from mrts.starting.hold import hold_here as hold_here
+    from mrts.starting.plan_check import check_plan as check_plan
     from mrts.studies.configurations import rank_configurations as rank_configurations
     from mrts.studies.layout.place import place as place
     from mrts.studies.study import Study as Study
@@ -109,6 +110,7 @@ __all__, __getattr__, __dir__ = lazy_names(
         "scaling.result": "ScalingResult",
         "scaling.scale": "SelectionError scale torques_for_load",
         "starting.hold": "hold_here",
+        "starting.plan_check": "check_plan",
         "studies.configurations": "rank_configurations",
         "studies.study": "Study",
         "studies.study_file": "read_study",

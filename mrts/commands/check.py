@@ -4,7 +4,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from click import argument
+from click import argument, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
@@ -15,6 +15,7 @@ from mrts.commands.console.terminal import QUIET, fail
 from mrts.commands.options import Named
 
 if TYPE_CHECKING:
+    from mrts.following.grasp_closure import ClosureBound
     from mrts.starting.cell_check import CellCheck
 
 CODES = {"fine": FEASIBLE, "impossible": INFEASIBLE, "wrong-input": BAD_INPUT}
@@ -25,17 +26,38 @@ examples:
   mrts check cell.yaml
   mrts check cell.yaml motion.yaml
   mrts check cell.yaml motion.yaml -q --json - | jq .hints
+  mrts check plan.csv --cell cell.yaml            the last look at a plan, whoever made it, before a robot moves
   mrts check arm.urdf                             a URDF or xacro by itself, before there is a cell"""
 
 
 @options.command(EXAMPLES)
-@argument("cell", type=Named(), metavar="CELL", help="cell file, or a URDF or xacro by itself")
+@argument("cell", type=Named(), metavar="CELL|PLAN",
+          help="cell file, or a URDF or xacro by itself; with --cell a plan: a CSV table of joints")  # fmt: skip
 @argument("motion", type=Named(), required=False, metavar="[MOTION]",
           help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
+@option("--cell", "of_cell", type=Named(), metavar="CELL",
+        help="the cell that plays the plan: every limit is evaluated at its rows and between them")  # fmt: skip
+@options.closure
 @options.json
 @options.xacro_arg
-def run(cell: Path, motion: Path | None = None, json: Path | None = None, xacro_arg: tuple[str, ...] = ()) -> int:
-    """What is wrong, assumed, or out of reach in a cell and a motion, all at once, without a compiler."""
+@option("-v", "--verbose", is_flag=True, help="of a plan, print all limits, not those used most")
+def run(
+    cell: Path,
+    motion: Path | None = None,
+    of_cell: Path | None = None,
+    closure: "ClosureBound | None" = None,
+    json: Path | None = None,
+    xacro_arg: tuple[str, ...] = (),
+    *,
+    verbose: bool = False,
+) -> int:
+    """What is wrong, assumed, or out of reach in a cell and a motion, all at once, without a compiler; or in a plan."""
+    if of_cell is not None:
+        if motion is not None:
+            raise InputError("MOTION", "does not go with --cell, which checks a plan by itself.", value=str(motion))
+        return _plan(cell, of_cell, closure, json, verbose=verbose)
+    if closure is not None:
+        raise InputError("closure", "is of a plan: give --cell too.")
     found = _found(cell, motion, options.xacro_arguments(xacro_arg))
     outputs = Outputs()
     outputs.write(json, found.write_json)
@@ -44,6 +66,17 @@ def run(cell: Path, motion: Path | None = None, json: Path | None = None, xacro_
         place = "" if json is None else f" (all of it: {json})"
         fail(f"error: {found.outcome()}{place}")
     return code
+
+
+def _plan(plan: Path, cell: Path, closure: "ClosureBound | None", json: Path | None, *, verbose: bool) -> int:
+    from mrts.starting.plan_check import check_plan
+
+    limited = options.compiled_cell(cell)
+    with working(f"checking {plan}"):
+        found = check_plan(limited, plan, closure=closure)
+    outputs = Outputs()
+    outputs.write(json, found.write_json)
+    return outputs.answer(found.lines(every=verbose), CODES[found.status], json, found)
 
 
 def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "CellCheck":

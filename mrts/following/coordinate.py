@@ -72,21 +72,30 @@ def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> Coordi
 
 
 def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Remark, ...]]:
-    columns = [*table.positions, *table.unusable]
-    found = columns_by_joint(cell, table.path, columns)
+    names, extra = required_columns(cell, table.path, [*table.positions, *table.unusable])
+    for name in names:
+        if name in table.unusable:
+            raise table.unusable[name]
+    told = f"joints that no arm of cell '{cell.name}' has were passed over: {first_names(sorted(extra), MOST_NAMED)}."
+    return names, (Remark("extra-joints", told),) if extra else ()
+
+
+def required_columns(cell: Cell, path: Path, columns: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The column of each joint of a cell, in its order, and the columns of other joints.
+
+    Raises:
+        InputError: If a joint has no column, or two.
+    """
+    found = columns_by_joint(cell, path, columns)
     extra = [name for name in columns if name not in found.values()]
-    joints = cell.joint_names
-    for joint in joints:
+    for joint in cell.joint_names:
         if joint not in found:
             raise InputError(
-                table.path,
+                path,
                 f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag "
                 f"a trajectory under /{joint.partition('/')[0]}/joint_trajectory.{meant_instead(joint, extra)}",
             )
-        if found[joint] in table.unusable:
-            raise table.unusable[found[joint]]
-    told = f"joints that no arm of cell '{cell.name}' has were passed over: {first_names(sorted(extra), MOST_NAMED)}."
-    return [found[joint] for joint in joints], (Remark("extra-joints", told),) if extra else ()
+    return [found[joint] for joint in cell.joint_names], extra
 
 
 def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str, str]:

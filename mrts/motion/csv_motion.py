@@ -27,8 +27,8 @@ MAX_SAMPLES = 1_000_000
 MAX_COLUMNS = 1000
 """Position, velocity, acceleration, torque and friction of some two hundred joints."""
 
-PASSED_OVER = ("tau_friction", "F")
-"""What a table of joints says beside their motion."""
+PASSED_OVER = "tau_friction"
+"""Columns of torques that `tau` has in it."""
 
 QUATERNION_TOLERANCE = 1e-3
 """How far from 1 a quaternion's length may be: tables carry few digits."""
@@ -112,7 +112,7 @@ def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> 
 
 
 def read_joint_columns(path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
-    """Read a table of joints as it is: time, Shape (N,) [s] from 0, and by q, dq, ddq, tau the columns of each joint.
+    """Read a table of joints as it is: time, Shape (N,) [s] from 0, and by q, dq, ddq, tau, F the columns of each.
 
     Raises:
         InputError: If a column is malformed, a value is not a finite number, or the times do not increase.
@@ -122,10 +122,10 @@ def read_joint_columns(path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
 
 
 def _joint_parts(path: Path, columns: dict[str, Array]) -> dict[str, dict[str, Array]]:
-    parts: dict[str, dict[str, Array]] = {"q": {}, "dq": {}, "ddq": {}, "tau": {}}
+    parts: dict[str, dict[str, Array]] = {"q": {}, "dq": {}, "ddq": {}, "tau": {}, "F": {}}
     for name, values in columns.items():
         part, _, joint = name.partition(".")
-        if name == "t" or part in PASSED_OVER:
+        if name == "t" or part == PASSED_OVER:
             continue
         if part not in parts or not joint:
             raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.…, tau.….")

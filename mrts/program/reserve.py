@@ -70,6 +70,13 @@ def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProb
     return kept, fallbacks
 
 
+def without_unmoved(problem: SampleProblem) -> SampleProblem:
+    """The same problem without the limits that no distribution moves, for a motion that passes some of these."""
+    moved = _moved(problem)
+    lower, upper = np.where(moved, problem.lower, -np.inf), np.where(moved, problem.upper, np.inf)
+    return replace(problem, lower=lower, upper=upper)
+
+
 @dataclass(frozen=True)
 class Reserve:
     """By how much limits may shrink before a plan at its c² has no torques within them.

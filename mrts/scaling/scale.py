@@ -398,7 +398,7 @@ def with_torques(
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
-    told = before + unheld + _overrated(done) + _above_power(done) + _fast_rates(result)
+    told = before + unheld + overload_remarks(done) + _fast_rates(result)
     return replace(result, warnings=tuple(dict.fromkeys(told))).checked(rows.given)
 
 
@@ -446,6 +446,11 @@ def _still(rows: MotionRows, samples: NDArray[np.intp]) -> MotionRows:
         sharing = replace(sharing, internal_wrench=np.asarray(sharing.internal_wrench)[samples])
     still = replace(motion.at(samples), dq=stands, ddq=stands, travel=None)
     return rows.at_rest(still, sharing, samples)
+
+
+def overload_remarks(done: ScaledTrajectory) -> tuple[Remark, ...]:
+    """What motors do not bear for ever, and power above theirs."""
+    return _overrated(done) + _above_power(done)
 
 
 def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:

@@ -1,0 +1,454 @@
+# SPDX-License-Identifier: MIT
+"""The last look before a robot moves: a plan's own numbers against every limit of its cell, whoever made the plan."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.json_output import JsonOutput
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.printable import printable
+from mrts.base.remark import Remark
+from mrts.base.words import interval_text
+from mrts.cell.cell import Cell
+from mrts.collisions.clearance import Clearance, clearance_remarks
+from mrts.following.coordinate import required_columns
+from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
+from mrts.following.grasp_closure import ClosureBound, grasp_gaps, mean_object
+from mrts.limits.rows import RowName
+from mrts.motion.csv_motion import read_joint_columns
+from mrts.motion.object_motion import check_derivatives, noise_allowed
+from mrts.motion.rounded_samples import derivative
+from mrts.motion.rows_at_rest import moving_rows, pushing_ends
+from mrts.program.motion_rows import motion_rows
+from mrts.program.motor_terms import motor_terms, travel_directions
+from mrts.program.reserve import reserved, without_unmoved
+from mrts.program.sample_problem import SampleProblem
+from mrts.program.solvers import DEFAULT_SOLVER
+from mrts.program.torque_distribution import torque_weights, torques_by_blocks
+from mrts.scaling.limit_use import LIMIT_DIGITS, LimitedQuantities, LimitUse, all_quantities, rate_uses
+from mrts.scaling.options import Options
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.scale import overload_remarks
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+
+PLACES = np.array([0.25, 0.5, 0.75])
+"""Where between two rows limits are evaluated, as shares of the step."""
+
+PASSED = 5e-3
+"""Share by which a limit may be passed: twice what quintics between the rows of smooth plans do to torques (0.24 %)."""
+
+AT_REST = 1e-2
+"""Share of the fastest joint's speed that is rest: what a spline through positions alone leaves of it."""
+
+RESIDUAL = 1e-3
+"""Share of a torque limit, and of the largest force or moment, that dynamics may miss: rounding in tables."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlanCheck(InNotebooks, JsonOutput):
+    """What `mrts.check_plan` found.
+
+    Attributes:
+        plan: The file.
+        cell: Name of the cell.
+        time: Of its rows, Shape (N,) [s].
+        given: What the file gives: "q", and some of "dq", "ddq", "tau" and "F".
+        uses: How much of each limit is used, by falling share. Beside those of `mrts.scale`: joint positions, gaps of
+            the grasps, velocities at both ends and, where torques are given, residuals of the dynamics.
+        contradictions: Where velocities and accelerations do not lead from row to row.
+        remarks: What else to know before a robot plays it, collisions among it.
+        clearance: How near bodies come to each other; None where that is not known.
+    """
+
+    plan: Path
+    cell: str
+    time: Array
+    given: tuple[str, ...]
+    uses: tuple[LimitUse, ...]
+    contradictions: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
+    clearance: Clearance | None = None
+
+    @property
+    def passed(self) -> tuple[LimitUse, ...]:
+        """Limits that are passed, by falling share."""
+        return tuple(use for use in self.uses if use.share > 1 + PASSED)
+
+    @property
+    def status(self) -> Literal["fine", "impossible"]:
+        """Whether all is kept."""
+        return "impossible" if self.passed or self.contradictions else "fine"
+
+    @property
+    def interpolation(self) -> str:
+        """What is between the rows."""
+        return "quintic splines" if "dq" in self.given else "C² cubic splines"
+
+    @property
+    def distributed(self) -> bool:
+        """Whether torques are none of the file, but those that keep most of every limit free."""
+        return "tau" not in self.given
+
+    def __str__(self) -> str:
+        return printable("\n".join(self.lines()), lines=True)
+
+    def notebook_words(self) -> list[str]:
+        """The outcome, and what is wrong or to know."""
+        return [self.outcome(), self.basis(), *self.contradictions, *self._told()]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """Every limit with the share of it that is used."""
+        yield NotebookTable(*self._table(self.uses))
+
+    def lines(self, *, every: bool = False) -> Iterator[str]:
+        """The answer for people, the outcome first; of each kind the limit used most, and those passed, or all."""
+        yield self.outcome()
+        yield self.basis()
+        yield from self.contradictions
+        yield from self._told()
+        yield ""
+        most = {use.name.kind: use for use in reversed(self.uses)}
+        shown = [use for use in self.uses if every or use in self.passed or use is most[use.name.kind]]
+        head, rows = self._table(shown)
+        widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+        for row in (head, *rows):
+            yield "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+
+    def _told(self) -> Iterator[str]:
+        for remark in self.remarks:
+            yield f"{remark.severity}: {remark.text}" if remark.severity != "assumption" else remark.text
+
+    def outcome(self) -> str:
+        """What came of it, in a line."""
+        if self.status == "fine":
+            nearest = self.uses[0]
+            return (
+                f"{self.plan.name}: keeps every limit of {self.cell}; nearest is {nearest.name} at {_percent(nearest)}"
+            )
+        passed = f"passes {len(self.passed)} of {len(self.uses)} limits of {self.cell}"
+        worst = f": at worst {self.passed[0].name}, {_percent(self.passed[0])}" if self.passed else ""
+        broken = "contradicts itself" if self.contradictions else ""
+        return f"{self.plan.name}: {' and '.join(filter(None, [broken, passed * bool(self.passed)]))}{worst}"
+
+    def basis(self) -> str:
+        """What was evaluated, in a line."""
+        torques = (
+            "torques are not in the file: those that keep most of every limit free"
+            if self.distributed
+            else "torques and wrenches of the file"
+        )
+        return f"{len(self.time)} rows in {self.time[-1]:.4g} s, {self.interpolation} between them; {torques}"
+
+    def place(self, use: LimitUse) -> str:
+        """The row of a moment, or the two around it; the first row of numbers is 1."""
+        before = int(np.searchsorted(self.time, use.time, side="right"))
+        return f"{before}" if self.time[before - 1] == use.time else f"{before} to {before + 1}"
+
+    def _table(self, uses: Sequence[LimitUse]) -> tuple[Sequence[str], list[Sequence[str]]]:
+        rows: list[Sequence[str]] = [
+            (
+                str(use.name),
+                _percent(use),
+                f"{use.least:.4g} to {use.largest:.4g}",
+                interval_text(use.lower, use.upper, use.name.unit, LIMIT_DIGITS),
+                f"{use.time:.4g} s",
+                self.place(use),
+            )
+            for use in uses
+        ]
+        return ("limit", "used", "values", "limits", "at", "row"), rows
+
+    def to_json(self) -> dict[str, Any]:
+        """All of it as values of JSON."""
+        return {
+            "status": self.status,
+            "plan": str(self.plan),
+            "cell": self.cell,
+            "given": list(self.given),
+            "interpolation": self.interpolation,
+            "limits": [
+                use.name.to_json()
+                | {"share": use.share, "time": use.time, "row": self.place(use), "least": use.least}
+                | {"largest": use.largest, "lower": _finite(use.lower), "upper": _finite(use.upper)}
+                for use in self.uses
+            ],
+            "contradictions": list(self.contradictions),
+            "clearance": self.clearance and self.clearance.to_json(),
+            "remarks": [remark.to_json() for remark in self.remarks],
+        }
+
+
+def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = None) -> PlanCheck:
+    """Evaluate a plan by itself: every limit of the cell at its rows and between them, and what a controller relies on.
+
+    Nothing of how the plan was made is trusted. Between the rows joints are on the quintic spline through positions,
+    velocities and accelerations, as ros2_control's joint_trajectory_controller plays them, or on the C² cubic spline
+    through positions alone; wrenches change in proportion, moved by the least change that carries the object, and
+    torques follow from them by inverse dynamics. At the rows torques and wrenches are those of the file, compared with
+    (13) and (20). Without them, those are taken that keep most of every limit free: limits that are passed then are
+    passed by any.
+
+    Args:
+        cell: The cell.
+        plan: A CSV table with t, q.ROBOT/JOINT, and maybe dq., ddq., tau. and F.; as of `mrts.write_trajectory_csv`.
+        closure: How far hands may be off their grasps; None allows 2 mm and 5 mrad.
+
+    Returns:
+        What was found; a plan that passes limits is an outcome.
+
+    Raises:
+        InputError: If the file is malformed, does not fit the cell, or gives some joint less than others.
+    """
+    check_type("cell", cell, Cell)
+    path, bound = as_path("plan", plan), closure or ClosureBound()
+    check_type("closure", bound, ClosureBound)
+    time, parts = read_joint_columns(path)
+    q, given_dq, given_ddq, given_tau, given_F = _arrays(cell, path, parts)
+    given = tuple(
+        name
+        for name, values in zip(parts, (q, given_dq, given_ddq, given_tau, given_F), strict=True)
+        if values is not None
+    )
+    at, course, rows = _course(time, q, given_dq, given_ddq)
+    motion, gaps = _carried(cell, at, course, bound)
+    if given_tau is None or given_F is None:
+        torque, wrench = _best_torques(cell, motion)
+        residuals: list[LimitUse] = []
+    else:
+        torque, wrench, residuals = _given_torques(cell, motion, rows, time, given_tau, given_F)
+    done = ScaledTrajectory(cell, motion, 1.0, torque, wrench)
+    dq, ddq, at_rows = motion.dq[rows], motion.ddq[rows], _at(motion, rows)
+    near, said = clearance_remarks(cell, at_rows)
+    uses = [
+        *(use for use in all_quantities(done, driven=True).uses(at) if use.limited),
+        *_rates(cell, at_rows, torque[rows], wrench[rows], only_jerk=given_tau is None),
+        *_positions(cell, at, motion.q),
+        *gaps,
+        *_ends(cell, time, dq),
+        *residuals,
+    ]
+    return PlanCheck(
+        plan=path,
+        cell=cell.name,
+        time=time,
+        given=given,
+        uses=tuple(sorted(uses, key=lambda use: -use.share)),
+        contradictions=() if given_dq is None else tuple(_contradictions(cell, time, q, dq, ddq)),
+        remarks=(*_pushing(dq, ddq), *overload_remarks(done), *said),
+        clearance=near,
+    )
+
+
+def _arrays(cell: Cell, path: Path, parts: dict[str, dict[str, Array]]) -> list[Array | None]:
+    """Columns of q, dq, ddq, tau and F in the order of the cell, each Shape (N, …), None where there are none."""
+    names, _ = required_columns(cell, path, list(parts["q"]))
+    of_hands = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
+    found: list[Array | None] = []
+    for part, columns in parts.items():
+        needed = of_hands if part == "F" else names
+        missing = [name for name in needed if name not in columns]
+        if columns and missing:
+            raise InputError(path, f"gives some columns '{part}.…', but no '{part}.{missing[0]}': give all or none.")
+        found.append(np.column_stack([columns[name] for name in needed]) if columns else None)
+    if (found[3] is None) != (found[4] is None):
+        has, lacks = ("F", "tau") if found[3] is None else ("tau", "F")
+        rule = f"gives '{has}.…' without '{lacks}.…': arms that hold one object need both, or leave both out."
+        raise InputError(path, rule)
+    if found[2] is not None and found[1] is None:
+        raise InputError(path, "gives 'ddq.…' without 'dq.…'.")
+    return found
+
+
+def _course(
+    time: Array, q: Array | None, dq: Array | None, ddq: Array | None
+) -> tuple[Array, tuple[Array, Array, Array], NDArray[np.intp]]:
+    """Times of rows and places between them, joints there, and which places are rows.
+
+    Between a row that holds still and the row next to it nothing moves, and no place is looked at.
+    """
+    from scipy.interpolate import BPoly, CubicSpline  # noqa: PLC0415 (slow to import)
+
+    assert q is not None  # noqa: S101 (a table of joints has positions)
+    none = np.zeros((len(time), 0))
+    kept = moving_rows(time, q, none if dq is None else dq, none if ddq is None else ddq)
+    inside = (time[kept][:-1, None] + np.diff(time[kept])[:, None] * PLACES).ravel()
+    at = np.union1d(time, inside)
+    rows = np.searchsorted(at, time)
+    if dq is None:
+        spline = CubicSpline(time, q)
+        return at, (spline(at), spline(at, 1), spline(at, 2)), rows
+    ddq = derivative(time, dq) if ddq is None else ddq
+    quintic = BPoly.from_derivatives(time, np.stack([q, dq, ddq], axis=1))
+    course = (quintic(at), quintic(at, 1), quintic(at, 2))
+    for values, exact in zip(course, (q, dq, ddq), strict=True):
+        values[rows] = exact
+    return at, course, rows
+
+
+def _carried(
+    cell: Cell, at: Array, course: tuple[Array, Array, Array], bound: ClosureBound
+) -> tuple[CoordinatedMotion, list[LimitUse]]:
+    """The object as the hands carry it on the mean, and how far each is off its grasp."""
+    tips = tip_motions(cell, *course)
+    carried = mean_object(cell, at, tips)
+    gaps = grasp_gaps(cell, carried, tips)
+    names = [
+        RowName(kind, robot.name, unit=unit)
+        for kind, unit in (("grasp distance", "m"), ("grasp angle", "rad"))
+        for robot in cell.robots
+    ]
+    values = np.vstack([gaps.distance, gaps.angle]).T
+    limit = np.repeat([bound.position, bound.angle], len(cell.robots))
+    return CoordinatedMotion(carried, *course), _uses(names, at, values, limit)
+
+
+def _best_torques(cell: Cell, motion: CoordinatedMotion) -> tuple[Array, Array]:
+    """Torques and wrenches whose largest share of a limit is the least at each place, within limits or not."""
+
+    def within(problem: SampleProblem) -> tuple[SampleProblem, int]:
+        return reserved(without_unmoved(problem), 1.0, DEFAULT_SOLVER)
+
+    rows, weights = motion_rows(cell.with_reserve(0.0), motion), torque_weights(None, cell)
+    torque, wrench, _ = torques_by_blocks(rows, DEFAULT_SOLVER, 1.0, weights, within=within)
+    return torque, wrench
+
+
+def _given_torques(
+    cell: Cell, motion: CoordinatedMotion, rows: NDArray[np.intp], time: Array, tau: Array, F: Array
+) -> tuple[Array, Array, list[LimitUse]]:
+    """Torques and wrenches of the file at its rows, and those needed between them; residuals at the rows."""
+    terms = cell.functions("terms", motion.samples, motion.inputs(cell.load))
+    motors = motor_terms(cell, motion)
+    needed = terms["E"] + terms["G"] + (0.0 if motors is None else motors.torque(1.0))
+
+    def torques(wrench: Array) -> Array:
+        pushed = [
+            np.einsum("nwj,nw->nj", terms["J"][:, :, joints], wrench[:, cell.wrench_slices[name]])
+            for name, joints in cell.joint_slices.items()
+        ]
+        return np.asarray(needed + np.hstack(pushed))
+
+    wrench = np.column_stack([np.interp(motion.object.time, time, column) for column in F.T])
+    B = terms["B"]
+    short = terms["P"] + terms["Q"] - np.einsum("nij,nj->ni", B, wrench)
+    moved = B.transpose(0, 2, 1) @ np.linalg.solve(B @ B.transpose(0, 2, 1), short[:, :, None])
+    residual = np.abs(tau - torques(wrench)[rows])
+    before, after = travel_directions(motion)[:, rows]
+    coulomb = np.concatenate([robot.motors.coulomb for robot in cell.robots])
+    residual = np.maximum(residual - coulomb * (1 - np.abs(before + after) / 2), 0.0)  # a joint at rest may take it
+    wrench = wrench + moved[:, :, 0]
+    torque = torques(wrench)
+    torque[rows], wrench[rows] = tau, F
+    names = [
+        RowName("torque residual", robot.name, joint, unit)
+        for robot in cell.robots
+        for joint, unit in zip(robot.joints, robot.torque_units, strict=True)
+    ]
+    limit = np.concatenate([np.maximum(-robot.torque_lower, robot.torque_upper) for robot in cell.robots])
+    limit = RESIDUAL * np.where(np.isfinite(limit), limit, np.max(np.abs(tau), axis=0))
+    of_object = [
+        RowName("balance residual", "object", part, unit)
+        for part, unit in zip(cell.wrench_components, cell.wrench_units, strict=True)
+    ]
+    sizes = np.max(np.abs(F).reshape(len(F), len(cell.robots), -1), axis=(0, 1))
+    units = np.array(cell.wrench_units)
+    group = RESIDUAL * np.array([np.max(sizes[units == unit]) for unit in units])
+    return (
+        torque,
+        wrench,
+        [*_uses(names, time, residual, limit), *_uses(of_object, time, np.abs(short[rows]), group)],
+    )
+
+
+def _at(motion: CoordinatedMotion, rows: NDArray[np.intp]) -> CoordinatedMotion:
+    some, time = motion.at(rows), motion.object.time[rows]
+    carried = some.object.played(time, some.object.twist, some.object.acceleration)
+    return CoordinatedMotion(carried, some.q, some.dq, some.ddq)
+
+
+def _rates(cell: Cell, at_rows: CoordinatedMotion, torque: Array, wrench: Array, *, only_jerk: bool) -> list[LimitUse]:
+    """Rates from row to row, where the cell limits them; those of torques that are not the file's say nothing."""
+    done = ScaledTrajectory(cell, at_rows, 1.0, torque, wrench)
+    result = ScalingResult(cell, at_rows, None, 1.0, done, 0, options=Options(load="nominal", between=None))
+    return [use for use in rate_uses(result) if use.name.kind == "jerk" or not only_jerk]
+
+
+def _positions(cell: Cell, at: Array, q: Array) -> list[LimitUse]:
+    """How far joints are from the middle of their ranges, as shares of half of these."""
+    names = [
+        RowName("position", robot.name, joint, unit)
+        for robot in cell.robots
+        for joint, unit in zip(robot.joints, robot.position_units, strict=True)
+    ]
+    lower, upper = (
+        np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots]) for side in ("lower", "upper")
+    )
+    own = np.flatnonzero(np.isfinite(lower) & np.isfinite(upper))
+    lower, upper = lower[own], upper[own]
+    middle, half = (lower + upper) / 2, (upper - lower) / 2
+    share = np.abs(q[:, own] - middle) / half
+    wide = (len(at), len(own))
+    found = LimitedQuantities(
+        tuple(names[place] for place in own.tolist()), q[:, own],
+        np.broadcast_to(lower, wide), np.broadcast_to(upper, wide), share, half,
+    )  # fmt: skip
+    return list(found.uses(at))
+
+
+def _ends(cell: Cell, time: Array, dq: Array) -> list[LimitUse]:
+    """Velocities at both ends, which must be none."""
+    names = [
+        RowName("end velocity", robot.name, joint, f"{unit}/s")
+        for robot in cell.robots
+        for joint, unit in zip(robot.joints, robot.position_units, strict=True)
+    ]
+    units = np.array([name.unit for name in names])
+    most = np.max(np.abs(dq), axis=0)
+    limit = AT_REST * np.array([np.max(most[units == unit]) for unit in units])
+    return _uses(names, time[[0, -1]], np.abs(dq[[0, -1]]), limit)
+
+
+def _uses(names: Sequence[RowName], time: Array, values: Array, limit: Array) -> list[LimitUse]:
+    """Of sizes with a largest value each."""
+    share = np.divide(values, limit, out=np.zeros_like(values), where=values > 0)
+    wide = np.broadcast_to(limit, values.shape)
+    return list(LimitedQuantities(tuple(names), values, np.zeros_like(wide), wide, share, limit).uses(time))
+
+
+def _contradictions(cell: Cell, time: Array, q: Array | None, dq: Array, ddq: Array) -> Iterator[str]:
+    assert q is not None  # noqa: S101 (a table of joints has positions)
+    kept = moving_rows(time, q, dq, ddq)
+    noise = noise_allowed(q, dq)
+    for column, joint in enumerate(cell.joint_names):
+        own = np.s_[kept, column, None]
+        try:
+            check_derivatives(joint, time[kept], q[own], dq[own], ddq[own], noise)
+        except InputError as error:
+            yield str(error)
+
+
+def _pushing(dq: Array, ddq: Array) -> tuple[Remark, ...]:
+    ends = [word for word, pushes in zip(("starts", "ends"), pushing_ends(dq, ddq), strict=True) if pushes]
+    if not ends:
+        return ()
+    text = (
+        f"the plan {' and '.join(ends)} at rest but accelerates there: a controller that stays there pushes. Add a row "
+        "that holds still."
+    )
+    return (Remark("pushes-at-ends", text),)
+
+
+def _percent(use: LimitUse) -> str:
+    return f"{round(100 * use.share, 1):g} %"
+
+
+def _finite(limit: float) -> float | None:
+    return limit if np.isfinite(limit) else None

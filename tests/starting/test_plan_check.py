@@ -1,0 +1,181 @@
+"""`mrts.check_plan`: sound plans pass, and each kind of damage is found where it is."""
+
+import csv
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from command_line import mrts_command
+from conftest import UR5
+from shipped_cells import cell_file, shipped
+
+import mrts
+from mrts.base.errors import InputError
+
+SAME = 1e-6
+"""Share of a limit: the sides of a range to which plans are sampled, and programs, are exact to 1e-9."""
+
+BETWEEN = 5e-3
+"""Share of a limit by which what is between the rows may differ: places there are three a step."""
+
+PARTS = ("q", "dq", "ddq", "tau", "F")
+
+
+def table(path, columns, kept=PARTS):
+    """Write some columns, by name, to a file."""
+    chosen = {name: values for name, values in columns.items() if name == "t" or name.partition(".")[0] in kept}
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(chosen)
+        writer.writerows(np.column_stack(list(chosen.values())).tolist())
+    return path
+
+
+def columns(result, folder):
+    """Columns of the plan of a result, by name, read from its file."""
+    mrts.write_trajectory_csv(result, folder / "whole.csv")
+    with (folder / "whole.csv").open() as file:
+        names, *rows = csv.reader(file)
+    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+
+
+@pytest.fixture
+def plan(turned, tmp_path):
+    return columns(turned, tmp_path)
+
+
+def share(found, kind, element=None):
+    """The largest share of a kind of limit, or of one of its elements ("robot/joint")."""
+    own = [use for use in found.uses if use.name.kind == kind]
+    return max(use.share for use in own if element in {None, f"{use.name.robot}/{use.name.element}"})
+
+
+@pytest.mark.quick
+def test_a_plan_of_mrts_is_fine_and_uses_its_limits_as_the_result_says(turned, dual_ur5, plan, tmp_path):
+    found = mrts.check_plan(dual_ur5, table(tmp_path / "plan.csv", plan))
+    assert (found.status, found.given, found.contradictions) == ("fine", PARTS, ())
+    ours = {use.name: use for use in found.uses}
+    for use in turned.limit_uses:
+        if use.limited:
+            assert ours[use.name].share >= use.share - SAME
+            assert ours[use.name].share <= use.share + BETWEEN
+    assert share(found, "torque residual") < SAME
+    assert share(found, "balance residual") < SAME
+    assert share(found, "grasp distance") < SAME
+    assert share(found, "end velocity") == 0
+
+
+def test_without_torques_the_share_is_the_least_that_any_have(turned, dual_ur5, plan, tmp_path):
+    found = mrts.check_plan(dual_ur5, table(tmp_path / "plan.csv", plan, PARTS[:3]))
+    best = 1 - turned.reserve.distributed.share
+    assert (found.status, found.distributed) == ("fine", True)
+    assert share(found, "torque") == pytest.approx(best, abs=BETWEEN)
+    assert share(found, "wrench") == pytest.approx(best, abs=BETWEEN)
+
+
+def test_positions_alone_are_played_on_a_cubic_spline(turned, dual_ur5, plan, tmp_path):
+    faster = plan | {"t": plan["t"] / 1.3}
+    slow, fast = (mrts.check_plan(dual_ur5, table(tmp_path / "plan.csv", given, ("q",))) for given in (plan, faster))
+    assert slow.status == "fine"
+    assert [use.name.kind for use in fast.passed] == ["velocity"]
+    assert fast.passed[0].share == pytest.approx(1.3 * share(slow, "velocity"), rel=SAME)
+    limit, _ = max((use.share, use) for use in turned.limit_uses if use.name.kind == "velocity")
+    assert fast.passed[0].share == pytest.approx(1.3 * limit, abs=BETWEEN)
+
+
+def scaled(name, factor):
+    return lambda plan: plan | {name: factor * plan[name]}
+
+
+def jumped(plan):
+    q = plan["q.left/elbow"].copy()
+    q[50:] += 0.01
+    return plan | {"q.left/elbow": q}
+
+
+DAMAGES = {
+    "torque": (scaled("tau.left/elbow", 1.02), "torque residual", "left/elbow"),
+    "wrench": (scaled("F.right/fz", 1.02), "balance residual", "object/fz"),
+    "velocity": (scaled("dq.left/elbow", 1.3), "torque residual", "left/shoulder_lift"),
+    "jump": (jumped, "grasp distance", "left/"),
+    "half": (lambda plan: {name: values[:60] for name, values in plan.items()}, "end velocity", "left/elbow"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_damage_is_found(damage, dual_ur5, plan, tmp_path):
+    change, kind, element = DAMAGES[damage]
+    found = mrts.check_plan(dual_ur5, table(tmp_path / "plan.csv", change(plan)))
+    assert found.status == "impossible"
+    assert share(found, kind, element) > 1
+    assert bool(found.contradictions) == (damage in {"velocity", "jump"})
+    if damage == "torque":
+        worst = found.passed[0]
+        assert (len(found.passed), found.place(worst)) == (1, str(1 + np.argmax(np.abs(plan["tau.left/elbow"]))))
+        off = 0.02 * np.max(np.abs(plan["tau.left/elbow"]))
+        assert worst.largest == pytest.approx(off, rel=SAME)
+
+
+def test_a_joint_past_its_range_is_found(planar_cell, lifted, tmp_path):
+    given = columns(lifted, tmp_path)
+    elbow = given["q.left/elbow"]
+    lower, upper = np.min(elbow) + 0.1, np.max(elbow) + 1.0
+    range_ = {"position_lower": np.array([-9, lower, -9]), "position_upper": np.array([9, upper, 9])}
+    left, right = planar_cell.robots
+    narrow = replace(planar_cell, robots=(replace(left, **range_), right))
+    found = mrts.check_plan(narrow, table(tmp_path / "plan.csv", given))
+    assert [str(use.name) for use in found.passed] == ["left/elbow position"]
+    assert found.passed[0].share == pytest.approx(1 + 0.1 / ((upper - lower) / 2), rel=SAME)
+    assert found.passed[0].time == pytest.approx(found.time[np.argmin(elbow)], abs=np.max(np.diff(found.time)))
+
+
+def test_jumps_of_the_fastest_timing_are_rounded_off_between_the_rows(planar_cell, lift, tmp_path):
+    fastest = mrts.retime(planar_cell, lift).retimed
+    found = mrts.check_plan(planar_cell, table(tmp_path / "plan.csv", columns(fastest, tmp_path)))
+    worst = found.passed[0]
+    assert (found.status, worst.name.kind) == ("impossible", "torque")
+    assert "to" in found.place(worst)
+    assert worst.share > 1.1
+
+
+def test_dry_friction_of_joints_at_rest_is_no_residual(lift, tmp_path):
+    keys = shipped(motors={"friction": {"coulomb": 2.0}})
+    cell = mrts.load_cell(cell_file(tmp_path, keys))
+    result = mrts.scale(cell, lift)
+    found = mrts.check_plan(cell, table(tmp_path / "plan.csv", columns(result, tmp_path)))
+    assert result.trajectory.has_friction
+    assert found.status == "fine"
+    assert share(found, "torque residual") < SAME
+
+
+@pytest.mark.parametrize(
+    ("kept", "dropped", "key"),
+    [
+        (("q", "dq", "ddq", "tau"), None, "'F.…'"),
+        (("q", "ddq"), None, "'dq.…'"),
+        (PARTS, "tau.left/elbow", "tau.left/elbow"),
+        (PARTS, "q.left/elbow", "q.left/elbow"),
+    ],
+)
+def test_incomplete_tables_are_refused(kept, dropped, key, dual_ur5, plan, tmp_path):
+    given = {name: values for name, values in plan.items() if name != dropped}
+    with pytest.raises(InputError, match=key):
+        mrts.check_plan(dual_ur5, table(tmp_path / "plan.csv", given, kept))
+
+
+@pytest.mark.quick
+def test_the_command_line_tells_it(plan, tmp_path):
+    sound = table(tmp_path / "plan.csv", plan)
+    late = table(tmp_path / "late.csv", plan | {"t": 0.5 * plan["t"]})
+    cell = UR5 / "cell.yaml"
+    answer = mrts_command("check", sound, "--cell", cell)
+    assert (answer.returncode, answer.stderr) == (0, "")
+    refused = mrts_command("check", late, "--cell", cell, "-q", "--json", "-")
+    told = json.loads(refused.stdout)
+    assert (refused.returncode, told["status"]) == (1, "impossible")
+    assert told["limits"][0]["share"] > 1
+    every, some = (mrts_command("check", sound, "--cell", cell, *more).stdout for more in (["-v"], []))
+    assert every.count("\n") > some.count("\n")
+    for wrong in (["--cell", cell, "--closure", "1"], [cell, "--cell", cell], ["--closure", "0.001"]):
+        assert mrts_command("check", sound, *wrong).returncode == 2
