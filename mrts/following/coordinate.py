@@ -93,7 +93,7 @@ def required_columns(cell: Cell, path: Path, columns: Sequence[str]) -> tuple[li
             raise InputError(
                 path,
                 f"nothing is said of joint '{joint}' of cell '{cell.name}': the column 'q.{joint}' is needed, in a bag "
-                f"a trajectory under /{joint.partition('/')[0]}/joint_trajectory.{meant_instead(joint, extra)}",
+                f"a trajectory under /{joint.partition('/')[0]}/joint_trajectory.{meant_instead(cell, joint, extra)}",
             )
     return [found[joint] for joint in cell.joint_names], extra
 
@@ -102,8 +102,8 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
     """What a file calls the joints of a cell.
 
     Args:
-        columns: "robot/joint" each; a first name that is no robot's may stand for it where one robot alone has such a
-            joint, or where the joint is called robot_joint, as in a machine of two equal arms.
+        columns: "robot/joint" each; "joint" alone, or a first name that is no robot's, may stand for it where one robot
+            alone has such a joint, or where the joint is called robot_joint, as in a machine of two equal arms.
 
     Returns:
         Joint "robot/joint" of the cell to its column; joints without one are left out.
@@ -130,9 +130,13 @@ def columns_by_joint(cell: Cell, path: Path, columns: Sequence[str]) -> dict[str
     return found
 
 
-def meant_instead(joint: str, extra: Sequence[str]) -> str:
-    """A question that names the column which is nearest to a joint that is missing; empty if none is near."""
+def meant_instead(cell: Cell, joint: str, extra: Sequence[str]) -> str:
+    """What is said of the column which is nearest to a joint that is missing; empty if none is near."""
     import difflib  # noqa: PLC0415 (for this message only)
 
+    bare = joint.partition("/")[2]
+    owners = [name for name in cell.joint_names if name.partition("/")[2] == bare]
+    if bare in extra and len(owners) > 1:
+        return f" '{bare}' may be {' or '.join(owners)}: name the robot."
     close = difflib.get_close_matches(joint, extra, n=1)
     return f" There is '{close[0]}', which no arm of the cell has: is it meant?" if close else ""

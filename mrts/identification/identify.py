@@ -91,7 +91,7 @@ def _recorded_arms(cell: Cell, recording: JointRecording) -> list[tuple[Robot, l
         for joint in joints:
             if joint not in found:
                 rule = f"nothing is recorded of joint '{joint}' of cell '{cell.name}', but of others of this arm."
-                raise InputError(recording.path, rule + meant_instead(joint, extra))
+                raise InputError(recording.path, rule + meant_instead(cell, joint, extra))
             if found[joint] in recording.unusable:
                 raise recording.unusable[found[joint]]
         arms.append((robot, [recording.joints[found[joint]] for joint in joints]))

@@ -41,7 +41,8 @@ def read_table(
 
     Of the object it has t, px, py, pz, qx, qy, qz, qw and maybe velocities, maybe accelerations too, in world axes. Of
     joints it has t and, for every joint, `q.ROBOT/JOINT`, and maybe `dq.…`, and with these maybe `ddq.…`; the torques
-    `tau.…`, `tau_friction.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over.
+    `tau.…`, `tau_friction.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over. Columns with no `q.` at
+    all are positions of the joints that they name.
 
     Args:
         samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
@@ -52,15 +53,10 @@ def read_table(
             increase, a quaternion is not of length 1, or the velocities contradict the positions.
     """
     columns = _read_columns(path)
-    if kind == "joints" or (kind is None and any(name.startswith("q.") for name in columns)):
-        return _joint_table(path, columns, samples)
-    if kind == "object" or any(name in columns for name in POSE_COLUMNS):
+    of_object = any(name in columns for name in POSE_COLUMNS) and not any(name.startswith("q.") for name in columns)
+    if kind == "object" or (kind is None and of_object):
         return _object_table(path, columns, samples)
-    raise InputError(
-        path,
-        f"is no table of motion: it has neither columns of the object ({', '.join(POSE_COLUMNS)}) nor of joints "
-        "(q.ROBOT/JOINT).",
-    )
+    return _joint_table(path, columns, samples)
 
 
 def _object_table(path: Path, columns: dict[str, Array], samples: int | None) -> ObjectMotion:
@@ -123,12 +119,16 @@ def read_joint_columns(path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
 
 def _joint_parts(path: Path, columns: dict[str, Array]) -> dict[str, dict[str, Array]]:
     parts: dict[str, dict[str, Array]] = {"q": {}, "dq": {}, "ddq": {}, "tau": {}, "F": {}}
+    if not any("." in name for name in columns):
+        return parts | {"q": {name: values for name, values in columns.items() if name != "t"}}
     for name, values in columns.items():
         part, _, joint = name.partition(".")
         if name == "t" or part == PASSED_OVER:
             continue
         if part not in parts or not joint:
-            raise InputError(path, f"unknown column '{name}'. Columns are t, q.ROBOT/JOINT, dq.…, ddq.…, tau.….")
+            of_object = ", ".join(POSE_COLUMNS)
+            rule = f"Columns are t, of joints q.ROBOT/JOINT, dq.…, ddq.…, tau.…, F.…, of the object {of_object}."
+            raise InputError(path, f"unknown column '{name}'. {rule}")
         parts[part][joint] = values
     return parts
 

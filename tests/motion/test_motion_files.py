@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import UR5
-from motion_tables import joint_table, object_table, write_motion
+from motion_tables import columns_of, joint_table, object_table, read, write_motion, write_table
 from scipy.integrate import cumulative_simpson
 from scipy.spatial.transform import Rotation
 
@@ -125,3 +125,25 @@ def test_mistakes_in_a_joint_table(tmp_path, dual_ur5):
         (tmp_path / "joints.csv").write_text(spoiled)
         with pytest.raises(mrts.InputError, match=message):
             mrts.scale(dual_ur5, mrts.load_motion(write_motion(tmp_path, joints="joints.csv")))
+
+
+def test_joints_may_be_named_without_their_robot_where_that_tells_them(tmp_path, dual_ur5, exact):
+    """By `q.` columns or by positions alone; where two arms have such a joint, the error names both."""
+    cell = mrts.load_cell(UR5.parent / "upper_body" / "cell.yaml")  # one machine: its joints differ in name
+    columns = columns_of(cell, mrts.follow_object(cell, mrts.load_motion(UR5.parent / "upper_body" / "lift.yaml")))
+    positions = {name: values for name, values in columns.items() if name[0] in "tq"}
+    for given, spelt in (
+        (columns, lambda name: name.replace("left/", "").replace("right/", "")),
+        (positions, lambda name: name.rpartition("/")[2]),
+    ):
+        bare = {spelt(name): values for name, values in given.items()}
+        named, told = (
+            mrts.scale(cell, mrts.load_motion(write_table(tmp_path / "joints.csv", table)), between=None)
+            for table in (given, bare)
+        )
+        assert told.range.upper.c2 == named.range.upper.c2
+        assert not any("passed over" in str(remark) for remark in told.warnings)
+    columns = columns_of(dual_ur5, exact["turn", 101][0])
+    shared = {name.replace("left/elbow", "elbow"): values for name, values in columns.items()}
+    with pytest.raises(mrts.InputError, match="'elbow' may be left/elbow or right/elbow"):
+        read(dual_ur5, write_table(tmp_path / "shared.csv", shared))

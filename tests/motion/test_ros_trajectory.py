@@ -175,7 +175,7 @@ def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path, ca
         assert isinstance(motion, kind)
         assert mrts.scale(dual_ur5, motion).range.upper.c2 == pytest.approx(expected, rel=1e-7)
     for text, words in (
-        ("t,a\n0,1\n1,1\n", "is no table of motion: it has neither columns of the object (px, py"),
+        ("t,a.b\n0,1\n1,1\n", "unknown column 'a.b'"),
         ("t,px\n0,1\n1,1\n", "columns are needed too: py"),
         ("t,q.left/elbow,tau.left/elbow\n0,1,2\n1,1,x\n", "row 2, column tau.left/elbow = 'x'"),
     ):
