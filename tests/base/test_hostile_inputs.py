@@ -12,8 +12,6 @@ import pytest
 from conftest import DATA, ROOT
 
 import mrts
-from mrts.cli import main
-from mrts.commands.console.exit_codes import BAD_INPUT
 
 PATIENCE = 8.0
 """Processor time for a file [s]: what takes one on an idle machine, and a bomb would take minutes or for ever."""
@@ -159,35 +157,3 @@ def test_tables_cost_what_their_size_says(tmp_path):
         "quote": ('t,"' + "x" * 10_000_000, "is no CSV table"),
     }
     check_outcomes(tmp_path, "csv", ["motion"], texts)
-
-
-NO_FILE = "n" * 5000
-"""A name that is too long for any file."""
-
-
-def named_in(folder, text):
-    """A motion file of this text."""
-    motion = folder / "motion.yaml"
-    motion.write_text(text, encoding="utf-8")
-    return mrts.load_motion(motion)
-
-
-@pytest.mark.parametrize(
-    "read",
-    [
-        lambda _: mrts.load_cell(NO_FILE),
-        lambda _: mrts.load_motion(NO_FILE),
-        lambda folder: named_in(folder, f"file: {NO_FILE}\n"),
-        lambda folder: main(["report", NO_FILE, "-o", str(folder / "report.html")]),
-    ],
-    ids=["cell", "motion", "table", "report"],
-)
-def test_a_name_that_no_file_can_have_is_refused(read, tmp_path, capsys):
-    try:
-        code = read(tmp_path)
-    except mrts.InputError as error:
-        code, said = BAD_INPUT, str(error)
-    else:
-        said = capsys.readouterr().err
-    assert code == BAD_INPUT
-    assert "too long" in said

@@ -1,7 +1,6 @@
 """What a user's files hold reaches terminals, messages and pages escaped."""
 
 import json
-from dataclasses import replace
 
 import pytest
 from conftest import DATA
@@ -64,11 +63,3 @@ def test_names_of_files_and_arguments_are_quoted_printable(tmp_path, capsys):
     for arguments in (["sca\x1b[31mle"], ["scale", "a", "b", "--\x1b[31m"], ["scale", "a", "b", "--c2", "\x1b[31m"]):
         assert main(arguments) == 2
         assert "\x1b" not in capsys.readouterr().err
-
-
-def test_names_of_a_saved_result_are_escaped_in_python_too(planar_cell, lift):
-    hostile = mrts.Remark("\x1b[31m", "\x1b[31mall\nis well\u202e")
-    result = replace(mrts.scale(planar_cell, lift), origin="\x1b[31mevil\nname\u202e", warnings=(hostile,))
-    lines = result.summary().split("\n")
-    assert len(lines) == 2
-    assert all(line.isprintable() for line in (*lines, repr(result)))

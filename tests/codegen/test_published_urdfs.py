@@ -1,6 +1,5 @@
 """URDFs as people publish them: what is let pass with a remark, what is refused and why, over every file at hand."""
 
-import logging
 import re
 from dataclasses import replace
 
@@ -11,7 +10,6 @@ from casadi_cells import casadi_cell
 from conftest import DATA
 from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
-from mrts_codegen.generate import generate_cell
 from mrts_codegen.urdf.link_inertia import nearest_inertia
 from mrts_codegen.urdf.robot_model import build_robot_model
 from mrts_codegen.urdf.urdf_file import parse_urdf
@@ -227,24 +225,3 @@ def test_a_cell_with_a_moved_inertia_is_checked_read_and_written(tmp_path):
     assert [remark.code for remark in cell.remarks] == ["inertia-nearest"]
     cell.to_yaml(tmp_path / "again.yaml")
     assert casadi_cell(tmp_path / "again.yaml").remarks == cell.remarks
-
-
-def test_remarks_travel(tmp_path, lift, caplog):
-    """Told when generated, in the manifest, on the cell, and in a saved result."""
-    path = arm_cell(tmp_path, hand(0.5, 0.001, 0.001, 0.00203))
-    with caplog.at_level(logging.WARNING, logger="mrts"):
-        generate_cell(path).write(tmp_path / "generated")
-    assert ["exceeds the sum of the others by 1.5 %" in record.getMessage() for record in caplog.records] == [True]
-    cells = [mrts.load_cell(tmp_path / "generated"), casadi_cell(path)]
-    mrts.save_result(mrts.scale(cells[0], lift), tmp_path / "result.npz")
-    cells.append(mrts.load_result(tmp_path / "result.npz").cell)
-    for cell in cells:
-        (remark,) = cell.remarks
-        assert (remark.code, remark.sample) == ("inertia-triangle", None)
-        assert "'hand'" in remark.text
-
-
-def test_a_version_that_xml_does_not_have_is_passed_over(tmp_path):
-    """`<?xml version="0.0" ?>`, as a good part of pybullet's files starts."""
-    path = arm_cell(tmp_path, [('<?xml version="1.0"?>', '<?xml version="0.0" ?>')])
-    assert len(read(path).models) == 2

@@ -119,18 +119,6 @@ def test_between_the_samples_it_is_the_least_of_dense_samples():
     assert np.min(many.distances) == pytest.approx(many.distance, abs=RESOLUTION)
 
 
-def test_nearest_points_are_as_far_apart_as_told():
-    cell = mrts.Cell.from_description(described([box("wall", [3, 0.02, 3], [0, 0.45, 0])]))
-    found = mrts.clearance(cell, lifting())
-    one, other = found.points
-    assert np.linalg.norm(one - other) == pytest.approx(found.distance, abs=EXACT)
-    faster = found.at_speed(2.0)
-    assert (faster.time, faster.distance, faster.pair) == (found.time / 2, found.distance, found.pair)
-    json = found.to_json()
-    assert json["pair"] == list(found.pair)
-    assert json["time"] == found.time
-
-
 def test_a_mesh_of_the_surroundings_is_hollow(tmp_path):
     """Floor and roof as one mesh, whose convex hull holds the arms, are as far away as two boxes."""
     sides = [
@@ -200,13 +188,6 @@ def test_surroundings_in_the_cell_file(tmp_path):
         with pytest.raises(mrts.InputError) as error:
             mrts.Cell.from_description(described(wrong))
         assert error.value.key == key
-
-
-def test_generated_folders_do_not_say_where_shapes_are():
-    cell = mrts.load_cell(ROOT / "generated" / "dual_ur5")
-    with pytest.raises(mrts.InputError) as error:
-        mrts.clearance(cell, lifting())
-    assert error.value.where == "robot 'left'"
 
 
 def test_configurations_and_studies_have_it_as_a_column(tmp_path):

@@ -1,7 +1,5 @@
 """How far joints are off their grasps, as the compiled library finds it in one call: the same as sample by sample."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
@@ -12,7 +10,6 @@ from mrts.base.arrays import apply
 from mrts.base.manifest import GEOMETRY
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
-from mrts.following.denser_motion import between_samples
 from mrts.following.grasp_closure import GIVEN_CLOSURE, ClosureBound, grasp_gaps, nearest_rates
 from mrts.following.tracking import CONDITION_LIMIT, tip_rates
 from mrts.kernel.tracking import closure_sizes
@@ -74,13 +71,6 @@ def test_whole_chunks_and_what_is_left(dual_ur5):
         assert_same(dual_ur5, CoordinatedMotion(some.object, q, some.dq, some.ddq))
 
 
-def test_what_is_no_number_is_off_its_grasp(dual_ur5):
-    motion = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-    huge = motion.dq.copy()
-    huge[5, 8] = 1e200  # its square is infinite
-    assert np.isinf(by_the_library(dual_ur5, CoordinatedMotion(motion.object, motion.q, huge, motion.ddq))[4, 1])
-
-
 def test_a_motion_that_fits_is_taken_as_it_is_and_a_narrow_bound_counts(dual_ur5):
     motion = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     assert coordinate(dual_ur5, motion).q is motion.q
@@ -104,14 +94,3 @@ def test_a_singular_arm_keeps_what_it_was_given_in_the_direction_it_lost(elbow, 
         inverse = np.linalg.pinv(J, rcond=1 / CONDITION_LIMIT)
         expected = dq[:, joints] + apply(inverse, velocity - apply(J, dq[:, joints]))
         np.testing.assert_allclose(ours[:, joints], expected, rtol=1e-9, atol=1e-9)
-
-
-def test_between_samples_the_first_hand_carries_what_is_not_quite_closed(dual_ur5):
-    lift = mrts.load_motion(UR5 / "lift_and_turn.yaml")
-    time, motion = lift.time, mrts.follow_object(dual_ur5, lift)
-    samples = mrts.ObjectMotion(time, lift.position, lift.rotation, lift.twist, lift.acceleration)
-    off = moved(replace(motion, object=samples), np.random.default_rng(1), 1e-7)
-    middle = (time[1:] + time[:-1]) / 2
-    there, (position, _, twist, _) = between_samples(dual_ur5, off, middle).object, lift.course(middle)
-    np.testing.assert_allclose(there.position[1:-1], position, atol=1e-5)
-    np.testing.assert_allclose(there.twist[1:-1], twist, atol=1e-4)

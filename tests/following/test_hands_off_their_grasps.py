@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import UR5
-from motion_tables import codes, columns_of, perturbed, read, write_table
+from motion_tables import columns_of, perturbed, write_table
 from scipy.interpolate import CubicSpline
 
 import mrts
@@ -12,7 +12,6 @@ from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import tip_motions
 from mrts.following.grasp_closure import grasp_gaps
 from mrts.following.tracking import tip_rates
-from mrts.viewer.player_state import PlayerState
 
 
 def assert_closed(cell, motion, tolerance=1e-9):
@@ -55,31 +54,6 @@ def test_hands_a_little_off_are_moved_onto_the_grasps(tmp_path, dual_ur5, exact,
     assert "'left'" in remark.text or "'right'" in remark.text
     moved_by = np.max(np.abs(found.motion.q - np.column_stack([table.positions[name] for name in table.positions])))
     assert f"by more than {moved_by:.3g} rad or m" in remark.text
-
-
-@pytest.mark.quick
-def test_hands_of_a_planar_cell_are_moved_in_its_plane(tmp_path, planar_cell, lift):
-    followed = mrts.follow_object(planar_cell, lift)
-    c2 = mrts.scale(planar_cell, followed).range.upper.c2
-    table = write_table(tmp_path / "joints.csv", columns_of(planar_cell, perturbed(followed, 3e-4)))
-    found = read(planar_cell, table)
-    assert_closed(planar_cell, found.motion)
-    assert codes(found.motion) == ["chain-closed"]
-    assert np.max(np.abs(found.motion.object.position[:, 2])) < 1e-12
-    assert found.range.upper.c2 == pytest.approx(c2, rel=0.05)
-
-
-def test_a_closed_table_is_retimed_and_viewed(tmp_path, dual_ur5, exact):
-    """Every way in takes the bound."""
-    table = mrts.load_motion(
-        write_table(tmp_path / "joints.csv", columns_of(dual_ur5, perturbed(exact["turn", 11][0], 4e-3, turns=1)))
-    )
-    for play in (mrts.retime, PlayerState):
-        with pytest.raises(mrts.MotionError, match="do not close the chain"):
-            play(dual_ur5, table)
-    bound = mrts.ClosureBound(0.02, 0.02)
-    assert_closed(dual_ur5, mrts.retime(dual_ur5, table, closure=bound, between=None).motion)
-    assert_closed(dual_ur5, PlayerState(dual_ur5, table, closure=bound).result.motion)
 
 
 def test_the_order_of_the_robots_does_not_matter(dual_ur5, exact):

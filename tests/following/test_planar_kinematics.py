@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from followed_motions import motion
 from scipy.integrate import cumulative_trapezoid
-from scipy.spatial.transform import Rotation
 
 import mrts
 from mrts.following.branches import branches_at_start
@@ -69,21 +68,3 @@ def test_a_path_in_a_parallel_plane_does_not_close(planar_cell):
     lifted = motion_to([1.25, 1.2, 0.3], start=(1.25, 1.0, 0.3))
     with pytest.raises(mrts.MotionError, match=r"came no nearer than 0\.3 m"):
         mrts.follow_object(planar_cell, lifted)
-
-
-def test_rotation_follows_the_geodesic_at_the_profiles_rate():
-    motion = motion_to([1.0, 1.1, 0.2], rpy=(0.3, -0.4, 0.8), samples=2001)
-    turn = Rotation.from_matrix(motion.rotation[-1] @ motion.rotation[0].T).as_rotvec()
-    np.testing.assert_allclose(np.cross(motion.twist[:, 3:], turn), 0, atol=1e-12)
-    h = motion.time[1]
-    steps = Rotation.from_matrix(motion.rotation[1:] @ motion.rotation[:-1].transpose(0, 2, 1)).as_rotvec() / h
-    np.testing.assert_allclose(steps, (motion.twist[1:, 3:] + motion.twist[:-1, 3:]) / 2, atol=1e-5)
-    np.testing.assert_allclose(np.gradient(motion.twist, h, axis=0)[1:-1], motion.acceleration[1:-1], atol=1e-4)
-
-
-@pytest.mark.parametrize("field", ["time", "position", "rotation", "twist", "acceleration"])
-def test_object_motions_built_by_hand_are_checked(lift, field):
-    values = {name: getattr(lift, name) for name in ("time", "position", "rotation", "twist", "acceleration")}
-    for spoiled in (values[field][:-1], np.full_like(values[field], np.nan)):
-        with pytest.raises(mrts.InputError, match="must have Shape"):
-            mrts.ObjectMotion(**(values | {field: spoiled}))

@@ -201,22 +201,3 @@ ARMS = {
 }
 ARMS["baxter"]["left"]["tip_link"], ARMS["baxter"]["right"]["tip_link"] = "left_gripper", "right_gripper"
 ARMS["talos with its torso"]["left"]["tip_link"] = "gripper_left_base_link"
-
-
-@pytest.mark.parametrize("name", ARMS)
-def test_real_arms_follow_inside_their_limits(name, tmp_path):
-    cell, middle = held_cell(tmp_path, ARMS[name])
-    followed = mrts.follow_object(cell, from_to(middle, [0.03, -0.05, 0.12], rpy=(0.1, 0.1, -0.2), samples=41))
-    assert margin(cell, followed.q) > 0.01
-    assert_consistent(cell, followed, tolerance=1e-4)
-
-
-def test_ranked_configurations_are_what_their_postures_lead_to(panda_and_ur5):
-    cell, middle = panda_and_ur5
-    given = from_to(middle, [0.03, 0.08, 0.08], samples=21)
-    study = mrts.rank_configurations(cell, given, sharing=mrts.LoadSharing())
-    assert study.combinations >= 2
-    for configuration in study.ranked[:2]:
-        again = mrts.scale(cell.with_postures(configuration.postures()), given, sharing=mrts.LoadSharing())
-        assert again.motion.remarks == ()
-        assert again.range.upper.c2 == pytest.approx(configuration.c2_upper, rel=1e-6)

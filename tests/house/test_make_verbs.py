@@ -81,15 +81,6 @@ def test_the_two_suites_are_all_tests(installed):
     assert chosen == ['"not slow"', "slow"]
 
 
-def test_a_moved_environment_is_made_anew_before_anything_runs(installed):
-    moved = installed.rename(installed.with_name("moved"))
-    assert plan(moved, "test").startswith("rm -rf .venv\n")
-    code, text = make(moved, "demo", "PYTHON=false")  # the first command after the removal
-    assert code != 0
-    assert "mrts demo" not in text
-    assert not (moved / ".venv").exists()
-
-
 def test_a_link_to_another_environment_is_refused(clone, tmp_path):
     other = tmp_path / "other"
     venv.create(other)
@@ -102,19 +93,6 @@ def test_a_link_to_another_environment_is_refused(clone, tmp_path):
     assert contents(other) == before
     make(clone, "clean")
     assert contents(other) == before
-
-
-def test_variables_that_point_elsewhere_do_not_reach_the_commands(clone, tmp_path):
-    pip = ("TARGET", "PREFIX", "ROOT", "USER", "PYTHON", "EDITABLE", "REQUIREMENT", "DRY_RUN")
-    python = ("PYTHONPATH", "PYTHONHOME", "PYTHONUSERBASE", "MYPYPATH")
-    elsewhere = dict.fromkeys([*(f"PIP_{name}" for name in pip), *python], str(tmp_path))
-    sources = {"PIP_INDEX_URL": "https://packages.example/simple", "PIP_CERT": "/certificate.pem"}
-    (clone / "shown.mk").write_text("shown:\n\t@env\n", encoding="utf-8")
-    code, text = make(clone, "-f", "Makefile", "-f", "shown.mk", "shown", **elsewhere, **sources)
-    assert code == 0, text
-    seen = dict(line.split("=", 1) for line in text.splitlines() if "=" in line)
-    assert not elsewhere.keys() & seen.keys()
-    assert sources.items() <= seen.items()
 
 
 def test_this_environment_runs_this_folder():

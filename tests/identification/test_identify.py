@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA, UR5
-from gantries import gantries
 from motor_recordings import (
     EFFORT_NOISE,
     Motors,
@@ -21,7 +20,6 @@ from motor_recordings import (
 )
 from scipy.integrate import cumulative_simpson
 from scipy.signal import lfilter
-from shipped_cells import cell_file, shipped
 
 import mrts
 
@@ -269,37 +267,3 @@ def test_units_and_zeros_of_positions_are_doubted(dual_ur5):
     said = [remark.text for remark in found.remarks if remark.code == "past-position-limit"]
     assert len(said) == 1
     assert "'right/elbow' moves from" in said[0]
-
-
-def test_sliding_joints_have_units_of_their_own(tmp_path):
-    cell = gantries(tmp_path)
-    motors = random_motors(6)
-    found = mrts.identify(cell, recording(FILE, *exact_recording(cell, motors)))
-    for kind in KINDS:
-        values = np.concatenate([value_of(arm, kind) for arm in found.arms])
-        np.testing.assert_allclose(values, getattr(motors, kind), rtol=1e-4)
-    text = found.to_yaml()
-    for units in ("in kg or kg m² ±", "in N or N m ±", "in N s/m or N m s/rad ±"):
-        assert units in text
-    assert [line.split()[-1] for line in found.table().splitlines()[1:4]] == ["N", "N", "m"]
-
-
-def test_identified_motors_go_into_the_cell_file_and_slow_the_motion(planar_cell, lift, tmp_path):
-    motors = Motors(np.full(6, 0.5), np.full(6, 2.0), np.full(6, 3.0))
-    found = mrts.identify(planar_cell, recording(FILE, *exact_recording(planar_cell, motors)))
-    found.write_yaml(tmp_path / "motors.yaml")
-    blocks = {
-        robot["name"]: robot["motors"] for robot in yaml.safe_load((tmp_path / "motors.yaml").read_text())["robots"]
-    }
-    keys = shipped()
-    for robot in keys["robots"]:
-        robot["motors"] = blocks[robot["name"]]
-    cell = mrts.load_cell(cell_file(tmp_path, keys))
-    for robot in cell.robots:
-        for kind in KINDS:
-            np.testing.assert_allclose(getattr(robot.motors, kind), getattr(motors, kind)[:3], rtol=1e-4)
-    again = mrts.identify(cell, recording(FILE, *exact_recording(planar_cell, motors)))  # its own motors are not used
-    np.testing.assert_array_equal(again.arms[0].armature.value, found.arms[0].armature.value)
-    ideal, real = (mrts.scale(each, lift).range.upper.c2 for each in (planar_cell, cell))
-    print(f"c² up to {ideal:.4g} with ideal motors, {real:.4g} with those identified")
-    assert real < 0.95 * ideal

@@ -1,9 +1,6 @@
 """Our dense kernel against HiGHS and DAQP, its certificates by substitution, sanitizers and a fuzzer."""
 
 import hashlib
-import os
-import subprocess
-import sys
 from collections import Counter
 from dataclasses import replace
 
@@ -11,7 +8,6 @@ import daqp
 import highspy
 import numpy as np
 import pytest
-from conftest import DATA, ROOT
 from random_programs import cell_programs, hard_programs
 from scaled_paths import scaled_path
 
@@ -279,14 +275,3 @@ def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):
     )
     assert status[0] == OPTIMAL
     assert x[0, 0] == 2
-
-
-def test_the_first_answer_compiles_one_library(tmp_path):
-    """The cell's library holds all of the kernel: rows of an end and fallbacks need no other."""
-    words = ["scale", ROOT / "generated" / "planar_dual_arm", DATA / "lift.yaml"]
-    environment = os.environ | {"MRTS_CACHE_DIR": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, "-m", "mrts", *words], capture_output=True, text=True, check=False, env=environment
-    )
-    assert done.returncode == 0, done.stderr
-    assert [path.name for path in tmp_path.rglob("*.so")] == ["planar_dual_arm.so"]

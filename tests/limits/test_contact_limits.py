@@ -8,9 +8,8 @@ from cell_bank import random_planar_cell, random_spatial_cell
 from contact_forces import least_pressing
 
 import mrts
-from mrts.cell.hands import Contact, box_contact, gripper_contact, pad_contact, suction_contact, tip_components
+from mrts.cell.hands import box_contact, gripper_contact, pad_contact, suction_contact, tip_components
 from mrts.limits import limit_rows
-from mrts.limits.rows import object_axes
 
 SAME = 1e-8
 """Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""
@@ -170,23 +169,3 @@ def slow_lift():
     """Straight up, so that what squeezes along x stays along x."""
     ends = {"start": {"xyz": [0, 0.1, 0.35]}, "end": {"xyz": [0, 0.1, 0.4]}}
     return mrts.sample_motion(mrts.MotionDescription(duration=0.8, samples=21, profile="quintic", **ends))
-
-
-def test_rows_in_object_axes_without_axes_are_refused(dual_ur5, lift_and_turn):
-    whole = mrts.follow_object(dual_ur5, lift_and_turn)
-    rows = replace(limit_rows(squeezing(dual_ur5), whole), object_axes=None)
-    with pytest.raises(mrts.InputError, match=r"object_axes: must be .*object_axes\(cell, motion\)"):
-        mrts.scale(dual_ur5.with_limits(lambda _cell, _motion: rows), whole)
-    other = replace(object_axes(dual_ur5, whole), base=np.zeros((2, 3, 3)))
-    with pytest.raises(mrts.InputError, match="object_axes"):
-        mrts.scale(dual_ur5.with_limits(lambda _cell, _motion: replace(rows, object_axes=other)), whole)
-
-
-def test_zero_limits_of_a_contact_are_measured_by_its_own_force(dual_ur5, lift_and_turn):
-    palm = pad_contact(friction=0.5, normal=[0, 0, 1], half_width=[0.05, 0.04], force=[0, 70])
-    tie = Contact("tie", "tip", ("sum",), ("N",), np.ones((1, 6)), np.array([0.0]), np.array([0.0]))
-    cell = with_contacts(dual_ur5, (palm, tie), ())
-    rows = limit_rows(cell, mrts.follow_object(dual_ur5, lift_and_turn))
-    unit = {str(name): unit for name, unit in zip(rows.names, rows.units(), strict=True)}
-    assert unit["left/pad friction +a"] == 70.0
-    assert unit["left/tie sum"] == 1.0

@@ -156,14 +156,6 @@ def test_retiming_keeps_it(kind, limit, planar_cell, lift):
         assert any(kind in name for name, _ in found.limits)
 
 
-@pytest.mark.parametrize("wrong", [3, [3], len])
-def test_a_limit_that_is_no_function_is_refused(wrong, planar_cell, lift):
-    for ask in (mrts.scale, mrts.retime):
-        with pytest.raises(mrts.InputError) as error:
-            ask(planar_cell, lift, limits=wrong)
-        assert error.value.where == "cell: limits"
-
-
 def test_limits_of_the_speed_alone_are_squared_exactly(planar_cell, lift):
     """By membership: b ṙ is between its limits where the squared row is."""
     rng, count = np.random.default_rng(5), 60

@@ -98,22 +98,6 @@ def test_joint_tables_keep_the_position_limits(tmp_path, dual_ur5):
         mrts.scale(dual_ur5, table)
 
 
-def test_errors_of_rates_name_the_table(tmp_path, planar_cell, lift):
-    """A shake that too few samples on the spline cannot follow."""
-    time = np.linspace(0, 1, 201)
-    shake, zero, one = 0.01 * np.sin(300 * time), np.zeros(201), np.ones(201)
-    q = mrts.follow_object(planar_cell, lift).q[0]
-    names = [f"q.{robot.name}/{joint}" for robot in planar_cell.robots for joint in robot.joints]
-    for kind, head, columns in (
-        ("file", "t,px,py,pz,qx,qy,qz,qw", [time, shake, zero, zero, zero, zero, zero, one]),
-        ("joints", f"t,{','.join(names)}", [time, *(30 * shake + position for position in q)]),
-    ):
-        np.savetxt(tmp_path / "shake.csv", np.column_stack(columns), delimiter=",", header=head, comments="")
-        path = write_motion(tmp_path, samples=15, **{kind: "shake.csv"})
-        with pytest.raises(mrts.InputError, match=r"shake\.csv: .*: its rates do not lead from sample"):
-            mrts.scale(planar_cell, mrts.load_motion(path))
-
-
 def test_mistakes_in_a_joint_table(tmp_path, dual_ur5):
     followed = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     text = joint_table(dual_ur5, followed)

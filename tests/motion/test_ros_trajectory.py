@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell
-from command_line import mrts_without
 from conftest import DATA, UR5
 from mcap_ros2.writer import Writer as IndependentWriter
 from motion_tables import joint_table, object_table
@@ -182,10 +181,3 @@ def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path, ca
         (tmp_path / "bad.csv").write_text(text)
         assert main(["scale", str(UR5 / "cell.yaml"), str(tmp_path / "bad.csv")]) == 2
         assert words in capsys.readouterr().err
-
-
-def test_a_missing_extra_is_named(given, tmp_path):
-    write_bag(tmp_path / "bag", [("/left/joint_trajectory", message(*given["left"]))])
-    done = mrts_without("rosbags", "scale", UR5 / "cell.yaml", tmp_path / "bag")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "pip install 'mrts[ros]'" in done.stderr

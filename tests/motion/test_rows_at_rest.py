@@ -8,7 +8,6 @@ from scaled_paths import scaled_path
 
 import mrts
 from mrts.limits import limit_rows
-from mrts.motion.csv_motion import read_table
 from mrts.motion.rows_at_rest import HOLDING_STEP, moving_rows, pushing_ends
 from mrts.output.trajectory_table import played_rows, trajectory_csv
 
@@ -117,13 +116,3 @@ def test_a_cell_that_cannot_hold_still_says_so(tmp_path):
     carried = mrts.torques_for_load(result, result.cell.load)
     assert carried.warnings == result.warnings
     np.testing.assert_array_equal(played_rows(result.trajectory)["t"], result.trajectory.time)
-
-
-def test_a_saved_result_keeps_them(planar_cell, lift, tmp_path):
-    result = mrts.scale(planar_cell, lift)
-    mrts.save_result(result, tmp_path / "result.npz")
-    again = mrts.load_result(tmp_path / "result.npz")
-    mrts.write_trajectory_csv(again, tmp_path / "plan.csv")
-    assert again.trajectory.holding.ends == (True, True)
-    np.testing.assert_array_equal(again.trajectory.holding.torque, result.trajectory.holding.torque)
-    assert len(read_table(tmp_path / "plan.csv", None).time) == 101

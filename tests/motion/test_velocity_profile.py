@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-import mrts
-from mrts.motion.object_courses import geodesic_motion
 from mrts.motion.velocity_profile import CORNERS, PROFILES, trapezoid
 
 pytestmark = pytest.mark.quick
 
 INTEGRATION = 1e-9  # of scipy's adaptive quadrature
 TOP_ACCELERATION = 4.5  # 1 / (ramp (1 - ramp)) with a ramp of a third
-ROUNDING = 1e-8  # of c² by rounding of u
 
 
 @pytest.mark.parametrize("name", PROFILES)
@@ -47,15 +44,3 @@ def test_samples_at_a_trapezoids_corners_take_the_ramps_acceleration():
             assert acceleration[third] == TOP_ACCELERATION, samples
             assert acceleration[2 * third] == -TOP_ACCELERATION, samples
             assert np.count_nonzero(acceleration == 0) == third - 1, samples
-
-
-@pytest.mark.parametrize("samples", [31, 61, 91])
-def test_a_reversed_lift_is_limited_at_the_corner_that_rounding_had_hidden(planar_cell, samples):
-    start, end = np.array([1.25, 1.5, 0.0]), np.array([1.25, 1.0, 0.0])
-    turns = np.array([np.eye(3)] * 2)
-    lowered = geodesic_motion(np.array([start, end]), turns, trapezoid, np.pi / 6, samples)
-    lifted = geodesic_motion(np.array([end, start]), turns, trapezoid, np.pi / 6, samples)
-    # at c the torques of a motion played backwards are those of the motion itself, sample by sample
-    forward, backward = (mrts.scale(planar_cell, motion).range for motion in (lifted, lowered))
-    assert backward.upper.c2 == pytest.approx(forward.upper.c2, rel=ROUNDING)
-    assert backward.upper.sample == samples - 1 - forward.upper.sample

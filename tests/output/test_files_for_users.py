@@ -5,7 +5,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from command_line import mrts_without
 from conftest import DATA
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
@@ -14,7 +13,6 @@ from shipped_cells import changed_cell
 import mrts
 from mrts.cli import main
 from mrts.output import TRAJECTORY_FORMATS
-from mrts.output.trajectory_table import played_rows
 
 pytestmark = pytest.mark.quick
 
@@ -60,15 +58,6 @@ def test_a_bag_holds_what_controllers_expect(turned, tmp_path):
     assert len(seen) == 3 * len(turned.cell.robots)
 
 
-def test_a_planar_wrench_stands_in_its_own_components(planar_cell, lift, tmp_path):
-    result = mrts.scale(planar_cell, lift)
-    mrts.write_ros_bag(result, tmp_path / "bag")
-    for _, _, message in messages(tmp_path / "bag" / "bag.mcap", ["/left/contact_wrench"]):
-        w = message.wrench
-        assert (w.force.z, w.torque.x, w.torque.y) == (0, 0, 0)
-    np.testing.assert_array_equal([w.force.x, w.force.y, w.torque.z], played_rows(result.trajectory)["F"][-1, :3])
-
-
 def test_a_table_gives_every_number_back(turned, tmp_path):
     mrts.write_trajectory_csv(turned, tmp_path / "trajectory.csv")
     head, *rows = csv.reader((tmp_path / "trajectory.csv").read_text().splitlines())
@@ -92,14 +81,6 @@ def test_every_format_is_written_whole_or_not_at_all(name, turned, planar_cell, 
     with pytest.raises(mrts.InputError, match="cannot be written"):
         form.write(turned, tmp_path / "file" / "below")
     assert {path.name for path in tmp_path.iterdir()} == {"written", "file"}
-
-
-def test_a_missing_extra_is_named_before_any_work(tmp_path):
-    command = ["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--ros-bag", str(tmp_path / "bag")]
-    done = mrts_without("rosbags", *command)
-    assert done.returncode == 2
-    assert "pip install 'mrts[ros]'" in done.stderr
-    assert done.stdout == ""
 
 
 def test_an_infeasible_motion_is_still_an_outcome_with_files_asked_for(tmp_path, capsys):

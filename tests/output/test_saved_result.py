@@ -175,13 +175,3 @@ def test_a_timing_comes_back_whole(timing, planar_cell, lift, tmp_path):
     assert again.options == found.options
     mrts.save_result(again, tmp_path / "again.npz")
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "timing.npz").read_bytes()
-
-
-def test_a_timing_is_asked_again_with_its_cell(planar_cell, lift, tmp_path):
-    found = mrts.retime(planar_cell, lift)
-    mrts.save_result(found, tmp_path / "timing.npz")
-    again = mrts.load_result(tmp_path / "timing.npz", cell=planar_cell)
-    assert again.constant.to_json() == found.constant.to_json()
-    assert again.what_if(share=0.2) == found.what_if(share=0.2)
-    with pytest.raises(mrts.InputError, match=r"functions: .*load_result\(path, cell=mrts\.load"):
-        mrts.load_result(tmp_path / "timing.npz").what_if()

@@ -4,12 +4,10 @@ import csv
 
 import numpy as np
 import pytest
-from conftest import DATA, UR5
-from shipped_cells import changed_cell
+from conftest import UR5
 from shown_results import with_all_rates
 
 import mrts
-from mrts.cli import main
 from mrts.output.trajectory_table import played_rows
 
 LIMITS = {"shoulder": 1100, "elbow": 880, "wrist": 550}
@@ -93,20 +91,3 @@ def test_torques_for_another_load_keep_the_rates_or_are_refused(planar_cell, lif
     bare = mrts.torques_for_load(mrts.retime(planar_cell.with_load(alone), lift).retimed, alone)
     with pytest.raises(AssertionError):
         check_rates(bare, found.smooth.rates)  # a bang-bang timing does not keep them
-
-
-def test_the_command_line_writes_all_files_with_the_torques_of_one_load(tmp_path, capsys):
-    path = changed_cell(tmp_path, lambda cell: cell["object"].update(variation={"mass": [0.2, 3.0]}))
-    line = ["scale", str(path), str(DATA / "lift.yaml"), "--profile", "smooth", "--rates", "11"]
-    names = {"csv": "t.csv", "save": "r.npz", "json": "r.json", "report": "r.html", "plot": "plots", "ros-bag": "bag"}
-    files = {option: tmp_path / name for option, name in names.items()}
-    outputs = [word for name, path in files.items() for word in (f"--{name}", str(path))]
-    assert main([*line, "--carry", "mass=1.7", *outputs]) == 0
-    assert "torques for a load of 0.85 kg" in capsys.readouterr().out
-    assert all(path.exists() for path in files.values())
-    assert {"phase_plane.png", "limits.png"} <= {path.name for path in files["plot"].iterdir()}
-    saved = mrts.load_result(files["save"]).retimed
-    assert saved.cell.mass == pytest.approx(0.85)
-    check_rates(saved, saved.options.rates)
-    table = np.genfromtxt(files["csv"], delimiter=",", names=True, deletechars="")
-    np.testing.assert_array_equal(table["tau.left/elbow"], saved.torque["left"][:, 1])

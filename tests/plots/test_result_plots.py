@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from legible_figures import boxes_of_texts, check_legible, lines_of
+from legible_figures import check_legible, lines_of
 from shipped_cells import still_motion
-from shown_results import KINDS, renamed, result_of
+from shown_results import KINDS, result_of
 
 import mrts
 from mrts.plots import (
@@ -19,11 +19,10 @@ from mrts.plots import (
     write_result_plots,
 )
 from mrts.plots.figure_files import result_plots
-from mrts.plots.labels import LANE_LETTERS
 from mrts.plots.limit_shares import all_shares
 from mrts.plots.plot import Axis, Band, Bars, Line, Panel, Plot, Points, Rule
 from mrts.plots.plotly_drawer import plotly_figure
-from mrts.plots.range_plots import binding_lanes, upright_areas
+from mrts.plots.range_plots import upright_areas
 
 
 @pytest.fixture(scope="module")
@@ -172,13 +171,6 @@ def test_the_ranking_has_bars_and_marks_infeasible_and_unlimited_configurations(
     assert bars.hatch
 
 
-def test_an_object_out_of_reach_gets_a_figure_that_says_so(dual_ur5):
-    study = mrts.rank_configurations(dual_ur5, still_motion([0, 0, 3]))
-    figure = matplotlib_figure(ranking_plot(study, "dual_ur5"))
-    check_legible(figure)
-    assert "no configuration reaches" in "".join(text.get_text() for text in boxes_of_texts(figure))
-
-
 def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, tmp_path):
     """An infeasible timing has figures as well: those of the best constant factor."""
     infeasible = mrts.retime(planar_cell.with_mass(60.0), lift)
@@ -191,15 +183,3 @@ def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, 
     assert {path.name for path in (tmp_path / "once").iterdir()} == {"c2_range.svg", "c2_range.pdf"}
     with pytest.raises(mrts.InputError, match="one of png, svg, pdf"):
         write_result_plots(infeasible, tmp_path / "once", "gif")
-
-
-def test_names_of_rows_are_whole_and_the_figure_as_wide_as_they_want(planar_cell, lift):
-    joints = tuple(f"left_robot_arm_{part}_rotation_joint" for part in ("shoulder_pan", "elbow", "wrist"))
-    long = renamed(planar_cell, "long", ("left_robot_arm", "right_robot_arm"), joints)
-    found = mrts.scale(long, lift)
-    figure = matplotlib_figure(range_plot(found))
-    check_legible(figure)
-    shown = {label.get_text().strip() for label in figure.axes[-1].get_yticklabels()}
-    assert {lane.label for lane in binding_lanes(found.range)} == shown
-    assert max(map(len, shown)) > LANE_LETTERS
-    assert figure.get_figwidth() > matplotlib_figure(range_plot(mrts.scale(planar_cell, lift))).get_figwidth()

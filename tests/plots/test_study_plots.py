@@ -13,10 +13,7 @@ from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.study_map import (
     LIMIT_COLOURS,
     MOST_CELLS,
-    OUTERMOST,
     best_values,
-    duration_ends,
-    ends_reached,
     map_binding,
     map_remark,
     study_map,
@@ -24,7 +21,7 @@ from mrts.plots.study_map import (
 )
 from mrts.plots.study_plots import MOST_LINES, NO_DURATION, parallel_figure
 from mrts.plots.study_table import OUTCOMES
-from mrts.plots.study_words import best_part, best_rows, managed, managed_texts, next_steps, outcome_text, percent
+from mrts.plots.study_words import best_rows, managed, next_steps
 
 KINDS = kinds()
 
@@ -88,17 +85,6 @@ def test_the_line_has_what_binds_as_bands():
     half = infeasible.thickness / 2
     assert infeasible.place[0] - half[0] <= np.min(missing)
     assert infeasible.place[-1] + half[-1] >= np.max(missing)
-
-
-def test_lines_of_the_best_end_at_their_durations():
-    table = drawn_study(600, 4)
-    trace = parallel_figure(table)["data"][0]
-    kind, ends = np.array(trace["line"]["color"]), np.array(trace["dimensions"][-1]["values"])
-    (low, high), best = duration_ends(table), best_part(table)
-    np.testing.assert_allclose(np.sort(low + ends[kind == 2] * (high - low)), table.duration[best], rtol=1e-5)
-    values = np.array(trace["dimensions"][2]["values"])[kind == 2]
-    np.testing.assert_allclose(np.sort(values), np.sort(table.values[best, 2]), rtol=1e-5)
-    assert np.all(ends[kind == 0] == NO_DURATION)
 
 
 def test_the_histogram_and_the_curve_are_shares_of_all_variants():
@@ -198,12 +184,6 @@ def test_a_number_explains_what_the_normal_distribution_says(share):
     assert weights(found_study(values, duration))[0].knob == 2
 
 
-def test_equal_durations_are_explained_whole_by_the_number_that_sets_them():
-    values = np.array([(x, y) for y in range(7) for x in range(6)], dtype=float)
-    [first, second] = weights(found_study(values, 1.0 + values[:, 0]))
-    assert (first.knob, first.duration, second.duration) == (0, 1.0, 0.0)
-
-
 def test_a_long_study_is_weighed_by_a_choice_and_shown_by_few_lines_and_cells():
     x, y = (axis.ravel() for axis in np.meshgrid(np.linspace(0, 1, 500), np.linspace(0, 1, 400)))
     table = found_study(np.stack([x, y], axis=1), 0.3 + 0.01 * x + y)
@@ -222,18 +202,6 @@ def test_the_share_that_manages_a_duration_is_a_quantile_of_all(share):
     all_of_them = np.where(np.isnan(table.duration), np.inf, table.duration)
     expected = np.quantile(all_of_them, share / 100, method="inverted_cdf")
     assert (managed(table, share) or np.inf) == expected
-
-
-def test_words_say_how_many_and_how_fast():
-    table = grid_study(planned=400)
-    text, counts = outcome_text(table), table.rows["status"].value_counts()
-    assert text.startswith(f"{counts['feasible']} of 108 variants solved so far, of 400 may be played")
-    assert f"{counts['unreachable']} unreachable, {counts['infeasible']} infeasible" in text
-    assert managed_texts(table)[-1].startswith("no duration suits")
-    assert managed_texts(KINDS["all alike"])[-1] == "99 % of variants finish within 0.4 s"
-    assert [percent(*pair) for pair in ((0, 5), (1, 10**6), (999_999, 10**6), (5, 5), (1, 3))] == [
-        "0 %", "0.0001 %", "99.9 %", "100 %", "33.3 %"
-    ]  # fmt: skip
 
 
 def test_the_best_table_holds_the_numbers_of_the_best():
@@ -261,10 +229,3 @@ def test_the_next_step_is_the_one_that_the_numbers_ask_for():
     assert "cannot be played" not in calm
     hopeless = next_steps(KINDS["nothing can be played"])
     assert hopeless == ["30 of the 30 variants that cannot be played are infeasible, such as: no way."]
-
-
-def test_an_end_is_one_of_what_was_tried():
-    values = np.linspace(0, 1, 201)[:, None]
-    table = found_study(values, 1 + values[:, 0])
-    ends = [bool(ends_reached(table, row)) for row in range(201)]
-    assert ends == ((values[:, 0] <= OUTERMOST) | (values[:, 0] >= 1 - OUTERMOST)).tolist()

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from conftest import DATA, UR5
 from gantries import along_x, gantries
-from motion_tables import columns_of, write_table
-from motions_between import DENSE, KINDS, corner_of, dense_excess, draw
+from motions_between import DENSE, KINDS, dense_excess, draw
 from shipped_cells import sampled, shipped_motion
 
 import mrts
@@ -69,22 +68,6 @@ def test_a_velocity_whose_peak_lies_between_samples(tmp_path, samples, between):
         assert found.excess.share <= between
 
 
-def test_a_coarse_table_of_joints_says_that_its_splines_are_ours(cells, tmp_path):
-    """21 rows around a corner, 64 samples on their splines: told by how much c²⁺ is less than at the samples."""
-    cell = cells[0]
-    path = mrts.MotionDescription(duration=0.8, profile="quintic", samples=21, waypoints=corner_of(cell, steps=2))
-    followed = mrts.follow_object(cell, mrts.sample_motion(path))
-    write_table(tmp_path / "joints.csv", columns_of(cell, followed, ("q",)), ".15g")
-    (tmp_path / "motion.yaml").write_text("joints: joints.csv\nsamples: 30\n")
-    found = mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml"))
-    told = [remark for remark in found.warnings if remark.code == "between-samples"]
-    assert len(told) == 1
-    assert "spline that mrts lays through them" in told[0].text
-    bare = mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml"), between=None)
-    fall = 100 * (1 - found.range.upper.c2 / bare.range.upper.c2)
-    assert f"{fall:.2g} % less" in told[0].text
-
-
 @pytest.fixture(scope="module")
 def redundant():
     return mrts.load_cell(DATA.parent / "redundant" / "cell.yaml")
@@ -118,13 +101,6 @@ def test_every_corner_of_the_load_keeps_its_limits_between_samples(dual_ur5, loa
     assert (carried.excess is None) == (load != "guaranteed")
 
 
-@pytest.mark.parametrize("wrong", [0, -1e-4, 1e-9, 2, np.nan, "off", True, np.inf])
-def test_a_tolerance_that_is_none_is_refused(planar_cell, lift, wrong):
-    for asked in (mrts.scale, mrts.retime, mrts.rank_configurations):
-        with pytest.raises(mrts.InputError, match="between"):
-            asked(planar_cell, lift, between=wrong)
-
-
 def test_an_excess_is_told_with_its_limit_and_moment(dual_ur5):
     found = mrts.scale(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
     told = found.to_json()["excess"]
@@ -132,10 +108,3 @@ def test_an_excess_is_told_with_its_limit_and_moment(dual_ur5):
     assert (told["row"]["kind"], found.excess.passes) == ("velocity", False)
     loud = replace(found, excess=replace(found.excess, share=0.02)).sentence()
     assert f"overstepped by up to 2 % at t = {told['time']:.4g} s, {found.excess.row}" in loud
-
-
-def test_an_internal_wrench_for_each_sample_is_known_at_these_only(planar_cell, lift):
-    sharing = mrts.LoadSharing(internal_wrench=np.zeros((len(lift.time), 6)))
-    found = mrts.scale(planar_cell, lift, sharing=sharing)
-    assert found.excess is None
-    assert found.motion.samples == len(lift.time)

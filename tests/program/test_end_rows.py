@@ -125,13 +125,6 @@ def test_at_rest_the_end_is_standing_still():
     assert [row.name for row in rows_at_end(problem, 0.0, "lower")] == [STANDSTILL]
 
 
-@pytest.mark.quick
-def test_limits_without_room_set_no_end():
-    A = np.array([[[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]])
-    problem = problem_of(A, np.array([[0.0, -np.inf, -5.0]]), np.array([[0.0, 1.0, 5.0]]))
-    assert [(row.name.element, row.side) for row in rows_at_end(problem, 1.0, "upper")] == [("1", "upper")]
-
-
 def test_of_samples_that_differ_by_rounding_the_first_sets_the_end():
     low, high = np.array([0.0, 0.5, 0.5, 0.5]), np.array([3.0, 2.0, 4.0, 2.0])
     for shift in (0, TIE / 2, -TIE / 2):

@@ -80,15 +80,6 @@ def test_what_is_no_rate_is_refused(planar_cell, rates):
         rate_limits(planar_cell, rates)
 
 
-def test_a_multiple_of_no_limit_is_refused(planar_cell):
-    free = with_left(planar_cell, torque_upper=[np.inf, 1, 1], torque_lower=[-1.0, -1, -1])
-    with pytest.raises(mrts.InputError, match=r"rates = 11\.5: .*'shoulder' of robot 'left'.*torque_rate"):
-        rate_limits(free, 11.5)
-    motors = replace(JointMotors.unknown(3), torque_rate=np.array([7.0, np.inf, np.inf]))
-    known = rate_limits(with_left(free, motors=motors), 11.5)
-    np.testing.assert_allclose(known.torque[:3], [7, 11.5, 11.5], rtol=1e-15)
-
-
 def with_all_rates(cell):
     """Torque rates, jerks and contact rates of one robot that its fastest factor passes."""
     motors = replace(cell.robots[0].motors, torque_rate=np.array([250.0, np.inf, 200.0]), jerk=np.full(3, 450.0))
@@ -117,9 +108,3 @@ def test_rates_are_reported_and_bind_nothing_unless_they_are_kept(planar_cell, l
     assert {row[0][0] for row in rates_table(kept, limiting_rows(kept, None)).rows} == {
         str(use.name) for use in rate_uses(kept)
     }
-
-
-def test_a_chosen_factor_beyond_the_rates_is_refused(planar_cell, lift):
-    with pytest.raises(mrts.SelectionError, match=r"c² = 2 is outside .*upper end is set .*torque rate"):
-        mrts.scale(planar_cell, lift, 2.0, rates=3.0)
-    assert mrts.scale(planar_cell, lift, 1.0, rates=3.0).trajectory.c2 == 1.0

@@ -71,12 +71,6 @@ def test_a_joint_without_a_limit_is_not_spared(planar_cell):
     np.testing.assert_allclose(W, 1 / np.array([80 * most, 80, 80 / most, 100, 80, 50]) ** 2, rtol=1e-12)
 
 
-@pytest.mark.parametrize("weights", [[1, 1], [1, 1, 1, 1, 1, 0], [1, 1, 1, 1, 1, np.nan], -np.eye(6), [[1, 2], [3, 4]]])
-def test_weights_must_be_positive_definite(planar_cell, lift, weights):
-    with pytest.raises(mrts.InputError, match="weights"):
-        mrts.scale(planar_cell, lift, weights=np.array(weights, dtype=float))
-
-
 def with_given_force(cell):
     """The cell with a force of the first arm that both limits fix, which is then active at every sample."""
     robot = cell.robots[0]

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from changed_robots import with_robots
-from command_line import mrts_without
 from conftest import DATA, UR5
 from report_pages import data_of, own_text
 from shipped_cells import shipped, still_motion
@@ -17,24 +16,18 @@ from shown_results import AWKWARD, UGLY_JOINTS, with_all_rates, with_awkward_nam
 
 import mrts
 from mrts.cli import main
-from mrts.motion.motion_file import described_motion
 from mrts.plots.limit_plots import limit_map
 from mrts.plots.limit_shares import AT_LIMIT, all_shares, limiting_rows
 from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import Bars, HeatMap, Line
-from mrts.plots.plotly_drawer import MOST_SAMPLES, plotly_figure
-from mrts.plots.trajectory_plots import torque_plots
 from mrts.plots.what_if_plot import MOST_BARS, what_if_plot
 from mrts.report import report_html
 from mrts.report.player import player
-from mrts.report.tables import changes_in_words, changes_left_out, duty_table, rates_table
+from mrts.report.tables import changes_in_words, changes_left_out, rates_table
 from mrts.scaling.limit_use import limit_uses, used_shares
 from mrts.scene.cell_shapes import contact_forces
 
 FILES = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
-
-LARGEST = 2_000_000
-"""Bytes of a report of an ordinary motion, 1.84 million of them plotly.js."""
 
 DRAWN = 1e-5
 """Numbers of a page have six digits."""
@@ -130,28 +123,6 @@ def test_the_text_says_what_was_given_and_found(planar_cell, lift, lifted):
     assert "its limit is 0.1 rad/s" in report_html(mrts.scale(too_fast, lift))
 
 
-def test_what_is_left_over_from_larger_terms_is_shown_as_zero():
-    """Of joints that hardly move: their powers and speeds are sums of terms that cancel."""
-    folder = DATA.parent / "squeeze"
-    found = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
-    text = str(duty_table(found).rows)
-    assert "0 / 0 W" in text
-    assert not re.search(r"e-1\d|-0 ", text)
-
-
-def test_a_long_motion_makes_no_long_file_and_keeps_its_extremes(planar_cell):
-    description = described_motion(DATA / "lift.yaml").model_copy(update={"samples": 20_000})
-    found = mrts.scale(planar_cell, mrts.sample_motion(description))
-    text = report_html(found)
-    assert len(text.encode()) < LARGEST
-    traces = data_of(text)["plots"]["plot-torque-0"]["data"]
-    for index, joint in enumerate(planar_cell.robots[0].joints):
-        drawn = next(trace["y"] for trace in traces if trace["name"] == joint)
-        assert len(drawn) <= MOST_SAMPLES + 6
-        exact = found.torque["left"][:, index]
-        np.testing.assert_allclose([min(drawn), max(drawn)], [np.min(exact), np.max(exact)], rtol=1e-5)
-
-
 def test_the_same_result_gives_the_same_bytes(lifted, tmp_path):
     target = tmp_path / "report.html"
     command = [sys.executable, "-m", "mrts", "scale", *FILES, "--report", str(target)]
@@ -171,22 +142,6 @@ def test_a_saved_result_is_reported(lifted, tmp_path, capsys):
     (tmp_path / "no.npz").write_text("nothing")
     assert main(["report", str(tmp_path / "no.npz")]) == 2
     assert "no.npz" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("package", "arguments"),
-    [("plotly", ["scale", *FILES, "--report", "r.html"]), ("jinja2", ["report", "result.npz"])],
-)
-def test_a_missing_package_is_named_before_any_work(package, arguments):
-    done = mrts_without(package, *arguments)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "pip install 'mrts[report]'" in done.stderr
-
-
-def test_torques_far_beyond_their_limits_are_so_many_percent(lifted):
-    done = lifted.trajectory
-    beyond = replace(lifted, trajectory=replace(done, torque=np.full_like(done.torque, 1e30)))
-    assert plotly_figure(torque_plots(beyond)[0])["data"][0]["customdata"][0] == int(1e30)
 
 
 def sections(text):

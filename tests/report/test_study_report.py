@@ -1,18 +1,16 @@
 """The report of a study: what its text, tables and plots say, without a browser."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from conftest import DATA
-from found_studies import AWKWARD, drawn_study, found_study, grid_study, kinds
+from found_studies import AWKWARD, drawn_study, grid_study, kinds
 from report_pages import data_of, own_text
 
 import mrts
 from mrts.cli import main
 from mrts.plots.study_plots import NO_DURATION
-from mrts.plots.study_words import best_rows
 from mrts.report import report_html, study_html
 
 KINDS = kinds()
@@ -67,12 +65,6 @@ def test_the_text_says_what_became_of_the_variants():
     assert 'class="outcome infeasible"' in nothing
 
 
-def test_a_long_study_makes_no_long_page():
-    text = study_html(drawn_study(20_000, 5))
-    assert len(text) < 4_000_000
-    assert "An even choice of 600 of 20000 variants" in text
-
-
 def test_a_folder_of_a_study_is_reported(tmp_path, capsys):
     study = tmp_path / "study.yaml"
     files = f"cell: {DATA / 'cell.yaml'}\nmotion: {DATA / 'lift.yaml'}"
@@ -88,15 +80,3 @@ def test_a_folder_of_a_study_is_reported(tmp_path, capsys):
         part.unlink()
     assert main(["report", str(tmp_path / "found")]) == 2
     assert "no variant of this study is solved yet" in capsys.readouterr().err
-
-
-def test_a_speed_that_varies_where_no_constant_one_is_possible_has_no_c2():
-    """As of a least and a largest speed at two moments that exclude each other."""
-    values = np.linspace(0, 1, 60).reshape(-1, 3)
-    table = found_study(values, np.linspace(0.3, 0.6, 20))
-    table = replace(table, rows=table.rows.assign(c2_upper=np.nan))
-    text = own_text(study_html(table))
-    assert "nan" not in re.findall(r"\w+", text.lower())
-    assert "variant 0: 0.3 s, limited by right/elbow ↑" in text
-    head, rows = best_rows(table, 3)
-    assert [row[head.index("c²⁺ [1]")] for row in rows] == ["", "", "", ""]

@@ -17,7 +17,7 @@ from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.timing.fastest_profile import SpeedProfile, fastest_profile, rising_profile, segment_times
-from mrts.timing.path_pieces import EVEN, STEADY, by_turns, path_pieces
+from mrts.timing.path_pieces import by_turns, path_pieces
 from mrts.timing.retimed_motion import at_segment_ends
 from mrts.timing.speed_regions import speed_regions
 
@@ -124,23 +124,6 @@ def test_times_of_segments_are_those_of_the_differential_equation(seed):
     )
     assert found[0] == pytest.approx(played.t_events[0][0], rel=1e-8)
     assert played.y_events[0][0][1] ** 2 == pytest.approx(end, rel=1e-8)
-
-
-def test_a_parabola_is_timed_by_its_own_parameter(planar_cell):
-    """Affine arc length, but for the share that keeps straight paths at their arc length."""
-    own = np.linspace(-1, 1, 201)
-    q = np.zeros((len(own), 6))
-    rates, changes = np.zeros_like(q), np.zeros_like(q)
-    q[:, 0], q[:, 1], rates[:, 0], rates[:, 1], changes[:, 1] = 0.1 * own, own**2, 0.1, 2 * own, 2.0
-    motion = carried_by_first(planar_cell, own + 1, q, rates, changes, smooth=False)
-    (arc,) = path_pieces(motion)
-    piece = by_turns(arc)
-    turns = np.linalg.norm(np.diff(arc.path.dq, axis=0), axis=1) / np.sqrt(6)
-    assert np.max(turns) > EVEN
-    assert np.ptp(np.log(arc.step)) > 2
-    inner = slice(60, 140)
-    assert np.ptp(np.log(piece.step[inner])) < 0.4 * np.ptp(np.log(arc.step[inner]))
-    assert np.max(np.abs(np.diff(np.log(piece.arc_speed)))) < STEADY * np.max(turns) * 1.5
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -10,11 +10,6 @@ import mrts
 from mrts.scaling.motion_remarks import REMARKED, interpolated_timing
 
 
-@pytest.fixture(scope="module")
-def timed(planar_cell, lift):
-    return mrts.retime(planar_cell, lift)
-
-
 def test_a_timing_leaves_the_factor_until_it_is_read(planar_cell, lift):
     found = mrts.retime(planar_cell, lift)
     copied = pickle.loads(pickle.dumps(found))  # noqa: S301 (our own)
@@ -25,16 +20,6 @@ def test_a_timing_leaves_the_factor_until_it_is_read(planar_cell, lift):
     assert found.factor.c2 == best.trajectory.c2
     assert found.constant.range.to_json() == best.range.to_json()
     assert found.factor is replace(found, explanation="").factor is found.compared.factor
-
-
-def test_what_is_read_later_is_of_the_numbers_that_were_given(planar_cell, lift):
-    weights, inner = np.array([1.0, 2, 3, 3, 2, 1]), np.zeros(6)
-    found = mrts.retime(planar_cell, lift, weights=weights, sharing=mrts.LoadSharing(None, inner))
-    effort = found.effort
-    best = mrts.scale(planar_cell, lift, weights=weights, sharing=mrts.LoadSharing(None, inner))
-    weights[:], inner[:] = 7, 5
-    assert found.effort == effort
-    np.testing.assert_array_equal(found.constant.trajectory.torque, best.trajectory.torque)
 
 
 def test_noise_that_sets_the_range_is_told_with_the_timing(planar_cell, lift):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from cell_bank import random_planar_cell
 from changed_robots import with_robots
-from gantries import along_x, gantries, straight, there_and_back
+from gantries import gantries, straight, there_and_back
 from shipped_cells import still_motion
 
 import mrts
@@ -99,25 +99,3 @@ def test_a_cell_without_a_single_limit_is_an_outcome(sharing, planar_cell, lift)
     result = mrts.scale(free, lift, sharing=sharing)
     assert (result.status.value, result.range.lower.c2, result.trajectory.c2) == ("unbounded", 0.0, 1.0)
     assert mrts.retime(free, lift, sharing=sharing).status.value == "unbounded"
-
-
-def test_a_path_that_cannot_be_braked_is_explained(tmp_path):
-    """Thrown up by a gravity that no motor holds: each sample is admissible, but the end is not reached at rest."""
-    found = mrts.retime(gantries(tmp_path, gravity=(9.81, 0, 0)), along_x())
-    assert found.status.value in {"not controllable", "start speed not admissible", "end speed not admissible"}
-    assert "torque" in found.explanation or "rest" in found.explanation
-
-
-def test_bad_arguments_are_named(planar_cell, lift):
-    for name in ("start_speed", "end_speed"):
-        for value in (-1.0, np.nan, np.inf, True, "fast"):
-            with pytest.raises(mrts.InputError, match=name):
-                mrts.retime(planar_cell, lift, **{name: value})
-    with pytest.raises(mrts.InputError, match="must be guaranteed or nominal"):
-        mrts.retime(planar_cell.with_variation(mass=(0.5, 2)), lift, load="possible")
-    with pytest.raises(mrts.InputError, match="at rest there"):
-        mrts.retime(planar_cell, lift, end_speed=0.5)
-    with pytest.raises(mrts.InputError, match="sharing"):
-        mrts.retime(planar_cell, lift, sharing=0.5)
-    with pytest.raises(mrts.InputError, match=r"it is of type RetimingResult. Give its `retimed`\."):
-        mrts.write_trajectory_csv(mrts.retime(planar_cell, lift), "plan.csv")

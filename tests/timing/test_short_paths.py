@@ -41,12 +41,6 @@ def test_a_short_path_takes_as_long_as_its_root_says(name, profile, planar_cell,
         assert duration == pytest.approx(SHORT_DURATION[name] * np.sqrt(length), rel=DISCRETISATION[samples]), length
 
 
-def test_the_lift_of_a_millimetre(planar_cell):
-    """A user's: 1001 samples, from 1 m to 1.001 m."""
-    durations = [checked(planar_cell, scaled_path("planar_dual_arm", 1e-3, 1001, profile)) for profile in PROFILES[:2]]
-    np.testing.assert_allclose(durations, 0.01057153, rtol=1e-6)
-
-
 @pytest.mark.parametrize("difference", [1e-9, 1e-7])
 def test_arms_that_are_alike_but_for_the_last_digits(difference, planar_cell):
     """Limits that nearly meet in one corner, as where a pose is typed with eight digits."""

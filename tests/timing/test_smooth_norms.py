@@ -97,10 +97,3 @@ def test_a_cup_takes_all_of_its_friction(dual_ur5, lift_and_turn):
     excess = rows.excess(rows.value(timed.trajectory.torque, timed.trajectory.wrench, 0.0, 1.0))
     cups = np.array([name.element == "cup friction" for name in rows.names])
     assert excess[:, cups] == pytest.approx(np.tile(beyond[:, None], (1, cups.sum())), rel=2e-4, abs=ROUNDING)
-
-
-def test_accelerations_take_few_rounds(dual_ur5, lift_and_turn):
-    """They bind all along the path, so that segments halved one round after the other made them the costliest rows."""
-    limited = replace(dual_ur5, object_acceleration_limit=np.array([2.0, np.inf]))
-    steps = [mrts.retime(cell, lift_and_turn, rates=11.5).smooth.steps for cell in (dual_ur5, limited)]
-    assert steps[1] <= 1.3 * steps[0]

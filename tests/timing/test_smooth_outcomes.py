@@ -138,11 +138,6 @@ def test_a_fixed_sharing_is_kept_at_every_node(planar_cell, lift, smooth):
     np.testing.assert_allclose(left, right, atol=2e-6)
 
 
-def test_what_has_no_timing_without_rates_has_none_with_them(planar_cell, lift):
-    heavy = mrts.retime(planar_cell.with_mass(100.0), lift, rates=RATES)
-    assert heavy.status.value == "start speed not admissible"
-
-
 def test_a_motion_that_moves_at_its_ends_is_timed_from_and_to_any_speed(planar_cell, lift):
     part = slice(20, 81)
     columns = (lift.position, lift.rotation, lift.twist, lift.acceleration)

@@ -11,7 +11,6 @@ import mrts
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.timing import successive_profiles as successive
-from mrts.timing.fastest_profile import Obstacle
 from mrts.timing.path_pieces import path_pieces
 
 SAME = 2e-6
@@ -86,11 +85,3 @@ def test_what_cannot_be_timed_says_which_limits_conflict(planar_cell, lift, tmp_
     assert found.status.value == "start speed not admissible", found.summary()
     assert "cannot start from rest" in found.explanation
     assert "fx contact wrench" in found.explanation
-
-
-def test_a_search_that_finds_nothing_says_where(tmp_path):
-    cell, motion = on_an_arc(tmp_path, viscous=1.0)
-    problem, piece = rows(cell, motion)
-    found = successive.successive_profiles([problem], piece.step, (0.04, 0.04))
-    assert isinstance(found, Obstacle)
-    assert found.kind == "segment"
