@@ -9,7 +9,6 @@ import mrts
 from mrts.base.printable import LONGEST_MESSAGE, html_text, printable
 from mrts.cli import main
 from mrts.commands.console.terminal import put, say, warn
-from mrts.plots.labels import LANE_LETTERS, MOST_LETTERS, shortened, shortened_apart
 
 pytestmark = pytest.mark.quick
 
@@ -38,15 +37,6 @@ def test_what_is_printed_keeps_its_lines_only(show, capsys):
     show(f"first\nsecond {HOSTILE}")
     captured = capsys.readouterr()
     assert (captured.out + captured.err).endswith(f"first\nsecond {SHOWN}\n")
-
-
-def test_names_in_figures_are_printable_short_and_apart():
-    alike = [f"left_manipulator/{joint}_link_joint velocity ↑" for joint in ("shoulder_pan", "shoulder_lift", "elbow")]
-    assert shortened("\u202eabc") == r"\u202eabc"
-    assert len({shortened(name, LANE_LETTERS) for name in alike}) == 1
-    assert shortened_apart(alike) == alike
-    endless = shortened_apart([f"{'a' * 1000}{letter}{'b' * 1000}" for letter in "xy"])
-    assert max(map(len, endless)) <= MOST_LETTERS
 
 
 def test_names_of_files_and_arguments_are_quoted_printable(tmp_path, capsys):

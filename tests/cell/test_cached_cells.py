@@ -78,48 +78,6 @@ def test_a_urdf_that_is_gone_is_told(copied):
         mrts.load_cell(cell)
 
 
-@pytest.fixture
-def written_after(monkeypatch):
-    """Makes a function of a module write files once when it has answered, as an editor does while a cell is read."""
-
-    def arrange(module, name, write):
-        real, writes = getattr(module, name), [write]
-
-        def answer(*given):
-            found = real(*given)
-            if writes:
-                writes.pop()()
-            return found
-
-        monkeypatch.setattr(module, name, answer)
-
-    return arrange
-
-
-def test_a_cell_file_written_while_it_is_read_does_not_take_the_place_of_its_old_text(copied, written_after):
-    cell = copied("cell")
-    old = f"# {time.time_ns()}: a text that the cache has not seen\n" + cell.read_text(encoding="utf-8")
-    new = old.replace("mass: 0.5", "mass: 0.75")
-    assert new != old
-    cell.write_text(old, encoding="utf-8")
-    written_after(content_key, "text_key", lambda: cell.write_text(new, encoding="utf-8"))
-    assert mrts.load_cell(cell).load[0] == 0.75
-    cell.write_text(old, encoding="utf-8")
-    assert mrts.load_cell(cell).load[0] == 0.5
-
-
-def test_a_urdf_written_while_it_is_read_does_not_take_the_place_of_the_old_one(copied, written_after):
-    cell = copied("cell")
-    cell.write_text(f"# {time.time_ns()}: likewise\n" + cell.read_text(encoding="utf-8"), encoding="utf-8")
-    urdf = cell.with_name("planar_arm.urdf")
-    old = urdf.read_bytes()
-    written_after(generation, "cell_model", lambda: limit(cell))
-    assert reach(cell) != REACH
-    assert reach(cell) == REACH
-    urdf.write_bytes(old)
-    assert reach(cell) != REACH
-
-
 def test_whatever_decides_what_a_manifest_says_is_in_its_key():
     package = Path(mrts.__file__).parent
     assert [pattern for pattern in content_key.SHAPING if not list(package.glob(pattern))] == []

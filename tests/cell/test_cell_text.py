@@ -96,21 +96,6 @@ def test_random_cells_come_back(draw, seed, tmp_path):
 
 
 @pytest.mark.quick
-def test_urdfs_are_relative_where_they_lie_below_the_file_and_else_absolute(planar_cell, tmp_path):
-    urdf = (DATA / "planar_arm.urdf").resolve()
-    assert planar_cell.to_yaml().count(f"urdf: {urdf}\n") == 2
-    assert planar_cell.to_yaml(tmp_path / "cell.yaml").count(f"urdf: {urdf}\n") == 2
-    (tmp_path / "arms").mkdir()
-    (tmp_path / "arms" / "arm.urdf").write_bytes(urdf.read_bytes())
-    description = yaml.safe_load((DATA / "cell.yaml").read_text())
-    for robot in description["robots"]:
-        robot["urdf"] = "arm.urdf"
-    cell = mrts.Cell.from_description(description, folder=tmp_path / "arms")
-    assert cell.to_yaml(tmp_path / "cell.yaml").count("urdf: arms/arm.urdf\n") == 2
-    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml"))
-
-
-@pytest.mark.quick
 def test_hands_made_in_python_are_written_as_they_were_made(tmp_path):
     cell = mrts.load_cell(SHIPPED["squeeze"])
     hands = (

@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from changed_robots import with_left
-from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 from scipy.interpolate import make_interp_spline
 
 import mrts
@@ -49,16 +47,6 @@ def test_root_mean_square_of_a_line_and_of_a_sine():
     assert sine.jerk_share[0] == pytest.approx(2.0, rel=1e-6)
     assert sine.torque_rate_share[0] == pytest.approx(0.5, rel=1e-6)
     assert sine.rated_share[0] == 0.0  # nothing known
-
-
-def test_a_curve_that_ends_below_the_velocity_limit_is_the_limit_of_the_speed():
-    motors = replace(mrts.JointMotors.unknown(1), torque_speed=(np.array([[0, 20.0], [2, 5]]),))
-    time, dq = np.array([0.0, 1.0]), np.array([[1.0], [-1.5]])
-    found = joint_duty(
-        motors, time, dq, dq * 0, np.array([[4.0], [4.0]]), torque_share=dq * 0, velocity_limit=np.array([3.0])
-    )
-    assert found.speed_share[0] == 0.75
-    assert found.brake_power[0] == 6.0
 
 
 @pytest.fixture(scope="module")
@@ -121,18 +109,6 @@ def test_a_table_has_the_friction_apart_and_is_a_motion_again(result, lifted, tm
     assert len(again.time) == result.motion.samples
     head = next(csv.reader([trajectory_csv(lifted).split("\n", 1)[0]]))
     assert not [name for name in head if name.startswith("tau_friction")]
-
-
-def test_a_bag_has_the_friction_in_a_topic_of_its_own_and_is_a_motion_again(result, tmp_path):
-    mrts.write_ros_bag(result, tmp_path / "bag")
-    with (tmp_path / "bag" / "bag.mcap").open("rb") as file:
-        reader = make_reader(file, decoder_factories=[DecoderFactory()])
-        alone = [message for *_, message in reader.iter_decoded_messages(topics=["/left/joint_friction"])]
-    columns, wrist = trajectory_columns(result), alone[0].name.index("wrist")
-    np.testing.assert_array_equal([message.effort[wrist] for message in alone], columns["tau_friction.left/wrist"])
-    assert len(mrts.load_motion(tmp_path / "bag").time) == result.motion.samples
-    recorded = mrts.load_recording(tmp_path / "bag")  # the topic of efforts alone is no second recording of the joints
-    np.testing.assert_array_equal(recorded.joints["left/wrist"].effort, columns["tau.left/wrist"])
 
 
 def test_power_above_its_limit_is_a_warning_that_names_the_worst(cell, lift, result):

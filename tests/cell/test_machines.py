@@ -129,19 +129,6 @@ def test_what_cannot_be_held_is_refused(fixed, message, tmp_path):
         read(path)
 
 
-def test_a_follower_is_not_held_but_follows():
-    urdf = parse_urdf(TALOS, TALOS.read_bytes())
-    with pytest.raises(mrts.InputError, match="it moves with 'gripper_left_joint'; hold that joint, and it follows"):
-        held_positions(Path("cell.yaml"), "fixed", TALOS, urdf, {"gripper_left_inner_double_joint": 0.1})
-    with pytest.raises(mrts.InputError, match=r"or hold 'gripper_left_joint' still: 'fixed' in the cell file"):
-        build_robot_model(TALOS, urdf, None, "gripper_left_inner_double_link")
-    held = held_positions(Path("cell.yaml"), "fixed", TALOS, urdf, {"gripper_left_joint": -0.5})
-    assert held["gripper_left_inner_double_joint"] == -0.5
-    assert held["gripper_left_motor_single_joint"] == 0.5  # multiplier -1
-    tip = build_robot_model(TALOS, urdf, None, "gripper_left_inner_double_link", held)
-    assert "gripper_left_joint" not in [joint.name for joint in tip.joints]
-
-
 @pytest.mark.parametrize(
     ("path", "tip", "fixed"),
     [
@@ -203,21 +190,6 @@ def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
     together = replace(cell, robots=moved)
     assert same_cell(mrts.Cell.from_description(yaml.safe_load(together.to_yaml())), together)
     assert cell.with_values({"robots.left.grasp.xyz": left.T_object_tip.p}).with_mass(1.0).robots[1] is right
-
-
-def test_two_machines_do_not_come_to_stand_in_one_place(tmp_path):
-    """Not where their bases meet, but where their roots do."""
-
-    def apart(robots):
-        hold(turn=TURN, lift=0.4)(robots)
-        robots[1]["base"]["xyz"][0] += 5.0
-
-    cell = mrts.load_cell(machine_cell(tmp_path, apart))
-    left, right = cell.robots
-    assert cell.machines == ()
-    assert cell.with_values({"robots.right.base.xyz": right.T_world_base.p + STEP})
-    with pytest.raises(mrts.InputError, match="would stand in one place, which makes them arms of one machine"):
-        cell.with_values({"robots.right.base.xyz": left.T_world_base.p})
 
 
 def test_what_if_moves_the_bases_of_a_machine_together(tmp_path):

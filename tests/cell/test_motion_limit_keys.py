@@ -1,6 +1,5 @@
 """Keys of the cell file that limit the motion alone: kept, changed, varied, told by one name each."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -8,12 +7,9 @@ import pytest
 import yaml
 from motion_limits import JOINTS, UR5, description, limited_cell
 from same_cells import same_cell
-from study_files import planar_study
 
 import mrts
 from mrts.cell.cell_change import ChangeSteps, cell_changes
-from mrts.scaling.limit_use import limit_uses
-from mrts.studies.variant_rows import solve_variants
 
 PROGRAMS = 1e-8
 """Of c² by two programs, relative."""
@@ -118,12 +114,6 @@ def test_wrong_keys_are_refused_by_name(key):
     assert refused.value.key == key
 
 
-def test_no_robot_is_called_as_the_object_is():
-    """Its limits and those of the object would have one name."""
-    with pytest.raises(mrts.InputError, match="cannot be called 'object'"):
-        mrts.Cell.from_description(description(name="object"))
-
-
 EXPECTED = {
     *(("contact", "object", name) for name in ("cup", "thing2")),
     *(("velocity", "left", joint) for joint in JOINTS if joint != "wrist_1_turn"),
@@ -150,45 +140,3 @@ def test_changes_name_each_limit_once_and_are_those_of_a_changed_cell(cell, moti
     assert one.after.c2 > one.before.c2
     more = mrts.scale(slow.with_values({"object.acceleration.linear": 3.3}), motion, between=None)
     assert one.after.c2 == pytest.approx(more.range.upper.c2, rel=PROGRAMS)
-
-
-PATHS = (
-    "robots.left.acceleration.upper[0]",
-    "robots.right.acceleration[2]",
-    "object.acceleration.linear",
-    "object.carries[0].friction",
-    "robots.left.frames[1].speed",
-)
-
-
-def test_a_sweep_varies_them(tmp_path, motion):
-    """Row by row what `scale` gives of a changed cell."""
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(description()), encoding="utf-8")
-    ends = ([1.0, 20.0], [3.0, 7.0], [2.0, 5.0], [0.25, 0.5], [0.3, 1.4])
-    text = yaml.safe_dump({"vary": dict(zip(PATHS, ends, strict=True)), "between": None})
-    study = planar_study(tmp_path, text, cell=tmp_path / "cell.yaml", motion=UR5 / "lift_and_turn.yaml")
-    table = solve_variants(study, 0, study.variants)
-    assert set(table["status"]) == {"feasible"}
-    assert len({row.split(" (")[0] for row in table["upper_limit"]}) > 2
-    for variant in range(0, study.variants, 9):
-        given = description()
-        values = [float(table[path][variant]) for path in PATHS]
-        given["robots"][0]["acceleration"]["upper"][0], given["robots"][1]["acceleration"][2] = values[:2]
-        given["object"]["acceleration"]["linear"], given["object"]["carries"][0]["friction"] = values[2:4]
-        given["robots"][0]["frames"][1]["speed"] = values[4]
-        found = mrts.scale(mrts.Cell.from_description(given), motion, between=None).range.upper.c2
-        assert table["c2_upper"][variant] == pytest.approx(found, rel=PROGRAMS)
-
-
-def test_a_norm_is_told_once_and_results_keep_it(cell, motion, tmp_path):
-    slow = cell.with_values({"object.acceleration.linear": 2.0})
-    result = mrts.scale(slow, motion)
-    uses = [use.name for use in limit_uses(result)]
-    assert len(uses) == len(set(uses))
-    (row,) = result.range.upper.rows
-    assert str(row) == "object/linear acceleration (2 m/s²)"
-    mrts.save_result(result, tmp_path / "result.npz")
-    again = mrts.load_result(tmp_path / "result.npz")
-    assert json.dumps(again.to_json()) == json.dumps(result.to_json())
-    assert same_cell(again.cell, slow)
-    assert [use.name for use in limit_uses(again)] == uses

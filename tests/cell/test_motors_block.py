@@ -1,12 +1,10 @@
 """The `motors` of a cell file: what is refused and how, where friction comes from, and what keeps it."""
 
 import shutil
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import yaml
-from changed_robots import with_left
 from conftest import DATA
 
 import mrts
@@ -90,45 +88,3 @@ def test_friction_is_that_of_the_urdf_unless_a_block_replaces_it(files):
     assert [warning.text.split(":")[0] for warning in cell.remarks] == ["robot 'right'"]
     given = mrts.load_cell(with_motors(files, {"friction": {"coulomb": 0.5}})).robots[0].motors
     np.testing.assert_array_equal([given.coulomb, given.viscous], [[0.5] * 3, [0] * 3])
-
-
-def test_a_urdf_with_impossible_friction_is_refused(files):
-    path = with_motors(files, None, elbow='friction="-1"')
-    with pytest.raises(mrts.InputError, match=r"planar_arm.urdf: joint 'elbow', <dynamics> friction = -1.0: must be"):
-        mrts.load_cell(path)
-
-
-def changed(cell, **columns):
-    """The cell whose left robot has other motors."""
-    return with_left(cell, motors=replace(cell.robots[0].motors, **columns))
-
-
-def test_motors_are_changed_in_python_and_checked_again(planar_cell, lift):
-    heavy = changed(planar_cell, armature=np.full(3, 0.4), coulomb=np.array([2.0, 1.0, 0.5]))
-    assert mrts.scale(heavy, lift).range.upper.c2 < mrts.scale(planar_cell, lift).range.upper.c2
-    for columns, words in (
-        ({"coulomb": np.full(3, -1.0)}, "coulomb"),
-        ({"coulomb": np.full(3, 1e6)}, "overcomes"),
-        ({"armature": np.full(2, 0.1)}, "one value for each of 3 joints"),
-        ({"torque_speed": (np.array([[0, 1.0], [2, 0.5]]), None, None)}, "contradict each other"),
-    ):
-        with pytest.raises(mrts.InputError, match=words):
-            changed(planar_cell, **columns)
-
-
-def test_a_saved_result_keeps_motors_and_friction_without_functions(planar_cell, lift, tmp_path):
-    cell = changed(
-        planar_cell,
-        armature=np.full(3, 0.1),
-        coulomb=np.array([2.0, 1.0, 0.5]),
-        rated=np.array([20.0, np.inf, 5.0]),
-        jerk=np.full(3, 700.0),
-    )
-    result = mrts.scale(cell, lift)
-    mrts.save_result(result, tmp_path / "result.npz")
-    again = mrts.load_result(tmp_path / "result.npz")
-    ours, theirs = (one.cell.robots[0].motors for one in (result, again))
-    for name in ("armature", "coulomb", "viscous", "rated", "jerk", "torque_rate"):
-        np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
-    np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
-    assert again.to_json() == result.to_json()

@@ -11,9 +11,8 @@ from scipy.spatial.transform import Rotation
 from shipped_cells import cell_file, shipped
 
 import mrts
-from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface
 from mrts.cell.generation import generate_to
-from mrts.scene.held_body import held_body, object_edges
+from mrts.scene.held_body import held_body
 from mrts.studies.variant_numbers import varied_entries
 
 ROUNDING = 1e-12
@@ -99,32 +98,6 @@ def volume(vertices, triangles):
     sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
     assert np.all(np.unique(sides, axis=0, return_counts=True)[1] == 2)
     return np.einsum("ti,ti->", vertices[triangles[:, 0]], np.cross(*np.moveaxis(vertices[triangles[:, 1:]], 1, 0))) / 6
-
-
-def test_what_is_drawn_is_the_shape(tmp_path):
-    box = shaped(tmp_path, {"box": [0.3, 0.2, 0.1]})
-    assert volume(*surface(box)) == pytest.approx(0.006)
-    assert len(object_edges(*surface(box))) == 12
-    can = shaped(tmp_path, {"cylinder": {"radius": 0.1, "length": 0.4}})
-    assert volume(*surface(can)) == pytest.approx(np.pi * 0.004, rel=0.01)
-    assert len(object_edges(*surface(can))) == 64
-    fine = trimesh.creation.icosphere(subdivisions=5, radius=0.2)
-    fine.export(tmp_path / "ball.ply")
-    ball = shaped(tmp_path, {"mesh": "ball.ply", "pose": {"xyz": [0.0, 0.001, 0.0]}})
-    vertices, triangles = surface(ball)
-    assert len(fine.faces) > 20_000
-    assert 500 < len(triangles) <= 2000
-    assert np.linalg.norm(vertices - [0, 0.001, 0], axis=1) == pytest.approx(0.2, rel=0.05)
-
-
-def test_of_small_bodies_far_apart_the_largest_triangles_are_drawn():
-    """Each lies in one cell of the grid that makes surfaces coarser."""
-    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.001)
-    points = np.concatenate([ball.vertices, ball.vertices + np.array([1, 0, 0])])
-    corners = np.concatenate([ball.faces, ball.faces + len(ball.vertices)])
-    coarse, few = coarser_surface(points, corners, MOST_DRAWN)
-    assert len(few) == MOST_DRAWN < len(corners)
-    assert np.ptp(coarse[few.ravel()][:, 0]) == pytest.approx(1.002, abs=0.001)
 
 
 def test_it_stays_with_the_cell(tmp_path):

@@ -26,11 +26,6 @@ def use_cache(folder):
     os.environ["MRTS_CACHE_DIR"] = folder
 
 
-def without_compiler():
-    os.environ["CC"] = ""
-    os.environ["PATH"] = ""
-
-
 def pool(initializer, *arguments):
     return ProcessPoolExecutor(1, get_context("spawn"), initializer, arguments)
 
@@ -44,19 +39,6 @@ def test_a_worker_with_an_empty_cache_finds_the_same(planar_cell, lift, lifted, 
     assert {folder for *_, folder in results} == {str(tmp_path)}
     assert [text for text, *_ in results] == [lifted.json_text(), mrts.scale(heavier, lift).json_text()]
     assert len(list(tmp_path.glob("lib/*/cell.so"))) == 1  # compiled once, bound twice
-
-
-def test_without_a_compiler_a_worker_says_so_and_lives(planar_cell, lift):
-    with pool(without_compiler) as workers:
-        for _ in range(2):
-            with pytest.raises(mrts.CompilerError):
-                workers.submit(c2_of, planar_cell, lift).result()
-
-
-def test_errors_come_back_from_workers(planar_cell, lift):
-    with pool(use_cache, os.environ["MRTS_CACHE_DIR"]) as workers, pytest.raises(mrts.SelectionError) as refused:
-        workers.submit(mrts.scale, planar_cell, lift, 99.0).result()
-    assert refused.value.result.range.upper.c2 == pytest.approx(3.062, abs=1e-3)
 
 
 @pytest.fixture(scope="module")
@@ -120,18 +102,6 @@ def test_everything_comes_back_as_it_was(everything, lift, lifted, again):
             assert mrts.scale(other, lift).json_text() == mrts.scale(thing, lift).json_text(), name
             assert not other.robots[0].torque_upper.flags.writeable
     assert again(lifted).residuals() == lifted.residuals()
-
-
-def test_a_copy_does_not_share_what_can_change(planar_cell, lifted):
-    before = lifted.json_text()
-    other = copy.deepcopy(lifted)
-    for motion in (lifted.motion, other.motion, through_pickle(lifted).motion):
-        for fixed in (motion.q, motion.dq, motion.object.twist):
-            with pytest.raises(ValueError, match="read-only"):
-                fixed[:] = 0
-    other.trajectory.torque[:] = 0
-    assert lifted.json_text() == before
-    assert copy.deepcopy(planar_cell).library is planar_cell.library  # nothing of them can
 
 
 def test_no_address_is_pickled_and_content_is_checked(planar_cell):

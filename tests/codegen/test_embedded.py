@@ -215,19 +215,6 @@ def test_a_slow_motion_is_not_taken_for_rest(precision, tmp_path):
     assert "0 mismatches" in run("make", "test", cwd=tmp_path / "x")
 
 
-def test_a_smaller_export_leaves_nothing_of_a_larger_one_and_the_files_of_others(tmp_path):
-    folder = tmp_path / "kernel" / "arm"
-    mine = folder / "src" / "driver.c"
-    mine.parent.mkdir(parents=True)
-    mine.write_text("/* SPDX-License-Identifier: MIT */\n", encoding="utf-8")
-    assert main(["export", str(DATA / "cell.yaml"), "-o", str(folder)]) == 0
-    assert main(["export", str(DATA / "cell.yaml"), "-o", str(folder), "--functions", "range"]) == 0
-    assert mine.is_file()
-    assert not [path for path in folder.rglob("*.c") if path.parent.name in {"tests", "examples"}]
-    assert "make test" not in (folder / "README.md").read_text()
-    assert not [path for path in (folder / "src").rglob("*") if "share" in path.name or "quadratic" in path.name]
-
-
 def test_text_from_a_urdf_cannot_leave_its_string(tmp_path):
     urdf = (DATA / "planar_arm.urdf").read_text()
     spoiled = urdf.replace('name="elbow"', 'name="el&quot;bow\\ */ %s ü ??/"')

@@ -90,18 +90,6 @@ def test_what_cannot_be_is_refused_by_file_key_and_rule(make, contacts, key, rul
     assert f"contact{key}" in said.replace(" (left)", "")
 
 
-def test_a_planar_hand_has_three_components(tmp_path):
-    box = {"lower": [-5, None, -1], "upper": [5, 30, 1]}
-    given = [{"pad": FLAT}, {"box": box}, {"rows": {"A": [[1, 1, 0]], "upper": [20]}}]
-    cell = mrts.load_cell(planar_with(given, tmp_path))
-    flat, square, rows = cell.robots[0].contacts
-    assert flat.rows == ("normal force", "friction +a", "friction -a", "tilt +", "tilt -")
-    assert square.rows == ("fx", "fy", "nz")
-    assert rows.A.shape == (1, 3)
-    result = mrts.scale(cell, mrts.load_motion(DATA / "lift.yaml"))
-    assert result.trajectory is not None
-
-
 def tilted(place, turn):
     """The planar arm with a tip frame that is turned out of the plane."""
     text = (DATA / "planar_arm.urdf").read_text()

@@ -59,12 +59,6 @@ def test_limits_are_those_of_the_file(written):
     assert left.motors.jerk.tolist() == [7.0, 8.0, 9.0]
 
 
-def test_joints_that_the_file_leaves_out_keep_the_velocities_of_the_urdf(written, planar_cell):
-    (left, _) = mrts.load_cell(written(joints(FULL))).robots
-    assert left.velocity_limit.tolist() == [2.0, *planar_cell.robots[0].velocity_limit[1:].tolist()]
-    assert left.acceleration_upper.tolist() == [5.0, np.inf, np.inf]
-
-
 @pytest.mark.parametrize("wrappers", [(), ("/**", "ros__parameters"), ("robot_description_planning",),
                                       ("/**", "ros__parameters", "robot_description_planning")])  # fmt: skip
 def test_scaling_factors_are_applied_and_told_under_any_wrapper(wrappers, written, planar_cell):
@@ -115,18 +109,3 @@ def test_what_is_wrong_in_it_is_refused_with_file_and_key(key, limits, written):
         mrts.load_cell(written(limits))
     assert "joint_limits.yaml" in str(refused.value)
     assert refused.value.key == key
-
-
-def test_a_file_that_is_not_there_is_named(written):
-    path = written(joints(FULL))
-    path.with_name("joint_limits.yaml").unlink()
-    with pytest.raises(mrts.InputError, match=r"joint_limits\.yaml"):
-        mrts.load_cell(path)
-
-
-def test_a_file_that_changed_is_read_again(written):
-    path = written(joints(FULL))
-    before = mrts.load_cell(path)
-    written(joints(FULL | {"max_acceleration": 6.0}))
-    assert mrts.load_cell(path).robots[0].acceleration_upper[0] == 6.0
-    assert before.robots[0].acceleration_upper[0] == 5.0

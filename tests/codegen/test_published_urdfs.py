@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from casadi_cells import casadi_cell
 from conftest import DATA
 from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
@@ -102,15 +101,6 @@ def test_a_humanoid_with_one_wrong_link():
         same = build_robot_model(TALOS, with_inertia(talos, link, axes @ np.diag(nearest) @ axes.T), None, tip)
         for ours, theirs in zip(model.joints, same.joints, strict=True):
             np.testing.assert_allclose(ours.body.at_com, theirs.body.at_com, rtol=1e-12, atol=1e-15)
-
-
-def test_a_follower_off_the_chain_is_told():
-    """Panda's other finger stays where it is while the chain's moves."""
-    path = ROBOTS / "panda_description/urdf/panda.urdf"
-    (remark,) = build_robot_model(path, parse_urdf(path, path.read_bytes()), None, "panda_leftfinger").remarks
-    assert remark.code == "follower-at-zero"
-    assert remark.text.startswith("panda.urdf: 'panda_finger_joint2' would move with joint 'panda_finger_joint1'")
-    assert not build_robot_model(path, parse_urdf(path, path.read_bytes()), None, "panda_hand").remarks
 
 
 def arm_cell(folder, replacements, *, torque=True):
@@ -214,14 +204,3 @@ def test_what_is_let_pass(mass, moments, code, tmp_path):
 def test_what_no_body_has_is_refused(mass, moments, message, tmp_path):
     with pytest.raises(mrts.InputError, match=message):
         read(arm_cell(tmp_path, hand(mass, *moments)))
-
-
-def test_a_cell_with_a_moved_inertia_is_checked_read_and_written(tmp_path):
-    path = arm_cell(tmp_path, hand(0.5, 0.001, 0.001, 0.0025))
-    assert {error.key for error in mrts.check(path).mistakes} == {"link 'hand' inertia"}
-    path.write_text(path.read_text() + "inertia: lenient\n")
-    assert mrts.check(path).mistakes == ()
-    cell = casadi_cell(path)
-    assert [remark.code for remark in cell.remarks] == ["inertia-nearest"]
-    cell.to_yaml(tmp_path / "again.yaml")
-    assert casadi_cell(tmp_path / "again.yaml").remarks == cell.remarks

@@ -1,8 +1,5 @@
 """A xacro in the place of a URDF: it is expanded, with all that it includes, whenever a cell is read."""
 
-import shutil
-
-import numpy as np
 import pytest
 import yaml
 from command_line import mrts_without
@@ -12,7 +9,6 @@ from same_cells import same_cell
 
 import mrts
 from mrts.cell.source_files import urdf_files
-from mrts.starting import reading
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 ARM = f"""<robot name="planar_arm" {XACRO}>
@@ -72,25 +68,6 @@ def test_a_cell_of_a_xacro_follows_what_it_includes(cell):
     assert same_cell(mrts.load_cell(again), mrts.load_cell(cell))
 
 
-def test_a_folder_of_any_name(cell):
-    """Neither XML nor an expression; what is included by no file, in vain, is told."""
-    folder = cell.parent / 'a & "b" ${c} $(d)'
-    folder.mkdir()
-    for name in ("cell.yaml", "arm.urdf.xacro", "more.xacro"):
-        shutil.copy(cell.parent / name, folder)
-    assert reach(folder / "cell.yaml") == [2.0, 2.0]
-
-
-def test_xacro_warns_as_mrts_does(cell, caplog, capfd):
-    more = '<robot {}><xacro:include filename="none*.xacro"/><xacro:property name="e" value="1"/></robot>'
-    (cell.parent / "more.xacro").write_text(more.format(XACRO))
-    assert reach(cell) == [2.0, 2.0]
-    told = [record.getMessage().partition('"')[0].strip() for record in caplog.records]
-    said = "arm.urdf.xacro: xacro warns: "
-    assert sorted(told) == [f"{said}Include tag's filename spec", f"{said}redefining global symbol: e"]
-    assert capfd.readouterr().err == ""
-
-
 def test_what_is_drawn_and_studied_is_the_urdf_that_it_becomes(cell, tmp_path):
     """Meshes are found from where the xacro is; a study and its workers expand nothing, a variant names the xacro."""
     with_arguments(cell, {"far": True})
@@ -107,20 +84,6 @@ def test_what_is_drawn_and_studied_is_the_urdf_that_it_becomes(cell, tmp_path):
     moved = study.at_hand()
     variant = mrts.Cell.from_description(moved.descriptions(study.points(1, 2)[0])[0], folder=moved.folder)
     assert (variant.mass, variant.robots[0].position_upper[0]) == (3.0, 3.5)
-
-
-def test_mrts_new_takes_arguments(cell, monkeypatch):
-    monkeypatch.chdir(cell.parent)
-
-    def request_of(robot):
-        gravity, arguments = np.array([0, -9.81, 0]), {"far": "true"}
-        return reading.request_of(cell.parent, name="cell", robots=[robot], gravity=gravity, xacro_args=arguments)
-
-    request = request_of("arm.urdf.xacro")
-    assert [each.arm.robot.position_upper[0] for each in request.arms] == [3.5, 3.5]
-    assert [each.xacro_args for each in request.arms] == [{"far": "true"}] * 2
-    with pytest.raises(mrts.InputError, match="--xacro-arg: no --robot is a xacro"):
-        request_of(str(DATA / "planar_arm.urdf"))
 
 
 NO_PACKAGE = (

@@ -147,20 +147,6 @@ def test_neighbours_are_left_out_and_other_links_are_not():
     assert {name.split("/")[0] for name in hit.pair} == {"left"}
 
 
-def test_the_check_names_what_collides(tmp_path):
-    given = described([box("shelf", [0.6, 0.4, 0.002], [0, 0.2, 0.5])])
-    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
-    found = check(tmp_path / "cell.yaml", UR5 / "lift_and_turn.yaml")
-    assert [hint.code for hint in found.hints] == ["collision"]
-    assert found.status == "fine"
-    told = found.to_json()["clearance"]
-    assert told["distance"] < 0
-    assert "shelf" in told["pair"]
-    free = check(UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml")
-    assert [one.code for one in free.assumed if one.code in {"clearance", "no-collisions"}] == ["clearance"]
-    assert free.clearance.distance > 0
-
-
 def test_without_coal_it_is_said_that_nothing_was_looked_at(monkeypatch):
     monkeypatch.setitem(sys.modules, "coal", None)
     found = check(UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml")

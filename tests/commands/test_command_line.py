@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import subprocess
 
 import pytest
 from command_line import mrts_command, mrts_process
@@ -34,21 +33,6 @@ def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lif
         assert len(result[key]["left"]) == len(result[key]["time"]) == 101
     assert result == mrts.scale(planar_cell, lift).to_json()
     assert sorted(path.name for path in (tmp_path / "plots").iterdir()) == PICTURES
-
-
-def test_special_files_are_written_into_and_links_followed(tmp_path):
-    pipe, link, target = tmp_path / "pipe", tmp_path / "link.json", tmp_path / "target.json"
-    os.mkfifo(pipe)
-    target.write_text("old")
-    link.symlink_to(target)
-    arguments = ["scale", DATA / "cell.yaml", DATA / "lift.yaml", "--json"]
-    reader = subprocess.Popen(["/bin/cat", str(pipe)], stdout=subprocess.PIPE, text=True)
-    assert mrts_command(*arguments, pipe).returncode == 0
-    assert json.loads(reader.communicate(timeout=60)[0])["status"] == "feasible"
-    assert pipe.is_fifo()
-    assert mrts_command(*arguments, link).returncode == 0
-    assert link.is_symlink()
-    assert json.loads(target.read_text())["status"] == "feasible"
 
 
 def test_a_terminal_without_superscripts_gets_ascii():
@@ -149,12 +133,3 @@ def test_no_output_overwrites_a_file_that_was_read(tmp_path, monkeypatch, capsys
     shutil.copytree(UR5, "dual")
     assert main(["place", "dual/place.yaml", "-o", "dual/poor_cell.yaml"]) == 2
     assert capsys.readouterr().out == ""  # before the search
-
-
-def test_an_error_of_a_file_is_not_told_of_an_option_of_its_name(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "output").write_text("{", encoding="utf-8")
-    assert main(["generate", "output", "-o", "new"]) == 2
-    assert capsys.readouterr().err.startswith("mrts: error: output: ")
-    assert main(["generate", str(DATA / "cell.yaml"), "-o", "output"]) == 2
-    assert capsys.readouterr().err.startswith("mrts: error: --output = 'output': ")

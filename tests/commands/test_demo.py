@@ -7,8 +7,7 @@ from conftest import DATA, ROOT
 from paper_identification import Search
 from reference import ReferenceCell
 
-import mrts
-from mrts.commands.paper_examples import PaperCase, format_table, run_demo, write_demo_files
+from mrts.commands.paper_examples import PaperCase, format_table, run_demo
 
 TABLE_TOLERANCE = 1e-6
 IDENTIFIED = 0.032  # largest deviation of the seven values that the identified cell may have
@@ -90,14 +89,3 @@ def test_the_cases_are_the_papers_and_the_printed_table_is_current(rows):
         assert f"{percent}%" in text
         wanted = (f"| {row.case.paper:.3f} |", f"| {row.c2:#.4g} |", f"| {percent} % | {row.identified_c2:#.4g} |")
         assert any(all(part in line for part in wanted) for line in lines), row.case.id
-
-
-def test_the_figures_and_files_are_written(rows, tmp_path):
-    assert write_demo_files(tmp_path, list(rows.values()))
-    figures = sorted(path.name for path in tmp_path.glob("*.png"))
-    assert figures == [*(f"figure_{number}.png" for number in range(4, 9)), "uncertain_load.png"]
-    assert all(path.read_bytes().startswith(b"\x89PNG") for path in tmp_path.glob("*.png"))
-    cell = mrts.load_cell(tmp_path / "planar_dual_arm" / "cell.yaml")
-    result = mrts.scale(cell, mrts.load_motion(tmp_path / "planar_dual_arm" / "lift.yaml"))
-    assert result.range.upper.c2 == pytest.approx(rows["6.1 (b)"].c2, rel=1e-12)
-    assert np.isfinite(result.trajectory.energy)

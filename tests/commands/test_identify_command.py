@@ -74,23 +74,3 @@ def test_what_nothing_is_known_of_is_not_written(tables, tmp_path, capsys):
     assert "6 of 9 parameters" in out
     assert f"{target} not written" in err
     assert not target.exists()
-
-
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        ("renamed", "no arm of cell 'planar_dual_arm' has joints of these names"),
-        ("nan", "nan.csv: row 3, column q.left/shoulder = 'nan': must be a finite number."),
-        ("no_effort", "no_effort.csv: holds no column tau.ROBOT/JOINT: efforts are needed, in N m"),
-        ("short", "short.csv: holds all joints of robot 'left' for 0.495 s; the filter of 20 Hz needs at least 1.4 s"),
-        ("constant", "constant.csv: effort of right/elbow = 1.5: is constant although the joint moves"),
-        ("rest", "rest.csv: nothing moves in this recording"),
-    ],
-)
-def test_bad_recordings_are_refused_by_name(tables, tmp_path, capsys, table, said):
-    target = tmp_path / "motors.yaml"
-    assert main(["identify", CELL, str(tables / f"{table}.csv"), "-o", str(target)]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert said in err
-    assert not target.exists()

@@ -4,7 +4,6 @@ import json
 
 import pytest
 from conftest import DATA
-from shipped_cells import changed_cell
 
 import mrts
 from mrts.cli import main
@@ -45,30 +44,3 @@ def test_it_goes_with_other_questions(planar_cell, lift, tmp_path, capsys):
     assert mrts.load_result(tmp_path / "a.npz").changes == found
     assert main([*SCALE, "--profile", "optimal"]) == 0
     assert str(found) in capsys.readouterr().out
-
-
-@pytest.mark.quick
-def test_an_infeasible_motion_says_what_would_help(tmp_path, capsys):
-    path = changed_cell(tmp_path, lambda cell: cell["object"].update(mass=12.8))
-    assert main(["scale", str(path), LIFT, "--what-if"]) == 1
-    said = capsys.readouterr().out
-    assert "\n\nwhat if: ±10 % of limits and mass" in said
-    assert "now infeasible" in said
-    assert "\n  mass -10 % " in said
-    assert "may be changed as much, one at a time, and it still cannot be played" in said
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (
-            ("--profile", "smooth", "--rates", "11"),
-            "--what-if: does not go with --profile smooth",
-        ),
-        (("--load", "possible"), "--what-if: goes with --load guaranteed, not with what is possible"),
-    ],
-)
-def test_what_it_does_not_go_with(words, message, capsys):
-    assert main([*SCALE, *words]) == 2
-    assert message in capsys.readouterr().err

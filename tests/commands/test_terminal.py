@@ -10,7 +10,6 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from command_line import mrts_command, mrts_process
 from conftest import DATA, ROOT, UR5
 from motor_recordings import exact_recording, random_motors, write_recording
 from shipped_cells import cell_file, changed_cell, shipped
@@ -21,9 +20,6 @@ from mrts.cli import COMMANDS, main
 
 MRTS = (sys.executable, "-m", "mrts")
 LIFT = ("scale", DATA / "cell.yaml", DATA / "lift.yaml")
-CLEARED = "\r\x1b[K"
-"""How a line is taken away."""
-
 SOON = "import mrts.commands.console.progress as progress; progress.PATIENCE = 0.2;"
 """Signs of life show before a second has passed, so that less work is enough to see them."""
 
@@ -65,16 +61,6 @@ def uncertain(tmp_path_factory):
     return path
 
 
-def test_generation_shows_a_sign_of_life_that_goes_away(tmp_path):
-    command = [sys.executable, "-c", SOON + MAIN, "generate", UR5 / "cell.yaml", "-o", tmp_path / "out"]
-    done = at_terminal(command, COLUMNS="200")
-    assert done.code == 0, done.shown
-    bar, answer = done.shown.rsplit(CLEARED, 1)
-    assert f"generating {UR5 / 'cell.yaml'}" in bar
-    assert "dual_ur5: " in answer
-    assert "generating" not in answer
-
-
 def test_colours_tell_the_outcome_the_failure_and_the_notes(tmp_path):
     command = [*MRTS, "scale", UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml", "--no-velocity-limits"]
     feasible = at_terminal(command).shown
@@ -88,14 +74,6 @@ def test_colours_tell_the_outcome_the_failure_and_the_notes(tmp_path):
     wrong = at_terminal([*MRTS, "scale", tmp_path / "cel.yaml", DATA / "lift.yaml"], COLUMNS="300")
     assert wrong.code == 2
     assert f"\x1b[1;31mmrts: error: {tmp_path / 'cel.yaml'}: there is no such cell file" in wrong.shown
-
-
-def test_a_terminal_gets_lines_that_break_between_words():
-    told = at_terminal([*MRTS, *LIFT], COLUMNS="60", NO_COLOR="1").shown.split("\r\n")
-    whole = mrts_command(*LIFT).stdout.split("\n")
-    assert max(map(len, told)) <= 60
-    assert " ".join(" ".join(told).split()) == " ".join(" ".join(whole).split())
-    assert any(line.startswith("  ") and "limited at" not in line for line in told[1:3])  # what the first goes on with
 
 
 @pytest.mark.parametrize(
@@ -136,18 +114,6 @@ def test_quiet_says_nothing_but_writes_the_files(tmp_path, capsys):
     assert main(["demo", "-q", "-o", str(tmp_path / "demo")]) == 0
     assert capsys.readouterr() == ("", "")
     assert (tmp_path / "demo" / "figure_4.png").exists()
-
-
-def test_quiet_also_silences_what_the_library_remarks(tmp_path):
-    cell = shutil.copytree(DATA, tmp_path / "cell") / "cell.yaml"
-    urdf = cell.with_name("planar_arm.urdf")
-    urdf.write_text(urdf.read_text().replace('izz="0.42916666666666664"', 'izz="0.46"'))
-    cache = os.environ | {"MRTS_CACHE_DIR": str(tmp_path / "cache")}
-    told = mrts_process("scale", cell, DATA / "lift.yaml", env=cache).stderr
-    assert told.count("exceeds the sum of the others") == len(set(told.splitlines())) == told.count("\n")
-    words = "generate", cell, "-o", tmp_path / "out"
-    silent = mrts_process(*words, "-q")
-    assert (silent.returncode, silent.stdout, silent.stderr) == (0, "", "")
 
 
 def test_help_has_examples_and_imports_nothing_heavy():

@@ -8,9 +8,8 @@ from conftest import UR5
 import mrts
 from mrts.base.arrays import apply
 from mrts.base.manifest import GEOMETRY
-from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
-from mrts.following.grasp_closure import GIVEN_CLOSURE, ClosureBound, grasp_gaps, nearest_rates
+from mrts.following.grasp_closure import grasp_gaps, nearest_rates
 from mrts.following.tracking import CONDITION_LIMIT, tip_rates
 from mrts.kernel.tracking import closure_sizes
 
@@ -69,15 +68,6 @@ def test_whole_chunks_and_what_is_left(dual_ur5):
         q = some.q.copy()
         q[rng.integers(samples), 3] += 1e-2
         assert_same(dual_ur5, CoordinatedMotion(some.object, q, some.dq, some.ddq))
-
-
-def test_a_motion_that_fits_is_taken_as_it_is_and_a_narrow_bound_counts(dual_ur5):
-    motion = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-    assert coordinate(dual_ur5, motion).q is motion.q
-    off = moved(motion, np.random.default_rng(0), GIVEN_CLOSURE / 100)
-    assert coordinate(dual_ur5, off).q is off.q
-    with pytest.raises(mrts.MotionError, match="close the chain"):
-        coordinate(dual_ur5, off, ClosureBound(GIVEN_CLOSURE / 1000))
 
 
 @pytest.mark.quick

@@ -68,17 +68,6 @@ def test_unreachable_names_robot_sample_and_distance(dual_ur5):
         mrts.follow_object(too_near, motion([0.03, 0.2, 0.5]))
 
 
-def test_joint_limits_are_checked(dual_ur5):
-    given = motion([0.03, 0.35, 0.5])
-    q = mrts.follow_object(dual_ur5, given).q[:, 6:]
-    far = int(np.argmax(np.max(q, axis=0) - q[0]))
-    upper = np.full(6, 7.0)
-    upper[far] = np.max(q[:, far]) - 0.01
-    cell = limited(dual_ur5, 1, np.full(6, -3.2), upper)
-    with pytest.raises(mrts.MotionError, match=r"robot 'right' passes a position limit .* '\w+' would be at"):
-        mrts.follow_object(cell, given)
-
-
 def limited(cell, index, lower, upper):
     robots = list(cell.robots)
     robots[index] = replace(robots[index], position_lower=lower, position_upper=upper)

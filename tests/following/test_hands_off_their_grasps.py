@@ -8,7 +8,6 @@ from scipy.interpolate import CubicSpline
 
 import mrts
 from mrts.cli import main
-from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import tip_motions
 from mrts.following.grasp_closure import grasp_gaps
 from mrts.following.tracking import tip_rates
@@ -54,30 +53,6 @@ def test_hands_a_little_off_are_moved_onto_the_grasps(tmp_path, dual_ur5, exact,
     assert "'left'" in remark.text or "'right'" in remark.text
     moved_by = np.max(np.abs(found.motion.q - np.column_stack([table.positions[name] for name in table.positions])))
     assert f"by more than {moved_by:.3g} rad or m" in remark.text
-
-
-def test_the_order_of_the_robots_does_not_matter(dual_ur5, exact):
-    """The object goes where the hands carry it on the mean, so no hand is the one that is believed."""
-    noisy = perturbed(exact["turn", 101][0], 8e-4)
-    columns = columns_of(dual_ur5, noisy)
-    parts = [{name[len(part) + 1 :]: columns[name] for name in columns if name.startswith(f"{part}.")}
-             for part in ("q", "dq", "ddq")]  # fmt: skip
-    table = mrts.JointTable(UR5 / "joints.csv", noisy.object.time, *parts)
-    object_of_mean = coordinate(dual_ur5, table).object
-    carried = []
-    for robot, tip in zip(dual_ur5.robots, tip_motions(dual_ur5, noisy.q, noisy.dq, noisy.ddq), strict=True):
-        rotation = tip.rotation @ robot.T_object_tip.R.T
-        carried.append(tip.position - rotation @ robot.T_object_tip.p)
-    np.testing.assert_allclose(object_of_mean.position, np.mean(carried, axis=0), atol=1e-12)
-
-
-def test_a_given_object_stays_where_it_is(dual_ur5, exact):
-    followed, c2 = exact["turn", 101]
-    found = mrts.scale(dual_ur5, perturbed(followed, 5e-4))
-    assert_closed(dual_ur5, found.motion)
-    np.testing.assert_array_equal(found.motion.object.position, followed.object.position)
-    np.testing.assert_allclose(found.motion.q, followed.q, atol=1e-9)
-    assert found.range.upper.c2 == pytest.approx(c2, rel=1e-6)
 
 
 def test_the_bound_on_the_gap_is_an_option(tmp_path, dual_ur5, exact, capsys):

@@ -238,13 +238,6 @@ def test_noise_of_positions_is_said_to_take_inertia(planar_cell):
     np.testing.assert_allclose(lost[wrists], shares[wrists], rtol=0.5)
 
 
-def test_currents_are_no_torques(dual_ur5):
-    """Efforts in A, as some drivers publish them: ten times smaller than the torques that gravity asks for."""
-    joints, time, q, effort = exact_recording(dual_ur5, random_motors(12))
-    found = mrts.identify(dual_ur5, recording(FILE, joints, time, q, effort / 10))
-    assert "left/shoulder_lift" in "".join(r.text for r in found.remarks if r.code == "unexplained-effort")
-
-
 def test_encoders_that_leap_by_a_turn_say_the_same(dual_ur5):
     """From π to -π; a whole turn away from the limits of the URDF is where it was."""
     motors = random_motors(12)

@@ -2,14 +2,12 @@
 
 import hashlib
 from collections import Counter
-from dataclasses import replace
 
 import daqp
 import highspy
 import numpy as np
 import pytest
 from random_programs import cell_programs, hard_programs
-from scaled_paths import scaled_path
 
 import mrts
 from mrts.kernel.c_text import programs_source
@@ -251,17 +249,6 @@ def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     assert status[0] != OPTIMAL
     with pytest.raises(mrts.InputError, match="must be <= 1e"):
         planar_cell.with_mass(1.7e308)
-
-
-def test_a_motion_too_small_to_scale_by_is_at_rest(planar_cell):
-    """An acceleration of 1e-320 rad/s², whose reciprocal is infinite."""
-    followed = mrts.follow_object(planar_cell, scaled_path("planar_dual_arm", 0.3, 101, "quintic"))
-    found = []
-    for small in (1e-320, 0.0):
-        ddq = followed.ddq.copy()
-        ddq[0, 2] = small
-        found.append(mrts.scale(planar_cell, replace(followed, ddq=ddq), between=None).range.to_json())
-    assert found[0] == found[1]
 
 
 def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):

@@ -9,16 +9,14 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import DATA, ROOT
+from conftest import DATA
 
-import mrts
 from mrts.cell.generation import generated_in_cache
 from mrts.kernel.cache_folder import only_ours
 from mrts.kernel.compiler import find_compiler, library_in_cache
 
 pytestmark = pytest.mark.quick
 
-GENERATED = ROOT / "generated" / "planar_dual_arm"
 SAYS = "import sys, mrts; from mrts.kernel.cache_folder import cache_folder; print(cache_folder(*sys.argv[1:]))"
 ANSWER = '__attribute__((visibility("default"))) int answer(void) { return 42; }\n'
 
@@ -112,21 +110,6 @@ def test_a_library_that_others_could_have_written_is_compiled_again(file, tmp_pa
     assert again == library
     assert only_ours(again)
     assert again.read_bytes() == before
-
-
-def test_a_generated_folder_is_compiled_into_the_cache(tmp_path, monkeypatch):
-    """A library that lies beside the C file is never loaded."""
-    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
-    shutil.copytree(GENERATED, tmp_path / "cell")
-    (tmp_path / "cell" / "planar_dual_arm.so").write_bytes(b"planted")
-    mrts.load_cell(tmp_path / "cell")
-    assert sorted(path.name for path in (tmp_path / "cell").iterdir()) == [
-        "manifest.json",
-        "planar_dual_arm.c",
-        "planar_dual_arm.so",
-    ]
-    assert (tmp_path / "cell" / "planar_dual_arm.so").read_bytes() == b"planted"
-    assert len(list((tmp_path / "cache").rglob("*.so"))) == 1
 
 
 def test_where_the_cache_is(tmp_path):

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from conftest import DATA
 from motor_recordings import exact_recording, random_motors, write_recording
 from ros_bags import TYPES
 from rosbags.rosbag2 import StoragePlugin, Writer
@@ -71,14 +70,6 @@ def test_a_state_that_is_published_twice_counts_once(recorded, tmp_path):
     assert all(len(joint.time) == len(recorded[1]) for joint in bag.joints.values())
 
 
-def test_what_an_arm_does_not_need_may_lack_an_effort(recorded, tmp_path):
-    """A gripper's effort is often not measured; the cell does not have it."""
-    gripper = [("/left/joint_states", START + k, state(START + k, ["finger"], [0.0], [np.nan])) for k in range(3)]
-    bag = mrts.load_recording(write_states(tmp_path / "bag", [*gripper, *states(recorded)]))
-    assert set(bag.joints) == set(recorded[0])
-    assert "no message holds one; efforts are needed" in str(bag.unusable["left/finger"])
-
-
 def broken(recorded, kind):
     """Messages of a bag with one mistake."""
     messages = states(recorded)
@@ -109,35 +100,3 @@ def test_states_that_cannot_be_used_are_refused_by_name(planar_cell, recorded, t
     with pytest.raises(mrts.InputError, match=said) as raised:
         mrts.identify(planar_cell, bag)
     assert raised.value.where == str(bag)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("t,q.left/elbow\n0,1\n1,2\n", r"holds no column tau\.ROBOT/JOINT: efforts are needed"),
-        ("t,tau.left/elbow\n0,1\n1,2\n", r"holds no column q\.ROBOT/JOINT: a recording has positions and efforts"),
-        (
-            "t,q.left/elbow,tau.left/wrist,tau.left/elbow,q.left/shoulder\n0,1,1,2,3\n1,1,2,2,3\n",
-            "no column tau.left/sh",
-        ),
-    ],
-)
-def test_tables_that_cannot_be_used_are_refused_by_column(planar_cell, tmp_path, text, said):
-    path = tmp_path / "recorded.csv"
-    path.write_text(text)
-    with pytest.raises(mrts.InputError, match=said) as raised:
-        mrts.identify(planar_cell, path)
-    assert raised.value.where == str(path)
-
-
-def test_a_missing_joint_of_an_arm_is_named(planar_cell, recorded):
-    joints, time, q, effort = recorded
-    parts = {name: mrts.RecordedJoint(time, q[:, k], effort[:, k]) for k, name in enumerate(joints)}
-    parts["left/elbo"] = parts.pop("left/elbow")
-    with pytest.raises(mrts.InputError, match=r"nothing is recorded of joint 'left/elbow'.* There is 'left/elbo'"):
-        mrts.identify(planar_cell, mrts.JointRecording(DATA / "x.csv", parts, {}))
-    other = {f"robot/axis_{k}": part for k, part in enumerate(parts.values())}
-    with pytest.raises(
-        mrts.InputError, match=r"no arm of cell 'planar_dual_arm' has joints of these names: robot/axis"
-    ):
-        mrts.identify(planar_cell, mrts.JointRecording(DATA / "x.csv", other, {}))

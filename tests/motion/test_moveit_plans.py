@@ -1,13 +1,11 @@
 """Plans as MoveIt leaves them in bags: RobotTrajectory and DisplayTrajectory, as the bag itself defines them."""
 
-import sqlite3
-
 import numpy as np
 import pytest
 from conftest import UR5
 from motion_tables import write_motion
 from moveit_bags import MOVEIT, display, robot_trajectory, with_moveit
-from ros_bags import message, trajectory, write_bag
+from ros_bags import trajectory, write_bag
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.typesys import Stores
 
@@ -74,33 +72,3 @@ def test_which_trajectory_is_named(whole, tmp_path):
         mrts.load_motion(write_motion(tmp_path, joints="table.csv", trajectory=0))
     with pytest.raises(mrts.InputError, match="'file' does not go with: trajectory"):
         mrts.load_motion(write_motion(tmp_path, file="table.csv", trajectory=0))
-
-
-def test_what_a_controller_plays_comes_before_what_a_planner_shows(whole, tmp_path):
-    names, rows = whole
-    messages = [(TOPIC, display(robot_trajectory(*whole))), ("/both/joint_trajectory", message(names, rows[:30]))]
-    write_bag(tmp_path / "both", messages, types=MOVEIT)
-    assert len(mrts.load_motion(tmp_path / "both").time) == 30
-    assert len(mrts.load_motion(write_motion(tmp_path, joints="both", topic=TOPIC)).time) == len(rows)
-    with pytest.raises(mrts.InputError, match=r"topic = '/plan': has no trajectories .* in /both/.*, /display_planned"):
-        mrts.load_motion(write_motion(tmp_path, joints="both", topic="/plan"))
-
-
-def test_mistakes_in_plans(whole, tmp_path):
-    drives = robot_trajectory(*whole, floating=["base\x1b"])
-    for name, content, rule in (
-        ("drives", display(drives), r"joints of several degrees of freedom \(base\\u001b\)"),
-        ("none", display(), "holds 0 trajectories"),
-        ("empty", display(robot_trajectory(whole[0], [])), "has 0 points; a motion has at least 2"),
-    ):
-        write_bag(tmp_path / name, [(TOPIC, content)], types=MOVEIT)
-        with pytest.raises(mrts.InputError, match=rule):
-            mrts.load_motion(tmp_path / name)
-    write_bag(tmp_path / "old", [(TOPIC, display(robot_trajectory(*whole)))], StoragePlugin.SQLITE3, types=MOVEIT)
-    with sqlite3.connect(tmp_path / "old" / "old.db3") as store:
-        store.execute("DELETE FROM message_definitions")
-    store.close()
-    with pytest.raises(mrts.InputError, match=r"does not define moveit_msgs/msg/DisplayTrajectory.*--storage mcap"):
-        mrts.load_motion(tmp_path / "old")
-    write_bag(tmp_path / "known", [("/a/joint_trajectory", message(*whole))], storage=StoragePlugin.SQLITE3)
-    assert len(mrts.load_motion(tmp_path / "known").time) == len(whole[1])

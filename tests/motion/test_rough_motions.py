@@ -16,7 +16,6 @@ from motion_tables import (
 )
 from ros_bags import PARTS, message, trajectory, write_bag
 from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation
 
 import mrts
 from mrts.following.coordinate import coordinate
@@ -98,17 +97,6 @@ def test_a_joint_that_rounding_puts_past_its_limit(tmp_path, dual_ur5, exact):
                 read(cell, path)
 
 
-def test_an_orientation_that_only_trembles_is_none_that_moves(tmp_path, dual_ur5, exact):
-    """Rotations of a lift from another program carry noise of 1e-8 rad; the motion is the lift all the same."""
-    followed, c2 = exact["lift", 101]
-    noise = Rotation.from_rotvec(1e-8 * np.random.default_rng(4).normal(size=(101, 3))).as_matrix()
-    trembling = replace(followed.object, rotation=noise @ followed.object.rotation)
-    assert mrts.scale(dual_ur5, trembling).range.upper.c2 == pytest.approx(c2, rel=1e-6)
-    for rates in (True, False):
-        table = write_table(tmp_path / "object.csv", object_columns(trembling, rates=rates), ".12g")
-        assert read(dual_ur5, table).range.upper.c2 == pytest.approx(c2, rel=1e-5 if rates else 0.05)
-
-
 @pytest.mark.parametrize(("kept", "tolerance"), [(PARTS, 1e-6), (PARTS[:2], 1e-6), (PARTS[:1], 1e-4)])
 @pytest.mark.parametrize("name", ["lift"])
 def test_bags_with_and_without_accelerations(tmp_path, dual_ur5, exact, name, kept, tolerance):
@@ -142,17 +130,6 @@ def test_velocities_are_taken_where_they_are(tmp_path, dual_ur5, exact):
         mrts.load_motion(write_motion(tmp_path, joints="joints.csv", samples=101))
 
 
-def test_arms_that_are_known_differently_are_read_alike(tmp_path, dual_ur5, exact):
-    """Accelerations of one arm only: both take the splines of their positions, as where neither has any."""
-    followed, c2 = exact["turn", 101]
-    columns = columns_of(dual_ur5, followed)
-    mixed = {name: values for name, values in columns.items() if not name.startswith(("dq.right", "ddq.right"))}
-    found = read(dual_ur5, write_table(tmp_path / "mixed.csv", mixed))
-    alone = read(dual_ur5, write_table(tmp_path / "alone.csv", columns_of(dual_ur5, followed, ("q",))))
-    assert found.range.upper.c2 == alone.range.upper.c2
-    assert found.range.upper.c2 == pytest.approx(c2, rel=1e-4)
-
-
 def test_joints_of_no_arm_are_passed_over(tmp_path, dual_ur5, exact):
     """A gripper in the table, a gripper and a third arm in the bag, with their own times: named, and without effect."""
     followed, c2 = exact["turn", 101]
@@ -182,19 +159,6 @@ def test_joints_of_no_arm_are_passed_over(tmp_path, dual_ur5, exact):
     text = found.motion.remarks[0].text
     for name in ("a_gripper/finger", "gripper/finger", "one_point/latch", "third/elbow"):
         assert name in text
-
-
-def test_a_column_that_is_missing_for_one_joint_is_named(tmp_path, dual_ur5, exact):
-    """No gap that is filled in silently: the columns of one robot go together."""
-    columns = columns_of(dual_ur5, exact["turn", 101][0])
-    for lacking, words in (
-        (["ddq.left/elbow"], "gives ddq of 'left/shoulder_pan', but not of 'left/elbow'"),
-        (["dq.left/elbow", "ddq.left/elbow"], "gives dq of 'left/shoulder_pan', but not of 'left/elbow'"),
-        (["dq.left/elbow"], "the column 'ddq.left/elbow' needs a column 'dq.left/elbow'"),
-    ):
-        left = {name: values for name, values in columns.items() if name not in lacking}
-        with pytest.raises(mrts.InputError, match=words):
-            read(dual_ur5, write_table(tmp_path / "joints.csv", left))
 
 
 def test_positions_that_are_noise_twice_differentiated_are_refused(tmp_path, dual_ur5, exact):

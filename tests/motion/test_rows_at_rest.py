@@ -47,12 +47,6 @@ def test_the_first_and_the_last_row_hold_still(name, way, planar_cell, dual_ur5)
     np.testing.assert_array_equal(rows["tau"][1:-1], done.torque)
 
 
-def test_a_motion_that_ends_without_acceleration_has_its_own_rows(planar_cell):
-    done = mrts.scale(planar_cell, scaled_path("planar_dual_arm", 0.3, 101, "quintic")).trajectory
-    assert done.holding.ends == (False, False)
-    np.testing.assert_array_equal(played_rows(done)["t"], done.time)
-
-
 @pytest.mark.parametrize(("length", "samples"), [(1e-6, 301), (0.3, 31)])
 def test_a_fastest_timing_read_again_is_the_fastest(length, samples, planar_cell, tmp_path):
     found = mrts.retime(planar_cell, scaled_path("planar_dual_arm", length, samples, "trapezoid"), between=None)

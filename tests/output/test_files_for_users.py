@@ -5,13 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from conftest import DATA
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
-from shipped_cells import changed_cell
 
 import mrts
-from mrts.cli import main
 from mrts.output import TRAJECTORY_FORMATS
 
 pytestmark = pytest.mark.quick
@@ -81,13 +78,3 @@ def test_every_format_is_written_whole_or_not_at_all(name, turned, planar_cell, 
     with pytest.raises(mrts.InputError, match="cannot be written"):
         form.write(turned, tmp_path / "file" / "below")
     assert {path.name for path in tmp_path.iterdir()} == {"written", "file"}
-
-
-def test_an_infeasible_motion_is_still_an_outcome_with_files_asked_for(tmp_path, capsys):
-    path = changed_cell(tmp_path, lambda cell: cell["object"].update(mass=100.0))
-    for profile in ("constant", "optimal"):
-        command = ["scale", str(path), str(DATA / "lift.yaml"), "--profile", profile]
-        assert main([*command, "--csv", str(tmp_path / "t.csv"), "--json", str(tmp_path / f"{profile}.json")]) == 1
-        assert not (tmp_path / "t.csv").exists()
-        assert (tmp_path / f"{profile}.json").exists()
-        assert "no trajectory for --csv: not written" in capsys.readouterr().err

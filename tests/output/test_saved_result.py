@@ -14,7 +14,6 @@ from shipped_cells import shipped, still_motion
 from shown_results import result_of, with_changes
 
 import mrts
-from mrts.cli import main
 from mrts.limits.cell_limits import torque_limits
 from mrts.output.summary_lines import retiming_lines, scaling_lines
 from mrts.plots.card import answer_card
@@ -121,16 +120,6 @@ def test_another_cell_is_refused(lifted, dual_ur5, planar_cell, tmp_path):
             mrts.load_result(tmp_path / "result.npz", cell=cell)
     with pytest.raises(mrts.InputError, match=r"cell = .*: must be of type Cell or None; it is of type PosixPath\.$"):
         mrts.load_result(tmp_path / "result.npz", cell=DATA / "cell.yaml")
-
-
-def test_the_command_line_saves(tmp_path, capsys):
-    command = ["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), "--save", str(tmp_path / "deep" / "r.npz")]
-    assert main(command) == 0
-    again = mrts.load_result(tmp_path / "deep" / "r.npz")
-    written = ["", "written:", f"  {tmp_path / 'deep' / 'r.npz'}", ""]
-    assert capsys.readouterr().out == "\n".join([*scaling_lines(again, answer_card(again)), *written])
-    assert main([*command, "--c2", "99"]) == 2  # the range is saved all the same
-    assert mrts.load_result(tmp_path / "deep" / "r.npz").trajectory is None
 
 
 def test_other_limits_than_it_was_found_with_are_told(planar_cell, lift, lifted, tmp_path):

@@ -7,13 +7,9 @@ import pytest
 from conftest import UR5
 
 import mrts
-from mrts.plots.plot import value_ends
-from mrts.plots.range_plots import MOST_LANES, binding_lanes, c2_ends, spans
+from mrts.plots.range_plots import MOST_LANES, binding_lanes, spans
 from mrts.scaling.limit_use import limit_uses
 from mrts.scaling.scaled_trajectory import accumulated_energy
-
-TOO_HARD = np.array([2.5, 0, 0, -2.5, 0, 0])
-"""A squeeze above the limit of 2 N."""
 
 
 @pytest.fixture(scope="module")
@@ -74,21 +70,3 @@ def test_accumulated_energy_ends_at_the_energy(spatial):
     assert whole[-1] == pytest.approx(done.energy, rel=1e-12)
     parts = [accumulated_energy(done.time, done.power[:, part]) for part in spatial.cell.joint_slices.values()]
     np.testing.assert_allclose(np.sum(parts, axis=0), whole, atol=1e-12)
-
-
-def test_axes_show_values_and_near_limits_but_not_far_ones():
-    values = np.array([[-1.0], [2.0]])
-    low, high = value_ends(values, np.array([[-4.0], [100.0]]))
-    assert -5 < low < -4
-    assert 2 < high < 3
-    assert value_ends(np.zeros((2, 1)), np.array([[-3.0], [np.inf]]))[0] < -3
-    assert value_ends(np.zeros((2, 1)), np.empty((2, 0))) == (-1.0, 1.0)
-
-
-def test_the_axis_of_c2_follows_the_range_and_not_what_happens_near_rest(spatial, planar_cell, lift):
-    low, high = c2_ends(spatial.range)
-    assert low < 0
-    assert spatial.range.upper.c2 < high < 5 * spatial.range.upper.c2 < np.nanmax(spatial.range.samples.upper[1:-1])
-    nothing = mrts.scale(planar_cell, lift, sharing=mrts.LoadSharing(internal_wrench=TOO_HARD)).range
-    assert all(status is mrts.SampleStatus.INFEASIBLE for status in nothing.samples.status)
-    assert c2_ends(nothing)[1] > 0

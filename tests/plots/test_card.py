@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import DATA
 
 import mrts
 from mrts.plots.card import MOST_BARS, answer_card
@@ -41,14 +40,6 @@ def test_a_slower_speed_says_what_would_be_possible_and_an_infeasible_one_why_no
     assert heavy.bars == ()
     assert heavy.outcome.startswith("no speed keeps all limits · worst conflict at t = 0 s: left/elbow ↑")
     assert answer_card(mrts.retime(planar_cell.with_mass(24.0), lift)).outcome.startswith("no timing: ")
-
-
-def test_what_sets_the_speed_comes_first_and_hands_are_named_by_how_they_fail():
-    folder = DATA.parent / "squeeze"
-    found = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
-    card = answer_card(found)
-    assert {bar.label for bar in card.bars[:3]} == {"left/pad normal force", "left/pad slips", "right/pad slips"}
-    assert "limited by left/pad normal force ↑, 120 N and 2 more, at " in card.outcome
 
 
 def test_of_rates_that_pass_their_limits_the_worst_is_told_with_its_moment(dual_ur5, lift_and_turn):

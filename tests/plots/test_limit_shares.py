@@ -5,7 +5,7 @@ import pytest
 from conftest import DATA, UR5
 
 import mrts
-from mrts.plots.limit_shares import limit_shares, limiting_rows
+from mrts.plots.limit_shares import limit_shares
 
 ROUNDING = 1e-9
 """Rows and their limits are the same numbers, divided in another order."""
@@ -44,13 +44,3 @@ def test_the_directions_of_a_hands_friction_make_one_line():
     assert of.labels[:4] == ("left/pad normal force", "left/pad slips", "left/pad tips", "left/pad twists")
     assert len(of.labels) == 4 * sum(len(robot.contacts) for robot in result.cell.robots)
     assert np.max(of.share) <= 1 + 1e-6
-
-
-def test_only_directions_in_which_a_pad_slips_set_the_speed_of_a_timing():
-    folder = DATA.parent / "squeeze"
-    found = mrts.retime(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
-    setting = limiting_rows(found.retimed, found).setting
-    assert set(setting) == {row.name for rows, _ in found.segment_limits for row in rows}
-    slips = [name.element for name in setting if name.failure == "left/pad slips"]
-    assert 0 < len(slips) < 4
-    assert [name for name, _ in found.limits].count("left/pad slips: friction 100 % used") == 1

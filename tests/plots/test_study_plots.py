@@ -11,17 +11,15 @@ from mrts.plots import durations_plot, matplotlib_figure, study_map_plot, write_
 from mrts.plots.plot import Bars, HeatMap, Line, Points, one_panel
 from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.study_map import (
-    LIMIT_COLOURS,
     MOST_CELLS,
     best_values,
-    map_binding,
     map_remark,
     study_map,
     weights,
 )
 from mrts.plots.study_plots import MOST_LINES, NO_DURATION, parallel_figure
 from mrts.plots.study_table import OUTCOMES
-from mrts.plots.study_words import best_rows, managed, next_steps
+from mrts.plots.study_words import best_rows, managed
 
 KINDS = kinds()
 
@@ -73,18 +71,6 @@ def test_the_map_is_the_durations_of_the_best():
     assert np.count_nonzero(limits.z >= 0) == np.count_nonzero(np.isfinite(table.duration))
     axes = matplotlib_figure(study_map_plot(table)).axes[0]
     assert any(line.get_paths() for line in axes.collections if "Contour" in type(line).__name__)
-
-
-def test_the_line_has_what_binds_as_bands():
-    table = KINDS["one number"]
-    panel = study_map_plot(table).rows[0][0]
-    order = np.argsort(table.values[:, 0])
-    np.testing.assert_allclose(only(panel, Line).y, table.duration[order])
-    (infeasible,) = (item for item in panel.items if isinstance(item, Bars) and item.label == "infeasible")
-    missing = table.values[np.isnan(table.duration), 0]
-    half = infeasible.thickness / 2
-    assert infeasible.place[0] - half[0] <= np.min(missing)
-    assert infeasible.place[-1] + half[-1] >= np.max(missing)
 
 
 def test_the_histogram_and_the_curve_are_shares_of_all_variants():
@@ -156,19 +142,6 @@ def test_cells_of_drawn_points_show_the_best_of_theirs():
             study_map(table, wrong)
 
 
-def test_limits_beyond_the_colours_share_the_last():
-    table = KINDS["eleven limits"]
-    drawn = study_map(table)
-    names, codes = map_binding(table, drawn)
-    assert len(names) == len(LIMIT_COLOURS)
-    assert names[-1] == "5 other limits"
-    for place, row in np.ndenumerate(drawn.best):
-        if row >= 0:
-            (name,), shown = table.limits(row), names[codes[place]]
-            assert shown == name or (shown == names[-1] and name not in names)
-    assert np.all((codes < 0) == (drawn.best < 0))
-
-
 @pytest.mark.parametrize("share", [0.3, 0.95])
 def test_a_number_explains_what_the_normal_distribution_says(share):
     """Ranks of a x + b z, all normal: x explains (6/π) arcsin(a²/2), by the arcsine law of two correlated ones."""
@@ -182,18 +155,6 @@ def test_a_number_explains_what_the_normal_distribution_says(share):
     duration = np.where(values[:, 2] > 0, np.nan, 1.0)
     assert weights(found_study(values, duration))[0].playable == pytest.approx(1.0, abs=GROUPED)
     assert weights(found_study(values, duration))[0].knob == 2
-
-
-def test_a_long_study_is_weighed_by_a_choice_and_shown_by_few_lines_and_cells():
-    x, y = (axis.ravel() for axis in np.meshgrid(np.linspace(0, 1, 500), np.linspace(0, 1, 400)))
-    table = found_study(np.stack([x, y], axis=1), 0.3 + 0.01 * x + y)
-    found = weights(table)
-    assert [weight.knob for weight in found] == [1, 0]
-    assert [weight.duration for weight in found] == pytest.approx([1, 0], abs=GROUPED)
-    drawn = study_map(table)
-    assert drawn.best.size <= MOST_CELLS**2
-    assert table.ranked[0] in drawn.best
-    assert parallel_figure(table)["remark"] == "an even choice of 400 of 200000 variants"
 
 
 @pytest.mark.parametrize("share", [1, 84, 86, 100])
@@ -212,20 +173,3 @@ def test_the_best_table_holds_the_numbers_of_the_best():
     assert by_title["duration [s]"][1:] == tuple(f"{value:.4g}" for value in np.sort(table.duration)[:3])
     assert by_title["knob 1 [m]"] == ("2 … 3", "2 (end)", "2 (end)", "2 (end)")
     assert by_title["limited by"][1] == FORCE
-
-
-def test_the_next_step_is_the_one_that_the_numbers_ask_for():
-    table = grid_study()
-    steps, without = "\n".join(next_steps(table)), np.count_nonzero(np.isnan(table.duration))
-    assert "Of the best, knob 1 is at the lower end of what was tried (2 m): try further" in steps
-    assert "knob 0 is at the" not in steps
-    assert "knob 1 matters most" in steps
-    assert f"27 of the {without} variants that cannot be played are unreachable" in steps
-    assert "left/fx ↓ limits" in steps
-    inside = np.random.default_rng(1).uniform(0, 1, (500, 3))
-    calm = "\n".join(next_steps(found_study(inside, 0.5 + (inside[:, 0] - 0.5) ** 2)))
-    assert "try further" not in calm
-    assert "knob 1, knob 2 by themselves hardly do anything" in calm
-    assert "cannot be played" not in calm
-    hopeless = next_steps(KINDS["nothing can be played"])
-    assert hopeless == ["30 of the 30 variants that cannot be played are infeasible, such as: no way."]

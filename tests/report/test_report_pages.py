@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-from found_studies import kinds
 from headless_browser import NARROW, browser, page  # noqa: F401 (fixtures)
 from playwright.sync_api import expect
 from report_pages import data_of, own_text
@@ -12,15 +11,12 @@ from shown_results import KINDS, result_of
 
 import mrts
 from mrts.plots.limit_shares import all_shares
-from mrts.report import write_study_report
 
 LARGEST = 2_100_000
 """Bytes of a report of an ordinary motion or study, 1.84 million of them plotly.js."""
 
 SLOW = 60_000
 """A page drawn without a graphics card takes its time [ms]."""
-
-STUDIES = kinds()
 
 PLOTTED_LIKE_ANOTHER = {"spatial", "least speed", "infeasible load", "fixed rule", "rates"}
 """Kinds whose pages have the plots of one that is opened; their texts and figures are tested where they are made."""
@@ -79,19 +75,6 @@ def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell
         expected.add("plot-what-if")
     assert opened(page, tmp_path / "report.html") == expected
     assert page.problems == []
-
-
-@pytest.mark.parametrize("name", ["four numbers", "one number", "nothing can be played"])
-def test_every_kind_of_study_opens_offline_with_all_its_plots(name, tmp_path, page):  # noqa: F811
-    table = STUDIES[name]
-    write_study_report(table, tmp_path / "report.html")
-    expected = {"plot-duration-line"} if len(table.knobs) == 1 else {"plot-duration-map", "plot-limit-map"}
-    expected |= {"plot-lines"} if len(table.knobs) > 2 else set()
-    expected |= {"plot-durations"} if len(table.ranked) else set()
-    assert opened(page, tmp_path / "report.html") == expected
-    if "plot-lines" in expected:
-        assert len(set(page.locator("#plot-lines").screenshot())) > 50  # something is drawn
-        assert "webgl" not in page.locator("#plot-lines").inner_text().lower()
 
 
 def first_arm(page):  # noqa: F811
@@ -163,70 +146,3 @@ def turns_the_camera_while_it_plays(page, slider):  # noqa: F811
     assert np.linalg.norm(turned - before) > 0.1
     expect(slider).not_to_have_value(held, timeout=SLOW)
     np.testing.assert_allclose(eye(), turned, atol=0.2)
-
-
-def test_one_cursor_goes_through_all_and_the_page_is_dark_or_printed(planar_cell, lift, tmp_path, page):  # noqa: F811
-    path = tmp_path / "report.html"
-    mrts.write_report(mrts.retime(planar_cell, lift), path)
-    text = path.read_text(encoding="utf-8")
-    page.emulate_media(color_scheme="dark")
-    page.goto(path.as_uri())
-    page.wait_for_selector("body[data-ready=yes]", timeout=SLOW)
-
-    def look():
-        """Colours of the paper and of a plot."""
-        return page.evaluate("""() => [getComputedStyle(document.body).backgroundColor,
-            document.querySelector('#plot-torque-0 .main-svg').style.background]""")
-
-    dark, white = ["rgb(21, 24, 28)"] * 2, ["rgb(255, 255, 255)"] * 2
-    assert look() == dark
-    page.locator("#theme").click()
-    assert look() == white
-    page.locator("#theme").click()
-
-    frame = 40
-    slide = "(slider, frame) => { slider.value = frame; slider.dispatchEvent(new Event('input')); }"
-    page.locator("#frame").evaluate(slide, frame)
-    clocks = data_of(text)["player"]["clocks"]
-    at = page.evaluate("""() => Object.fromEntries([...document.querySelectorAll('.cursor')].map((cursor) => {
-        const plot = cursor.parentElement;
-        return [plot.id, plot._fullLayout.xaxis.p2d(parseFloat(cursor.style.transform.slice('translateX('.length)))];
-    }))""")
-    kinds = {name: plot["clock"] for name, plot in data_of(text)["plots"].items() if plot["clock"]}
-    assert set(at) == set(kinds)
-    assert {"plot-phase-plane", "plot-limit-map", "plot-torque-1", "plot-position-0-0"} <= set(at)
-    for name, x in at.items():
-        assert x == pytest.approx(clocks[kinds[name]][frame], rel=1e-3), name
-    box = page.locator("#plot-torque-0 .nsewdrag").first
-    box.scroll_into_view_if_needed()
-    box = box.bounding_box()
-    page.mouse.move(box["x"] + box["width"] / 4, box["y"] + box["height"] / 2)
-    until(page, lambda: int(page.locator("#frame").input_value()) != frame)
-    shown = clocks["played"][int(page.locator("#frame").input_value())]
-    assert shown == pytest.approx(clocks["played"][-1] / 4, rel=0.05)
-
-    page.set_viewport_size(NARROW)
-    plane = page.locator("#plot-phase-plane .main-svg").first
-    until(page, lambda: plane.bounding_box()["width"] < NARROW["width"])
-    pictures = page.evaluate("""() => {
-        dispatchEvent(new Event('beforeprint'));
-        const picture = document.querySelector('#player canvas.picture');
-        const pixels = picture.getContext('2d').getImageData(0, 0, picture.width, picture.height).data;
-        const hidden = [...document.querySelectorAll('[id^=plot-]')].filter((plot) => {
-            const places = ['.legend .bg', '.nsewdrag'].map((part) => plot.querySelector(part));
-            const [legend, lines] = places.map((part) => part && part.getBoundingClientRect());
-            return legend && legend.bottom > lines.top + 1;
-        });
-        return {
-            colours: new Set(new Uint32Array(pixels.buffer)).size,
-            width: document.body.clientWidth,
-            hidden: hidden.map((plot) => plot.id),
-        };
-    }""")
-    assert pictures["hidden"] == []  # no curve by a legend that takes more lines on paper
-    assert pictures["colours"] > 50  # the scene, not an empty sheet
-    assert look() == white
-    page.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert look() == dark
-    assert page.locator("#player canvas.picture").count() == 0
-    assert page.problems == []

@@ -47,24 +47,6 @@ def test_plots_hold_the_numbers_of_the_study():
     assert curve["x"][0] == pytest.approx(np.nanmin(drawn.duration), rel=1e-5)
 
 
-def test_the_text_says_what_became_of_the_variants():
-    table = grid_study()
-    text = own_text(study_html(table))
-    count = len(table.ranked)
-    for words in (
-        f"{count} of 108 variants may be played",
-        "<td>unreachable</td><td>the arms cannot follow the object</td><td>27</td><td>25 %</td>",
-        "knob 1 is at the lower end of what was tried",
-        "<td>left/fx ↓</td>",
-        "no way",
-        "no duration suits",
-    ):
-        assert words in text, words
-    nothing = study_html(KINDS["nothing can be played"])
-    assert "no variant has a shortest duration" in nothing.lower()
-    assert 'class="outcome infeasible"' in nothing
-
-
 def test_a_folder_of_a_study_is_reported(tmp_path, capsys):
     study = tmp_path / "study.yaml"
     files = f"cell: {DATA / 'cell.yaml'}\nmotion: {DATA / 'lift.yaml'}"

@@ -48,16 +48,6 @@ def test_a_plan_at_250_hz_keeps_all_limits_and_ends_at_rest(name, dual_ur5, lift
         assert np.all(np.abs(np.diff(done.torque, axis=0)) * 250 <= RATES * limits * (1 + 1e-6))
 
 
-def test_what_cannot_be_sampled_is_refused(planar_cell, lift, lifted):
-    for rate in (0, -1, np.nan, np.inf, 1.0, 1e9, "250"):
-        with pytest.raises(mrts.InputError) as refused:
-            lifted.at_rate(rate)
-        assert str(refused.value).startswith("rate")
-    impossible = mrts.scale(planar_cell.with_mass(1e4), lift)
-    with pytest.raises(mrts.InputError, match=r"^rate"):
-        impossible.at_rate(250)
-
-
 def test_the_command_writes_rows_at_equal_steps(tmp_path, capsys):
     files = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
     assert main(["scale", "-q", *files, "--csv", str(tmp_path / "plan.csv"), "--csv-rate", "500"]) == 0

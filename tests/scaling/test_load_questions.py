@@ -2,7 +2,6 @@
 
 import json
 
-import numpy as np
 import pytest
 from conftest import DATA
 from shipped_cells import changed_cell
@@ -61,33 +60,3 @@ def test_a_bad_variation_is_refused(mistake, tmp_path, capsys):
     said = capsys.readouterr().err
     assert words in said
     assert "cell.yaml: object.variation" in said
-
-
-def test_bad_questions_and_loads_are_refused(planar_cell, lift):
-    cell = planar_cell.with_variation(mass=(0.2, 6.0))
-    for load in ("grid:1", "grid:99999", "sometimes", "grid:x", 3):
-        with pytest.raises(mrts.InputError, match="load"):
-            mrts.scale(cell, lift, load=load)
-    with pytest.raises(mrts.InputError, match="leaves open which load"):
-        mrts.scale(cell, lift, "fastest", load="possible")
-    with pytest.raises(mrts.InputError, match="does not vary"):
-        mrts.scale(planar_cell.with_variation(izz=(0.5, 2)), lift, load="grid:5")
-    for parameters in ({"mass": 7.0}, {"izz": 1.0}, {"mass": True}, {"mass": float("nan")}):
-        with pytest.raises(mrts.InputError):
-            cell.load_box.load_at(parameters)
-    for load in (np.zeros(10), np.ones(7), np.full(10, np.nan), "heavy"):
-        with pytest.raises(mrts.InputError):
-            planar_cell.with_load(load)
-    with pytest.raises(mrts.InputError, match="has first moments"):
-        planar_cell.with_load(cell.load + np.eye(10)[1]).with_variation(mass=(0.9, 1.1))
-    with pytest.raises(mrts.InputError, match="at least one range"):
-        planar_cell.with_variation(outer_hull=True)
-    with pytest.raises(mrts.InputError, match="two finite numbers"):
-        planar_cell.with_variation(mass=(True, 2))
-    with pytest.raises(mrts.InputError, match="Shape"):
-        mrts.LoadBox(1.0, np.ones(3), {"mass": (0.5, 2)})
-    assert planar_cell.with_variation(mass=(np.int64(1), np.float32(2))).load_box.ranges == {"mass": (1.0, 2.0)}
-    with pytest.raises(mrts.InputError, match="unknown parameter 'weight'"):
-        planar_cell.with_variation(weight=(1, 2))
-    with pytest.raises(mrts.InputError, match="no trajectory"):
-        mrts.torques_for_load(mrts.scale(cell, lift, load="possible"), cell.load)

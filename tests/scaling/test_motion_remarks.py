@@ -42,14 +42,6 @@ def test_motions_from_rest_to_rest_are_not_warned_of(planar_cell, profile, sampl
     assert codes(mrts.scale(planar_cell, straight_lift(profile, samples=samples))) == []
 
 
-def test_shipped_motions_are_not_warned_of(planar_cell, lift, dual_ur5):
-    assert codes(mrts.scale(planar_cell, lift)) == []
-    assert mrts.scale(planar_cell, lift).to_json()["warnings"] == []
-    turn = mrts.load_motion(mrts.__path__[0] + "/data/dual_ur5/lift_and_turn.yaml")
-    assert codes(mrts.scale(dual_ur5, turn)) == []
-    assert codes(mrts.retime(planar_cell, lift)) == []
-
-
 @pytest.mark.parametrize(("part", "samples"), [(slice(30, None), [0]), (slice(0, 80), [79]), (slice(30, 80), [0, 49])])
 def test_ends_that_are_not_at_rest(planar_cell, part, samples):
     whole = straight_lift()
@@ -61,15 +53,6 @@ def test_ends_that_are_not_at_rest(planar_cell, part, samples):
     joint = int(np.argmax(np.abs(first)))
     assert f"moves at {abs(first[joint]):.3g} rad/s" in result.warnings[0].text
     assert "(a table of few rows: with its velocities)" in result.warnings[0].text
-
-
-def test_a_row_out_of_line(planar_cell, tmp_path):
-    smooth = straight_lift(samples=61)
-    heights = smooth.position[:, 1].copy()
-    heights[40] += 0.01
-    result = mrts.scale(planar_cell, table(tmp_path / "lift.csv", smooth.time, heights.tolist()))
-    assert codes(result) == ["jump"]
-    assert result.warnings[0].sample == 40
 
 
 @pytest.mark.parametrize(
@@ -89,16 +72,6 @@ def test_noise_that_sets_the_range(planar_cell, tmp_path, samples, noise, said, 
     assert set(codes(result)) - {"not-at-rest"} == ({"noise"} if said else set())
     off = abs(result.range.upper.c2 / true.range.upper.c2 - 1)
     assert off > 0.2 if said else off < 0.02
-
-
-def test_a_factor_above_ten(planar_cell):
-    slow, fast = (mrts.scale(planar_cell, straight_lift(duration=duration)) for duration in (10.0, 3.0))
-    assert codes(slow) == ["factor-above-10"]
-    assert f"{slow.trajectory.c:.3g} times as fast" in slow.warnings[0].text
-    assert slow.warnings[0].sample is None
-    assert codes(fast) == []
-    assert fast.trajectory.c < 10
-    assert mrts.retime(planar_cell, slow.motion).warnings == ()
 
 
 def test_a_warning_is_wherever_the_result_is(planar_cell, lift, tmp_path):

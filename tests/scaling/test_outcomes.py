@@ -2,7 +2,6 @@
 
 import re
 import shutil
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +15,6 @@ from mrts.program.infeasibility import separation
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.scaling.range import intersect
-from mrts.scaling.scale import choose_c2
 
 pytestmark = pytest.mark.quick
 
@@ -93,17 +91,6 @@ def test_a_range_that_rounding_turned_inside_out_is_a_point():
     assert found.lower.c2 == found.upper.c2 == 1.0
 
 
-def test_too_slow_is_refused_by_the_lower_end():
-    codes = np.zeros((2, 3, 1), dtype=np.int32)
-    codes[0, 1] = 1
-    elbow = {"names": (mrts.RowName("torque", "left", "elbow", "N m"),), "limits": np.array([[-80.0], [80.0]])}
-    ranges = replace(ranges_of([0, 2, 0], [5, 5, 4]), codes=codes, **elbow)
-    with pytest.raises(
-        mrts.SelectionError, match=r"outside .* \[2, 4\]. The lower end is set at t = 1 s by left/elbow"
-    ):
-        choose_c2(intersect(ranges), 1.0)
-
-
 def test_at_rest_nothing_limits_the_speed(planar_cell, lift):
     still = still_motion(lift.position[0])
     result = mrts.scale(planar_cell, still)
@@ -147,32 +134,3 @@ def test_shares_and_internal_wrench_of_a_fixed_distribution(planar_cell, lift):
 def test_a_wrong_fixed_distribution_is_refused(planar_cell, lift, sharing, match):
     with pytest.raises(mrts.InputError, match=match):
         mrts.scale(planar_cell, lift, sharing=sharing)
-
-
-def test_a_result_judges_itself(planar_cell, lift):
-    result = mrts.scale(planar_cell, lift)
-    residuals = result.residuals()
-    assert residuals.limits < 1e-8
-    assert residuals.arms < 1e-10
-    assert residuals.object < 1e-10
-    spoiled = replace(result, trajectory=replace(result.trajectory, torque=result.trajectory.torque * 1.01))
-    assert spoiled.residuals().limits > 1e-3
-    assert spoiled.residuals().arms > 1e-3
-
-
-@pytest.mark.parametrize(
-    ("arguments", "match"),
-    [
-        ({"select": "slow"}, "must be 'auto'"),
-        ({"select": None}, "must be 'auto'"),
-        ({"select": True}, "must be 'auto'"),
-        ({"sharing": "equal"}, "must be of type LoadSharing"),
-        ({"weights": "x"}, "numbers of one rectangular shape"),
-        ({"weights": [1, 1, 1, 1, 1, 1e9]}, "spread over a factor of 1e"),
-        ({"formulation": "force"}, "'wrench' or 'torque'"),
-        ({"solver": "magic"}, "no such solver"),
-    ],
-)
-def test_arguments_of_the_api_are_checked(planar_cell, lift, arguments, match):
-    with pytest.raises(mrts.MrtsError, match=match):
-        mrts.scale(planar_cell, lift, **arguments)

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from changed_robots import with_left
-from conftest import DATA
 from gantries import along_x, gantries
 
 import mrts
-from mrts.limits import limit_rows
 from mrts.scaling.limit_use import limit_uses
 
 BISECTION = 1e-6
@@ -121,14 +119,6 @@ def test_sides_that_cross_are_an_outcome_that_names_the_reserve(planar_cell, lif
     assert timing.sentence().startswith("with 10 % of every limit in reserve, infeasible")
 
 
-def test_one_number_on_both_sides_has_no_size_to_give(planar_cell, lift):
-    cell = with_left(planar_cell, wrench_lower=np.array([0.5, -9, -9]), wrench_upper=np.array([0.5, 9, 9]))
-    for rule in ("least-torque", "reserve"):
-        result = mrts.scale(cell, lift, 0.5, reserve=0.1, distribute=rule)
-        assert np.allclose(result.wrench["left"][:, 0], 0.5, atol=1e-8)
-        assert 0.1 < result.reserve.share < 1
-
-
 @pytest.mark.parametrize("reserve", [-0.1, 1.0, 2, np.nan, np.inf, "0.1", True, [0.1]])
 def test_a_share_is_from_0_to_below_1(planar_cell, lift, reserve):
     for ask in (
@@ -139,23 +129,3 @@ def test_a_share_is_from_0_to_below_1(planar_cell, lift, reserve):
     ):
         with pytest.raises(mrts.InputError, match=r"reserve = .*: must be a number, 0 or more and below 1"):
             ask()
-
-
-def test_a_distribution_that_is_none_is_refused(planar_cell, lift):
-    with pytest.raises(mrts.InputError, match="must be 'least-torque' or 'reserve'"):
-        mrts.scale(planar_cell, lift, distribute="least")
-    with pytest.raises(mrts.InputError, match="leaves no torques to choose"):
-        mrts.retime(planar_cell, lift, distribute="reserve", sharing=mrts.LoadSharing())
-    with pytest.raises(mrts.SelectionError, match=r"^with 50 % of every limit in reserve, c² = 1 is outside"):
-        mrts.scale(planar_cell, lift, "nominal", reserve=0.5)
-
-
-def test_rows_of_limit_zero_are_measured_alike_with_a_reserve():
-    """A pad's cone has limits of 0, which a reserve moves: what 100 % of them is stays that of the pad's force."""
-    folder = DATA.parent / "squeeze"
-    cell, motion = mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml")
-    followed = mrts.follow_object(cell, motion)
-    given, kept = limit_rows(cell, followed), limit_rows(cell.with_reserve(0.1), followed)
-    np.testing.assert_array_equal(kept.units(), given.units())
-    result = mrts.retime(cell, motion, distribute="reserve", reserve=0.1, between=None)
-    assert result.retimed.residuals().limits < ROUNDING / 5

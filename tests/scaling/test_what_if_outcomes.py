@@ -1,17 +1,14 @@
 """What changes to a cell would do: order, words, and every outcome that a change can have."""
 
-import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from changed_robots import with_left
-from conftest import DATA
 from gantries import along_x, gantries
 
 import mrts
 from mrts.cell.cell_change import ChangeSteps, cell_changes
-from mrts.cell.generation import generate_to
 
 MOTORS = np.array([[0.0, 100.0], [0.2, 100.0], [3.0, 10.0]])
 """A torque-speed curve [rad/s, N m]."""
@@ -114,71 +111,3 @@ def test_a_motor_with_a_curve_changes_as_a_whole(planar_cell, lift):
         again = mrts.scale(other, lift, between=None)
         assert found[text].after.c2 == pytest.approx(again.range.upper.c2, rel=1e-8)
         assert found[text].matters
-
-
-def test_joints_that_arms_do_not_take_by_themselves_are_left_where_they_are(planar_cell, lift):
-    """Joints given from elsewhere than the posture are followed again; others are not, and it says so."""
-    motion = mrts.follow_object(planar_cell, lift)
-    far = {robot.name: (robot.posture + 0.4).tolist() for robot in planar_cell.robots}
-    found = mrts.scale(planar_cell.with_postures(far), motion, between=None).what_if()
-    assert found.left_out == ""
-    plain = by_text(mrts.scale(planar_cell, lift, between=None).what_if())
-    assert all(one.after.c2 == pytest.approx(plain[text].after.c2, rel=1e-6) for text, one in by_text(found).items())
-    slower = replace(motion, ddq=motion.ddq * (1 + 1e-4))
-    given = mrts.scale(planar_cell, slower, between=None, closure=mrts.ClosureBound(0.01, 0.02)).what_if()
-    assert not any(one.change.moves_arms for one in given.changes)
-    assert given.left_out.startswith("bases and grasps were not moved")
-
-
-@pytest.mark.quick
-def test_what_is_refused(planar_cell, lift):
-    result = mrts.scale(planar_cell, lift)
-    for name, value in (
-        ("share", 0),
-        ("share", 1.5),
-        ("shift", -0.1),
-        ("turn", np.nan),
-        ("turn", "1°"),
-        ("shift", True),
-    ):
-        with pytest.raises(mrts.InputError, match=f"{name}.* must be a number from"):
-            result.what_if(**{name: value})
-    with pytest.raises(mrts.InputError, match="solver"):
-        result.what_if(solver="nonsense")
-    with pytest.raises(mrts.InputError, match="progress"):
-        result.what_if(progress=3)
-    possible = mrts.scale(planar_cell.with_variation(mass=(0.9, 1.1)), lift, load="possible", between=None)
-    with pytest.raises(mrts.InputError, match="what is possible with some load"):
-        possible.what_if()
-    with pytest.raises(mrts.InputError, match="retimed"):
-        mrts.retime(planar_cell, lift).retimed.what_if()
-
-
-def test_what_takes_the_functions_of_the_cell(planar_cell, lift, tmp_path):
-    result = mrts.scale(planar_cell, lift)
-    mrts.save_result(result, tmp_path / "a.npz")
-    with pytest.raises(mrts.InputError, match=r"load_result\(path, cell=mrts\.load"):
-        mrts.load_result(tmp_path / "a.npz").what_if()
-    again = mrts.load_result(tmp_path / "a.npz", planar_cell).what_if()
-    ours = by_text(result.what_if())
-    assert all(one.after.c2 == pytest.approx(ours[text].after.c2, rel=1e-9) for text, one in by_text(again).items())
-    generate_to(DATA / "cell.yaml", tmp_path / "baked", bake=True)
-    baked = mrts.scale(mrts.load_cell(tmp_path / "baked"), lift).what_if()
-    assert baked.left_out == "bases and grasps were not moved: they stand as numbers in the generated C (--bake)"
-    assert by_text(baked)["mass -10 %"].after.c2 == pytest.approx(ours["mass -10 %"].after.c2, rel=1e-8)
-    assert str(baked).endswith(baked.left_out)
-
-
-@pytest.mark.quick
-def test_it_is_told_how_far_it_is_and_travels(planar_cell, lift, planar_changes):
-    told = []
-    result = mrts.scale(planar_cell, lift)
-    found = result.what_if(progress=lambda done, total: told.append((done, total)))
-    assert told[0] == (0, len(found.changes))
-    assert told[-1] == (len(found.changes),) * 2
-    assert pickle.loads(pickle.dumps(found)) == found == planar_changes  # noqa: S301 (our own)
-    asked = replace(result, changes=found).to_json()["what_if"]
-    assert asked["before"]["c2_upper"] == result.range.upper.c2
-    assert len(asked["changes"]) == len(found.changes)
-    assert "what_if" not in result.to_json()
-    assert repr(found) == f"<WhatIf: {len(found.changes)} changes, 34 matter>"

@@ -23,21 +23,6 @@ def joints_of(cell, motion, kept=("q",)):
     return cell, columns_of(cell, mrts.follow_object(cell, mrts.load_motion(motion)), kept)
 
 
-def test_rates_that_were_not_given_are_not_blamed(tmp_path):
-    """Positions of three decimals give no velocities: those that are given, and wrong, are blamed."""
-    cell, columns = joints_of(UPPER_BODY / "cell.yaml", UPPER_BODY / "lift.yaml", ("q", "dq", "ddq"))
-    positions = {name: values for name, values in columns.items() if name[:2] in {"t", "q."}}
-    table = mrts.load_motion(write_table(tmp_path / "positions.csv", positions, ".3f"))
-    with pytest.raises(mrts.MotionError, match="velocities, which were found from the positions,") as refused:
-        mrts.scale(cell, table)
-    assert "Check the" not in str(refused.value)
-    for name in columns:
-        if name.startswith(("dq.right", "ddq.right")):
-            columns[name] = 1.04 * columns[name]
-    with pytest.raises(mrts.MotionError, match=r"joint velocities do not fit.* Check the velocities"):
-        mrts.scale(cell, mrts.load_motion(write_table(tmp_path / "rates.csv", columns)))
-
-
 @pytest.mark.parametrize(
     "files", [PLANAR, (UPPER_BODY / "cell.yaml", UPPER_BODY / "lift.yaml")], ids=["chain open", "past a limit"]
 )

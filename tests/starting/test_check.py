@@ -9,7 +9,7 @@ import pytest
 from conftest import DATA, UR5
 from damaged_cells import HINTS, MISTAKES, damaged, sound, written
 from draws import draws
-from published_robots import CASES, single_arm_cell
+from published_robots import single_arm_cell
 from shipped_cells import changed_cell, shipped, shipped_motion
 
 import mrts
@@ -32,13 +32,6 @@ def test_what_is_shipped_is_fine_and_leads_to_no_hint(cell, motion):
     assert (found.status, found.mistakes, found.hints) == ("fine", (), ())
     assert all(arm.follows and arm.margin is not None for arm in found.arms)
     assert "None" not in str(found)
-
-
-def test_published_robots_lead_to_no_hint(tmp_path):
-    for name, (reference, tip) in CASES.items():
-        joints = 7 if name in {"panda", "xarm7", "baxter left", "baxter right"} else 6
-        found = mrts.check(single_arm_cell(tmp_path, reference, tip, joints))
-        assert (found.status, found.hints) == ("fine", ()), name
 
 
 @pytest.mark.parametrize("damage", HINTS)
@@ -144,17 +137,6 @@ def test_what_is_wrong_in_urdfs_is_told_besides_what_is_wrong_in_the_cell(tmp_pa
     assert any("object.mass" in text for text in told)
 
 
-def test_files_in_the_wrong_order_are_known_as_what_they_are():
-    found = mrts.check(UR5 / "lift_and_turn.yaml", UR5 / "cell.yaml")
-    assert ["swapped" in str(mistake) for mistake in found.mistakes] == [True, True]
-    with pytest.raises(mrts.InputError, match="this is a motion file, and a cell file belongs here"):
-        mrts.load_cell(UR5 / "lift_and_turn.yaml")
-    with pytest.raises(mrts.InputError, match="this is a study file, and a motion file belongs here: `mrts sweep`"):
-        mrts.load_motion(UR5 / "study.yaml")
-    with pytest.raises(mrts.InputError, match="this is XML, and a cell file belongs here; `mrts new DIR"):
-        mrts.load_cell(UR5 / "ur5_class_arm.urdf")
-
-
 def test_the_gap_of_a_planar_arm_is_what_its_links_lack(tmp_path):
     """Two links reach the sum of their lengths; what is missing lies along the stretched arm."""
     rng = np.random.default_rng(5)
@@ -216,19 +198,6 @@ def test_a_posture_that_works_is_named_where_the_given_one_does_not(dual_ur5, tm
     assert str(caught.value) == left.failure
     assert left.followed == left.samples
     mrts.follow_object(alone.with_postures({"left": left.posture.tolist()}), path)
-
-
-def test_given_joints_are_checked_as_they_are(tmp_path, dual_ur5):
-    path = mrts.load_motion(UR5 / "lift_and_turn.yaml")
-    q = mrts.follow_object(dual_ur5, path).q
-    names = [f"q.{robot.name}/{joint}" for robot in dual_ur5.robots for joint in robot.joints]
-    for off, status in ((0.0, "fine"), (0.1, "impossible")):
-        rows = np.column_stack([path.time, q + off * np.linspace(0, 1, q.shape[1])])
-        table = tmp_path / "joints.csv"
-        np.savetxt(table, rows, delimiter=",", header=",".join(["t", *names]), comments="", fmt="%.17g")
-        found = mrts.check(UR5 / "cell.yaml", table)
-        assert found.status == status, found.mistakes
-        assert bool(found.problem) == (status == "impossible")
 
 
 def test_links_without_mass_and_points_are_told(tmp_path):

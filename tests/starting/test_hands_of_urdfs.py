@@ -74,15 +74,6 @@ def test_a_hand_without_a_name_is_where_the_chain_ends_or_parts(tmp_path, ends, 
     assert (found.link, found.why) == (hand, why)
 
 
-def test_a_gripper_on_a_flange_is_told(tmp_path):
-    pairs = [(CHAIN[-1], "tool0"), ("tool0", "gripper_base"), ("gripper_base", "jaw")]
-    [found] = hands_beyond(tmp_path, pairs)
-    assert found.link == "tool0"
-    assert found.why.startswith("named as a hand or tool; gripper_base hangs on it, so")
-    [bare] = hands_beyond(tmp_path, pairs[:1])
-    assert bare.why == "named as a hand or tool"
-
-
 @pytest.mark.parametrize(
     ("urdf", "tip"),
     [

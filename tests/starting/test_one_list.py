@@ -5,13 +5,10 @@ import re
 
 import pytest
 import yaml
-from conftest import DATA
 from damaged_cells import URDF, sound, written
 
 import mrts
 from mrts.cli import main
-from mrts.starting.proposal import propose
-from mrts.starting.reading import request_of
 
 
 def of_urdf(change):
@@ -98,19 +95,3 @@ def test_limits_of_a_cell_file_or_of_python_are_no_placeholders(tmp_path):
     for robot in cell["robots"]:
         robot["torque"] = [1000.0] * 6
     assert "effort-placeholders" not in codes(mrts.load_cell(written(tmp_path, cell, motion)[0]))
-
-
-def test_placeholders_make_a_short_motion_and_no_absurd_factor(dual_ur5, tmp_path):
-    """Of an arm whose efforts are 5e4 and that has no velocity limits, a tenth of a second would be far too long."""
-    assert dual_ur5.library
-    text = re.sub('effort="[^"]*"', 'effort="50000"', URDF.read_text(encoding="utf-8"))
-    (tmp_path / "arm.urdf").write_text(re.sub('velocity="[^"]*"', 'velocity="1e6"', text), encoding="utf-8")
-    given = {"name": "cell", "robots": [str(tmp_path / "arm.urdf")], "tips": ["tool0"] * 2}
-    proposal = propose(request_of(tmp_path, **given))
-    assert 1.5 <= proposal.result.range.upper.c2**0.5 <= 3
-    assert {remark.code for remark in proposal.result.warnings} == {"effort-placeholders"}
-
-
-def test_shipped_cells_have_nothing_to_be_told():
-    for path in sorted(DATA.parent.glob("*/*cell.yaml")):
-        assert [one.code for one in mrts.check(path).remarks if one.severity != "assumption"] == [], path

@@ -1,8 +1,5 @@
 """Proposed cells: hands at the sides of the box, facing it; what is written has room; what is assumed is said."""
 
-from dataclasses import replace
-from pathlib import Path
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -96,24 +93,6 @@ def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
     assert sides[0] == -sides[1] != 0
 
 
-def test_efforts_that_are_known_stay_beside_one_that_is_assumed(planar_cell, tmp_path):
-    """The chains are those of the shipped arm: limits are no part of what is compiled."""
-    assert planar_cell.library
-    text = PLANAR.read_text()
-    assert text.count("<limit ") == 0
-    limit = '<limit lower="-3" upper="3" effort="{}" velocity="4"/>'
-    for joint, effort in (("shoulder", 900), ("elbow", 33), ("wrist", 0)):
-        start = text.index("</joint>", text.index(f'<joint name="{joint}"'))
-        text = text[:start] + limit.format(effort) + text[start:]
-    path = tmp_path / "arm.urdf"
-    path.write_text(text)
-    proposal = propose(requested(path, folder=tmp_path))
-    for robot in proposal.cell["robots"]:
-        assert robot["torque"][:2] == [900, 33]
-        assert robot["torque"][2] > 0
-    assert "assumed for wrist: the URDF has no effort" in cell_file(proposal)
-
-
 def test_postures_that_are_given_are_kept_and_held(dual_ur5):
     """'Hold it here, now': the hands are at their grasps without a step of inverse kinematics."""
     assert dual_ur5.library
@@ -163,12 +142,6 @@ def test_bases_that_are_given_stay():
         layouts(requested(UR5, bases=apart), 2.0)
 
 
-def test_three_arms_stand_evenly_around_the_box():
-    best = layouts(requested(UR5, tips=["tool0"] * 3), 2.0)[0]
-    sides = np.array([stand.T_world_tip.p - best.position for stand in best.stands])
-    assert sides @ sides.T == pytest.approx(sides[0] @ sides[0] * (1.5 * np.eye(3) - 0.5), abs=PLACED)
-
-
 def test_where_up_lies_along_x_the_hands_stand_beside_the_box():
     for robot, gravity in ((UR5, [9.81, 0, 0]), (PLANAR, [-9.81, 0, 0])):
         best = layouts(requested(robot, gravity=np.array(gravity)), 2.0)[0]
@@ -195,19 +168,3 @@ def test_where_up_lies_along_x_the_hands_stand_beside_the_box():
 def test_what_cannot_be_begun_says_what_to_do(robots, others, said):
     with pytest.raises(InputError, match=said):
         requested(*robots, **others)
-
-
-def test_a_urdf_is_named_from_where_the_cell_file_stands():
-    reference = requested(UR5, folder=DATA).arms[0].urdf
-    assert reference == "../dual_ur5/ur5_class_arm.urdf"
-    assert requested(UR5, folder=Path("/a/b/c/d/e/f/g/h")).arms[0].urdf == str(UR5)
-    installed = "package://mrts/data/dual_ur5/ur5_class_arm.urdf"
-    assert requested(installed).arms[0].urdf == installed
-
-
-@pytest.mark.parametrize("name", ['a "b" #c.urdf', "1e3", "- x: {y}.urdf"])
-def test_paths_of_any_letters_come_back_from_the_file(two_ur5, name):
-    robots = [robot | {"urdf": name} for robot in two_ur5.cell["robots"]]
-    named = replace(two_ur5, cell=two_ur5.cell | {"name": "yes", "robots": robots})
-    assert yaml.safe_load(cell_file(named))["name"] == "yes"
-    assert [robot["urdf"] for robot in yaml.safe_load(cell_file(named))["robots"]] == [name] * 2

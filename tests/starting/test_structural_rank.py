@@ -59,11 +59,3 @@ def test_the_rank_and_what_is_lost_are_told(name, tmp_path):
             request_of(tmp_path, **given)
         assert f"in {rank} independent directions" in refused.value.rule
         assert refused.value.where == str(urdf)
-
-
-def test_a_singular_posture_of_a_sound_arm_is_no_lack(tmp_path):
-    """Stretched out, the shipped arm loses directions; its structure has six."""
-    cell, motion = sound()
-    for robot in cell["robots"]:
-        robot["posture"] = [0.0] * 6
-    assert mrts.check(*written(tmp_path, cell, motion)).mistakes == ()

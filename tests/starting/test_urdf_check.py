@@ -5,7 +5,6 @@ import re
 
 import pytest
 from conftest import DATA
-from published_robots import ROBOTS
 
 from mrts.cli import main
 from mrts.starting.urdf_check import check_urdf
@@ -72,15 +71,6 @@ def test_why_an_arm_can_hold_nothing(tmp_path):
     found = check_urdf(fixed, {})
     assert (found.status, [remark.code for remark in found.hints]) == ("fine", ["cannot-hold"])
     assert "has 5 joints" in found.hints[0].text
-
-
-@pytest.mark.parametrize(
-    ("file", "hands"), [("baxter_description/urdf/baxter.urdf", 2), ("ur_description/urdf/ur5_robot.urdf", 1)]
-)
-def test_published_urdfs_are_sound_and_their_meshes_are_there(file, hands):
-    found = check_urdf(ROBOTS / file, {})
-    assert (found.status, len(found.robots)) == ("fine", hands)
-    assert "missing-mesh" not in {remark.code for remark in found.remarks}
 
 
 def test_what_goes_with_no_urdf_is_refused(tmp_path, capsys):

@@ -108,15 +108,6 @@ def test_it_is_never_worse_than_its_best_start(seed, arms, tmp_path):
     assert np.all((low <= found.after.values) & (found.after.values <= high))
 
 
-def test_a_cell_that_cannot_be_played_as_it_is_gets_a_layout(tmp_path):
-    cell = shipped("planar_dual_arm")
-    cell["robots"][0]["base"]["xyz"] = [-3, 0, 0]
-    found = mrts.place(write_study(tmp_path, cell, LIFT, PLANAR_VARY), starts=1, looked_at=8)
-    assert found.before is None
-    assert found.after.c2 > 2
-    assert "the layout of the cell file cannot be played" in found.sentence()
-
-
 def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     """A search in a branch that no posture of the study leads to ends in a cell file that leads there."""
     path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
@@ -160,23 +151,6 @@ def test_a_limit_of_ones_own_is_searched_or_refused(tmp_path):
     with pytest.raises(mrts.InputError) as refused:
         mrts.place(mrts.read_study(path).with_limits(own), starts=1, looked_at=4, between=None)
     assert refused.value.key == "left/shoulder_pan own"
-
-
-def test_accelerations_and_a_cup_are_searched_with(tmp_path):
-    cell = shipped("dual_ur5", acceleration=[8] * 6)
-    cell["object"] |= {"acceleration": {"linear": 4}, "carries": [{"friction": 0.5}]}
-    path = write_study(tmp_path, cell, DATA / "dual_ur5" / "lift_and_turn.yaml", UR5_VARY)
-    found = mrts.place(path, starts=1, looked_at=4, between=None)
-    assert found.after.c2 > found.before.c2
-    assert {row.name.kind for row in found.after.result.range.upper.rows} == {"acceleration"}
-
-
-def test_points_of_arms_are_searched_with(tmp_path):
-    cell = shipped("dual_ur5", frames=[{"link": "wrist_1", "speed": 0.45, "acceleration": 4.0}])
-    path = write_study(tmp_path, cell, DATA / "dual_ur5" / "lift_and_turn.yaml", UR5_VARY)
-    found = mrts.place(path, starts=1, looked_at=4, between=None)
-    assert found.after.c2 > found.before.c2
-    assert {row.name.element for row in found.after.result.range.upper.rows} == {"wrist_1"}
 
 
 def test_arms_of_one_machine_move_together(tmp_path):

@@ -85,11 +85,3 @@ def test_quantiles_are_those_of_scipy(distribution, reference):
     assert np.all(np.isfinite(ends))
     if distribution.bounds is not None:
         assert ends.tolist() == pytest.approx(distribution.bounds)
-
-
-def test_levels_are_drawn_alike():
-    levels = Distribution("values", (4.0, 2.0, 9.0))
-    points = sample_points([levels], "lhs", 300, 0, (0, 300))
-    assert [int(np.sum(points == level)) for level in levels.levels] == [100, 100, 100]
-    assert levels.at(np.array([0.0, 1.0])).tolist() == [4, 9]
-    assert levels.bounds == (2, 9)

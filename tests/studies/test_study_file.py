@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA, ROOT
-from shipped_cells import shipped
 from study_files import planar_study
 
 import mrts
@@ -25,17 +24,6 @@ def test_a_wrong_study_is_refused_by_file_key_value_and_rule(name, tmp_path):
         planar_study(tmp_path, WRONG[name]["file"])
     assert str(raised.value).startswith(str(tmp_path / "study.yaml"))
     assert WRONG[name]["says"] in str(raised.value)
-
-
-def test_questions_that_do_not_go_together_are_refused(tmp_path):
-    uncertain = shipped("planar_dual_arm")
-    uncertain["object"]["variation"] = {"mass": [0.5, 2]}
-    for text, message in (("load: possible\ntorques: true", "there are no torques"),
-                          ("load: grid:5\nprofile: optimal", "where the speed varies")):  # fmt: skip
-        with pytest.raises(mrts.InputError, match=message):
-            planar_study(tmp_path, f"{BASE}\n{text}", cell=uncertain)
-    study = planar_study(tmp_path, "vary:\n  object.variation.mass[1]: [1.5, 3]", cell=uncertain)
-    assert [target.path for target in study.parameters[0].targets] == ["object.variation.mass[1]"]
 
 
 def test_paths_lead_to_what_the_files_leave_out(tmp_path):
@@ -151,18 +139,6 @@ def test_a_study_goes_where_its_files_are_not(tmp_path, private_cache):
     assert moved.folder.is_relative_to(private_cache)
     for robot in moved.cell["robots"]:
         assert (moved.folder / robot["urdf"]).read_bytes() == (DATA / "planar_arm.urdf").read_bytes()
-
-
-def test_what_an_alias_repeats_varies_by_itself(tmp_path):
-    cell = tmp_path / "cell.yaml"
-    text = (DATA / "cell.yaml").read_text(encoding="utf-8").replace("urdf: ", f"urdf: {DATA}/")
-    first, second = "torque: [100, 80, 50]              # N m", "torque: [100, 80, 50]\n"
-    assert first in text
-    assert second in text
-    cell.write_text(text.replace(first, "torque: &strong [100, 80, 50]").replace(second, "torque: *strong\n"), "utf-8")
-    study = planar_study(tmp_path, "vary:\n  robots.left.torque[1]: [70]", cell=cell)
-    left, right = study.descriptions(study.points(0, 1)[0])[0]["robots"]
-    assert (left["torque"], right["torque"]) == ([100, 70, 50], [100, 80, 50])
 
 
 def test_a_motion_file_that_names_a_table_is_found_from_anywhere(tmp_path, lift):

@@ -106,13 +106,6 @@ def test_what_is_no_study_is_said(text, said, tmp_path):
         mrts.read_study_folder(tmp_path)
 
 
-def test_a_record_that_was_changed_by_hand_is_refused(complete):
-    path = complete.path / "study.json"
-    path.write_text(path.read_text().replace('"chunk": 4', '"chunk": 5'))
-    with pytest.raises(mrts.InputError, match=r"study.json: is damaged, or was changed by hand"):
-        read_study_table(complete.path)
-
-
 def test_a_damaged_part_is_said_where_nothing_solves_it_again(complete):
     whole = complete.part(1).read_bytes()
     complete.part(1).write_bytes(whole[:-50])
@@ -124,12 +117,6 @@ def test_a_damaged_part_is_said_where_nothing_solves_it_again(complete):
     pq.write_table(table.set_column(at, table.schema.field(at), [["<b>"] * CHUNK]), complete.part(0))
     with pytest.raises(mrts.InputError, match="status = '<b>': is damaged: every variant has one of feasible"):
         read_study_table(complete.path)
-
-
-def test_a_folder_of_something_else_is_left_alone(study, tmp_path):
-    (tmp_path / "thesis.tex").write_text("years of work")
-    with pytest.raises(mrts.InputError, match=r"holds no study, but thesis.tex: name a new or empty folder"):
-        opened(tmp_path, study)
 
 
 def test_two_sweeps_in_one_folder_are_refused_and_the_lock_of_a_dead_one_is_not(complete, study):

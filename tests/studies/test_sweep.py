@@ -2,7 +2,6 @@
 
 import os
 import re
-import resource
 import shutil
 import signal
 import time
@@ -12,14 +11,11 @@ import pyarrow as pa
 import pytest
 from faulty_study import faulty
 from own_limits import tenth
-from shipped_cells import shipped, shipped_motion
 from study_files import planar_study
-from sweep_processes import assert_same_table, driver_command, parts, processes, started, until, workers
+from sweep_processes import assert_same_table, driver_command, parts, processes, started, until
 
 import mrts
 import mrts.studies.sweep as engine
-from mrts.studies.best_variants import write_best
-from mrts.studies.study_folder import opened_study_folder
 from mrts.studies.sweep import SweepProgress
 from mrts.studies.variant_rows import solve_variants
 
@@ -94,15 +90,6 @@ def test_the_best_of_equals_has_the_lower_number_in_whatever_order_they_come():
         assert (found.done, found.best, found.best_variant) == (4, 0.4, 2)
 
 
-def test_a_chunk_is_a_round_number_of_variants_and_not_more_than_there_are(study, monkeypatch):
-    monkeypatch.undo()
-    assert engine.chunk_size(study) in {1, 2, 5, 10, 20}
-    monkeypatch.setattr(engine, "CHUNK_TIME", 1e6)
-    assert engine.chunk_size(study) == 20
-    monkeypatch.setattr(engine, "CHUNK_TIME", 1e-6)
-    assert engine.chunk_size(study) == 1
-
-
 def test_a_complete_study_is_read_not_solved(out, study, alone):
     before = {path: path.stat().st_mtime_ns for path in out.glob("rows/*")}
     assert len(before) == 12
@@ -128,17 +115,6 @@ def test_a_driver_that_is_ended_at_any_moment_loses_nothing(study, alone, tmp_pa
     (out / "rows" / ".part-00000000.half.parquet").write_bytes(b"PAR1")
     assert_same_table(mrts.sweep(study, out, workers=2), alone)
     assert not list(out.rglob(".part*"))
-
-
-def test_ctrl_c_in_a_terminal_reaches_the_driver_alone(study, tmp_path):
-    """It is sent to all processes of the terminal, here while the workers start."""
-    with started(driver_command(study.path, "-o", tmp_path / "out", "--workers", 2)) as driver:
-        until(lambda: workers(driver.pid))
-        os.killpg(driver.pid, signal.SIGINT)
-        _, said = driver.communicate()
-    assert driver.returncode == 128 + signal.SIGINT
-    assert "Traceback" not in said
-    assert "leaked" not in said
 
 
 def test_a_variant_that_no_worker_survives_is_a_row_and_costs_no_other(alone, tmp_path):
@@ -173,16 +149,6 @@ def test_the_best_are_solved_again_and_written(out, study):
     assert left == {"best-1", "best-1/cell.yaml", "best-1/motion.yaml", "best-2", "best-2/notes.txt", "best-9 of mine"}
 
 
-def test_the_best_of_what_is_possible_has_its_duration(tmp_path):
-    keys, motion = shipped(), shipped_motion(samples=11)
-    keys["object"]["variation"] = {"mass": [0.9, 1.1]}
-    possible = planar_study(tmp_path, "load: possible\nvary: {object.mass: [0.5]}", cell=keys, motion=motion)
-    with opened_study_folder(tmp_path / "out", possible, lambda: 1) as folder:
-        folder.write(0, folder.rows([solve_variants(possible, 0, 1)]))
-    shown = write_best(possible, folder, 1)[2].split()[2]
-    assert float(shown) == pytest.approx(folder.table()["duration"][0].as_py(), rel=1e-3)
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -210,18 +176,3 @@ def test_a_limit_given_in_python_is_kept_by_workers_or_refused(tmp_path):
     assert mrts.sweep(own.with_limits(tenth), workers=1)["status"].to_pylist() == ["infeasible", "infeasible"]
     with pytest.raises(mrts.InputError, match="study: limits: must be functions of a module that workers can import"):
         mrts.sweep(own.with_limits(lambda _cell, _motion: None), workers=1)
-
-
-def test_a_disk_that_is_full_is_said_and_gone_on_with_elsewhere(study, alone, tmp_path):
-    """A limit of the size of files stands for the disk."""
-    out = tmp_path / "out"
-
-    def limited():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000))
-
-    with started(driver_command(study.path, "-o", out, "--workers", 2), preexec_fn=limited) as driver:
-        _, said = driver.communicate()
-    assert driver.returncode == 2, said
-    assert "cannot be written: File too large" in said
-    assert_same_table(mrts.sweep(study, out, workers=2), alone)

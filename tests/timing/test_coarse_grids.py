@@ -74,20 +74,6 @@ def test_rising_accelerations_come_near_a_fine_grid(arm, seed):
         assert rising - least < NEARER * (constant - least)
 
 
-@pytest.mark.parametrize("seed", seeds(1, 1))
-def test_a_path_with_added_samples_is_timed_by_its_arc_length(arm, seed):
-    """By turns, steps that differ make an uneven parameter, which asks for more samples than it saves."""
-    path = spline_path(*arm, seed)
-    given = table(path, EVEN_GRID)
-    (first,) = mrts.retime(path.cell, given, between=None).pieces
-    assert np.ptp(first.piece.arc_speed) > 0
-    found = mrts.retime(path.cell, given)
-    assert found.status is mrts.RetimingStatus.OPTIMAL
-    assert found.motion.samples > POINTS
-    assert all(np.ptp(part.piece.arc_speed) == 0 for part in found.pieces)
-    assert found.what_if(share=0.01).before.duration == pytest.approx(found.duration, rel=KEPT)
-
-
 def both_profiles(cell, motion):
     """Durations of the fastest profile with a constant acceleration on each segment, and with rising ones."""
     regions, step = (

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import mrts
-from mrts.scaling.motion_remarks import REMARKED, interpolated_timing
 
 
 def test_a_timing_leaves_the_factor_until_it_is_read(planar_cell, lift):
@@ -46,12 +45,3 @@ def test_arms_that_cannot_hold_the_object_between_samples_are_told_at_once(strid
     with pytest.raises(mrts.MotionError, match="between the samples"):
         mrts.retime(planar_cell, given)
     assert mrts.retime(planar_cell, given, between=None).status.admits_motion
-
-
-def test_what_a_spline_between_few_rows_costs_is_told(planar_cell, lift):
-    rows = mrts.ObjectMotion(lift.time, *lift.course(lift.time), smooth=False)
-    table, known = mrts.follow_object(planar_cell, rows), mrts.follow_object(planar_cell, lift)
-    (remark,) = interpolated_timing(table, 0.5, 0.51)
-    assert (remark.code, "2 % longer than 0.5 s" in remark.text) == ("between-samples", True)
-    assert not interpolated_timing(table, 0.5, 0.5 * (1 + REMARKED / 2))
-    assert not interpolated_timing(known, 0.5, 0.51)

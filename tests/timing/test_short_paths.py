@@ -60,17 +60,3 @@ def test_arms_that_are_alike_but_for_the_last_digits(difference, planar_cell):
         speed = np.sqrt(found.x)
         durations.append(float(np.sum(2 * piece.step / (speed[1:] + speed[:-1]))))
     assert durations[1] == pytest.approx(durations[0], rel=10 * difference)
-
-
-def test_a_fast_start_on_a_short_path(planar_cell):
-    """It rolls over a micrometre so fast that its accelerations hardly count."""
-    time = np.linspace(0, 1e-6, 101)
-    column = np.zeros((101, 6))
-    column[:, 1] = 1.0
-    position = np.tile([1.25, 1.0, 0.0], (101, 1))
-    position[:, 1] += time
-    eye = np.broadcast_to(np.eye(3), (101, 3, 3))
-    motion = mrts.ObjectMotion(time, position, eye, column, np.zeros((101, 6)))
-    found = mrts.retime(planar_cell, motion, start_speed=0.5, end_speed=0.5)
-    assert found.status.admits_motion, found.summary()
-    assert found.duration == pytest.approx(2e-6, rel=1e-3)

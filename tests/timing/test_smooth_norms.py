@@ -53,19 +53,6 @@ def test_smooth_timing_keeps_norms_themselves(dual_ur5, lift_and_turn, monkeypat
     assert use.share == pytest.approx(np.max(size) / MOST, rel=ROUNDING)
 
 
-@pytest.mark.parametrize("sides", [1, 223, 448])
-def test_a_polygon_that_lacks_sides_is_refused(sides, dual_ur5, lift_and_turn):
-    """Its circle would be told wrongly."""
-
-    def lacking(cell, motion):
-        rows = corner_limit(cell, motion)
-        return replace(rows, names=tuple(replace(name, sides=sides) for name in rows.names))
-
-    with pytest.raises(InputError) as refused:
-        mrts.scale(dual_ur5, lift_and_turn, limits=[lacking])
-    assert refused.value.key == "names"
-
-
 @pytest.mark.parametrize("wrong", ["order", "speed", "force"])
 def test_a_polygon_of_another_plane_is_refused(wrong, dual_ur5, lift_and_turn):
     """As a circle of r̈ and ṙ² it would be none: torques overstepped limits twofold."""

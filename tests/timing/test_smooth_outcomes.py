@@ -2,11 +2,9 @@
 
 import json
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from changed_robots import with_left
 from gantries import along_x, gantries, there_and_back, uphill_gantries
 
 import mrts
@@ -15,9 +13,6 @@ from mrts.program.path_program import START
 RATES = 11.5
 KEPT = 1e-6
 """Share of a limit: the solver's own tolerance is less, differences of a table add rounding."""
-
-SAME_PATH = 1e-5
-"""Share of the duration: the path of the same motion given faster or slower has nodes that rounding moves."""
 
 NEAR_FASTEST = 5e-3
 """Share of the duration by which nodes in σ and samples by arc length differ: the fastest timing has its own."""
@@ -180,24 +175,6 @@ def test_wrong_arguments_are_refused_by_name(planar_cell, lift):
         with pytest.raises(mrts.InputError) as refused:
             mrts.retime(planar_cell, lift, **arguments)
         assert str(refused.value).startswith(message)
-
-
-def test_a_joint_without_a_torque_limit_needs_a_rate(tmp_path):
-    cell = gantries(tmp_path)
-    endless = with_left(cell, torque_upper=np.full(3, np.inf), torque_lower=np.full(3, -np.inf))
-    with pytest.raises(mrts.InputError, match=r"joint 'slide_x' of robot 'near' has none"):
-        mrts.retime(endless, along_x(), rates=RATES)
-
-
-def test_the_given_duration_is_no_matter(planar_cell, lift):
-    """It only says how the samples are spaced: the timing is the same for the path in a day and in a microsecond."""
-    best = mrts.retime(planar_cell, lift, rates=RATES, between=None)
-    for slower in (1e6, 1e-5):
-        given = replace(
-            lift, time=slower * lift.time, twist=lift.twist / slower, acceleration=lift.acceleration / slower**2
-        )
-        again = mrts.retime(planar_cell, given, rates=RATES, between=None)
-        assert again.duration == pytest.approx(best.duration, rel=SAME_PATH), again.explanation
 
 
 def test_the_speed_is_positive_between_nodes(planar_cell, lift):
