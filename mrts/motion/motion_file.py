@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The motion file: a pose to a pose, waypoints, or a table of object or joint motion; tables and bags by themselves."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -11,7 +12,7 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Record, Rule
-from mrts.base.input_file import read_model
+from mrts.base.input_file import plain, read_model, validated
 from mrts.motion.csv_motion import MAX_SAMPLES, read_table
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_courses import geodesic_motion, waypoint_motion
@@ -100,12 +101,13 @@ class MotionDescription(Record):
         return ""
 
 
-def load_motion(path: Path | str) -> ObjectMotion | JointTable:
+def load_motion(motion: Path | str | Mapping[str, Any]) -> ObjectMotion | JointTable:
     """Read a motion.
 
     Args:
-        path: A motion file (YAML), a CSV table of the object's or the joints' motion, or a ROS 2 bag with joint
-            trajectories (a folder, or an .mcap file by itself; needs the extra 'ros').
+        motion: A motion file (YAML), a CSV table of the object's or the joints' motion, or a ROS 2 bag with joint
+            trajectories (a folder, or an .mcap file by itself; needs the extra 'ros'); or what a motion file says, as a
+            dictionary, whose files are relative to the working folder.
 
     Returns:
         Samples of the object's motion, or a table of joint motion, which needs a cell to say where the object is.
@@ -113,12 +115,16 @@ def load_motion(path: Path | str) -> ObjectMotion | JointTable:
     Raises:
         InputError: If the file or a table that it names is missing, malformed, or breaks a rule.
     """
-    path = as_path("path", path)
-    if is_bag(path):
-        return read_joint_trajectories(path, None)
-    if path.suffix.lower() == ".csv":
-        return read_table(path, None)
-    description = read_model(path, MotionDescription, "motion file")
+    if isinstance(motion, Mapping):
+        path = Path("motion")
+        description = validated(path, plain("motion", motion), MotionDescription, "motion file")
+    else:
+        path = as_path("motion", motion)
+        if is_bag(path):
+            return read_joint_trajectories(path, None)
+        if path.suffix.lower() == ".csv":
+            return read_table(path, None)
+        description = read_model(path, MotionDescription, "motion file")
     if description.file is not None:
         return read_table(path.parent / description.file, description.samples, "object")
     if description.joints is not None:

@@ -38,8 +38,8 @@ class CellCheck(InNotebooks, JsonOutput):
     """What `mrts.check` found, or `mrts check` of a URDF by itself.
 
     Attributes:
-        cell: The cell file, or the URDF.
-        motion: The motion; None if none was given.
+        cell: The cell file, or the URDF; the name of a cell that was given itself.
+        motion: The motion's file, "motion" where it is none; None if none was given.
         mistakes: All that breaks a rule, in both files and the URDFs.
         robots: The arms, with their joints and limits; empty if something breaks a rule.
         remarks: What to know of the cell and the motion, what is taken for granted included.
@@ -120,7 +120,7 @@ class CellCheck(InNotebooks, JsonOutput):
             yield ""
             yield "assumed:"
             yield from (f"  {remark.text}" for remark in self.assumed)
-        if self.status == "fine":
+        if self.status == "fine" and self.cell.is_file():
             yield ""
             file, motion = shlex.quote(str(self.cell)), shlex.quote(str(self.motion or "MOTION"))
             yield f"next: mrts new DIR --robot {file}" if is_urdf(self.cell) else f"next: mrts scale {file} {motion}"

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Everything that is wrong with a cell and a motion at once."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from mrts.base.argument_types import Progress, as_path, check_callable
@@ -30,9 +32,15 @@ OF_PLACES = frozenset(
 )
 """Codes of remarks that explain why an arm does not follow: nothing else is looked for then."""
 
+OBJECTS = (Mapping, ObjectMotion, JointTable, CoordinatedMotion)
+"""Of a motion that is no file."""
+
 
 def check(
-    cell: Path | str, motion: Path | str | None = None, *, progress: Progress = lambda _done, _total: None
+    cell: Cell | Path | str,
+    motion: Path | str | Mapping[str, Any] | ObjectMotion | JointTable | CoordinatedMotion | None = None,
+    *,
+    progress: Progress = lambda _done, _total: None,
 ) -> CellCheck:
     """Check a cell file, its URDFs and a motion, and how far each arm follows it.
 
@@ -40,25 +48,30 @@ def check(
     listed in the answer.
 
     Args:
-        cell: The cell file.
-        motion: As in `mrts.load_motion`; None checks the cell alone.
+        cell: The cell file, or a cell, which is checked as the cell file that it writes: without limits of your own.
+        motion: As in `mrts.load_motion`, or what that gives, or a motion of the whole cell; None checks the cell alone.
         progress: Told how many of how many arms are done.
 
     Raises:
-        InputError: If an argument is none of these, or the cell is a folder of generated files.
+        InputError: If an argument is none of these, the cell is a folder of generated files, or no cell file can hold
+            it.
     """
-    path = as_path("cell", cell)
-    motion_path = None if motion is None else as_path("motion", motion)
     check_callable("progress", progress)
+    if isinstance(cell, Cell):
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "cell.yaml"
+            cell.to_yaml(path)
+            return replace(check(path, motion, progress=progress), cell=Path(cell.name))
+    path = as_path("cell", cell)
+    named = None if motion is None else Path("motion") if isinstance(motion, OBJECTS) else as_path("motion", motion)
     if is_generated(path):
         raise InputError(path, "is generated; check the cell file that it was made from.")
     model, wrong = read_without_generating(path)
     mistakes = Mistakes(wrong)
-    given: ObjectMotion | JointTable | None = None
-    if motion_path is not None:
-        with mistakes.noted():
-            given = load_motion(motion_path)
-    found = CellCheck(cell=path, motion=motion_path, mistakes=tuple(mistakes.found))
+    given: ObjectMotion | JointTable | CoordinatedMotion | None = None
+    with mistakes.noted():
+        given = load_motion(motion) if isinstance(motion, Path | str | Mapping) else motion
+    found = CellCheck(cell=path, motion=named, mistakes=tuple(mistakes.found))
     if model is None:
         return found
     whole = uncompiled_cell(model, path.resolve().parent)
@@ -67,12 +80,16 @@ def check(
 
 
 def _with_reach(
-    found: CellCheck, model: Any, cell: Cell, motion: ObjectMotion | JointTable, progress: Progress
+    found: CellCheck,
+    model: Any,
+    cell: Cell,
+    motion: ObjectMotion | JointTable | CoordinatedMotion,
+    progress: Progress,
 ) -> CellCheck:
     if isinstance(motion, ObjectMotion):
         found = replace(found, remarks=(*found.remarks, *motion.remarks, *motion_units(cell, motion)))
     try:
-        if isinstance(motion, JointTable):
+        if not isinstance(motion, ObjectMotion):
             closed = coordinate(cell, motion)
             return _with_clearance(replace(found, remarks=(*found.remarks, *closed.remarks)), cell, closed)
         check_motion(cell, motion)

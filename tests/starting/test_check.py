@@ -212,3 +212,20 @@ def test_links_without_mass_and_points_are_told(tmp_path):
         "links-without-mass": f"{WEIGHTLESS} (left: elbow)",
         "links-without-inertia": f"{POINT_MASSES} (left: hand)",
     }
+
+
+@pytest.mark.quick
+def test_cells_and_motions_of_python_are_checked_as_their_files_are():
+    files = DATA / "cell.yaml", DATA / "lift.yaml"
+    expected, cell = mrts.check(*files), mrts.load_cell(files[0])
+    keys = shipped_motion()
+    for motion in (keys, mrts.load_motion(keys)):
+        found = mrts.check(cell, motion)
+        assert (found.status, found.arms) == ("fine", expected.arms)
+        assert found.to_json()["joints"] == expected.to_json()["joints"]
+        assert [remark.code for remark in found.remarks] == [remark.code for remark in expected.remarks]
+    assert mrts.check(cell, mrts.follow_object(cell, mrts.load_motion(keys))).status == "fine"
+    wrong = mrts.check(cell, keys | {"profile": "fast", "speed": 1})
+    assert [(error.where, error.key) for error in wrong.mistakes] == [("motion", ""), ("motion", "profile")]
+    far = cell.with_values({"robots[1].base": {"xyz": [4.3, 0, 0]}})
+    assert [arm.follows for arm in mrts.check(far, keys).arms] == [True, False]
