@@ -369,14 +369,15 @@ def limited_cell(
         no_wrench_limits: Whether contact wrenches are unlimited.
         no_velocity_limits: Whether velocities are.
     """
-    from mrts.cell.loading import cell_to_compile
+    from mrts.cell.loading import cell_to_compile, load_cell
 
-    uncompiled = None if motion is None else cell_to_compile(path)
-    if uncompiled is not None and motion is not None:
-        from mrts.following.coordinate import coordinate
+    with working(f"generating and compiling {path}"):
+        uncompiled = None if motion is None else cell_to_compile(path)
+        if uncompiled is not None and motion is not None:
+            from mrts.following.coordinate import coordinate
 
-        coordinate(uncompiled, motion, closure)
-    cell = compiled_cell(path).with_reserve(reserve)
+            coordinate(uncompiled, motion, closure)
+        cell = load_cell(path).with_reserve(reserve)
     cell = cell.without_wrench_limits() if no_wrench_limits else cell
     return cell.without_velocity_limits() if no_velocity_limits else cell
 

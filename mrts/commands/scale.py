@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from mrts.cell.cell import Cell
     from mrts.motion.joint_table import JointTable
     from mrts.motion.object_motion import ObjectMotion
+    from mrts.plots.card import Card
     from mrts.scaling.result import ScalingResult
     from mrts.timing.result import RetimingResult
 
@@ -111,7 +112,8 @@ def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
 @options.plot("figures")
 @option("--report", type=HTML, metavar="FILE",
         help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
-@option("-v", "--verbose", is_flag=True, help="print the table of all limits, not the nearest ones")
+@option("--brief", "detail", flag_value="brief", help="print the answer in one line, warnings on standard error")
+@option("-v", "--verbose", "detail", flag_value="all", help="print the table of all limits, not the nearest ones")
 def run(
     cell: Path,
     motion: Path,
@@ -120,12 +122,11 @@ def run(
     carry: str | None = None,
     *,
     what_if: bool = False,
-    verbose: bool = False,
+    detail: str | None = None,
     **given: Any,
 ) -> int:
     """How fast may this motion be played, and with which torques?"""
     from mrts.motion.motion_file import load_motion
-    from mrts.output.summary_lines import retiming_lines, scaling_lines
     from mrts.plots.card import answer_card
     from mrts.scaling.result import ScalingResult, fallbacks_text
     from mrts.scaling.scale import SelectionError, torques_for_load
@@ -157,9 +158,8 @@ def run(
             outputs.raise_defect()
         raise
     with working("comparing with a constant factor"):
-        card = None if verbose else answer_card(found)
-        worded = scaling_lines(found, card) if isinstance(found, ScalingResult) else retiming_lines(found, card)
-        lines = list(worded)
+        card = None if detail == "all" else answer_card(found)
+        lines = _words(found, card, brief=detail == "brief")
     with working("writing"):  # files first: whoever reads the lines may go away
         outputs = _written(found, files, rates, plot_format)
     outcome = FEASIBLE if found.status.admits_motion else INFEASIBLE
@@ -169,6 +169,17 @@ def run(
     if isinstance(found, ScalingResult) and found.fallbacks and str(files.get("json")) != "-":
         warn(fallbacks_text(found.fallbacks))
     return code
+
+
+def _words(found: "ScalingResult | RetimingResult", card: "Card | None", *, brief: bool) -> list[str]:
+    from mrts.output.summary_lines import retiming_lines, scaling_lines
+    from mrts.scaling.result import ScalingResult
+
+    if brief and card is not None:
+        for warning in found.warnings:
+            warn(warning.text)
+        return [f"{found.cell.name}: {card.outcome}"]
+    return list(scaling_lines(found, card) if isinstance(found, ScalingResult) else retiming_lines(found, card))
 
 
 def _check(profile: str, given: dict[str, Any]) -> None:

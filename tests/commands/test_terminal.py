@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 
@@ -17,6 +18,8 @@ from terminal_session import at_terminal
 
 import mrts
 from mrts.cli import COMMANDS, main
+from mrts.commands import options
+from mrts.plots.card import answer_card
 
 MRTS = (sys.executable, "-m", "mrts")
 LIFT = ("scale", DATA / "cell.yaml", DATA / "lift.yaml")
@@ -100,6 +103,28 @@ def test_control_c_ends_the_work_tidily(arguments, shows, uncertain, tmp_path, p
     assert list(tmp_path.rglob(".*")) == []  # no file is left half written
 
 
+def test_brief_is_one_line(capsys, lifted):
+    assert main([*map(str, LIFT), "--brief"]) == 0
+    assert capsys.readouterr().out == f"planar_dual_arm: {answer_card(lifted).outcome}\n"
+    assert main([*map(str, LIFT), "--brief", "--profile", "optimal"]) == 0
+    assert capsys.readouterr().out.count("\n") == 1
+
+
+def test_a_sign_of_life_begins_before_anything_is_compiled(monkeypatch):
+    """What the arms follow is compiled first, and takes seconds."""
+    begun, seen = [], []
+
+    @contextmanager
+    def working(what):
+        begun.append(what)
+        yield
+
+    monkeypatch.setattr(options, "working", working)
+    monkeypatch.setattr("mrts.cell.loading.cell_to_compile", lambda _path: seen.append(list(begun)))
+    options.limited_cell(DATA / "cell.yaml", mrts.load_motion(DATA / "lift.yaml"))
+    assert seen == [[f"generating and compiling {DATA / 'cell.yaml'}"]]
+
+
 def test_quiet_says_nothing_but_writes_the_files(tmp_path, capsys):
     target = tmp_path / "result.json"
     for words in ([*LIFT, "-q", "--json", target], ["--quiet", *LIFT, "--json", target]):
@@ -143,6 +168,7 @@ def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
     for name in ("arm", "left", "right"):
         shutil.copy(UR5 / "ur5_class_arm.urdf", tmp_path / f"{name}.urdf")
     write_recording(tmp_path / "recorded.csv", *exact_recording(cell, random_motors(6), rate=200.0))
+    mrts.write_trajectory_csv(mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml")), tmp_path / "plan.csv")
     monkeypatch.chdir(tmp_path)
     ran = 0
     for verb in COMMANDS:
