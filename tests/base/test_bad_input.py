@@ -111,20 +111,6 @@ def test_mistakes_in_the_urdf(old, new, said, files, capsys):
     assert said in message
 
 
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("name: [", "not valid YAML at line"),
-        ("- a\n- b", "a cell file is a mapping"),
-        ("name: a\nname: b\n", "'name' stands twice"),
-        ("name: !!python/object/apply:os.system ['true']", "not valid YAML"),
-    ],
-)
-def test_files_that_are_not_a_cell(text, expected, files, capsys):
-    (files / "cell.yaml").write_text(text)
-    assert expected in run(capsys, files)
-
-
 def test_missing_files(files, capsys):
     assert "no such cell file" in refused(capsys, "scale", files / "no.yaml", files / "lift.yaml")
     assert "no such motion file" in refused(capsys, "scale", files / "cell.yaml", files / "no.yaml")
@@ -139,15 +125,6 @@ def test_a_refused_speed_still_writes_the_range(files, capsys, tmp_path):
     saved = yaml.safe_load((tmp_path / "range.json").read_text())
     assert saved["c2"]["upper"] == pytest.approx(3.0618125)
     assert "selected" not in saved
-
-
-def test_wrong_options_and_places(files, capsys, monkeypatch):
-    (files / "file").write_text("")
-    assert "cannot be written" in run(capsys, files, "--json", files / "file" / "result.json")
-    assert "qpsol:qpoases" in run(capsys, files, "--solver", "magic")
-    assert "sum to 1" in run(capsys, files, "--share", "0.5,0.6")
-    monkeypatch.setenv("MRTS_CACHE_DIR", str(files / "file" / "cache"))
-    assert "Set MRTS_CACHE_DIR" in run(capsys, files)
 
 
 @pytest.mark.parametrize(

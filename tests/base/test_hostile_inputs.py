@@ -9,7 +9,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from conftest import DATA, ROOT
+from conftest import ROOT
 
 import mrts
 
@@ -78,19 +78,6 @@ def test_what_is_no_regular_file_is_refused_without_waiting(tmp_path):
         assert places[Path(argument.partition(":")[2])] in outcome, argument
 
 
-def test_a_pipe_where_a_file_names_another_is_refused(tmp_path):
-    os.mkfifo(tmp_path / "planar_arm.urdf")
-    (tmp_path / "cell.yaml").write_text((DATA / "cell.yaml").read_text(encoding="utf-8"), encoding="utf-8")
-    os.mkfifo(tmp_path / "table.csv")
-    (tmp_path / "motion.yaml").write_text("file: table.csv\n", encoding="utf-8")
-    os.mkfifo(tmp_path / "manifest.json")
-    (tmp_path / "bag").mkdir()
-    os.mkfifo(tmp_path / "bag" / "metadata.yaml")
-    names = ("cell:cell.yaml", "motion:motion.yaml", "generated:.", "motion:bag")
-    found = cost(*(argument.replace(":", f":{tmp_path}/") for argument in names))
-    assert all("is a pipe" in outcome for outcome in found.values()), found
-
-
 def member(shape):
     """The bytes of a .npy file that says it has this shape, and holds nothing."""
     header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
@@ -148,12 +135,3 @@ def test_urdfs_cost_what_their_size_says(tmp_path):
         "depth": ('<robot name="r">' + "<a>" * 700_000, "not well-formed"),
     }
     check_outcomes(tmp_path, "urdf", ["urdf"], texts)
-
-
-@pytest.mark.slow
-def test_tables_cost_what_their_size_says(tmp_path):
-    texts = {
-        "rows": ("t,q.a/b\n" + "1,1\n" * 1_200_000, "at most 1000000 samples"),
-        "quote": ('t,"' + "x" * 10_000_000, "is no CSV table"),
-    }
-    check_outcomes(tmp_path, "csv", ["motion"], texts)

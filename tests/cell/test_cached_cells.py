@@ -70,14 +70,6 @@ def test_two_folders_with_one_text_and_two_urdfs_are_two_cells(copied):
     assert [reach(other), reach(one), reach(other)] == [REACH, before, REACH]
 
 
-def test_a_urdf_that_is_gone_is_told(copied):
-    cell = copied("cell")
-    mrts.load_cell(cell)
-    cell.with_name("planar_arm.urdf").unlink()
-    with pytest.raises(mrts.InputError, match="there is no such URDF"):
-        mrts.load_cell(cell)
-
-
 def test_whatever_decides_what_a_manifest_says_is_in_its_key():
     package = Path(mrts.__file__).parent
     assert [pattern for pattern in content_key.SHAPING if not list(package.glob(pattern))] == []

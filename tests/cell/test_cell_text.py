@@ -5,11 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import yaml
-from casadi_cells import casadi_cell
-from cell_bank import random_planar_cell, random_spatial_cell
 from changed_robots import with_left, with_robots
 from conftest import DATA
-from draws import seeds
 from same_cells import same_cell
 
 import mrts
@@ -83,18 +80,6 @@ def test_everything_that_a_file_can_say_comes_back(name, tmp_path):
     assert same_cell(cell, mrts.Cell.from_description(yaml.safe_load(text)))
 
 
-@pytest.mark.parametrize("draw", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("seed", seeds(1, 1))
-def test_random_cells_come_back(draw, seed, tmp_path):
-    case = draw(np.random.default_rng([22, seed]), tmp_path / "drawn", 1 + seed % 3)
-    cell = casadi_cell(case.cell_file)
-    text = cell.to_yaml(tmp_path / "cell.yaml")
-    again = casadi_cell(tmp_path / "cell.yaml")
-    assert same_cell(cell, again)
-    assert "drawn/" in text  # below the file: relative
-    assert str(tmp_path) not in text
-
-
 @pytest.mark.quick
 def test_hands_made_in_python_are_written_as_they_were_made(tmp_path):
     cell = mrts.load_cell(SHIPPED["squeeze"])
@@ -155,19 +140,3 @@ def test_a_urdf_that_changed_is_refused_and_none_is_written_over(tmp_path):
     urdf.write_text(urdf.read_text() + "\n")
     with pytest.raises(mrts.InputError, match=r"source.sha256: this file is another one than the cell was made from"):
         cell.to_yaml()
-
-
-@pytest.mark.quick
-def test_friction_of_the_urdf_is_left_to_it_and_names_that_look_like_numbers_stay_names(tmp_path):
-    """`on` and `1e5` are text in the one YAML, a truth value or a number in the other."""
-    text = (DATA / "planar_arm.urdf").read_text().replace('"contact"', '"1e5"').replace('"base_link"', '"on"')
-    (tmp_path / "arm.urdf").write_text(text.replace("</joint>", '<dynamics friction="20" damping="1"/></joint>'))
-    description = yaml.safe_load((DATA / "cell.yaml").read_text())
-    left, right = description["robots"]
-    for robot in (left, right):
-        robot.update(urdf="arm.urdf", tip_link="1e5", base_link="on")
-    right.update(motors={"friction": "none"}, torque=[10.0] * 3)
-    cell = mrts.Cell.from_description(description, folder=tmp_path)
-    written = yaml.safe_load(cell.to_yaml(tmp_path / "cell.yaml"))["robots"]
-    assert [robot.get("motors", {}).get("friction") for robot in written] == [None, "none"]
-    assert same_cell(cell, mrts.load_cell(tmp_path / "cell.yaml"))

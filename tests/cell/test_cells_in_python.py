@@ -85,18 +85,6 @@ def test_a_change_is_the_file_with_these_numbers(name, what):
 
 
 @pytest.mark.quick
-def test_what_is_not_given_stays(dual_ur5):
-    left = dual_ur5.robots[0]
-    pose = mrts.RigidTransform.from_xyz_rpy([1, 2, 3], [0.3, 0.2, 0.1])
-    moved = dual_ur5.with_values({"robots.left.base.xyz": [1.0, 2.0, 3.0], "robots.left.grasp.rpy": [0.1, 0.2, 0.3]})
-    assert moved.robots[0].T_world_base.R.tobytes() == left.T_world_base.R.tobytes()
-    assert moved.robots[0].T_object_tip.p.tobytes() == left.T_object_tip.p.tobytes()
-    assert moved.robots[1] is dual_ur5.robots[1]
-    given = dual_ur5.with_values({"robots.left.base": pose}).robots[0].T_world_base
-    assert given.numbers.tobytes() == pose.numbers.tobytes()
-
-
-@pytest.mark.quick
 def test_what_a_hand_can_exert_turns_with_the_grasp():
     """A tip that turns against the object takes its pad along, as in a file with this grasp."""
     name, turn = "squeeze", [0.2, np.pi / 2 + 0.1, -0.1]

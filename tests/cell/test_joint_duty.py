@@ -83,15 +83,6 @@ def test_the_duty_of_a_result_is_that_of_its_torques(result):
     assert left.torque_rate[0] == np.max(np.abs(np.diff(done.torque[:, 0]) / np.diff(done.time)))
 
 
-def test_motors_above_their_rating_are_a_warning_until_the_motion_is_slow_enough(cell, lift, result):
-    (said,) = [warning for warning in result.warnings if warning.code == "above-rated"]
-    worst = result.trajectory.duty["left"].rated_share
-    assert f"{100 * max(worst):.0f} % of what its motor bears" in said.text
-    relaxed = replace(cell.robots[0].motors, rated=np.full(3, 1e4))
-    easy = mrts.scale(with_left(cell, motors=relaxed), lift)
-    assert not [warning for warning in easy.warnings if warning.code == "above-rated"]
-
-
 def test_a_table_has_the_friction_apart_and_is_a_motion_again(result, lifted, tmp_path):
     columns = trajectory_columns(result)
     names = list(columns)

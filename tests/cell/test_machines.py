@@ -100,17 +100,6 @@ def test_one_machine_is_seen_through_paths_and_base_links(change, said, tmp_path
         read(machine_cell(tmp_path, change))
 
 
-def test_two_machines_of_a_kind_are_fine(tmp_path):
-    """One URDF in two places, and another URDF with the same joint names in one place."""
-
-    def apart(robots):
-        robots[1]["base"]["xyz"][0] += 5.0
-
-    assert [len(model.joints) for model in read(machine_cell(tmp_path, apart)).models] == [5, 5]
-    (tmp_path / "copy.urdf").write_text(machine().replace('mass value="5"', 'mass value="5.5"'), encoding="utf-8")
-    assert len(read(machine_cell(tmp_path, other_path)).models) == 2
-
-
 @pytest.mark.parametrize(
     ("fixed", "message"),
     [

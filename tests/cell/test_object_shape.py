@@ -13,7 +13,6 @@ from shipped_cells import cell_file, shipped
 import mrts
 from mrts.cell.generation import generate_to
 from mrts.scene.held_body import held_body
-from mrts.studies.variant_numbers import varied_entries
 
 ROUNDING = 1e-12
 FLOAT32 = 1e-6  # vertices are drawn, and kept, in single precision
@@ -124,20 +123,3 @@ def test_it_stays_with_the_cell(tmp_path):
             np.testing.assert_allclose(theirs, ours, rtol=0, atol=ROUNDING)
     trimesh.creation.box((0.3, 0.2, 0.2)).export(tmp_path / "part.stl")  # the cache has the old one
     assert mrts.load_cell(path).inertia[0, 0] == pytest.approx(MASS / 12 * (0.09 + 0.04))
-
-
-def test_a_study_of_the_mass_takes_the_inertia_along(tmp_path):
-    """One variant at a time, wherever the study is solved; the mesh goes with it."""
-    trimesh.creation.box((0.3, 0.2, 0.1)).export(tmp_path / "part.stl")
-    cell_file(tmp_path, described({"mesh": "part.stl"}))
-    (tmp_path / "study.yaml").write_text(
-        f"cell: cell.yaml\nmotion: {DATA / 'lift.yaml'}\nvary: {{object.mass: [1, 3]}}\n"
-    )
-    study = mrts.read_study(tmp_path / "study.yaml")
-    assert varied_entries(study, mrts.load_cell(tmp_path / "cell.yaml")) is None
-    study.write_variant(1, tmp_path / "variant")
-    assert mrts.load_cell(tmp_path / "variant" / "cell.yaml").inertia[2, 2] == pytest.approx(3 / 12 * 0.13)
-    (tmp_path / "part.stl").unlink()
-    moved = study.at_hand()
-    cell = mrts.Cell.from_description(moved.descriptions(study.points(1, 2)[0])[0], folder=moved.folder)
-    assert cell.inertia[2, 2] == pytest.approx(3 / 12 * 0.13)

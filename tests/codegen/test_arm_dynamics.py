@@ -3,7 +3,6 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-import yaml
 from casadi_cells import casadi_cell
 from published_robots import CASES, single_arm_cell, urdf_path
 from random_cells import chain_model, configuration, spatial_cell
@@ -79,17 +78,6 @@ def test_terms_of_published_robots_equal_pinocchio(name, tmp_path):
     cell = casadi_cell(single_arm_cell(tmp_path, reference, tip, model.nv))
     assert list(cell.robots[0].joints) == list(model.names)[1:]
     assert_equals_pinocchio(cell, [model], [pin.SE3.Identity()], tip)
-
-
-def test_efforts_and_limits_come_from_the_file(tmp_path):
-    path = single_arm_cell(tmp_path, *CASES["ur5"], 6)
-    description = yaml.safe_load(path.read_text())
-    del description["robots"][0]["torque"]
-    path.write_text(yaml.safe_dump(description))
-    robot = casadi_cell(path).robots[0]
-    np.testing.assert_array_equal(robot.torque_upper, [150, 150, 150, 28, 28, 28])
-    np.testing.assert_allclose(robot.position_upper, [2 * np.pi, 2 * np.pi, np.pi, 2 * np.pi, 2 * np.pi, 2 * np.pi])
-    np.testing.assert_allclose(robot.velocity_limit, [3.15, 3.15, 3.15, 3.2, 3.2, 3.2])
 
 
 def test_a_chain_inside_a_larger_tree_starts_at_its_base_link(tmp_path):

@@ -57,15 +57,6 @@ def test_velocity_limits_bound_every_range(tmp_path):
     assert "velocity" not in found[3]
 
 
-def test_the_load_of_a_variation_that_binds_is_told(tmp_path):
-    path = changed_cell(tmp_path, lambda cell: cell["object"].update(variation={"mass": [0.2, 6.0]}))
-    library, cell = LoadedLibrary(exported(path, tmp_path), tmp_path), mrts.load_cell(path)
-    motion = mrts.follow_object(cell, mrts.load_motion(LIFT))
-    found = library.horizon(motion, "guaranteed_range")
-    assert_binds_as(mrts.scale(cell, motion).range.upper, found)
-    assert found[4] == 1
-
-
 def supply(_cell, _motion):
     """Two torques together may not exceed a limit, such as that of a supply that two motors share."""
     matrix = np.zeros((1, 6))

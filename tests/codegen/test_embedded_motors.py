@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from conftest import DATA
 from draws import seeds
-from exported_library import run, sources, tool
 from loaded_library import PLACES, LoadedLibrary, reals, structure
 from scipy.optimize import linprog
 from shipped_cells import changed_cell
@@ -274,12 +273,3 @@ def test_motors_that_are_none_are_refused(curved, name):
     for place in (-1, 3):
         sample.place = place
         assert library.range(sample)[0] == library.torques(sample, 1.0)[0] == BAD_ARGUMENT
-
-
-@pytest.mark.parametrize("parts", ["terms", "range", "share", "torques"])
-def test_parts_of_a_library_with_motors_compile_alone(parts, tmp_path):
-    path = changed_cell(tmp_path, with_curves)
-    assert main(["export", str(path), "-o", str(tmp_path / "x"), "--functions", parts]) == 0
-    for source in sources(tmp_path / "x"):
-        flags = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", f"-I{tmp_path}/x/include")
-        run(tool("gcc", "gcc"), *flags, "-c", source, "-o", tmp_path / "o")

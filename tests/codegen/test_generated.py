@@ -3,8 +3,6 @@
 import hashlib
 import json
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -179,13 +177,3 @@ def test_the_cache_is_keyed_by_content_and_survives_damage(tmp_path, lift, monke
     second.write_text("damaged")
     assert mrts.scale(mrts.load_cell(tmp_path / "cell.yaml"), lift).range.upper.c2 == expected
     assert second.read_text() != "damaged"
-
-
-def test_two_processes_may_fill_the_cache_at_once(tmp_path, monkeypatch):
-    monkeypatch.setenv("MRTS_QUICK_CC", "-O0")
-    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
-    script = "import mrts, sys; print(mrts.load_cell(sys.argv[1]).library.joints)"
-    arguments = [sys.executable, "-c", script, str(DATA / "cell.yaml")]
-    running = [subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) for _ in range(2)]
-    assert [process.communicate()[0].strip() for process in running] == ["6"] * 2
-    assert not list(tmp_path.rglob(".*"))  # no temporary file is left

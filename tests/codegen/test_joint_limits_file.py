@@ -76,12 +76,6 @@ def test_scaling_factors_are_applied_and_told_under_any_wrapper(wrappers, writte
     assert all(part in remark.text for part in ("velocity by 0.1", "acceleration by 0.5", "joint_limits.yaml"))
 
 
-def test_keys_that_are_not_read_are_told(written):
-    cell = mrts.load_cell(written(joints(FULL | {"max_position": 1.0, "has_position_limits": True})))
-    (remark,) = (remark for remark in cell.remarks if remark.code == "joint-limits-passed-over")
-    assert "max_position of shoulder" in remark.text
-
-
 WRONG = {
     "joint_limits": [
         "joint_limits: [1, 2]",

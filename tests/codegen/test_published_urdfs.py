@@ -139,15 +139,6 @@ def test_limits_that_mean_none(number, tmp_path):
     assert (elbow.lower, elbow.upper, elbow.velocity, elbow.effort) == (-np.inf, np.inf, np.inf, 9)
 
 
-@pytest.mark.parametrize("effort", ["1e16", "-5", "0"])
-def test_an_effort_that_says_nothing_asks_for_torques(effort, tmp_path):
-    every = [with_limit(name, '<limit effort="50"/>') for name in ("shoulder", "wrist")]
-    elbow = limited(f'<limit lower="-3" upper="3" velocity="1" effort="{effort}"/>')
-    with pytest.raises(mrts.InputError, match=r"joint 'elbow': its effort limit is .* says nothing .* Give 'torque:"):
-        read(arm_cell(tmp_path, every + elbow, torque=False))
-    assert read(arm_cell(tmp_path, every + elbow)).record.robots[0].torque_upper.tolist() == [100, 80, 50]
-
-
 @pytest.mark.parametrize(
     ("limit", "message"),
     [

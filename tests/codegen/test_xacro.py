@@ -2,9 +2,7 @@
 
 import pytest
 import yaml
-from command_line import mrts_without
 from conftest import DATA
-from mrts_codegen.urdf import xacro_file
 from same_cells import same_cell
 
 import mrts
@@ -108,26 +106,3 @@ def test_mistakes_in_a_xacro(mistake, cell):
     change(cell)
     with pytest.raises(mrts.InputError, match=rule):
         mrts.load_cell(cell)
-
-
-@pytest.mark.parametrize(
-    ("limit", "value", "expression", "rule"),
-    [
-        ("MEMORY", 1 << 28, "len([x for x in range(10**9)])", "memory"),
-        ("PROCESSOR_TIME", 1, "len([x for x in range(10**12) if not x + 1])", "processor time"),
-        ("WAIT", 1.0, "len([x for x in range(10**12) if not x + 1])", "not expanded after"),
-    ],
-)
-def test_an_expression_without_end_is_ended(limit, value, expression, rule, cell, monkeypatch):
-    monkeypatch.setattr(xacro_file, limit, value)
-    xacro = cell.parent / "arm.urdf.xacro"
-    (cell.parent / "more.xacro").write_text(f'<robot {XACRO} name="${{{expression}}}"/>')
-    with pytest.raises(mrts.InputError, match=rule) as told:
-        xacro_file.expanded(xacro, {})
-    assert told.value.where == str(xacro)
-
-
-def test_a_missing_extra_is_named(cell):
-    done = mrts_without("xacrodoc", "scale", cell, DATA / "lift.yaml")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "pip install 'mrts[xacro]'" in done.stderr

@@ -1,7 +1,6 @@
 """The command line as a user runs it."""
 
 import json
-import os
 import shutil
 
 import pytest
@@ -33,14 +32,6 @@ def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lif
         assert len(result[key]["left"]) == len(result[key]["time"]) == 101
     assert result == mrts.scale(planar_cell, lift).to_json()
     assert sorted(path.name for path in (tmp_path / "plots").iterdir()) == PICTURES
-
-
-def test_a_terminal_without_superscripts_gets_ascii():
-    environment = os.environ | {"LC_ALL": "C", "PYTHONIOENCODING": "ascii"}
-    done = mrts_process("scale", DATA / "cell.yaml", DATA / "lift.yaml", env=environment)
-    assert done.returncode == 0
-    assert "c^2 in [0, 3.062]" in done.stdout
-    assert "1.75 x as fast" in done.stdout
 
 
 def test_options_choose_the_speed_and_the_sharing():
@@ -91,16 +82,6 @@ def test_a_line_that_is_none_is_told_in_one_line(words, said, capsys):
     error = capsys.readouterr().err
     assert error.startswith(f"mrts: error: {said}")
     assert error.count("\n") == 1
-
-
-def test_a_file_of_nearly_that_name_is_asked_for(tmp_path, monkeypatch, capsys):
-    """Not one that only ends alike."""
-    (tmp_path / "cell.yaml").touch()
-    (tmp_path / "lift.csv").touch()
-    monkeypatch.chdir(tmp_path)
-    for named, said in (("cel.yaml", "'cell.yaml'?"), ("lift", "'lift.csv'?"), ("study.yaml", "Check the path.")):
-        assert main(["check", named]) == 2
-        assert said in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -59,18 +59,3 @@ def test_what_is_not_known_is_said(tables, tmp_path, capsys):
     assert main(["identify", CELL, str(tables / "right.csv"), "-o", str(target), "-q"]) == 0
     assert capsys.readouterr() == ("", "")
     assert [robot["name"] for robot in yaml.safe_load(target.read_text())["robots"]] == ["right"]
-
-
-def test_what_nothing_is_known_of_is_not_written(tables, tmp_path, capsys):
-    """Both arms with one joint that stands still: an outcome, and no file."""
-    recorded = (tables / "still.csv").read_text().splitlines()
-    names = recorded[0].split(",")
-    kept = [names.index("t"), *(k for k, name in enumerate(names) if "left" in name)]
-    path = tmp_path / "left.csv"
-    path.write_text("\n".join(",".join(np.array(line.split(","))[kept]) for line in recorded))
-    target = tmp_path / "motors.yaml"
-    assert main(["identify", CELL, str(path), "-o", str(target)]) == 1
-    out, err = capsys.readouterr()
-    assert "6 of 9 parameters" in out
-    assert f"{target} not written" in err
-    assert not target.exists()

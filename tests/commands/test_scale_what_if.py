@@ -29,18 +29,3 @@ def test_it_says_and_writes_what_the_library_finds(planar_cell, lift, tmp_path, 
     assert "What changes would do" in (tmp_path / "a.html").read_text(encoding="utf-8")
     assert main(["report", str(tmp_path / "a.npz"), "-o", str(tmp_path / "b.html")]) == 0
     assert (tmp_path / "b.html").read_bytes() == (tmp_path / "a.html").read_bytes()
-
-
-def test_it_goes_with_other_questions(planar_cell, lift, tmp_path, capsys):
-    assert answered(capsys, "--share", "0.6,0.4", "--reserve", "0.1")["what_if"] == (
-        mrts.scale(planar_cell, lift, sharing=mrts.LoadSharing([0.6, 0.4]), reserve=0.1).what_if().to_json()
-    )
-    own = mrts.scale(planar_cell, lift).what_if(solver="qpsol:qpoases").to_json()
-    assert answered(capsys, "--solver", "qpsol:qpoases")["what_if"] == own
-    timing = answered(capsys, "--profile", "optimal", "--save", str(tmp_path / "a.npz"))["what_if"]
-    found = mrts.retime(planar_cell, lift).what_if()
-    assert timing == found.to_json()
-    assert timing["before"]["c2_upper"] is None
-    assert mrts.load_result(tmp_path / "a.npz").changes == found
-    assert main([*SCALE, "--profile", "optimal"]) == 0
-    assert str(found) in capsys.readouterr().out

@@ -85,28 +85,3 @@ def test_a_variant_is_that_of_the_study(named, monkeypatch, tmp_path, capsys):
         assert main(["view", path, "--png", str(tmp_path / "x.png")]) == 2
         (tmp_path / "study.yaml").write_text(STUDY.replace("4.0", "5.0"), encoding="utf-8")
         assert main(["view", path, "--variant", "2", "--png", str(tmp_path / "x.png")]) == 2
-
-
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ([CELL, "--png", "x.png"], "--png: needs a motion"),
-        ([CELL, LIFT, "--at", "1"], "--at: goes with --png"),
-        ([CELL, LIFT, "--png", "x.png", "--at", "9"], "from 0 to 0.2992 s"),
-        ([CELL, LIFT, "--video", "x.gif", "--at", "0.1"], "the moment of --png"),
-        ([CELL, LIFT, "--png", "x.png", "--side-by-side", "given,slow"], "there are given, fastest, optimal, smooth"),
-        ([CELL, LIFT, "--png", "x.png", "--side-by-side", "smooth"], "limits no rate"),
-        (["no.npz", LIFT, "--png", "x.png"], "no.npz: MOTION: "),
-        (["no.npz", "--share", "equal"], "--share: does not go with no.npz"),
-        ([CELL, LIFT, "--png", "x.png", "--rates", "20"], "--rates: is of the smooth side"),
-        ([CELL, LIFT, "--variant", "1"], "does not go with --variant"),
-    ],
-)
-def test_what_does_not_go_is_told(words, said, monkeypatch, tmp_path, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["view", *words]) == 2
-    told = capsys.readouterr().err
-    assert said in told
-    assert "internal error" not in told
-    assert list(tmp_path.iterdir()) == []

@@ -112,19 +112,3 @@ def test_a_motion_given_by_hand_is_checked(dual_ur5):
     for spoil, message in GIVEN_MISTAKES.values():
         with pytest.raises(mrts.MotionError, match=message):
             mrts.scale(dual_ur5, spoil(followed))
-
-
-OBJECT_MISTAKES = {
-    "no rates": (lambda m: {"twist": 0 * m.twist}, "position: its rates do not lead"),
-    "degrees": (lambda m: {"twist": m.twist * [1, 1, 1, 57.3, 57.3, 57.3]}, "rotation: its rates do not lead"),
-    "accelerations turned": (lambda m: {"acceleration": -m.acceleration}, "accelerations do not lead"),
-    "twice the rotation": (lambda m: {"rotation": 2 * m.rotation}, "R Rᵀ = I"),
-    "a mirror": (lambda m: {"rotation": m.rotation * [1, 1, -1]}, "det R = 1"),
-}
-
-
-def test_an_object_motion_given_by_hand_is_checked():
-    given = motion([0.03, 0.2, 0.5], (0.2, 0.1, 0.3))
-    for spoil, message in OBJECT_MISTAKES.values():
-        with pytest.raises(mrts.InputError, match=message):
-            replace(given, **spoil(given))

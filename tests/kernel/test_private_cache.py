@@ -110,12 +110,3 @@ def test_a_library_that_others_could_have_written_is_compiled_again(file, tmp_pa
     assert again == library
     assert only_ours(again)
     assert again.read_bytes() == before
-
-
-def test_where_the_cache_is(tmp_path):
-    home, xdg, named = (str(tmp_path / name) for name in ("home", "xdg", "named"))
-    every = {"HOME": home, "XDG_CACHE_HOME": xdg, "MRTS_CACHE_DIR": named}
-    assert where(**every)[0] == tmp_path / "named"
-    assert where(**every | {"MRTS_CACHE_DIR": None})[0] == tmp_path / "xdg" / "mrts"
-    assert where(**every | {"MRTS_CACHE_DIR": "", "XDG_CACHE_HOME": "relative"})[0] == tmp_path / "home/.cache/mrts"
-    assert where(**every | {"HOME": None}) == (tmp_path / "named", "")

@@ -6,14 +6,10 @@ import numpy as np
 import pytest
 
 import mrts
-from mrts.cell.motors import JointMotors, torque_speed_lines
+from mrts.cell.motors import JointMotors
 from mrts.limits.cell_limits import motor_limits
 
 CURVE = np.array([[0.0, 90.0], [2.0, 90.0], [4.0, 60.0], [5.0, 10.0]])
-
-
-def test_lines_meet_the_corners():
-    assert torque_speed_lines(CURVE) == [(120.0, 15.0), (260.0, 50.0)]
 
 
 @pytest.mark.quick

@@ -64,12 +64,6 @@ def test_a_bag_says_what_a_table_says(recorded, tmp_path, header):
     assert repr(table) == f"<JointRecording from recorded.csv: {', '.join(recorded[0])}>"
 
 
-def test_a_state_that_is_published_twice_counts_once(recorded, tmp_path):
-    messages = states(recorded)
-    bag = mrts.load_recording(write_states(tmp_path / "bag", [each for each in messages for _ in range(2)]))
-    assert all(len(joint.time) == len(recorded[1]) for joint in bag.joints.values())
-
-
 def broken(recorded, kind):
     """Messages of a bag with one mistake."""
     messages = states(recorded)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import UR5
-from motion_tables import columns_of, joint_table, object_table, read, write_motion, write_table
+from motion_tables import columns_of, object_table, read, write_motion, write_table
 from scipy.integrate import cumulative_simpson
 from scipy.spatial.transform import Rotation
 
@@ -86,16 +86,6 @@ def test_mistakes_in_a_table(tmp_path):
             mrts.load_motion(write_motion(tmp_path, file="motion.csv"))
         for part in ["motion.csv", *expected]:
             assert part in str(refused.value), mistake
-
-
-def test_joint_tables_keep_the_position_limits(tmp_path, dual_ur5):
-    """Degrees would close the chain of a single arm; the limits notice them."""
-    followed = mrts.follow_object(dual_ur5, mrts.load_motion(UR5 / "lift_and_turn.yaml"))
-    degrees = mrts.CoordinatedMotion(followed.object, *(np.rad2deg(v) for v in (followed.q, followed.dq, followed.ddq)))
-    (tmp_path / "joints.csv").write_text("\ufeff" + joint_table(dual_ur5, degrees))
-    table = mrts.load_motion(write_motion(tmp_path, joints="joints.csv"))
-    with pytest.raises(mrts.MotionError, match=r"position limit at sample 0 .* If these are degrees"):
-        mrts.scale(dual_ur5, table)
 
 
 def test_joints_may_be_named_without_their_robot_where_that_tells_them(tmp_path, dual_ur5, exact):

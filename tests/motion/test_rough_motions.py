@@ -68,17 +68,6 @@ def test_positions_alone_tell_accelerations_at_the_ends_too(tmp_path, dual_ur5, 
         assert found.range.upper.c2 == pytest.approx(c2, rel=tolerance)
 
 
-def test_the_signs_of_quaternions_mean_nothing(tmp_path):
-    columns = object_columns(moved(TURNED), rates=False)
-    path = tmp_path / "object.csv"
-    plain = mrts.load_motion(write_table(path, columns))
-    flips = np.random.default_rng(2).choice([-1.0, 1.0], 101)
-    flipped = {name: values * flips if name.startswith("q") else values for name, values in columns.items()}
-    again = mrts.load_motion(write_table(path, flipped))
-    for field in ("rotation", "twist", "acceleration"):
-        np.testing.assert_allclose(getattr(again, field), getattr(plain, field), atol=1e-12)
-
-
 def test_a_joint_that_rounding_puts_past_its_limit(tmp_path, dual_ur5, exact):
     """A plan that uses the whole of a joint, printed with five digits; a milliradian is no rounding."""
     followed, _ = exact["turn", 101]

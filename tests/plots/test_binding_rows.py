@@ -1,14 +1,11 @@
 """Which rows bind where, and how far limits are used: against the ranges and the torques themselves."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from conftest import UR5
 
 import mrts
 from mrts.plots.range_plots import MOST_LANES, binding_lanes, spans
-from mrts.scaling.limit_use import limit_uses
 from mrts.scaling.scaled_trajectory import accumulated_energy
 
 
@@ -46,21 +43,6 @@ def test_spans_reach_half_way_to_the_neighbours():
     assert spans(time, np.array([True, False, True, True])) == [(0.0, 0.5), (1.5, 4.0)]
     assert spans(time, np.array([False, True, False, False])) == [(0.5, 1.5)]
     assert spans(time, np.zeros(4, dtype=bool)) == []
-
-
-def test_each_side_of_unequal_limits_counts_by_itself(planar_cell, lift):
-    """Limits of a wrench component at 0 and at infinity: a share of zero has the size of the other limits."""
-    result = mrts.scale(planar_cell.without_wrench_limits(), lift)
-    left, right = planar_cell.robots
-    unlimited = np.full(3, np.inf)
-    one_sided = replace(left, wrench_lower=np.array([-np.inf, -40.0, -np.inf]), wrench_upper=unlimited)
-    zero = replace(right, wrench_lower=np.array([-np.inf, 0.0, -np.inf]), wrench_upper=unlimited)
-    done = replace(result.trajectory, cell=replace(result.cell, robots=(one_sided, zero)))
-    changed = replace(result, cell=done.cell, trajectory=done)
-    uses = {use.name.robot: use for use in limit_uses(changed) if use.name.kind == "wrench"}
-    fy = {name: wrench[:, 1] for name, wrench in result.wrench.items()}
-    assert uses["left"].share == pytest.approx(max(0, np.max(-fy["left"]) / 40), rel=1e-12)
-    assert uses["right"].share == pytest.approx(1 - np.min(fy["right"]) / 40, rel=1e-12)
 
 
 def test_accumulated_energy_ends_at_the_energy(spatial):

@@ -7,7 +7,7 @@ import pytest
 from motor_recordings import exact_recording, random_motors, recording
 
 import mrts
-from mrts.plots import matplotlib_figure, motor_plot
+from mrts.plots import motor_plot
 
 
 @pytest.fixture(scope="module")
@@ -29,9 +29,3 @@ def test_friction_and_residual_are_those_of_the_result(found):
     np.testing.assert_allclose(dots.y, coulomb * np.sign(dots.x) + viscous * dots.x, atol=0.01)
     (residual,) = rows[0][2].items
     np.testing.assert_allclose(np.sqrt(np.mean(residual.y**2)), arm.residual_rms[0])
-
-
-def test_a_joint_that_stood_still_has_empty_axes(found):
-    plot = motor_plot(found.arm("left"))
-    matplotlib_figure(plot).draw_without_rendering()
-    assert all(len(item.x) == 0 for item in plot.rows[1][2].items)

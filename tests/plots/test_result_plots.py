@@ -10,7 +10,6 @@ from shown_results import KINDS, result_of
 
 import mrts
 from mrts.plots import (
-    limits_plot,
     matplotlib_figure,
     power_plot,
     range_plot,
@@ -19,7 +18,6 @@ from mrts.plots import (
     write_result_plots,
 )
 from mrts.plots.figure_files import result_plots
-from mrts.plots.limit_shares import all_shares
 from mrts.plots.plot import Axis, Band, Bars, Line, Panel, Plot, Points, Rule
 from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.range_plots import upright_areas
@@ -139,18 +137,6 @@ def test_the_range_is_drawn_with_the_point_that_sets_it(planar_cell, lift, resul
     torn = range_plot(mrts.scale(planar_cell.with_mass(24.0), lift)).rows[0][0]
     assert "no c² at all" in of_panel(torn, Bars)
     assert "worst conflict" in of_panel(torn, Rule)
-
-
-def test_the_limit_of_which_most_is_used_is_first_and_thick(result):
-    names, shares = all_shares(result)
-    for panel in limits_plot(result, "").rows[0]:
-        named = [item for item in panel.items if isinstance(item, Line) and item.label]
-        largest = [np.max(line.y) for line in named]
-        assert largest == sorted(largest, reverse=True)
-        assert named[0].width > max(line.width for line in named[1:])
-    torques = [place for place, name in enumerate(names) if name.kind == "torque"]
-    first = next(item for item in limits_plot(result, "").rows[0][0].items if isinstance(item, Line) and item.label)
-    np.testing.assert_array_equal(first.y, 100 * shares[:, torques[np.argmax(np.max(shares[:, torques], axis=0))]])
 
 
 def test_the_ranking_has_bars_and_marks_infeasible_and_unlimited_configurations(planar_cell, lift):

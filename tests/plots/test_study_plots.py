@@ -19,7 +19,7 @@ from mrts.plots.study_map import (
 )
 from mrts.plots.study_plots import MOST_LINES, NO_DURATION, parallel_figure
 from mrts.plots.study_table import OUTCOMES
-from mrts.plots.study_words import best_rows, managed
+from mrts.plots.study_words import managed
 
 KINDS = kinds()
 
@@ -163,13 +163,3 @@ def test_the_share_that_manages_a_duration_is_a_quantile_of_all(share):
     all_of_them = np.where(np.isnan(table.duration), np.inf, table.duration)
     expected = np.quantile(all_of_them, share / 100, method="inverted_cdf")
     assert (managed(table, share) or np.inf) == expected
-
-
-def test_the_best_table_holds_the_numbers_of_the_best():
-    table = grid_study()
-    head, rows = best_rows(table, 3)
-    by_title = dict(zip(head, zip(*rows, strict=True), strict=True))
-    assert by_title["variant"] == ("from … to", *(str(row) for row in table.ranked[:3]))
-    assert by_title["duration [s]"][1:] == tuple(f"{value:.4g}" for value in np.sort(table.duration)[:3])
-    assert by_title["knob 1 [m]"] == ("2 … 3", "2 (end)", "2 (end)", "2 (end)")
-    assert by_title["limited by"][1] == FORCE

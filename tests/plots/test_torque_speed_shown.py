@@ -54,21 +54,6 @@ def test_limits_of_the_torque_are_what_the_curve_gives_where_the_motor_drives(re
     assert np.all(torques.values >= torques.lower - 1e-6)
 
 
-def test_a_use_of_a_curve_tells_torque_and_limit_at_its_moment(result):
-    done = result.trajectory
-    uses = [use for use in limit_uses(result) if use.name.kind == TORQUE_SPEED]
-    assert {use.name.element for use in uses} == {"shoulder", "elbow"}
-    for use in uses:
-        j = ["shoulder", "elbow"].index(use.name.element)
-        sample = int(np.argmin(np.abs(done.time - use.time)))
-        assert use.least == pytest.approx(np.min(done.torque[:, j]))
-        assert use.largest == pytest.approx(np.max(done.torque[:, j]))
-        lines = [(120.0, 10.0), (130.0, 20.0)]
-        dq = done.dq[sample, j]
-        sides = [(-np.inf, a - m * dq) if dq > 0 else (-a - m * dq, np.inf) for a, m in lines]
-        assert any((use.lower, use.upper) == pytest.approx(side) for side in sides)
-
-
 def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     """Rows of every kind that a cell file has, in figures, report, table, saved result and words."""
     shipped = DATA.parent / "squeeze"

@@ -34,16 +34,6 @@ def test_the_cell_file_gives_contact_rates_and_the_manifest_keeps_them(tmp_path)
     assert manifest["cell"]["robots"][1]["contact_rate"] == ["inf"] * 3
 
 
-@pytest.mark.parametrize(
-    ("rate", "key"),
-    [([500, 0], "contact_rate[1]"), ([500], "contact_rate"), ([500, float("nan")], "contact_rate[1]")],
-)
-def test_a_wrong_contact_rate_is_refused_by_key(tmp_path, rate, key):
-    with pytest.raises(mrts.InputError) as caught:
-        mrts.load_cell(changed_cell(tmp_path, lambda cell: cell["robots"][0].update(contact_rate=rate)))
-    assert f"robots[0].{key}" in str(caught.value)
-
-
 def with_rates(cell, **changes):
     """The cell with other motors of its left robot, and contact rates of its right one."""
     left, right = cell.robots

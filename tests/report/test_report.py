@@ -156,15 +156,6 @@ def test_the_timing_stands_first_with_saving_limits_and_phase_plane(timing):
     assert links == sections(text)
 
 
-def test_without_a_profile_the_best_constant_factor_is_shown(planar_cell, lift):
-    found = mrts.retime(planar_cell.with_mass(24.0), lift)
-    text = report_html(found)
-    assert found.retimed is None
-    assert "timing" not in sections(text)
-    assert "conflicts" in sections(text)
-    assert "The best constant factor, which is shown below" in text
-
-
 @pytest.mark.quick
 def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lifted, planar_cell, lift):
     end = lifted.range.upper
@@ -183,18 +174,6 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
     orange = cells.z == cells.names.index("at the limit where the speed is set")
     names, _ = used_shares(lifted.trajectory)
     assert [bool(row.any()) for row in orange] == [True] * len(end.rows) + [False] * (len(names) - len(end.rows))
-
-
-def test_positions_and_velocities_have_their_limits_and_percentages(planar_cell, lift):
-    limits = {"velocity_limit": 10.0, "position_lower": -4.0, "position_upper": 4.0}
-    found = mrts.scale(with_robots(planar_cell, **{name: np.full(3, limit) for name, limit in limits.items()}), lift)
-    plots = data_of(report_html(found))["plots"]
-    for kind, values, limit in (("velocity", found.trajectory.dq, 10), ("position", found.trajectory.q, 4)):
-        lines = plots[f"plot-{kind}-1-0"]["data"]
-        elbow = next(trace for trace in lines if trace["name"] == "elbow")
-        np.testing.assert_allclose(elbow["y"], values[:, 4], rtol=DRAWN, atol=1e-9)
-        assert elbow["customdata"] == np.round(100 * np.abs(values[:, 4]) / limit).astype(int).tolist()
-        assert {abs(trace["y"][0]) for trace in lines if not trace["name"]} <= {limit}
 
 
 def test_the_text_says_what_is_known_of_the_timing(smooth, lifted):
@@ -231,15 +210,3 @@ def test_bars_are_the_numbers_of_the_changes(lifted):
     assert "What a change does to c²⁺" in text
     assert "Nothing else matters: 2 torque limits may be changed as much, one at a time, and the speed stays." in text
     assert "What a change does" not in report_html(lifted)
-
-
-@pytest.mark.quick
-def test_a_timing_has_bars_of_its_duration(timing):
-    found = timing.what_if()
-    panel = what_if_plot(found).rows[0][0]
-    down = [item for item in panel.items if isinstance(item, Bars)][1]
-    shares = {panel.y.names[round(row)]: end for row, end in zip(down.place, down.end, strict=True)}
-    (slower,) = [one for one in found.changes if str(one.change) == "left/shoulder -10 %"]
-    expected = 100 * (slower.after.duration / slower.before.duration - 1)
-    assert shares["left/shoulder"] == pytest.approx(expected, rel=1e-5)
-    assert expected > 1

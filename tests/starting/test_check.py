@@ -10,10 +10,9 @@ from conftest import DATA, UR5
 from damaged_cells import HINTS, MISTAKES, damaged, sound, written
 from draws import draws
 from published_robots import single_arm_cell
-from shipped_cells import changed_cell, shipped, shipped_motion
+from shipped_cells import shipped, shipped_motion
 
 import mrts
-from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS
 from mrts.starting.reading import HOPELESS, request_of
 
 SHIPPED = [
@@ -71,7 +70,6 @@ def test_limits_that_differ_tenfold_between_alike_arms_are_told_once(changes, to
     assert found.status == "fine"
 
 
-NO_EXTENT = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'
 WHOLE_TURNS = 'lower="-6.283185307179586" upper="6.283185307179586"'
 
 
@@ -198,20 +196,6 @@ def test_a_posture_that_works_is_named_where_the_given_one_does_not(dual_ur5, tm
     assert str(caught.value) == left.failure
     assert left.followed == left.samples
     mrts.follow_object(alone.with_postures({"left": left.posture.tolist()}), path)
-
-
-def test_links_without_mass_and_points_are_told(tmp_path):
-    text = (DATA / "planar_arm.urdf").read_text(encoding="utf-8")
-    for mass, given in (("4", "0"), ("0.5", "0.5")):
-        text = re.sub(
-            rf'<mass value="{mass}"/>\s*<inertia [^>]*>', f'<mass value="{given}"/><inertia {NO_EXTENT}/>', text
-        )
-    (tmp_path / "arm.urdf").write_text(text)
-    path = changed_cell(tmp_path, lambda cell: cell["robots"][0].update(urdf="arm.urdf"))
-    assert {remark.code: remark.text for remark in mrts.check(path).warnings} == {
-        "links-without-mass": f"{WEIGHTLESS} (left: elbow)",
-        "links-without-inertia": f"{POINT_MASSES} (left: hand)",
-    }
 
 
 @pytest.mark.quick

@@ -57,13 +57,6 @@ def test_grasps_are_put_into_the_text_and_nothing_else_changes():
     assert "# kept" in text
 
 
-def test_grasps_that_are_one_in_the_file_are_refused():
-    text = "robots:\n  - {name: left, grasp: &one {xyz: [0, 0, 0]}}\n  - {name: right, grasp: *one}\n"
-    with pytest.raises(InputError) as raised:
-        with_grasps(Path("cell.yaml"), text, {"left": {"xyz": [1, 0, 0]}, "right": {"xyz": [2, 0, 0]}})
-    assert raised.value.key == "robots"
-
-
 def test_a_hand_out_of_the_plane_is_refused(planar_cell):
     with pytest.raises(InputError, match="tilted"):
         hold_here(planar_cell, [1.25, 0.95, 0.0], [0.3, 0.0, 0.0])

@@ -4,7 +4,6 @@ import json
 import re
 
 import pytest
-import yaml
 from damaged_cells import URDF, sound, written
 
 import mrts
@@ -76,22 +75,3 @@ def test_every_command_tells_what_a_check_does(code, damage, tmp_path, capsys):
     warnings = json.loads(output.read_text(encoding="utf-8"))["warnings"]
     assert [one["code"] for one in warnings][: len(expected)] == expected
     assert code in {one.code for one in mrts.load_result(tmp_path / "result.npz").warnings}
-
-
-def test_limits_of_a_cell_file_or_of_python_are_no_placeholders(tmp_path):
-    cell, motion = sound()
-    efforts(1000)(cell, tmp_path)
-    given = mrts.load_cell(written(tmp_path, cell, motion)[0])
-    codes = lambda of: {remark.code for remark in of.all_remarks}  # noqa: E731
-    assert "effort-placeholders" in codes(given)
-    other = given
-    for robot in given.robots:
-        other = other.with_values({f"robots.{robot.name}.torque": [150.0, 150, 150, 28, 28, 28]})
-    assert "effort-placeholders" not in codes(other)
-    assert "torque-of-urdf" not in codes(other)
-    again = tmp_path / "again.yaml"
-    given.to_yaml(again)
-    assert "torque" not in yaml.safe_load(again.read_text(encoding="utf-8"))["robots"][0]
-    for robot in cell["robots"]:
-        robot["torque"] = [1000.0] * 6
-    assert "effort-placeholders" not in codes(mrts.load_cell(written(tmp_path, cell, motion)[0]))

@@ -142,15 +142,6 @@ def test_bases_that_are_given_stay():
         layouts(requested(UR5, bases=apart), 2.0)
 
 
-def test_where_up_lies_along_x_the_hands_stand_beside_the_box():
-    for robot, gravity in ((UR5, [9.81, 0, 0]), (PLANAR, [-9.81, 0, 0])):
-        best = layouts(requested(robot, gravity=np.array(gravity)), 2.0)[0]
-        left, right = (stand.T_world_tip.p - best.position for stand in best.stands)
-        assert left == pytest.approx(-right, abs=PLACED)
-        assert abs(left[0]) < PLACED < np.linalg.norm(left)
-        assert best.lift @ gravity < 0
-
-
 @pytest.mark.parametrize(
     ("robots", "others", "said"),
     [

@@ -7,7 +7,6 @@ import signal
 import time
 
 import numpy as np
-import pyarrow as pa
 import pytest
 from faulty_study import faulty
 from own_limits import tenth
@@ -16,7 +15,6 @@ from sweep_processes import assert_same_table, driver_command, parts, processes,
 
 import mrts
 import mrts.studies.sweep as engine
-from mrts.studies.sweep import SweepProgress
 from mrts.studies.variant_rows import solve_variants
 
 STUDY = """
@@ -77,17 +75,6 @@ def test_two_workers_give_the_table_that_none_gives(solved, alone):
     assert (last.done, last.remaining, last.best) == (24, 0, min(durations))
     assert durations[last.best_variant] == last.best
     assert re.fullmatch(r"\S+ a second, 0 s left; best 0\.\d+ s", str(last))
-
-
-def test_the_best_of_equals_has_the_lower_number_in_whatever_order_they_come():
-    durations = (None, 0.5, 0.4, 0.4)
-    rows = pa.table({"variant": range(4), "status": ["unreachable"] + ["feasible"] * 3, "duration": durations})
-    assert SweepProgress(4).after(rows.slice(0, 1)).best is None
-    for order in ((0, 1, 2, 3), (3, 2, 1, 0), (3, 0, 2, 1)):
-        found = SweepProgress(4)
-        for row in order:
-            found = found.after(rows.slice(row, 1))
-        assert (found.done, found.best, found.best_variant) == (4, 0.4, 2)
 
 
 def test_a_complete_study_is_read_not_solved(out, study, alone):

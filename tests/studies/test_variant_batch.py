@@ -124,11 +124,6 @@ def test_what_it_does_not_cover_is_solved_one_by_one(asked, robots, tmp_path):
     assert solve_variants(study, 0, 2)["status"] == ["feasible", "feasible"]
 
 
-def test_a_share_that_is_kept_free_is(tmp_path):
-    text = "reserve: 0.2\nvary: {object.mass: [1, 2, 3], 'robots.left.torque[1]': [60, 90]}"
-    assert compare(planar_study(tmp_path, text), 6) == {"feasible": 6}
-
-
 def test_a_duration_of_zero_is_invalid_without_a_word_of_numpy(tmp_path):
     study = planar_study(tmp_path, "vary: {motion.duration: [-1, 0, 1.0e-100, 0.5]}")
     with np.errstate(all="raise"):

@@ -106,16 +106,6 @@ def test_the_optimal_profile_gives_its_duration_beside_the_constant_range(tmp_pa
     assert heavy["reason"]
 
 
-def test_nothing_that_limits_the_speed_is_a_status_of_its_own(tmp_path):
-    still = tmp_path / "still.yaml"
-    still.write_text(
-        "duration: 1\nprofile: cubic\nstart: {xyz: [1.25, 1, 0]}\nend: {xyz: [1.25, 1, 0]}\n", encoding="utf-8"
-    )
-    row = rows_of(solve_variants(planar_study(tmp_path, "vary: {object.mass: [0.4]}", motion=still), 0, 1))[0]
-    assert (row["status"], row["c2_upper"], row["duration"]) == ("unbounded", None, None)
-    assert "as fast as you like" in row["reason"]
-
-
 def test_a_least_speed_is_told_with_what_sets_it(tmp_path):
     """Hands that push up with less than the weight can only let the bar fall fast enough: c² >= (g - F/m) / a."""
     time, fall, mass, push = np.linspace(0, 0.5, 21), 2.0, 0.5, 2.0

@@ -8,7 +8,6 @@ import pytest
 from cell_bank import random_planar_cell
 from changed_robots import with_robots
 from gantries import gantries, straight, there_and_back
-from shipped_cells import still_motion
 
 import mrts
 
@@ -41,12 +40,6 @@ def test_random_cells_have_every_outcome_and_each_is_explained(tmp_path):
     assert seen["optimal"] > 10
     assert seen["infeasible"] > 2
     assert seen["start speed not admissible"] + seen["end speed not admissible"] > 0
-
-
-def test_a_path_without_length_is_an_outcome(planar_cell):
-    found = mrts.retime(planar_cell, still_motion([1.25, 1.0, 0]))
-    assert found.status.value == "zero length"
-    assert "no length" in found.explanation
 
 
 @pytest.mark.quick

@@ -46,27 +46,3 @@ def test_bang_bang_of_two_gantries_in_closed_form(tmp_path):
         assert one.after.duration / one.before.duration == pytest.approx(np.sqrt(ratio), rel=1e-6)
     assert str(by_text(found)["near/slide_x +10 %"]).startswith("near/slide_x +10 %: time -2.41 %, 1.447 s instead of")
     assert str(found).splitlines()[0].endswith("; now 1.483 s")
-
-
-def test_end_speeds_are_kept(tmp_path):
-    cell, motion = gantries(tmp_path), along_x(samples=61)
-    parts = (getattr(motion, part)[20:41] for part in ("position", "rotation", "twist", "acceleration"))
-    middle = mrts.ObjectMotion(motion.time[20:41] - motion.time[20], *parts)
-    asked = {"start_speed": 0.5, "end_speed": 0.8, "between": None}
-    found = by_text(mrts.retime(cell, middle, **asked).what_if())["mass +10 %"]
-    again = mrts.retime(cell.with_mass(1.1 * cell.mass), middle, **asked)
-    assert found.after.duration == pytest.approx(again.duration, rel=SAME_TIMING)
-
-
-@pytest.mark.quick
-def test_what_is_refused_and_what_has_no_timing(planar_cell, lift):
-    smooth = mrts.retime(planar_cell, lift, rates=11.5)
-    with pytest.raises(mrts.InputError, match="within limits of rates"):
-        smooth.what_if()
-    with pytest.raises(mrts.InputError, match="must be a number from"):
-        mrts.retime(planar_cell, lift).what_if(share=2)
-    heavy = mrts.retime(planar_cell.with_mass(13.0), lift)
-    found = heavy.what_if(share=0.4)
-    assert heavy.retimed is None
-    assert found.before.duration is None
-    assert str(by_text(found)["mass -40 %"]).startswith("mass -40 %: feasible, ")
