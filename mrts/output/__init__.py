@@ -47,4 +47,10 @@ TRAJECTORY_FORMATS: dict[str, TrajectoryFormat] = {
         is_folder=True,
         needs=("rosbags", "ros"),
     ),
+    "ros-bag-merged": TrajectoryFormat(
+        "as a ROS 2 bag with one trajectory of all arms",
+        "ros_bag.write_merged_ros_bag",
+        is_folder=True,
+        needs=("rosbags", "ros"),
+    ),
 }

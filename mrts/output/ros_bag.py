@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The scaled trajectory as a ROS 2 bag in MCAP format; needs the extra 'ros' (rosbags)."""
 
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,6 +12,7 @@ from mrts.base.argument_types import as_path
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import make_folder_atomically
 from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.motion.ros_messages import NANOSECONDS, message_types
 from mrts.output.trajectory_table import played_rows, trajectory_to_write
@@ -25,7 +27,7 @@ BAG_VERSION: Literal[9] = 9
 """Of rosbag2's metadata: what ROS 2 Iron and later write; Humble reads the MCAP file itself."""
 
 
-def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
+def write_ros_bag(result: ScalingResult, folder: Path | str, *, merged: bool = False) -> None:
     """Write a bag: folder/metadata.yaml and folder/NAME.mcap, whole or not at all.
 
     Topics, for each robot: /ROBOT/joint_trajectory (trajectory_msgs/JointTrajectory, one message with positions,
@@ -33,6 +35,13 @@ def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
     increasing), /ROBOT/joint_states (sensor_msgs/JointState) and /ROBOT/contact_wrench (geometry_msgs/WrenchStamped on
     the object at the contact, in the robot's base axes) at every sample. Where motors have friction also
     /ROBOT/joint_friction (sensor_msgs/JointState with effort alone): the part of the effort that overcomes it.
+
+    Args:
+        result: A result with a trajectory.
+        folder: A new one.
+        merged: Whether joints of all robots are in one message each, /joint_trajectory, /joint_states and
+            /joint_friction, as one controller of all arms takes them; joints whose names several robots have are then
+            called ROBOT_JOINT.
 
     Raises:
         InputError: If there is no trajectory, or the folder exists or cannot be made.
@@ -45,25 +54,40 @@ def write_ros_bag(result: ScalingResult, folder: Path | str) -> None:
     stamps = np.rint(rows["t"] * NANOSECONDS).astype(np.int64)
     if not np.all(np.diff(stamps) > 0):
         raise InputError(folder, "samples lie less than a nanosecond apart at this speed, which ROS cannot tell apart.")
-    make_folder_atomically(folder, lambda bag: _write(result, rows, stamps, bag))
+    make_folder_atomically(folder, lambda bag: _write(result, rows, stamps, bag, merged=merged))
 
 
-def _write(result: ScalingResult, rows: dict[str, Array], stamps: Stamps, bag: Path) -> None:
+def write_merged_ros_bag(result: ScalingResult, folder: Path | str) -> None:
+    """`write_ros_bag` with all robots in one message."""
+    write_ros_bag(result, folder, merged=True)
+
+
+def _write(result: ScalingResult, rows: dict[str, Array], stamps: Stamps, bag: Path, *, merged: bool) -> None:
     from rosbags.rosbag2 import StoragePlugin, Writer  # noqa: PLC0415 (an extra, needed when a bag is)
 
+    cell = result.cell
+    groups = [(f"/{robot.name}", list(robot.joints), cell.joint_slices[robot.name]) for robot in cell.robots]
+    if merged:
+        groups = [("", _unique_names(cell), slice(None))]
     with Writer(bag, version=BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
-        for robot in result.cell.robots:
-            part = result.cell.joint_slices[robot.name]
+        for prefix, names, part in groups:
             own = {name: values[:, part] for name, values in rows.items() if name not in {"t", "F"}}
-            _add(writer, f"/{robot.name}/joint_trajectory", [(0, _trajectory(robot, stamps, own))])
-            states = _joint_states(robot, stamps, own["tau"], own["q"], own["dq"])
-            _add(writer, f"/{robot.name}/joint_states", states)
+            _add(writer, f"{prefix}/joint_trajectory", [(0, _trajectory(names, stamps, own))])
+            states = _joint_states(names, stamps, own["tau"], own["q"], own["dq"])
+            _add(writer, f"{prefix}/joint_states", states)
             if "tau_friction" in own:
-                _add(writer, f"/{robot.name}/joint_friction", _joint_states(robot, stamps, own["tau_friction"]))
+                _add(writer, f"{prefix}/joint_friction", _joint_states(names, stamps, own["tau_friction"]))
+        for robot in cell.robots:
             six = np.zeros((len(stamps), 6))
-            six[:, result.cell.wrench_rows] = rows["F"][:, result.cell.wrench_slices[robot.name]]
+            six[:, cell.wrench_rows] = rows["F"][:, cell.wrench_slices[robot.name]]
             wrenches = [(int(stamp), _wrench(robot, int(stamp), six[k])) for k, stamp in enumerate(stamps)]
             _add(writer, f"/{robot.name}/contact_wrench", wrenches)
+
+
+def _unique_names(cell: Cell) -> list[str]:
+    """Joints as in the URDF, ROBOT_JOINT where several robots have one of that name."""
+    count = Counter(joint for robot in cell.robots for joint in robot.joints)
+    return [joint if count[joint] == 1 else f"{robot.name}_{joint}" for robot in cell.robots for joint in robot.joints]
 
 
 def _add(writer: "Writer", topic: str, messages: list[tuple[int, Any]]) -> None:
@@ -85,7 +109,7 @@ def _header(stamp: int, frame: str) -> Any:
     return _message("std_msgs/msg/Header", stamp=_time("Time", stamp), frame_id=frame)
 
 
-def _trajectory(robot: Robot, stamps: Stamps, rows: dict[str, Array]) -> Any:
+def _trajectory(names: list[str], stamps: Stamps, rows: dict[str, Array]) -> Any:
     points = [
         _message(
             "trajectory_msgs/msg/JointTrajectoryPoint",
@@ -97,13 +121,13 @@ def _trajectory(robot: Robot, stamps: Stamps, rows: dict[str, Array]) -> Any:
         )
         for k, stamp in enumerate(stamps.tolist())
     ]
-    kind, names = "trajectory_msgs/msg/JointTrajectory", list(robot.joints)
+    kind = "trajectory_msgs/msg/JointTrajectory"
     return _message(kind, header=_header(0, ""), joint_names=names, points=points)
 
 
-def _joint_states(robot: Robot, stamps: Stamps, effort: Array, *motion: Array) -> list[tuple[int, Any]]:
+def _joint_states(names: list[str], stamps: Stamps, effort: Array, *motion: Array) -> list[tuple[int, Any]]:
     q, dq = motion or [np.zeros((len(stamps), 0))] * 2
-    names, kind = list(robot.joints), "sensor_msgs/msg/JointState"
+    kind = "sensor_msgs/msg/JointState"
     return [
         (stamp, _message(kind, header=_header(stamp, ""), name=names, position=q[k], velocity=dq[k], effort=effort[k]))
         for k, stamp in enumerate(stamps.tolist())

@@ -67,6 +67,25 @@ def test_a_table_gives_every_number_back(turned, tmp_path):
     assert len(head) == 1 + 4 * 12 + 12
 
 
+def test_a_merged_bag_has_one_trajectory_of_all_arms(turned, dual_ur5, tmp_path):
+    """Joints that both arms have are told apart by their robot, and the bag is a motion again."""
+    mrts.write_ros_bag(turned, tmp_path / "bag", merged=True)
+    ((_, _, trajectory),) = messages(tmp_path / "bag" / "bag.mcap", ["/joint_trajectory"])
+    done = turned.trajectory
+    assert trajectory.joint_names == [name.replace("/", "_") for name in dual_ur5.joint_names]
+    for field, values in (("positions", done.q), ("accelerations", done.ddq), ("effort", done.torque)):
+        np.testing.assert_array_equal([getattr(point, field) for point in trajectory.points], values)
+    topics = {topic for _, topic, _ in messages(tmp_path / "bag" / "bag.mcap")}
+    assert topics == {"/joint_trajectory", "/joint_states", "/left/contact_wrench", "/right/contact_wrench"}
+    again = mrts.scale(dual_ur5, mrts.load_motion(tmp_path / "bag"), 1.0, between=None)
+    np.testing.assert_array_equal(again.motion.q, done.q)
+    cell = mrts.load_cell(DATA.parent / "upper_body" / "cell.yaml")  # one machine: no name is there twice
+    unlike = mrts.scale(cell, mrts.load_motion(DATA.parent / "upper_body" / "lift.yaml"), between=None)
+    mrts.write_ros_bag(unlike, tmp_path / "machine", merged=True)
+    ((_, _, trajectory),) = messages(tmp_path / "machine" / "machine.mcap", ["/joint_trajectory"])
+    assert trajectory.joint_names == [joint for robot in cell.robots for joint in robot.joints]
+
+
 @pytest.mark.parametrize("name", TRAJECTORY_FORMATS)
 def test_every_format_is_written_whole_or_not_at_all(name, turned, planar_cell, lift, tmp_path):
     form = TRAJECTORY_FORMATS[name]
