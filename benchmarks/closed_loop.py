@@ -1,52 +1,56 @@
 # SPDX-License-Identifier: MIT
-"""How well a controller follows the profiles: constant, fastest, smooth, and the constant factor as slow as the smooth.
+"""What becomes of plans in closed loop: three shipped cells, three profiles, 100 cells each with drawn errors.
 
-In MuJoCo, with delay, lag, friction and a load that plans do not know; docs/smooth.md says how.
+The table of docs/simulate.md; `python benchmarks/closed_loop.py N` draws N instead.
 """
 
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "simulations"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "cases"))
-from closed_loop_trials import GRASPS, MOTIONS, Trial, measures, trial  # the trial that the tests pass
+import numpy as np
 
-PROFILES = {"constant": "constant", "optimal": "optimal", "smooth": "smooth", "constant, as long": "as_long"}
+import mrts
+from mrts.simulation.simulate import LIKELY, Simulation, Trials
 
+DATA = Path(mrts.__file__).parent / "data"
 
-VARIANTS: dict[str, tuple[str, dict[str, float]]] = {
-    "no limit of wrench rates": ("clamps", {"filled": 1e-6}),
-    "0.018 s to fill a contact's limit": ("clamps", {"filled": 0.018}),
-    "0.040 s to fill a contact's limit": ("clamps", {"filled": 0.04}),
-    "8 torque limits a second": ("clamps", {"torque_rate": 8.0}),
-    "15 torque limits a second": ("clamps", {"torque_rate": 15.0}),
-    "no velocity limits": ("rigid", {"velocity_limits": False}),
-    "dry friction of 5 % of the torque limits": ("rigid", {"dry": 0.05}),
+CELLS = {"dual_ur5": "lift_and_turn.yaml", "three_arms": "lift_and_turn.yaml", "squeeze": "lift_and_turn.yaml"}
+
+RATES = 10.0
+"""Torque limits per second, of the smooth profile."""
+
+PLANS: dict[str, Callable[..., mrts.ScalingResult | mrts.RetimingResult]] = {
+    "constant": mrts.scale,
+    "constant, `--distribute reserve`": partial(mrts.scale, distribute="reserve"),
+    "optimal": mrts.retime,
+    "smooth": partial(mrts.retime, rates=RATES),
 }
-"""What is changed of the trial of the UR5s, and with which grasps."""
+
+HEAD = ("cell", "profile", "duration", "largest use", "95 % of trials", "worst", "keep all limits", "object")
 
 
-def show(title: str, of: Trial, grasp: str) -> None:
-    """Print the table of one trial."""
-    print(f"{title}, grasps: {grasp}")
-    for label, profile in PROFILES.items():
-        found = measures(of.played(profile, grasp))
-        if profile == "constant":
-            print(f"  {'profile':<18}" + "".join(f"{column:>15}" for column in found))
-        values = [f"{value:.4f}" if "[s]" in column else f"{value:.2f}" for column, value in found.items()]
-        print(f"  {label:<18}" + "".join(f"{value:>15}" for value in values), flush=True)
+def row(name: str, profile: str, found: Simulation, trials: Trials) -> str:
+    """A line of the table."""
+    moving = found.played.time <= found.plan.duration
+    off = 1e3 * np.sqrt(np.mean(found.object_error[moving] ** 2))
+    shares = (found.uses[0][1].share, np.percentile(trials.largest, LIKELY), np.max(trials.largest))
+    told = (f"{100 * share:.0f} %" for share in shares)
+    kept = f"{trials.kept} of {len(trials.errors)}"
+    return " | ".join((name, profile, f"{found.plan.duration:.3f} s", *told, kept, f"{off:.2f} mm"))
 
 
-def main() -> None:
-    """Print the tables; with `--variants` those of changed trials."""
-    if "--variants" in sys.argv[1:]:
-        for title, (grasp, changed) in VARIANTS.items():
-            show(title, trial("dual_ur5", **changed), grasp)
-        return
-    for name in MOTIONS:
-        for grasp in GRASPS:
-            show(name, trial(name), grasp)
+def main(trials: int) -> None:
+    """Print the table."""
+    print(f"| {' | '.join(HEAD)} |\n|{'---|' * len(HEAD)}")
+    for name, file in CELLS.items():
+        cell, motion = mrts.load_cell(DATA / name / "cell.yaml"), mrts.load_motion(DATA / name / file)
+        for profile, plan in PLANS.items():
+            found = mrts.simulate(plan(cell, motion), trials=trials)
+            if found.trials is not None:
+                print(f"| {row(name, profile, found, found.trials)} |", flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    main(int(sys.argv[1]) if sys.argv[1:] else 100)

@@ -61,6 +61,9 @@ if TYPE_CHECKING:
     from mrts.scaling.scale import SelectionError as SelectionError
     from mrts.scaling.scale import scale as scale
     from mrts.scaling.scale import torques_for_load as torques_for_load
+    from mrts.simulation.controller import Controller as Controller
+    from mrts.simulation.controller import PlantErrors as PlantErrors
+    from mrts.simulation.simulate import simulate as simulate
     from mrts.starting.check import check as check
     from mrts.starting.hold import hold_here as hold_here
     from mrts.starting.plan_check import check_plan as check_plan
@@ -109,6 +112,8 @@ __all__, __getattr__, __dir__ = lazy_names(
         "scaling.range": "ScalingRange",
         "scaling.result": "ScalingResult",
         "scaling.scale": "SelectionError scale torques_for_load",
+        "simulation.controller": "Controller PlantErrors",
+        "simulation.simulate": "simulate",
         "starting.hold": "hold_here",
         "starting.plan_check": "check_plan",
         "studies.configurations": "rank_configurations",

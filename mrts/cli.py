@@ -41,6 +41,7 @@ COMMANDS = {
     "configurations": "compare all inverse-kinematics branches of the arms",
     "sweep": "solve all variants of a study: numbers of cell and motion that vary",
     "place": "where to put the arms and how to hold the object: the layout that may be played fastest",
+    "simulate": "whether a plan keeps its limits when a controller plays it on an imperfect cell",
     "identify": "armature and friction of the motors from a recording of the arms' free motion",
     "view": "a cell in the browser, its motion at any speed against all limits; pictures and films",
     "report": "write a saved result or a study as an HTML page that opens offline",

@@ -13,7 +13,8 @@ from mrts.base.formats.package_uri import is_xacro
 from mrts.base.formats.urdf import Urdf
 from mrts.base.manifest import MANIFEST_NAME
 from mrts.base.regular_file import is_folder
-from mrts.base.remark import Remark
+from mrts.base.remark import NEAREST_INERTIA, Remark
+from mrts.cell.record import CellRecord
 from mrts.cell.robot import Robot
 from mrts.kernel.cache_folder import cache_folder
 
@@ -114,6 +115,25 @@ def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) ->
 
     robot, com = arm_chain(path, urdf, base_link, tip_link)
     return robot, com
+
+
+def chain_of(cell: CellRecord, robot: Robot, folder: Path) -> Any:
+    """The chain of an arm of a cell, with the masses that its functions were generated with; files are in a folder.
+
+    Raises:
+        InputError: If its URDF is not there as it was.
+    """
+    from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415
+    from mrts_codegen.urdf_reference import robot_reference  # noqa: PLC0415
+
+    reference, where, source = robot_reference(robot.source), folder / CELL_FILE, robot.source
+    path, content = reference.path(where, folder), reference.content(where, folder)
+    if hashlib.sha256(content).hexdigest() != source.sha256:
+        raise InputError(path, "is another file than the cell was made from. Read the cell again.")
+    lenient = any(remark.code == NEAREST_INERTIA for remark in cell.remarks)
+    urdf = parse_urdf(path, content)
+    return build_robot_model(path, urdf, source.base_link, source.tip_link, robot.held, lenient=lenient)
 
 
 def read_without_generating(path: Path) -> tuple[Any, tuple[InputError, ...]]:

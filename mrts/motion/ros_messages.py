@@ -144,7 +144,7 @@ def read_joint_trajectories(
     for name, planned in _trajectories(path, topic).items():
         try:
             message = _chosen(path, name, planned, trajectory)
-            usable[name] = message, _stamps(path, name, message)
+            usable[name] = message, point_stamps(path, name, message)
         except InputError as error:
             unusable |= dict.fromkeys(_names(name, planned[0]) if planned else [], error)
             failure = failure or error
@@ -160,7 +160,7 @@ def read_joint_trajectories(
             unusable |= dict.fromkeys(names, InputError(path, rule, key=name))
             continue
         for part, columns in parts.items():
-            values = _values(path, name, message, part)
+            values = point_values(path, name, message, part)
             for column, numbers in zip(names, values.T, strict=False):
                 if column in columns:
                     robot, _, joint = column.rpartition("/")
@@ -239,7 +239,8 @@ def _length(planned: Any) -> str:
     return f"{size}, {end.sec + end.nanosec / NANOSECONDS:.4g} s"
 
 
-def _stamps(path: Path, topic: str, planned: Any) -> NDArray[np.int64]:
+def point_stamps(path: Path, topic: str, planned: Any) -> NDArray[np.int64]:
+    """Times of a trajectory's points from its start, strictly increasing, Shape (N,) [ns]."""
     times = [point.time_from_start for point in planned.points]
     if len(times) < 2:  # noqa: PLR2004 (both ends)
         raise InputError(path, f"has {len(times)} points; a motion has at least 2.", key=topic)
@@ -254,7 +255,8 @@ def _stamps(path: Path, topic: str, planned: Any) -> NDArray[np.int64]:
     return stamps
 
 
-def _values(path: Path, topic: str, message: Any, part: str) -> Array:
+def point_values(path: Path, topic: str, message: Any, part: str) -> Array:
+    """A part of a trajectory's points, such as positions: Shape (N, joints), or (N, 0) where it is not given."""
     joints = list(message.joint_names)
     rows = [getattr(point, part) for point in message.points]
     size = len(rows[0]) if part != "positions" else len(joints)

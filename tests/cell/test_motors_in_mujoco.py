@@ -1,21 +1,11 @@
-"""Torques of a plan against MuJoCo with armature, damping and frictionloss: its inverse dynamics, and played in it."""
+"""Torques of a plan against MuJoCo's inverse dynamics, which reads the URDFs itself, with its own motors."""
 
 import mujoco
 import numpy as np
 import pytest
 from conftest import DATA, UR5
-from mujoco_cells import (
-    PLANAR_MOTORS,
-    UR5_MOTORS,
-    add_arm,
-    closed_loop,
-    empty_world,
-    set_motors,
-    urdf_of,
-)
 from random_motors import equipped
-from scipy.interpolate import make_interp_spline
-from shipped_cells import sampled, shipped_motion
+from scipy.spatial.transform import Rotation
 
 import mrts
 
@@ -27,8 +17,17 @@ STEADY = 0.05
 """Share of a joint's largest speed above which MuJoCo's soft dry friction has the size of the given one; below, it
 depends on how fast the speed changes."""
 
-TRACKED = 2e-3
-"""[rad]"""
+UR5_MOTORS = {
+    "armature": [0.66, 0.66, 0.66, 0.1, 0.1, 0.1],
+    "coulomb": [7.0, 7.0, 5.0, 2.0, 2.0, 2.0],
+    "viscous": [8.0, 8.0, 6.0, 1.0, 1.0, 1.0],
+}
+"""Of the size that is published for arms of this class [kg m², N m, N m s/rad]."""
+
+PLANAR_MOTORS = {"armature": [0.4, 0.3, 0.05], "coulomb": [4.0, 3.0, 0.5], "viscous": [1.0, 0.8, 0.1]}
+
+SMALL_STEP = 1e-4
+"""Dry friction of MuJoCo is as steep near standstill as the step is small [s]."""
 
 
 def cases(name):
@@ -37,7 +36,26 @@ def cases(name):
         "planar_dual_arm": (DATA, PLANAR_MOTORS, "lift.yaml"),
     }[name]
     cell = equipped(mrts.load_cell(folder / "cell.yaml"), **columns)
-    return cell, mrts.load_motion(folder / motion), urdf_of(folder)
+    return cell, mrts.load_motion(folder / motion), folder / cell.robots[0].source.urdf
+
+
+def arm_of_urdf(cell, robot, urdf):
+    """The arm by itself, with its motors."""
+    spec = mujoco.MjSpec()
+    spec.option.timestep, spec.option.gravity = SMALL_STEP, cell.gravity
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+    quaternion = np.roll(Rotation.from_matrix(robot.T_world_base.R).as_quat(), 1)
+    frame = spec.worldbody.add_frame(pos=robot.T_world_base.p, quat=quaternion)
+    spec.attach(mujoco.MjSpec.from_file(str(urdf)), frame=frame, prefix=f"{robot.name}/")
+    model = spec.compile()
+    for j, joint in enumerate(robot.joints):
+        dof = model.joint(f"{robot.name}/{joint}").dofadr[0]
+        model.dof_armature[dof] = robot.motors.armature[j]
+        model.dof_damping[dof] = robot.motors.viscous[j]
+        model.dof_frictionloss[dof] = robot.motors.coulomb[j]
+        model.dof_solref[dof] = [2 * SMALL_STEP, 1.0]
+        model.dof_solimp[dof] = [0.9999, 0.9999, 1e-3, 0.5, 2.0]
+    return model
 
 
 @pytest.mark.parametrize("name", ["dual_ur5", "planar_dual_arm"])
@@ -49,10 +67,7 @@ def test_torques_are_those_of_inverse_dynamics(name):
     given = done.motion.object
     for robot in cell.robots:
         joints, wrenches = cell.joint_slices[robot.name], cell.wrench_slices[robot.name]
-        spec = empty_world(cell)
-        add_arm(spec, robot, urdf)
-        model = spec.compile()
-        set_motors(model, robot)
+        model = arm_of_urdf(cell, robot, urdf)
         data = mujoco.MjData(model)
         places = [model.joint(f"{robot.name}/{joint}").dofadr[0] for joint in robot.joints]
         tip = model.njnt - 1
@@ -80,26 +95,3 @@ def test_torques_are_those_of_inverse_dynamics(name):
         off = done.torque[:, joints] - (friction - viscous) - wanted  # MuJoCo's own damping is in what is wanted
         print(robot.name, "largest difference [N m]", np.max(np.abs(off)), "of", np.max(np.abs(done.torque)))
         assert np.max(np.abs(off)) < SAME_TORQUE * np.max(np.abs(done.torque))
-
-
-@pytest.fixture(scope="module")
-def played():
-    """Largest errors of the joints along the plan, with the friction of the plan fed forward, and without [rad]."""
-    cell, _, urdf = cases("dual_ur5")
-    cell = cell.without_velocity_limits()
-    done = mrts.scale(cell, sampled(shipped_motion("dual_ur5", samples=1001))).trajectory
-    found = {}
-    for kind, forward in (("with", done.torque), ("without", done.torque - done.friction)):
-        steps = closed_loop(cell, urdf, done, make_interp_spline(done.time, forward, k=1), motors=True)
-        found[kind] = max(float(np.max(np.abs(off))) for *_, off in steps)
-    return found
-
-
-def test_friction_fed_forward_keeps_the_joints_on_their_path(played):
-    print("largest error of a joint [rad]", played)
-    assert played["with"] < TRACKED
-
-
-def test_without_it_they_leave_it(played):
-    """The friction is felt: else the test above says nothing about it."""
-    assert played["without"] > 3 * TRACKED

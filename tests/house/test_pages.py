@@ -27,6 +27,7 @@ DOCS = ROOT / "docs"
         pytest.param("ros2", 2, marks=pytest.mark.slow),
         pytest.param("optimal_profile", 2, marks=pytest.mark.slow),
         pytest.param("smooth", 3, marks=pytest.mark.slow),
+        pytest.param("simulate", 2, marks=pytest.mark.slow),
         pytest.param("real_cell", 6, marks=pytest.mark.slow),
         pytest.param("studies", 8, marks=pytest.mark.slow),
         pytest.param("limits", 1, marks=pytest.mark.slow),

@@ -2,9 +2,10 @@
 
 import mujoco
 import numpy as np
-from mujoco_cells import quaternion
 from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
+
+from mrts.simulation.plant import quaternion
 
 STEP = 1e-4
 """Of the simulation [s]."""

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""`mrts simulate`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from click import argument, option
+
+from mrts.base.argument_types import require_extra
+from mrts.base.errors import InputError
+from mrts.commands import options
+from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
+from mrts.commands.console.output_files import Outputs
+from mrts.commands.console.progress import working
+from mrts.commands.options import Named
+
+if TYPE_CHECKING:
+    from mrts.cell.cell import Cell
+    from mrts.scaling.result import ScalingResult
+    from mrts.scaling.scaled_trajectory import ScaledTrajectory
+    from mrts.timing.result import RetimingResult
+
+EXAMPLES = """\
+examples:
+  mrts simulate cell.yaml result.npz
+  mrts simulate cell.yaml trajectory.csv --set delay=2e-3 --set mass=0.05 --set com=0.002,0,0
+  mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest"""
+
+
+@options.command(EXAMPLES)
+@options.cell
+@argument("plan", type=Named(), metavar="PLAN",
+          help="saved result (.npz), CSV table with torques and wrenches, or ROS 2 bag, as `mrts scale` writes "
+          "them")  # fmt: skip
+@option("--set", "given", multiple=True, metavar="KEY=VALUE",
+        help="a number of the controller or of the cell's errors; once for each (docs/simulate.md)")  # fmt: skip
+@option("--trials", type=int, metavar="N", help="play it again so often with drawn errors (default: 0)")
+@option("--seed", type=int, metavar="N", help="of the drawn errors and of noise (default: 0)")
+@options.json
+@option("-v", "--verbose", is_flag=True, help="print the table of all limits, not the nearest ones")
+def run(
+    cell: Path, plan: Path, given: tuple[str, ...] = (), json: Path | None = None, *, verbose: bool = False, **draw: Any
+) -> int:
+    """Does a plan keep its limits when a controller plays it on a cell that is not quite the plan's?"""
+    from mrts.simulation.controller import Controller, PlantErrors, with_settings
+    from mrts.simulation.simulate import simulate
+
+    require_extra("mrts simulate", "simulate", "mujoco")
+    controller, errors = with_settings(Controller(), PlantErrors(), dict(map(_setting, given)))
+    compiled = options.compiled_cell(cell)
+    with working(f"reading {plan}"):
+        planned = _plan(compiled, plan)
+    with working(f"simulating {compiled.name}") as progress:
+        found = simulate(planned, controller, errors, progress=progress, **draw)
+    outputs = Outputs()
+    outputs.write(json, found.write_json)
+    outcome = INFEASIBLE if found.passed else FEASIBLE
+    return outputs.answer(found.lines(every=verbose), outcome, json, found)
+
+
+def _plan(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult | ScaledTrajectory":
+    from mrts.output.saved_result import load_result
+    from mrts.simulation.plan_file import load_plan
+
+    return load_result(path, cell) if path.suffix.lower() == ".npz" else load_plan(cell, path)
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    name, sign, value = text.partition("=")
+    if not sign:
+        raise InputError("given", "must be KEY=VALUE, such as delay=2e-3.", value=text)
+    if name == "friction":
+        if value not in {"true", "false"}:
+            raise InputError("given", "friction is fed forward or not: true or false.", value=text)
+        return name, value == "true"
+    numbers = options.numbers("given", value, f"{name} must be a number, or numbers with commas between them.")
+    return name, numbers[0] if len(numbers) == 1 else options.array(numbers)

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+"""A plan from a table or a bag, as `mrts scale` writes them."""
+
+from pathlib import Path
+
+import numpy as np
+
+from mrts.base.argument_types import as_path, check_type
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
+from mrts.following.coordinate import coordinate, required_columns
+from mrts.motion.csv_motion import read_joint_columns
+from mrts.motion.joint_table import joint_motion
+from mrts.motion.ros_messages import KIND, NANOSECONDS, bag_messages, is_bag, point_stamps, point_values
+from mrts.motion.rows_at_rest import moving_rows
+from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
+
+WRENCH_KIND = "geometry_msgs/msg/WrenchStamped"
+
+
+def load_plan(cell: Cell, path: Path | str) -> ScaledTrajectory:
+    """Read a plan that a cell is to play.
+
+    Args:
+        cell: The cell.
+        path: A CSV table with t, q., dq., ddq. and tau. of every joint and F. of every wrench component, as `mrts scale
+            --csv` writes, or a ROS 2 bag as `--bag` does.
+
+    Raises:
+        InputError: If it is malformed, lacks something, or is of another cell.
+        MotionError: If its joints do not carry one object.
+    """
+    check_type("cell", cell, Cell)
+    path = as_path("path", path)
+    time, parts = _from_bag(cell, path) if is_bag(path) else read_joint_columns(path)
+    joints, _ = required_columns(cell, path, list(parts["q"]))
+    wrenches = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
+    found: dict[str, Array] = {}
+    for part in ("q", "dq", "ddq", "tau", "F"):
+        names = wrenches if part == "F" else joints
+        missing = [name for name in names if name not in parts[part]]
+        if missing:
+            rule = (
+                f"says nothing of '{part}.{missing[0]}': a plan of cell '{cell.name}' has it, as mrts scale writes it."
+            )
+            raise InputError(path, rule)
+        found[part] = np.column_stack([parts[part][name] for name in names])
+    q, dq, ddq = (dict(zip(cell.joint_names, found[part].T, strict=True)) for part in ("q", "dq", "ddq"))
+    motion = coordinate(cell, joint_motion(path, time, q, dq, ddq, None))
+    kept = moving_rows(time, found["q"], found["dq"], found["ddq"])
+    ends = kept.start > 0, kept.stop < len(time)
+    torque, wrench = found["tau"], found["F"]
+    holding = Holding(ends, torque[[0, -1]], wrench[[0, -1]])
+    return ScaledTrajectory(cell, motion, 1.0, torque[kept], wrench[kept], holding)
+
+
+def _from_bag(cell: Cell, path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
+    """What a table of the same plan has: times, and columns by q, dq, ddq, tau and F."""
+    names = {"q": "positions", "dq": "velocities", "ddq": "accelerations", "tau": "effort"}
+    parts: dict[str, dict[str, Array]] = {name: {} for name in (*names, "F")}
+    messages, stamps = bag_messages(path, KIND, WRENCH_KIND), np.zeros(0, dtype=np.int64)
+    for robot in cell.robots:
+        topics = [f"/{robot.name}/{name}" for name in ("joint_trajectory", "contact_wrench")]
+        if missing := [topic for topic in topics if topic not in messages]:
+            raise InputError(path, f"has no topic {missing[0]}: a plan of cell '{cell.name}' has it.")
+        (_, planned), pushed = messages[topics[0]][0], [message.wrench for _, message in messages[topics[1]]]
+        own = point_stamps(path, topics[0], planned)
+        stamps = stamps if len(stamps) else own
+        if not np.array_equal(own, stamps) or len(pushed) != len(stamps):
+            raise InputError(path, "must have the times of all others: the arms move together.", key=topics[0])
+        for name, part in names.items():
+            columns = point_values(path, topics[0], planned, part).T
+            parts[name] |= {
+                f"{robot.name}/{joint}": of for joint, of in zip(planned.joint_names, columns, strict=False)
+            }
+        six = np.array([[of.x, of.y, of.z] for one in pushed for of in (one.force, one.torque)]).reshape(-1, 6)
+        of_hand = zip(cell.wrench_components, six.T[cell.wrench_rows], strict=True)
+        parts["F"] |= {f"{robot.name}/{component}": of for component, of in of_hand}
+    return (stamps - stamps[0]) / NANOSECONDS, parts

@@ -1,0 +1,406 @@
+# SPDX-License-Identifier: MIT
+"""A plan played by a controller on an imperfect cell, and what it makes of every limit."""
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import NoneType
+from typing import Any
+
+import numpy as np
+
+from mrts.base.argument_types import Progress, check_type, is_number, require_extra
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.json_output import JsonOutput
+from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
+from mrts.base.printable import printable
+from mrts.cell.cell import Cell
+from mrts.limits.rows import RowName
+from mrts.motion.rows_at_rest import REST
+from mrts.scaling.limit_use import LimitUse, all_quantities
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.simulation.controller import Controller, PlantErrors
+from mrts.timing.result import RetimingResult
+
+STEP = 1e-5
+"""Of the simulation, at most [s]."""
+
+MEASURED = 2.5e-4
+"""From one measurement to the next, at most [s]: force sensors give up to 4000 a second."""
+
+BEFORE, AFTER = 0.1, 0.2
+"""Standstill before the motion, in which errors of load and friction settle, and after it [s]."""
+
+PASSED = 1e-3
+"""Share of a limit by which it may be passed: what the step of the simulation leaves."""
+
+FINE = 20001
+"""Points of the object's path from which its distance is measured: they are micrometres apart."""
+
+NEAREST = 5
+"""Limits that are printed, unless more are passed."""
+
+MOST_TRIALS = 100_000
+
+LIKELY = 95.0
+"""Per cent of the trials that are told apart from the worst."""
+
+
+@dataclass(frozen=True)
+class Trials:
+    """The same plan on cells whose errors were drawn, T of them.
+
+    Attributes:
+        errors: Of each.
+        shares: Largest share of every limit, Shape (T, r).
+        saturated: Share of commands that were cut, Shape (T,).
+    """
+
+    errors: tuple[PlantErrors, ...]
+    shares: Array
+    saturated: Array
+
+    @property
+    def largest(self) -> Array:
+        """Share of the limit of which most is used in each, Shape (T,)."""
+        return np.asarray(np.max(self.shares, axis=1, initial=0.0))
+
+    @property
+    def kept(self) -> int:
+        """How many keep all limits."""
+        return int(np.sum(self.largest <= 1 + PASSED))
+
+    @property
+    def worst(self) -> Array:
+        """Largest share of each limit, Shape (r,)."""
+        return np.asarray(np.max(self.shares, axis=0))
+
+    @property
+    def likely(self) -> Array:
+        """The share of each limit within which 95 % of the trials stay, Shape (r,)."""
+        return np.asarray(np.percentile(self.shares, LIKELY, axis=0))
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Simulation(InNotebooks, JsonOutput):
+    """What `mrts.simulate` found.
+
+    Attributes:
+        plan: What was to be played.
+        played: What became of it, until 0.2 s after its end, as measured: torques are those of the motors.
+        controller: What played it.
+        errors: Of the cell.
+        saturated: Share of the motion's commands of which a motor's limit cut some joint's torque.
+        trials: With drawn errors; None without.
+    """
+
+    plan: ScaledTrajectory
+    played: ScaledTrajectory
+    controller: Controller
+    errors: PlantErrors
+    saturated: float
+    trials: Trials | None = None
+
+    @cached_property
+    def uses(self) -> tuple[tuple[LimitUse, LimitUse], ...]:
+        """What the plan uses of each enforced limit, and what the simulation did, by falling share of that."""
+        planned, used = limit_uses(self.plan), limit_uses(self.played)
+        order = sorted(range(len(used)), key=lambda row: -used[row].share)
+        return tuple((planned[row], used[row]) for row in order)
+
+    @property
+    def passed(self) -> tuple[LimitUse, ...]:
+        """Limits that were passed, by falling share."""
+        return tuple(used for _, used in self.uses if used.share > 1 + PASSED)
+
+    @cached_property
+    def joint_error(self) -> Array:
+        """Of the joints against the plan, Shape (N, m) [rad or m]."""
+        return np.asarray(self.played.q - course(self.plan)(np.minimum(self.played.time, self.plan.duration)))
+
+    @cached_property
+    def object_error(self) -> Array:
+        """Distance of the object from where the plan has it, Shape (N,) [m]."""
+        at = self._object_course()(np.minimum(self.played.time, self.plan.duration))
+        return np.asarray(np.linalg.norm(self.played.motion.object.position - at, axis=1))
+
+    @cached_property
+    def path_error(self) -> Array:
+        """Distance of the object from its path, whenever it should be there, Shape (N,) [m]."""
+        from scipy.spatial import cKDTree  # noqa: PLC0415 (slow to import)
+
+        path = self._object_course()(np.linspace(0.0, self.plan.duration, FINE))
+        return np.asarray(cKDTree(path).query(self.played.motion.object.position)[0])
+
+    def _object_course(self) -> Any:
+        from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 (slow to import)
+
+        given = self.plan.motion.object
+        return CubicHermiteSpline(self.plan.time, given.position, self.plan.c * given.twist[:, :3])
+
+    def __repr__(self) -> str:
+        return f"<Simulation: {self.sentence()}>"
+
+    def sentence(self) -> str:
+        """The verdict."""
+        cut = f"; motors cut {100 * self.saturated:.2g} % of the commands" if self.saturated > 0 else ""
+        if not self.uses:
+            return printable(f"there is no limit to keep{cut}")
+        _, worst = self.uses[0]
+        if not self.passed:
+            nearest = f"nearest is {worst.name}, {100 * worst.share:.1f} % at {worst.time:.4g} s"
+            return printable(f"every limit is kept; {nearest}{cut}")
+        others = f", and {len(self.passed) - 1} more are passed" if len(self.passed) > 1 else ""
+        passed = f"passes its limit by {100 * (worst.share - 1):.2g} % at {worst.time:.4g} s"
+        return printable(f"{worst.name} {passed}{others}{cut}")
+
+    def lines(self, *, every: bool = False) -> Iterator[str]:
+        """The answer for people: verdict, errors of tracking, what was assumed, and the nearest limits, or all."""
+        yield f"{self.plan.cell.name}: {self.sentence()}"
+        yield from self.words()
+        yield ""
+        shown = self.uses if every else self.uses[: max(NEAREST, len(self.passed))]
+        head, rows = self._table(shown)
+        widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+        for row in (head, *rows):
+            yield printable("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+
+    def words(self) -> Iterator[str]:
+        """How well the plan was followed, what the trials came to, and what was assumed."""
+        moving = self.played.time <= self.plan.duration
+        joints, carried, path = (
+            (float(np.sqrt(np.mean(of[moving] ** 2))), float(np.max(np.abs(of[moving]))))
+            for of in (self.joint_error, self.object_error, self.path_error)
+        )
+        yield (
+            f"joints are {1e3 * joints[0]:.3g} mrad off (at most {1e3 * joints[1]:.3g}), the object "
+            f"{1e3 * carried[0]:.3g} mm ({1e3 * carried[1]:.3g}) and off its path {1e3 * path[0]:.3g} mm "
+            f"({1e3 * path[1]:.3g})"
+        )
+        if self.trials is not None:
+            most = self.trials.largest
+            within, worst = _percent(float(np.percentile(most, LIKELY))), _percent(float(np.max(most)))
+            yield (
+                f"{len(most)} trials with drawn errors: {LIKELY:g} % stay within {within} of every limit, the worst "
+                f"uses {worst}; {self.trials.kept} keep all limits"
+            )
+        for title, of in (("controller", self.controller), ("cell", self.errors)):
+            numbers = (f"{name} {_told(value)}" for name, value in of.to_json().items())
+            yield f"{title}: {', '.join(numbers)}"
+
+    def notebook_words(self) -> list[str]:
+        """Verdict and errors."""
+        return [self.sentence(), *self.words()]
+
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """Every limit, planned and used."""
+        yield NotebookTable(*self._table(self.uses))
+
+    def _table(self, uses: Sequence[tuple[LimitUse, LimitUse]]) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+        head: tuple[str, ...] = ("limit", "planned", "used", "excess", "at")
+        spread = self._spread()
+        head += ("95 % of trials", "worst") if spread else ()
+        rows = [
+            (
+                str(used.name), _percent(planned.share), _percent(used.share),
+                _percent(used.share - 1) if used.share > 1 else "", f"{used.time:.4g} s",
+                *map(_percent, spread.get(used.name, ())),
+            )
+            for planned, used in uses
+        ]  # fmt: skip
+        return head, rows
+
+    def _spread(self) -> dict[RowName, tuple[float, float]]:
+        """Of each limit what 95 % of the trials stay within, and the worst; empty without trials."""
+        if self.trials is None:
+            return {}
+        names = (use.name for use in limit_uses(self.played))
+        both = zip(self.trials.likely.tolist(), self.trials.worst.tolist(), strict=True)
+        return dict(zip(names, both, strict=True))
+
+    def to_json(self) -> dict[str, Any]:
+        """All but the samples as JSON values."""
+        spread, moving = self._spread(), self.played.time <= self.plan.duration
+        errors = {"joints": self.joint_error, "object": self.object_error, "path": self.path_error}
+        found: dict[str, Any] = {
+            "cell": self.plan.cell.name,
+            "duration": self.plan.duration,
+            "kept": not self.passed,
+            "outcome": self.sentence(),
+            "saturated": self.saturated,
+            "tracking": {
+                name: {"rms": float(np.sqrt(np.mean(of[moving] ** 2))), "largest": float(np.max(np.abs(of[moving])))}
+                for name, of in errors.items()
+            },
+            "controller": self.controller.to_json(),
+            "errors": self.errors.to_json(),
+            "limits": [
+                used.name.to_json()
+                | {"planned": planned.share, "used": used.share, "excess": max(0.0, used.share - 1), "time": used.time}
+                | (dict(zip(("likely", "worst"), spread[used.name], strict=True)) if spread else {})
+                for planned, used in self.uses
+            ],
+        }
+        if self.trials is not None:
+            found["trials"] = {
+                "errors": [errors.to_json() for errors in self.trials.errors],
+                "largest": self.trials.largest.tolist(),
+                "saturated": self.trials.saturated.tolist(),
+            }
+        return found
+
+
+def simulate(
+    plan: ScalingResult | RetimingResult | ScaledTrajectory,
+    controller: Controller | None = None,
+    errors: PlantErrors | None = None,
+    *,
+    cell: Cell | None = None,
+    trials: int = 0,
+    seed: int = 0,
+    progress: Progress = lambda _done, _total: None,
+) -> Simulation:
+    """Play a plan by a controller on a cell that is not quite the plan's, in MuJoCo; needs the extra 'simulate'.
+
+    The plan's torques are linear in time between its rows, its joints cubic splines through positions and velocities.
+    The cell stands 0.1 s before and 0.2 s after it.
+
+    Args:
+        plan: What `mrts.scale` or `mrts.retime` found, or its trajectory.
+        controller: None is `Controller()`.
+        errors: None is `PlantErrors()`.
+        cell: With the limits and motors that count; None is the plan's, without a reserve.
+        trials: How often it is played again, with errors drawn evenly between minus and plus `errors`.
+        seed: Of the draws and of the noise.
+        progress: Told of the trials.
+
+    Returns:
+        What was found; limits that are passed are an outcome.
+
+    Raises:
+        InputError: If MuJoCo is missing, a number breaks a rule, the URDFs of the cell are not there as they were, or
+            the plan has no trajectory, or does not start and end at rest.
+        SolverError: If the simulation runs away.
+    """
+    require_extra("simulate", "simulate", "mujoco")
+    check_type("controller", controller, Controller, NoneType)
+    check_type("errors", errors, PlantErrors, NoneType)
+    if not is_number(trials, 0, MOST_TRIALS) or trials != int(trials):
+        raise InputError("trials", f"must be a whole number from 0 to {MOST_TRIALS}.", value=trials)
+    if not is_number(seed, 0) or seed != int(seed):
+        raise InputError("seed", "must be a whole number >= 0.", value=seed)
+    controller, errors = controller or Controller(), errors or PlantErrors()
+    planned = _trajectory(plan)
+    counts = (planned.cell if cell is None else cell).with_reserve(0.0)
+    planned = ScaledTrajectory(counts, planned.motion, planned.c2, planned.torque, planned.wrench, planned.holding)
+    rng = np.random.default_rng(seed)
+    played, saturated = _played(planned, controller, errors, rng)
+    found: list[tuple[PlantErrors, list[float], float]] = []
+    for done in range(int(trials)):
+        drawn = errors.drawn(rng)
+        motion, cut = _played(planned, controller, drawn, rng)
+        found.append((drawn, [use.share for use in limit_uses(motion)], cut))
+        progress(done + 1, int(trials))
+    several = None
+    if found:
+        drawn_errors, shares, cuts = zip(*found, strict=True)
+        several = Trials(drawn_errors, np.array(shares), np.array(cuts))
+    return Simulation(
+        plan=planned, played=played, controller=controller, errors=errors, saturated=saturated, trials=several
+    )
+
+
+def limit_uses(done: ScaledTrajectory) -> list[LimitUse]:
+    """Of all limits that a cell keeps, in the order of its rows."""
+    kept = done.cell.enforces_velocity_limits
+    uses = all_quantities(done, driven=True).uses(done.time)
+    return [use for use in uses if use.limited and (kept or use.name.kind != "velocity")]
+
+
+def course(plan: ScaledTrajectory) -> Any:
+    """The joints of a plan by time, as a controller interpolates them."""
+    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 (slow to import)
+
+    return CubicHermiteSpline(plan.time, plan.q, plan.dq)
+
+
+def _trajectory(plan: ScalingResult | RetimingResult | ScaledTrajectory) -> ScaledTrajectory:
+    check_type("plan", plan, ScalingResult, RetimingResult, ScaledTrajectory)
+    shown = plan.retimed if isinstance(plan, RetimingResult) else plan
+    done = shown.trajectory if isinstance(shown, ScalingResult) else shown
+    if done is None:
+        raise InputError("plan", "has no trajectory: there is no speed at which it keeps its limits.")
+    if np.max(np.abs(done.dq[[0, -1]])) > REST * np.max(np.abs(done.dq)):
+        raise InputError("plan", "must start and end at rest: a controller holds still before and after it.")
+    return done
+
+
+def _at_rest(plan: ScaledTrajectory, name: str) -> Array:
+    """Torques or wrenches before and after the motion, Shape (2, …): of the rows that hold still if it has any."""
+    values, held = getattr(plan, name)[[0, -1]], plan.holding
+    return np.asarray(values if held is None else np.where(np.array(held.ends)[:, None], getattr(held, name), values))
+
+
+def _reference(plan: ScaledTrajectory, controller: Controller) -> tuple[Array, Array, Array, Array]:
+    """Times of the controller's commands, Shape (k,) [s], with the plan's q, q̇ and torques then, each Shape (k, m)."""
+    period, torque, end = 1 / controller.rate, plan.torque, plan.duration
+    time = np.arange(-np.ceil(BEFORE / period), np.ceil((end + AFTER) / period) + 1) * period
+    inside, joints = np.clip(time, 0.0, end), course(plan)
+    if not controller.friction:
+        torque = torque - plan.friction
+    forward = np.column_stack([np.interp(time, plan.time, column) for column in torque.T])
+    forward[time < 0], forward[time > end] = _at_rest(plan, "torque")
+    return time, joints(inside), joints(inside, 1) * (inside == time)[:, None], forward
+
+
+def _played(
+    plan: ScaledTrajectory, controller: Controller, errors: PlantErrors, rng: np.random.Generator
+) -> tuple[ScaledTrajectory, float]:
+    """What becomes of a plan, and the share of the motion's commands that were cut."""
+    from mrts.simulation.plant import Plant, without_log  # noqa: PLC0415 (the extra 'simulate')
+
+    period = 1 / controller.rate
+    steps = int(np.ceil(period / STEP))  # of the simulation in a period of the controller
+    plant = Plant(plan.cell, errors, controller.lag, period / steps)
+    torque, wrench = (_at_rest(plan, name)[0] for name in ("torque", "wrench"))
+    plant.start(plan, torque, wrench)
+    position_gain, velocity_gain = controller.gains(plant.inertia())
+    lower = np.concatenate([robot.torque_lower for robot in plan.cell.robots])
+    upper = np.concatenate([robot.torque_upper for robot in plan.cell.robots])
+    resolution = controller.resolution * np.maximum(-lower, upper)
+    noise = (controller.position_noise,), (controller.velocity_noise,)
+    periods, late = divmod(round(controller.delay * controller.rate * steps), steps)
+    sent = deque([torque] * (periods + 1), periods + 2)  # the last ones, of which the first is at the motors
+    measured = range(0, steps, max(1, int(MEASURED / period * steps)))
+    stops = sorted({*measured, late})
+    times, rows, cut = list[float](), list[Array](), list[bool]()
+    with without_log():
+        for now, *wanted, forward in zip(*_reference(plan, controller), strict=True):
+            off = np.array(wanted) - plant.joints() - rng.normal(0.0, noise, (2, len(forward)))
+            asked = forward + position_gain * off[0] + velocity_gain * off[1]
+            if controller.resolution > 0:
+                asked = np.round(asked / resolution) * resolution
+            sent.append(np.clip(asked, lower, upper))
+            if 0 <= now <= plan.duration:
+                cut.append(bool(np.any(asked != sent[-1])))
+            for stop, following in zip(stops, [*stops[1:], steps], strict=True):
+                if now > -period / 2 and stop in measured:
+                    times.append(now + stop * period / steps)
+                    rows.append(plant.sample())
+                plant.step(sent[int(stop >= late)], following - stop)
+    plant.check_sound()
+    return plant.trajectory(np.array(times), np.array(rows)), float(np.mean(cut))
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %"
+
+
+def _told(value: Any) -> str:
+    """A number as it is printed with what was assumed."""
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_told, value)) + "]"
+    return "from the inertia" if value is None else f"{value:g}" if not isinstance(value, bool) else str(value).lower()

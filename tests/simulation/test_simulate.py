@@ -1,0 +1,232 @@
+"""A plan in closed loop: the controller against closed forms, the cell by energy, and that errors are felt."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from random_motors import equipped
+from shipped_cells import DATA
+
+import mrts
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.simulation import simulate as simulation
+from mrts.simulation.controller import with_settings
+
+EXACT = mrts.PlantErrors(mass=0.0, friction_error=0.0)
+
+PROMPT = mrts.Controller(rate=5000.0, delay=0.0, lag=0.0)
+"""A controller that hardly delays what is planned."""
+
+SAME_WRENCH = 0.01
+"""Share of a limit by which wrenches of a slow motion may differ from the plan's without errors: torques are held."""
+
+SAME_FILTER = 1e-9
+"""Share of a torque: rounding of an exponential."""
+
+SAME_ENERGY = 2e-3
+"""Share of the work of the motors: trapezoids over steps of torques, and what grasps dissipate."""
+
+REFINED = 5e-3
+"""Share of a limit by which a tenth of the step changes the largest share of a smooth plan."""
+
+
+@pytest.fixture(scope="module")
+def ur5_smooth(dual_ur5):
+    return mrts.retime(dual_ur5, mrts.load_motion(DATA / "dual_ur5" / "lift_and_turn.yaml"), rates=10.0)
+
+
+@pytest.fixture(scope="module")
+def slow(dual_ur5):
+    """The planned motion of the UR5s at a third of its speed, whose ends are smooth."""
+    motion = mrts.load_motion(DATA / "dual_ur5" / "lift_and_turn.yaml")
+    return mrts.scale(dual_ur5, motion, select=0.1)
+
+
+def test_the_exact_cell_does_what_was_planned(slow):
+    found = mrts.simulate(slow, PROMPT, EXACT)
+    plan, played = found.plan, found.played
+    inside = played.time <= plan.duration
+    planned = np.column_stack([np.interp(played.time[inside], plan.time, column) for column in plan.wrench.T])
+    limit = np.concatenate([robot.wrench_upper for robot in plan.cell.robots])
+    off = np.max(np.abs(played.wrench[inside] - planned) / limit, axis=0)
+    print("wrenches", np.max(off), *found.words())
+    assert np.max(off) < SAME_WRENCH < np.max(np.ptp(planned, axis=0) / limit) / 5
+    assert np.max(found.object_error) < 1e-4
+    assert found.passed == ()
+    assert found.saturated == 0
+
+
+def test_motors_follow_held_and_late_commands(lifted):
+    """Without feedback: a chain of exact steps of a first-order lag, one a period and delay."""
+    rate, delay, lag = 400.0, 1.3e-3, 4e-3
+    found = mrts.simulate(lifted, mrts.Controller(rate=rate, delay=delay, lag=lag, bandwidth=0.0), EXACT)
+    plan, played = found.plan, found.played
+    rest = plan.holding.torque
+    period, now, expected = 1 / rate, rest[0], []
+    ends = np.arange(0, len(played.time) + 1) * period
+    given = np.column_stack([np.interp(ends, plan.time, column) for column in plan.torque.T])
+    given[ends > plan.duration] = rest[1]
+    for k, start in enumerate(ends[: int(played.time[-1] / period) + 1]):  # from arrival to arrival
+        own = (played.time >= start + delay - 1e-9) & (played.time < start + period + delay - 1e-9)
+        expected.extend(given[k] + (now - given[k]) * np.exp(-(t - start - delay) / lag) for t in played.time[own])
+        now = given[k] + (now - given[k]) * np.exp(-period / lag)
+    measured = played.torque[played.time >= delay - 1e-9]
+    np.testing.assert_allclose(measured, expected, atol=SAME_FILTER * np.max(np.abs(plan.torque)))
+    assert np.max(np.abs(measured - given[0])) > 1.0
+
+
+def test_gains_are_of_the_inertia_with_the_others_held(lifted):
+    plan = lifted.trajectory
+    mass = lifted.cell.functions("dynamics", 101, {"q": plan.q, "dq": plan.dq})["mass_matrix"][0]
+    given = 400.0 * np.diag(mass), 40.0 * np.diag(mass)
+    ours, theirs = (
+        mrts.simulate(lifted, controller).played.torque
+        for controller in (mrts.Controller(), mrts.Controller(position_gain=given[0], velocity_gain=given[1]))
+    )
+    np.testing.assert_allclose(ours, theirs, rtol=1e-6, atol=1e-6)
+
+
+def test_work_of_the_motors_lifts_and_rubs(lifted):
+    """Between standstill and standstill, with the product's gravity torques and the true load and friction."""
+    cell = equipped(lifted.cell, coulomb=1.0, viscous=2.0)
+    plan = mrts.scale(cell, mrts.load_motion(DATA / "planar_dual_arm" / "lift.yaml"))
+    found = mrts.simulate(plan, PROMPT, mrts.PlantErrors(mass=0.1, friction_error=0.5))
+    done = found.played
+    still = np.zeros_like(done.dq)
+    gravity = cell.functions("dynamics", len(done.time), {"q": done.q, "dq": still})["gravity_torque"]
+    lifted_arms, work = np.trapezoid(gravity * done.dq, done.time, axis=0).sum(), done.energy
+    height = (done.motion.object.position[-1] - done.motion.object.position[0]) @ -cell.gravity
+    rubbed = np.trapezoid(1.5 * (np.abs(done.dq) + 2.0 * done.dq**2), done.time, axis=0).sum()
+    print("work", work, "arms", lifted_arms, "object", 1.1 * cell.mass * height, "friction", rubbed)
+    assert work == pytest.approx(lifted_arms + 1.1 * cell.mass * height + rubbed, abs=SAME_ENERGY * work)
+    assert rubbed > 0.05 * work
+
+
+def test_at_the_end_the_grasps_carry_the_true_load(ur5_smooth):
+    cell = ur5_smooth.retimed.cell
+    found = mrts.simulate(ur5_smooth, errors=mrts.PlantErrors(mass=0.2, com=np.array([0.02, 0.0, 0.0])))
+    late = found.played.wrench[found.played.time > found.played.time[-1] - 0.05].mean(axis=0)
+    forces, moments = np.zeros(3), np.zeros(3)
+    R = found.played.motion.object.rotation[-1]
+    for robot, six in zip(cell.robots, np.split(late, len(cell.robots)), strict=True):
+        force, moment = (robot.T_world_base.R @ part for part in np.split(six, 2))
+        forces, moments = forces + force, moments + moment + np.cross(R @ robot.T_object_tip.p, force)
+    weight = 1.2 * cell.mass * -cell.gravity
+    np.testing.assert_allclose(forces, weight, atol=0.01 * np.max(weight))
+    about = np.cross(R @ [0.02, 0.0, 0.0], weight)
+    np.testing.assert_allclose(moments, about, atol=0.05 * np.max(np.abs(about)))
+
+
+def test_friction_fed_forward_keeps_the_joints_on_their_path(dual_ur5):
+    cell = equipped(dual_ur5, armature=[0.66, 0.66, 0.66, 0.1, 0.1, 0.1], coulomb=2.0, viscous=1.0)
+    plan = mrts.scale(cell, mrts.load_motion(DATA / "dual_ur5" / "lift_and_turn.yaml"))
+    fed, not_fed = (
+        np.max(np.abs(mrts.simulate(plan, mrts.Controller(friction=friction), EXACT).joint_error))
+        for friction in (True, False)
+    )
+    print("largest error of a joint [rad]", fed, not_fed)
+    assert fed < 5e-3
+    assert not_fed > 3 * fed
+
+
+def test_smooth_plans_survive_better_than_the_fastest(dual_ur5, ur5_smooth):
+    fastest = mrts.simulate(mrts.retime(dual_ur5, mrts.load_motion(DATA / "dual_ur5" / "lift_and_turn.yaml")))
+    smooth = mrts.simulate(ur5_smooth)
+    print(fastest, smooth)
+    assert fastest.passed[0].share > 1.5
+    assert fastest.saturated > 0.05
+    assert smooth.passed[0].share < 1.25
+    assert smooth.saturated == 0
+
+
+@pytest.mark.slow
+def test_a_tenth_of_the_step_says_the_same(ur5_smooth, monkeypatch):
+    coarse = mrts.simulate(ur5_smooth)
+    monkeypatch.setattr(simulation, "STEP", simulation.STEP / 10)
+    fine = mrts.simulate(ur5_smooth)
+    shares = [[use.share for use in simulation.limit_uses(found.played)] for found in (coarse, fine)]
+    print("largest change of a share", np.max(np.abs(np.subtract(*shares))))
+    assert np.max(np.abs(np.subtract(*shares))) < REFINED
+
+
+def test_trials_draw_errors_by_their_seed(lifted):
+    errors = mrts.PlantErrors(mass=0.1, friction_error=0.0)
+    found, again, other = (mrts.simulate(lifted, errors=errors, trials=2, seed=seed) for seed in (1, 1, 2))
+    assert [each.mass for each in found.trials.errors] == [each.mass for each in again.trials.errors]
+    assert all(abs(each.mass) <= 0.1 for each in (*found.trials.errors, *other.trials.errors))
+    np.testing.assert_array_equal(found.trials.shares, again.trials.shares)
+    assert np.max(np.abs(found.trials.shares - other.trials.shares)) > 0
+    assert np.all(found.trials.likely <= found.trials.worst)
+    drawn = mrts.simulate(lifted, errors=found.trials.errors[0])
+    shares = [use.share for use in simulation.limit_uses(drawn.played)]
+    np.testing.assert_allclose(found.trials.shares[0], shares)
+    json.loads(found.json_text())
+
+
+def test_noise_and_resolution_are_felt(lifted):
+    plain, *others = (
+        mrts.simulate(lifted, controller, EXACT).played.q
+        for controller in (mrts.Controller(), mrts.Controller(position_noise=1e-4), mrts.Controller(resolution=0.01))
+    )
+    for other in others:
+        assert 1e-6 < np.max(np.abs(other - plain)) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("given", "key"),
+    [
+        ({"rate": 0.0}, "rate"),
+        ({"delay": np.nan}, "delay"),
+        ({"position_gain": [-1.0, 1.0]}, "position_gain"),
+        ({"mass": "heavy"}, "mass"),
+        ({"com": [0.0, 0.0]}, "com"),
+        ({"stiffness": [np.inf, 1.0]}, "stiffness"),
+        ({"wrong": 1.0}, ""),
+    ],
+)
+def test_wrong_numbers_are_named(given, key):
+    with pytest.raises(mrts.InputError) as error:
+        with_settings(mrts.Controller(), mrts.PlantErrors(), given)
+    assert error.value.key == key
+
+
+def test_gains_of_other_cells_are_refused(lifted):
+    with pytest.raises(mrts.InputError) as error:
+        mrts.simulate(lifted, mrts.Controller(velocity_gain=np.ones(5)))
+    assert error.value.key == "velocity_gain"
+
+
+def test_what_runs_away_is_an_error_and_leaves_no_file(lifted, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(mrts.SolverError):
+        mrts.simulate(lifted, errors=mrts.PlantErrors(stiffness=[1e9, 1e9], damping_time=1e-5))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_plans_that_do_not_rest_are_refused(lifted):
+    moving = replace(lifted.trajectory, motion=_from_row(lifted.trajectory.motion, 20))
+    with pytest.raises(mrts.InputError) as error:
+        mrts.simulate(moving)
+    assert error.value.where == "plan"
+
+
+def _from_row(motion, row):
+    given = motion.object
+    cut = mrts.ObjectMotion(
+        given.time[row:] - given.time[row],
+        *(values[row:] for values in (given.position, given.rotation, given.twist, given.acceleration)),
+    )
+    return CoordinatedMotion(cut, motion.q[row:], motion.dq[row:], motion.ddq[row:])
+
+
+def test_without_a_trajectory_there_is_nothing_to_play(planar_cell, lift):
+    with pytest.raises(mrts.InputError) as error:
+        mrts.simulate(mrts.scale(planar_cell.with_mass(1e4), lift))
+    assert error.value.where == "plan"
+
+
+def test_without_mujoco_the_extra_is_told(lifted, monkeypatch):
+    monkeypatch.setattr("mrts.base.argument_types.find_spec", lambda _name: None)
+    with pytest.raises(mrts.InputError, match=r"mrts\[simulate\]"):
+        mrts.simulate(lifted)
