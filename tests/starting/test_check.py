@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import damaged_cells
 import numpy as np
@@ -9,10 +10,15 @@ import pytest
 from conftest import DATA, UR5
 from damaged_cells import HINTS, MISTAKES, damaged, sound, written
 from draws import draws
+from motion_tables import columns_of, write_motion, write_table
 from published_robots import single_arm_cell
 from shipped_cells import shipped, shipped_motion
 
 import mrts
+from mrts.base.errors import InputError
+from mrts.base.rigid_transform import RigidTransform
+from mrts.cell.loading import cell_to_compile
+from mrts.cli import main
 from mrts.starting.reading import HOPELESS, request_of
 
 SHIPPED = [
@@ -213,3 +219,111 @@ def test_cells_and_motions_of_python_are_checked_as_their_files_are():
     assert [(error.where, error.key) for error in wrong.mistakes] == [("motion", ""), ("motion", "profile")]
     far = cell.with_values({"robots[1].base": {"xyz": [4.3, 0, 0]}})
     assert [arm.follows for arm in mrts.check(far, keys).arms] == [True, False]
+
+
+UPPER_BODY = DATA.parent / "upper_body"
+PLANAR = DATA / "cell.yaml", DATA / "lift.yaml"
+
+
+def joints_of(cell, motion, kept=("q",)):
+    """Columns of the joints that follow a motion."""
+    cell = mrts.load_cell(cell)
+    return cell, columns_of(cell, mrts.follow_object(cell, mrts.load_motion(motion)), kept)
+
+
+@pytest.mark.parametrize(
+    "files", [PLANAR, (UPPER_BODY / "cell.yaml", UPPER_BODY / "lift.yaml")], ids=["chain open", "past a limit"]
+)
+def test_swapped_columns_are_tried(files, tmp_path):
+    _, columns = joints_of(*files)
+    names = [name for name in columns if name != "t"]
+    half = len(names) // 2
+    swapped = {"t": columns["t"]} | dict(
+        zip(names, [columns[name] for name in names[half:] + names[:half]], strict=True)
+    )
+    found = mrts.check(files[0], write_table(tmp_path / "swapped.csv", swapped))
+    assert (found.status, [hint.code for hint in found.hints]) == ("impossible", ["swapped-columns"])
+    rng = np.random.default_rng(3)
+    wrong = columns | {names[0]: columns[names[0]] + rng.uniform(0.1, 0.2)}
+    assert mrts.check(files[0], write_table(tmp_path / "wrong.csv", wrong)).hints == ()
+
+
+def moved(folder, by):
+    """The shipped machine's motion, elsewhere."""
+    motion = shipped_motion("upper_body", samples=21)
+    for key in ("start", "end"):
+        motion[key]["xyz"] = (np.array(motion[key]["xyz"]) + by).tolist()
+    return write_motion(folder, **motion)
+
+
+def test_arms_of_one_machine_are_moved_together(tmp_path, capsys):
+    """The move that is proposed lets both arms follow; where it lets one alone, none is proposed."""
+    motion = moved(tmp_path, [0.3, 0, 0])
+    found = mrts.check(UPPER_BODY / "cell.yaml", motion)
+    assert [arm.machine for arm in found.arms] == [("right",), ("left",)]
+    assert "Move its base" not in str(found)
+    cell = mrts.load_cell(UPPER_BODY / "cell.yaml")
+    for arm in found.arms:
+        assert arm.shift is not None
+        bases = [RigidTransform(robot.T_world_base.R, robot.T_world_base.p + arm.shift) for robot in cell.robots]
+        robots = [replace(robot, T_world_base=base) for robot, base in zip(cell.robots, bases, strict=True)]
+        mrts.follow_object(replace(cell, robots=tuple(robots)), mrts.load_motion(motion))
+    apart = mrts.check(UPPER_BODY / "cell.yaml", moved(tmp_path, [0, 0.45, 0]))
+    lost = [arm for arm in apart.arms if not arm.follows]
+    assert lost
+    assert all(arm.machine for arm in lost)
+    assert main(["check", str(UPPER_BODY / "cell.yaml"), str(motion), "-q", "--json", "-"]) == 1
+    assert [arm["machine"] for arm in json.loads(capsys.readouterr().out)["arms"]] == [["right"], ["left"]]
+
+
+Y, Z = "0 1 0", "0 0 1"
+LINK = (
+    '<link name="{}"><inertial><mass value="2"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>'
+    "</inertial></link>"
+)
+JOINT = (
+    '<joint name="j{0}" type="{1}"><parent link="l{2}"/><child link="l{0}"/><origin xyz="{3}"/><axis xyz="{4}"/>'
+    '<limit lower="-2.5" upper="2.5" effort="150" velocity="3"/></joint>'
+)
+
+
+def arm(folder, axes, up="0 0 0.2"):
+    """A URDF of joints with given axes at zero, each above the one before; one given with 'slide' is prismatic."""
+    parts = ['<robot name="arm">', LINK.format("l0")]
+    for number, axis in enumerate(axes, start=1):
+        kind = "prismatic" if axis.startswith("slide ") else "revolute"
+        parts.append(LINK.format(f"l{number}"))
+        parts.append(JOINT.format(number, kind, number - 1, up, axis.removeprefix("slide ")))
+    path = folder / "arm.urdf"
+    path.write_text("\n".join([*parts, "</robot>"]), encoding="utf-8")
+    return path
+
+
+ARMS = {
+    "two axes in one line": ([Z, Y, Y, Y, Z, Z], "0 0 0.2", 5, "j5, j6 together give only 1"),
+    "four parallel axes": ([Z, Y, Y, Y, Y, Z], "0 0 0.2", 5, "j2, j3, j4, j5 together give only 3"),
+    "all axes upright": ([Z, Z, Z, Z, Z, "slide " + Z], "0.2 0 0.1", 4, "In no posture does it move about x, about y"),
+}
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_the_rank_and_what_is_lost_are_told(name, tmp_path):
+    axes, up, rank, said = ARMS[name]
+    urdf = arm(tmp_path, axes, up)
+    cell, motion = sound()
+    for robot in cell["robots"]:
+        robot |= {"urdf": str(urdf), "tip_link": f"l{len(axes)}", "posture": [0.3] * len(axes), "torque": [100] * 6}
+    found = mrts.check(*written(tmp_path, cell, motion))
+    (mistake,) = found.mistakes
+    assert (found.status, mistake.key) == ("wrong-input", "robot 'left'")
+    assert f"in {rank} independent directions, but holding the object takes 6" in mistake.rule
+    assert said in mistake.rule
+    with pytest.raises(InputError) as refused:
+        mrts.follow_object(cell_to_compile(tmp_path / "cell.yaml"), mrts.load_motion(tmp_path / "motion.yaml"))
+    assert refused.value.rule == mistake.rule
+    given = {"name": "cell", "robots": [str(urdf)], "tips": [f"l{len(axes)}"]}
+    if rank == 5:  # the others move in a plane to `mrts new`
+        with pytest.raises(InputError) as refused:
+            request_of(tmp_path, **given)
+        assert f"in {rank} independent directions" in refused.value.rule
+        assert refused.value.where == str(urdf)

@@ -5,10 +5,16 @@ import re
 
 import numpy as np
 import pytest
+from conftest import DATA
 from gantries import along_x, gantries, there_and_back, uphill_gantries
+from random_motors import equipped
+from shipped_cells import sampled, shipped_motion
 
 import mrts
+from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import START
+from mrts.program.sample_problem import build_sample_problem
+from mrts.timing.result import RetimingStatus
 
 RATES = 11.5
 KEPT = 1e-6
@@ -209,3 +215,38 @@ def test_a_reserve_is_kept_of_rates_too(planar_cell, lift):
     np.testing.assert_allclose(kept.smooth.rates.torque, 0.8 * bare.smooth.rates.torque, rtol=1e-12)
     rates = np.abs(np.diff(kept.retimed.trajectory.torque, axis=0)) / np.diff(kept.retimed.trajectory.time)[:, None]
     assert np.max(rates / kept.smooth.rates.torque) <= 1 + 1e-6
+
+
+def test_what_passes_between_nodes_is_told_at_the_time_that_it_is_played(planar_cell, lift):
+    bare = mrts.retime(planar_cell, lift, rates=11.0, between=None)
+    assert bare.status is RetimingStatus.LOCALLY_AT_SAMPLES
+    given, own = bare.motion.object.time, bare.retimed.motion.object.time
+    assert bare.retimed.excess.time == np.interp(bare.excess.time, given, own)
+    assert bare.retimed.excess.time < bare.duration < given[-1]
+
+
+def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, planar_cell):
+    (part,) = smooth.pieces
+    segment, share, x, u = part.between()
+    problem = build_sample_problem(motion_rows(planar_cell, part.piece.fine.at(part.piece.inside)), varying=True)
+    plan = part.plan[segment] * (1 - share[:, None]) + part.plan[segment + 1] * share[:, None]
+    values = np.einsum("nrk,nk->nr", problem.A, np.column_stack([plan, u, x]))
+    excess = np.max(np.maximum(values - problem.upper, problem.lower - values))
+    assert smooth.excess.share == pytest.approx(max(excess, 0.0), abs=1e-12)
+    assert excess < 1e-4  # 4 % at a quarter of the nodes, where other wrenches than the plan's keep this
+
+
+@pytest.fixture(scope="module")
+def rounded():
+    """A timing whose samples are too close for their rounding once limits of jerk ask for more nodes."""
+    cell = equipped(mrts.load_cell(DATA.parent / "squeeze" / "cell.yaml"), jerk=950.0)
+    return mrts.retime(cell, sampled(shipped_motion("squeeze", samples=58, duration=2.4)), rates=11.5, between=1e-5)
+
+
+def test_the_timing_with_the_least_excess_is_kept_and_said(rounded):
+    assert rounded.status is mrts.RetimingStatus.LOCALLY_AT_SAMPLES
+    assert rounded.smooth.steps <= 40
+    assert rounded.motion.samples <= 600
+    assert 1e-5 < rounded.excess.share < 1e-4
+    (told,) = [warning for warning in rounded.to_json()["warnings"] if warning["code"] == "search-stopped"]
+    assert f"{rounded.motion.samples} nodes" in told["text"]
