@@ -65,39 +65,6 @@ def test_functions_of_another_cell_are_refused(planar_cell, tmp_path):
         replace(planar_cell, functions=other.functions)
 
 
-OF_ROBOTS = {
-    "torque_upper": ([1.0, 2.0], r"torque_upper = \[1.0, 2.0\]: must be numbers"),
-    "velocity_limit": ([0.0, 1.0, 1.0], r"velocity_limit = \[0.0, 1.0, 1.0\]: must be > 0"),
-    "position_lower": ([np.inf] * 3, r"position_lower = .* must be at most position_upper"),
-    "posture": ([0.0, np.inf, 0.0], r"posture = \[0.0, inf, 0.0\]: must be finite numbers"),
-    "joints": (3, r"joints = 3: must be a tuple, each of it text"),
-    "axes": (np.zeros((2, 3)), r"axes = .*must be finite numbers with Shape \(3, 3\)"),
-    "joint_types": (("revolute",), r"joint_types = \('revolute',\): must be revolute or prismatic"),
-    "T_world_base": (np.eye(4), r"T_world_base = .*RigidTransform"),
-}
-OF_CELLS = {
-    "load": (np.full(10, np.nan), np.zeros(10)),
-    "robots": (["left", "right"], 5),
-    "object_velocity_limit": ([1.0, 0.0],),
-    "wrench_components": ("x", [1], object()),
-    "functions": (5, {"a": 1}),
-    "enforces_velocity_limits": ("x", np.array(1.0)),
-}
-
-
-def test_a_wrong_value_is_refused_where_it_enters(planar_cell):
-    for name, (value, message) in OF_ROBOTS.items():
-        with pytest.raises(mrts.InputError, match=rf"^robot 'left': {message}"):
-            replace(planar_cell.robots[0], **{name: value})
-    for name, values in OF_CELLS.items():
-        for value in values:
-            with pytest.raises(mrts.InputError, match=rf"^cell: {name} = "):
-                replace(planar_cell, **{name: value})
-    six = {"wrench_lower": np.full(6, -1.0), "wrench_upper": np.ones(6), "contact_rate": np.ones(6)}
-    with pytest.raises(mrts.InputError, match=r"robot 'left': wrench_lower .*\(3,\): fx, fy, nz"):
-        with_left(planar_cell, **six)
-
-
 def test_nobody_writes_into_a_cell(planar_cell):
     mine = np.full(3, 50.0)
     cell = with_left(planar_cell, torque_upper=mine)

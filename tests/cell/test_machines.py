@@ -21,7 +21,6 @@ from random_cells import configuration
 from same_cells import same_cell
 
 import mrts
-from mrts.cell.cell_change import ChangeSteps, cell_changes
 
 pytestmark = pytest.mark.quick
 
@@ -179,15 +178,3 @@ def test_one_base_of_a_machine_does_not_move_alone(tmp_path):
     together = replace(cell, robots=moved)
     assert same_cell(mrts.Cell.from_description(yaml.safe_load(together.to_yaml())), together)
     assert cell.with_values({"robots.left.grasp.xyz": left.T_object_tip.p}).with_mass(1.0).robots[1] is right
-
-
-def test_what_if_moves_the_bases_of_a_machine_together(tmp_path):
-    cell = one_machine(tmp_path)
-    changes = [change for change in cell_changes(cell, ChangeSteps()) if change.kind == "base"]
-    assert {change.robot for change in changes} == {"left"}
-    left, right = cell.robots
-    for change in changes:
-        moved_left, moved_right = change.applied(cell).robots
-        along = moved_left.T_world_base @ left.T_world_base.inverse() @ right.T_world_base
-        np.testing.assert_allclose(along.numbers, moved_right.T_world_base.numbers, atol=TOLERANCE)
-        assert change.unit == "m" or np.array_equal(moved_left.T_world_base.p, left.T_world_base.p)

@@ -46,29 +46,6 @@ def test_all_keys_come_back(cell, tmp_path):
     np.testing.assert_array_equal(right.acceleration_lower, -right.acceleration_upper)
 
 
-CHANGES = {
-    "robots.left.velocity": [1.0] * 6,
-    "robots.right.velocity[2]": None,
-    "robots.left.acceleration": {"lower": [-5.0] * 6, "upper": [None] * 5 + [4.0]},
-    "robots.right.acceleration[4]": 3.0,
-    "object.velocity.angular": 2.0,
-    "object.acceleration": {"angular": 9.0},
-}
-
-
-def test_values_changed_in_python_are_those_of_a_changed_file(cell, motion):
-    text = yaml.safe_load(cell.to_yaml())
-    text["robots"][0] |= {"velocity": CHANGES["robots.left.velocity"]}
-    text["robots"][0] |= {"acceleration": CHANGES["robots.left.acceleration"]}
-    text["robots"][1]["velocity"] = cell.robots[1].velocity_limit.tolist()
-    text["robots"][1]["velocity"][2] = None
-    text["robots"][1]["acceleration"][4] = 3.0
-    text["object"] |= {"velocity": {"linear": 0.9, "angular": 2.0}, "acceleration": {"angular": 9.0}}
-    changed = cell.with_values(CHANGES)
-    assert same_cell(changed, mrts.Cell.from_description(text))
-    assert c2(changed, motion) != c2(cell, motion)
-
-
 @pytest.mark.parametrize(
     ("path", "value", "key"),
     [

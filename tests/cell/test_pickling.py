@@ -102,16 +102,3 @@ def test_everything_comes_back_as_it_was(everything, lift, lifted, again):
             assert mrts.scale(other, lift).json_text() == mrts.scale(thing, lift).json_text(), name
             assert not other.robots[0].torque_upper.flags.writeable
     assert again(lifted).residuals() == lifted.residuals()
-
-
-def test_no_address_is_pickled_and_content_is_checked(planar_cell):
-    """Protocol 0 is text: the C and the manifest can be seen, and a change of either is found."""
-    text = pickle.dumps(planar_cell, protocol=0)
-    assert b"CDLL" not in text
-    assert b"ctypes" not in text
-    whole = pickle.dumps(planar_cell)
-    with pytest.raises(mrts.InputError, match="pickled cell: differs from what its manifest describes"):
-        pickle.loads(whole.replace(b"MRTS_NUMBER", b"MRTS_NUMBED"))  # noqa: S301 (our own bytes)
-    assert whole.count(b"   80.0,") == 2
-    with pytest.raises(mrts.InputError, match="pickled cell: was edited"):
-        pickle.loads(whole.replace(b"   80.0,", b"   90.0,"))  # noqa: S301

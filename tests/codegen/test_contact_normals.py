@@ -81,18 +81,6 @@ def test_a_normal_that_points_out_of_a_face_is_refused(shape, kind, tmp_path):
         assert refused.value.value == described["normal"]
 
 
-@pytest.mark.parametrize("shape", [None, {"box": [0.2, 0.1, 0.1]}, {"mesh": "open.stl"}])
-def test_where_no_face_tells_the_centre_of_mass_hints(shape, tmp_path):
-    """Without a shape, far from its faces, and where a mesh is open so that nothing says which side is out."""
-    ball = trimesh.creation.icosphere(radius=0.25)
-    ball.update_faces(np.arange(len(ball.faces)) > 0)
-    ball.export(tmp_path / "open.stl")
-    for sign, codes in ((1, []), (-1, ["contact-normal"])):
-        contact = [{"pad": PAD | {"normal": [0, 0, sign]}}]
-        model = read(squeezed({"shape": shape} if shape else None, contact=contact), tmp_path)
-        assert [remark.code for remark in model.record.remarks] == codes
-
-
 def test_both_palms_are_told_by_load_and_by_check_and_meant_ones_are_written_again(tmp_path):
     sheet = squeezed({"shape": {"box": [0.5, 0.3, 0.004]}}, grasp={"xyz": [0, 0, 0.0005], "rpy": [0, 0, 0]})
     for sign in (1, -1):  # in a sheet both ways are right

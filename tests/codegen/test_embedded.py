@@ -9,7 +9,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-import yaml
 from conftest import DATA, ROOT
 from embedded_target import cross_compile, missing_tools, run_on_target
 from exported_library import SANITIZED, link, run, sources, tool
@@ -204,15 +203,6 @@ def test_misuse_is_a_status(arms, tmp_path):
     assert library.range(sample)[0] == UNBOUNDED
     sample.ddq[0] = np.nan
     assert library.torques(sample, 1)[0] == library.range(sample)[0] == BAD_ARGUMENT
-
-
-@pytest.mark.parametrize("precision", ["double", "float"])
-def test_a_slow_motion_is_not_taken_for_rest(precision, tmp_path):
-    slow = yaml.safe_load((DATA / "lift.yaml").read_text()) | {"duration": 600.0}
-    (tmp_path / "slow.yaml").write_text(yaml.safe_dump(slow))
-    command = ["export", str(DATA / "cell.yaml"), "-o", str(tmp_path / "x"), "--precision", precision]
-    assert main([*command, "--motion", str(tmp_path / "slow.yaml")]) == 0
-    assert "0 mismatches" in run("make", "test", cwd=tmp_path / "x")
 
 
 def test_text_from_a_urdf_cannot_leave_its_string(tmp_path):

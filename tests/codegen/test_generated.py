@@ -46,14 +46,6 @@ def test_compiled_c_equals_casadis_own_evaluation(planar_cell):
             )
 
 
-@pytest.mark.quick
-def test_a_generated_folder_gives_the_same_result_without_the_cell_file(planar_cell, lift, tmp_path):
-    generate_cell(DATA / "cell.yaml").write(tmp_path)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["manifest.json", "planar_dual_arm.c"]
-    again = mrts.load_cell(tmp_path)
-    assert mrts.scale(again, lift).to_json() == mrts.scale(planar_cell, lift).to_json()
-
-
 def test_an_edited_folder_is_refused(tmp_path):
     for name, old, new, rule in (
         ("planar_dual_arm.c", "}", "} /* edited */", "differs from what its manifest describes"),

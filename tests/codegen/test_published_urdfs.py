@@ -140,19 +140,6 @@ def test_limits_that_mean_none(number, tmp_path):
     assert (elbow.lower, elbow.upper, elbow.velocity, elbow.effort) == (-np.inf, np.inf, np.inf, 9)
 
 
-@pytest.mark.parametrize(
-    ("limit", "message"),
-    [
-        ('<limit lower="1" upper="-1"/>', r"joint 'elbow': its lower limit 1 exceeds its upper limit -1"),
-        ('<limit lower="-1" upper="1" velocity="-2"/>', r"joint 'elbow' velocity limit = -2.0: must be >= 0"),
-        ('<limit lower="nan" upper="1"/>', r"joint 'elbow', <limit> lower = 'nan': must be a finite number"),
-    ],
-)
-def test_a_wrong_limit_is_refused(limit, message, tmp_path):
-    with pytest.raises(mrts.InputError, match=message):
-        read(arm_cell(tmp_path, limited(limit)))
-
-
 HAND = '<inertia ixx="0.0025" ixy="0" ixz="0" iyy="0.0016666666666666668" iyz="0" izz="0.0016666666666666668"/>'
 
 

@@ -6,7 +6,6 @@ from conftest import DATA
 from same_cells import same_cell
 
 import mrts
-from mrts.cell.source_files import urdf_files
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 ARM = f"""<robot name="planar_arm" {XACRO}>
@@ -64,24 +63,6 @@ def test_a_cell_of_a_xacro_follows_what_it_includes(cell):
     again = cell.parent / "again.yaml"
     mrts.load_cell(cell).to_yaml(again)
     assert same_cell(mrts.load_cell(again), mrts.load_cell(cell))
-
-
-def test_what_is_drawn_and_studied_is_the_urdf_that_it_becomes(cell, tmp_path):
-    """Meshes are found from where the xacro is; a study and its workers expand nothing, a variant names the xacro."""
-    with_arguments(cell, {"far": True})
-    text = urdf_files(cell)["left"][0].read_text(encoding="utf-8")
-    assert f'"{tmp_path}/meshes/upper.stl"' in text
-    assert f'"{tmp_path}/arm_parts/fore.stl"' in text
-    assert '"package://nowhere/hand.stl"' in text
-    study_file = tmp_path / "study.yaml"
-    study_file.write_text(f"cell: cell.yaml\nmotion: {DATA / 'lift.yaml'}\nvary: {{object.mass: [1, 3]}}\n")
-    study = mrts.read_study(study_file)
-    study.write_variant(1, tmp_path / "variant")
-    assert reach(tmp_path / "variant" / "cell.yaml") == [3.5, 2.0]
-    (tmp_path / "arm.urdf.xacro").unlink()
-    moved = study.at_hand()
-    variant = mrts.Cell.from_description(moved.descriptions(study.points(1, 2)[0])[0], folder=moved.folder)
-    assert (variant.mass, variant.robots[0].position_upper[0]) == (3.0, 3.5)
 
 
 NO_PACKAGE = (

@@ -116,18 +116,6 @@ def test_between_the_samples_it_is_the_least_of_dense_samples():
     assert np.min(many.distances) == pytest.approx(many.distance, abs=RESOLUTION)
 
 
-def test_a_mesh_of_the_surroundings_is_hollow(tmp_path):
-    """Floor and roof as one mesh, whose convex hull holds the arms, are as far away as two boxes."""
-    sides = [
-        trimesh.creation.box([4, 2, 0.02], trimesh.transformations.translation_matrix([0, 0, z])) for z in (-1, 1.2)
-    ]
-    trimesh.util.concatenate(sides).export(tmp_path / "shelf.stl")
-    solid = [box("floor", [4, 2, 0.02], [0, 0, -1]), box("roof", [4, 2, 0.02], [0, 0, 1.2])]
-    one = mrts.Cell.from_description(described([{"name": "shelf", "mesh": "shelf.stl"}]), folder=tmp_path)
-    other, motion = mrts.Cell.from_description(described(solid)), lifting(samples=11)
-    assert mrts.clearance(one, motion).distances == pytest.approx(mrts.clearance(other, motion).distances, abs=EXACT)
-
-
 def test_neighbours_are_left_out_and_other_links_are_not():
     """Two arms of one torso, whose shoulders are cylinders that overlap; then a forearm folded into the torso."""
     cell = mrts.load_cell(TORSO / "cell.yaml")

@@ -144,17 +144,6 @@ def test_on_a_full_disk_what_fits_is_written_and_the_answer_is_printed(tmp_path,
     assert old.read_text() == "old"
 
 
-@pytest.mark.parametrize(("command", "name"), [("export", "Makefile"), ("generate", "planar_dual_arm.c")])
-def test_files_of_others_are_not_written_over(command, name, tmp_path, capsys):
-    (tmp_path / name).write_text("mine")
-    assert main([command, str(DATA / "cell.yaml"), "-o", str(tmp_path)]) == 2
-    assert str(tmp_path / name) in capsys.readouterr().err
-    assert [path.read_text() for path in tmp_path.iterdir()] == ["mine"]
-    (tmp_path / name).unlink()
-    for _ in range(2):
-        assert main([command, str(DATA / "cell.yaml"), "-o", str(tmp_path), "-q"]) == 0
-
-
 @pytest.mark.parametrize(
     "words",
     [

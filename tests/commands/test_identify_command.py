@@ -7,8 +7,6 @@ from command_line import mrts_command
 from conftest import DATA
 from motor_recordings import exact_recording, random_motors, write_recording
 
-from mrts.cli import main
-
 CELL = str(DATA / "cell.yaml")
 
 
@@ -46,16 +44,3 @@ def test_motors_are_written_with_figures(tables, tmp_path):
     armature = np.concatenate([block["armature"] for block in blocks])
     np.testing.assert_allclose(armature, motors.armature, rtol=2e-3)
     assert sorted(path.name for path in plots.iterdir()) == ["motors_left.png", "motors_right.png"]
-
-
-def test_what_is_not_known_is_said(tables, tmp_path, capsys):
-    target = tmp_path / "motors.yaml"
-    assert main(["identify", CELL, str(tables / "still.csv"), "-o", str(target)]) == 0
-    out, err = capsys.readouterr()
-    assert err == ""
-    assert "planar_dual_arm: 15 of 18 parameters" in out
-    assert "warning: armature of 'left/elbow' is not identified: it hardly moves in the recording." in out
-    assert out.count("not shown") == 3
-    assert main(["identify", CELL, str(tables / "right.csv"), "-o", str(target), "-q"]) == 0
-    assert capsys.readouterr() == ("", "")
-    assert [robot["name"] for robot in yaml.safe_load(target.read_text())["robots"]] == ["right"]

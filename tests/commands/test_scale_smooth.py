@@ -54,39 +54,3 @@ def test_rates_of_the_cell_file_need_no_number(rated, capsys):
 def test_the_constant_factor_keeps_rates_too(capsys):
     free, kept = answered(capsys, "scale", CELL, LIFT), answered(capsys, "scale", CELL, LIFT, "--rates", "3")
     assert kept["c2"]["upper"] < free["c2"]["upper"]
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--rates", "0"], "--rates = 0.0: must be 'cell', or a number > 0"),
-        (["--profile", "smooth"], "--rates: the cell 'planar_dual_arm' limits no rate."),
-        (
-            ["--profile", "optimal", "--rates", "cell"],
-            "--rates: does not go with --profile optimal.",
-        ),
-        (["--rates", "cell"], "--rates: the cell 'planar_dual_arm' limits no rate"),
-        (["--rates", "nan"], "--rates = 'nan'"),
-        (["--rates", "3", "--formulation", "torque"], "--formulation = 'torque': with rates it must be"),
-        (["--weigh", "time=1"], "--weigh: does not go with --profile constant."),
-        (["--profile", "optimal", "--solver", "kernel"], "--solver: does not go with --profile"),
-        ([*SMOOTH[3:], "--distribute", "reserve"], "--distribute = 'reserve': with rates it must be"),
-        (["--c2", "1", "--nominal"], "--c2: does not go with --nominal."),
-        (["--weights", "1", "--share", "equal"], "--weights: does not go with --share"),
-        ([*SMOOTH[3:], "--weigh", "tim=1"], "--weigh = 'tim': may have the keys time and energy only."),
-        ([*SMOOTH[3:], "--weigh", "time=1", "--least-energy-in", "1"], "--weigh: does not go with least_energy_in"),
-        (
-            [*SMOOTH[3:], "--end-torque", "left=1,2,3"],
-            "--end-torque = ['left=1,2,3']: must be given once for every robot: ",
-        ),
-        (
-            [*SMOOTH[3:], "--end-torque", "left=1,2", "--end-torque", "right=1,2,3"],
-            "--end-torque = [1.0, 2.0]: must be 3 numbers for the robot",
-        ),
-    ],
-)
-def test_options_that_make_no_sense_are_told_by_name(options, message, capsys):
-    assert main(["scale", CELL, LIFT, *options]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.startswith(f"mrts: error: {message}")

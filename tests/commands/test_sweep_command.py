@@ -2,7 +2,6 @@
 
 import re
 import sys
-from importlib.util import find_spec
 
 import pytest
 from command_line import mrts_command
@@ -11,7 +10,6 @@ from sweep_processes import DRIVER
 from terminal_session import at_terminal
 
 import mrts
-from mrts.cli import main
 
 VARY = 'vary: {object.mass: [1, 24, 2], "robots.left.base.xyz[0]": [0, -2]}'
 
@@ -51,15 +49,6 @@ def test_a_study_without_a_feasible_variant_says_so_by_its_exit_code(tmp_path):
     assert (done.returncode, done.stdout) == (1, "study.yaml: 2 variants: 2 infeasible\n")
     quiet = mrts_command("sweep", path, "-o", tmp_path / "out", "-q")
     assert (quiet.returncode, quiet.stdout, quiet.stderr) == (1, "", "")
-
-
-def test_a_missing_joblib_is_named_before_any_work(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(
-        "mrts.base.argument_types.find_spec", lambda name: None if name == "joblib" else find_spec(name)
-    )
-    assert main(["sweep", str(study_file(tmp_path)), "-o", str(tmp_path / "out")]) == 2
-    assert "--workers: needs joblib: pip install 'mrts[study]'" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_dry_run_writes_nothing(tmp_path):

@@ -91,11 +91,3 @@ def test_every_other_file_is_package_data(package, folder):
     patterns = project["tool"]["setuptools"]["package-data"][package]
     found = {path for pattern in patterns for path in (ROOT / folder).glob(pattern)}
     assert found == {path for path in shipped_files(folder) if path.suffix != ".py"}
-
-
-def test_one_extra_brings_all_that_users_may_want():
-    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
-    (whole,) = extras["all"]
-    name, _, named = whole.removesuffix("]").partition("[")
-    of_developers = {"bench", "docs", "test", "check"}
-    assert (name, set(named.split(","))) == ("mrts", {*extras} - of_developers - {"all"})

@@ -217,16 +217,3 @@ def test_a_number_that_would_be_negative_is_zero_and_said(planar_cell):
     assert armature.free[1] == pytest.approx(motors.armature[4] - 2, rel=1e-3)
     assert [remark.code for remark in found.remarks] == ["bound-active"]
     assert "held at 0: elbow" in found.to_yaml()
-
-
-def test_encoders_that_leap_by_a_turn_say_the_same(dual_ur5):
-    """From π to -π; a whole turn away from the limits of the URDF is where it was."""
-    motors = random_motors(12)
-    joints, time, q, effort = exact_recording(dual_ur5, motors)
-    leaping = (q + np.pi) % (2 * np.pi) - np.pi
-    assert np.max(np.abs(np.diff(leaping, axis=0))) > 6
-    straight, found = (mrts.identify(dual_ur5, recording(FILE, joints, time, x, effort)) for x in (q, leaping))
-    assert found.remarks == ()
-    for ours, theirs in zip(found.arms, straight.arms, strict=True):
-        for kind in KINDS:
-            np.testing.assert_allclose(value_of(ours, kind), value_of(theirs, kind), rtol=1e-9)

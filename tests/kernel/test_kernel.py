@@ -1,6 +1,5 @@
 """Our dense kernel against HiGHS and DAQP, its certificates by substitution, sanitizers and a fuzzer."""
 
-import hashlib
 from collections import Counter
 
 import daqp
@@ -10,8 +9,7 @@ import pytest
 from random_programs import cell_programs, hard_programs
 
 import mrts
-from mrts.kernel.c_text import programs_source
-from mrts.kernel.compiler import find_compiler, library_in_cache
+from mrts.kernel.compiler import find_compiler
 from mrts.kernel.programs import INFEASIBLE, MARGINAL, OPTIMAL, compiled_programs
 from mrts.program.convex_program import ConvexPrograms, optimality_error
 from mrts.program.solvers import solve_programs
@@ -249,16 +247,3 @@ def test_what_is_no_number_gets_no_answer(kernel, planar_cell):
     assert status[0] != OPTIMAL
     with pytest.raises(mrts.InputError, match="must be <= 1e"):
         planar_cell.with_mass(1.7e308)
-
-
-def test_a_library_that_does_not_load_is_compiled_again(tmp_path, monkeypatch):
-    monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path))
-    command = find_compiler()
-    library = library_in_cache(command, "mrts_programs", programs_source())
-    library.write_bytes(b"of another machine")
-    library.with_suffix(".sha256").write_text(hashlib.sha256(b"of another machine").hexdigest())
-    x, _, status = compiled_programs(command).linear_programs(
-        np.ones((1, 1)), np.ones((1, 1, 1)), np.array([[2.0, 0.0]]), np.array([[3.0, np.inf]])
-    )
-    assert status[0] == OPTIMAL
-    assert x[0, 0] == 2

@@ -9,7 +9,7 @@ from conftest import DATA, UR5
 from mcap_ros2.writer import Writer as IndependentWriter
 from motion_tables import joint_table, object_table, write_motion
 from moveit_bags import MOVEIT, display, robot_trajectory, with_moveit
-from ros_bags import DEFINITION, KIND, PARTS, TYPES, message, trajectory, write_bag
+from ros_bags import DEFINITION, KIND, PARTS, message, trajectory, write_bag
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.typesys import Stores
 
@@ -147,25 +147,6 @@ def test_mistakes_in_a_trajectory(mistake, dual_ur5, given, tmp_path):
         mrts.scale(dual_ur5, mrts.load_motion(bag))
     assert words in str(refused.value)
     assert str(bag) in str(refused.value)
-
-
-def test_what_is_no_bag_of_trajectories_is_refused(tmp_path):
-    text = TYPES.types["std_msgs/msg/String"]("hello")
-    write_bag(tmp_path / "chatter", [("/chatter", text)])
-    with pytest.raises(mrts.InputError, match=r"holds no message .*JointTrajectory or .*; its topics are /chatter"):
-        mrts.load_motion(tmp_path / "chatter")
-    (tmp_path / "empty").mkdir()
-    for path, words in (
-        (tmp_path / "empty", r"folder holds no metadata\.yaml"),
-        (tmp_path / "nothing.mcap", "there is no such bag"),
-        (UR5 / "cell.yaml", "this is a cell file"),
-    ):
-        with pytest.raises(mrts.InputError, match=words):
-            mrts.load_motion(path)
-    (tmp_path / "empty" / "metadata.yaml").write_text("a: [\n b: {\n")
-    with pytest.raises(mrts.InputError, match="description of a bag is not valid YAML at line") as refused_metadata:
-        mrts.load_motion(tmp_path / "empty")
-    assert "\n" not in str(refused_metadata.value)
 
 
 def test_tables_are_recognised_by_their_columns(dual_ur5, followed, tmp_path, capsys):

@@ -117,14 +117,6 @@ def test_both_drawers_draw_the_numbers_of_a_plot():
     json.dumps(page, allow_nan=False)
 
 
-def test_a_curve_that_goes_on_above_is_marked_where_it_is_cut():
-    x = np.linspace(0, 4, 5)
-    y = np.array([np.inf, 6.0, 1.0, 3.0, np.nan])
-    panel = Panel(x=Axis(), y=Axis(ends=(0.0, 2.0)), items=[Line(x=x, y=y)])
-    np.testing.assert_allclose(panel.cuts().x, [1.8, 2.5])
-    assert Panel(x=Axis(), y=Axis(ends=(0.0, 7.0)), items=[Line(x=x[1:], y=y[1:])]).cuts() is None
-
-
 def test_the_range_is_drawn_with_the_point_that_sets_it(planar_cell, lift, result):
     (above,), (below,) = range_plot(result).rows
     np.testing.assert_array_equal(of_panel(above, Line)["c²⁺(t)"].y, result.range.samples.upper)

@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from changed_robots import with_robots
-from conftest import UR5
 from report_pages import data_of, own_text
-from shipped_cells import shipped, still_motion
-from shown_results import AWKWARD, UGLY_JOINTS, with_all_rates, with_awkward_names
+from shipped_cells import still_motion
+from shown_results import AWKWARD, UGLY_JOINTS, with_awkward_names
 
 import mrts
 from mrts.cli import main
@@ -20,7 +19,6 @@ from mrts.plots.plot import Bars, HeatMap, Line
 from mrts.plots.what_if_plot import what_if_plot
 from mrts.report import report_html
 from mrts.report.player import player
-from mrts.report.tables import rates_table
 from mrts.scaling.limit_use import limit_uses, used_shares
 from mrts.scene.cell_shapes import contact_forces
 
@@ -31,11 +29,6 @@ DRAWN = 1e-5
 @pytest.fixture(scope="module")
 def timing(planar_cell, lift):
     return mrts.retime(planar_cell, lift)
-
-
-@pytest.fixture(scope="module")
-def smooth(planar_cell, lift):
-    return mrts.retime(with_all_rates(planar_cell), lift, rates=11.0)
 
 
 @pytest.mark.quick
@@ -83,16 +76,6 @@ def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, turned):
     np.testing.assert_allclose(np.mean(barbs, axis=2), -0.25 * shaft, atol=4 * DRAWN)  # about the shaft
     sizes = np.linalg.norm(barbs, axis=-1) / np.linalg.norm(shaft, axis=-1, keepdims=True)
     np.testing.assert_allclose(sizes, np.hypot(0.25, 0.125), rtol=1e-3)
-
-
-def test_surroundings_stand_in_the_player(lift_and_turn):
-    crate = {"name": "crate", "box": [0.4, 0.2, 0.1], "pose": {"xyz": [0.1, 0.6, 0.3]}}
-    cell = mrts.Cell.from_description(shipped("dual_ur5") | {"surroundings": [crate]}, folder=UR5)
-    shown = player(mrts.scale(cell, lift_and_turn))
-    (drawn,) = [trace for trace in shown["data"][len(shown["frames"]) :] if trace["name"] == "crate"]
-    corners = np.array([drawn[axis] for axis in "xyz"])
-    np.testing.assert_allclose(np.ptp(corners, axis=1), crate["box"], atol=DRAWN)
-    np.testing.assert_allclose(np.mean(corners, axis=1), crate["pose"]["xyz"], atol=DRAWN)
 
 
 @pytest.mark.quick
@@ -174,20 +157,6 @@ def test_limits_that_set_the_speed_stand_first_and_the_others_are_told_apart(lif
     orange = cells.z == cells.names.index("at the limit where the speed is set")
     names, _ = used_shares(lifted.trajectory)
     assert [bool(row.any()) for row in orange] == [True] * len(end.rows) + [False] * (len(names) - len(end.rows))
-
-
-def test_the_text_says_what_is_known_of_the_timing(smooth, lifted):
-    text = report_html(smooth.retimed)
-    assert str(smooth.smooth) in text  # a local optimum, its steps and its bound
-    assert "smooth timing of a path that was given 0.5236 s" in text
-    assert 'id="rates"' in text
-    assert 'id="rates"' not in report_html(lifted)
-    for name, *_ in rates_table(smooth.retimed, limiting_rows(smooth.retimed, None)).rows:
-        assert name[0] in text
-    assert "They are kept" in text
-    time = np.array(data_of(text)["player"]["time"])
-    assert time[-1] == pytest.approx(smooth.duration, rel=1e-5)
-    assert np.ptp(np.diff(time)) > 0.1 * np.min(np.diff(time))  # the player has the nodes' own times
 
 
 @pytest.mark.quick

@@ -208,20 +208,6 @@ def test_loads_that_share_no_speed_are_told_apart(planar_cell, lowering):
     assert result.range.samples.upper[0] == pytest.approx((9.8 - 2 / 0.225) / a, rel=RANGE_TOLERANCE)
 
 
-@pytest.mark.quick
-@pytest.mark.parametrize(
-    ("largest", "says"),
-    [
-        (2.2, "you must play it 0.367 to 0.803 × as fast as given: 0.2714 to 0.1239 s instead of 0.09948 s"),
-        (2.45, "you must play it at most 0.803 × as fast as given: 0.1239 s instead of 0.09948 s"),
-    ],
-)
-def test_no_slower_than_what_can_be_held(planar_cell, lowering, largest, says):
-    result = scaled(on_forks(planar_cell, largest), start_of(lowering))
-    assert says in result.sentence()
-    assert (result.range.lower.c2 > 0) == (largest < 2.45)
-
-
 def test_the_command_line_asks_what_the_cell_file_says(tmp_path, capsys):
     inertia = [[0.02, 0.004, 0], [0.004, 0.2, 0], [0, 0, 0.2]]
     uncertain = {"variation": {"mass": [0.2, 6.0], "izz": [0.5, 2.0]}, "inertia": inertia}

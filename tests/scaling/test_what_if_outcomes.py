@@ -1,17 +1,10 @@
 """What changes to a cell would do: order, words, and every outcome that a change can have."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from changed_robots import with_left
 from gantries import along_x, gantries
 
 import mrts
-from mrts.cell.cell_change import ChangeSteps, cell_changes
-
-MOTORS = np.array([[0.0, 100.0], [0.2, 100.0], [3.0, 10.0]])
-"""A torque-speed curve [rad/s, N m]."""
 
 
 def by_text(found):
@@ -76,24 +69,3 @@ def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
     played = [one.after.duration is not None for one in kept]
     assert played == sorted(played, reverse=True)
     assert not all(played)
-
-
-def with_curves(cell):
-    """The left shoulder's torque falls with its speed."""
-    return with_left(cell, motors=replace(cell.robots[0].motors, torque_speed=(MOTORS, None, None)))
-
-
-def test_a_motor_with_a_curve_changes_as_a_whole(planar_cell, lift):
-    cell = with_curves(planar_cell)
-    named = {(change.kind, change.element) for change in cell_changes(cell, ChangeSteps())}
-    assert ("motor speed", "shoulder") in named
-    assert ("motor speed", "elbow") not in named
-    found = by_text(mrts.scale(cell, lift, between=None).what_if())
-    for text, factor in (("left/shoulder -10 %", [1, 0.9]), ("left/shoulder motor speed -10 %", [0.9, 1])):
-        robot = cell.robots[0]
-        limit = robot.torque_upper * [factor[1], 1, 1]
-        motors = replace(robot.motors, torque_speed=(MOTORS * factor, None, None))
-        other = with_left(cell, torque_lower=-limit, torque_upper=limit, motors=motors)
-        again = mrts.scale(other, lift, between=None)
-        assert found[text].after.c2 == pytest.approx(again.range.upper.c2, rel=1e-8)
-        assert found[text].matters

@@ -124,23 +124,6 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path):
         assert [entry["text"] for entry in json.loads(found.json_text())["mistakes"]] == told
 
 
-def test_what_is_wrong_in_urdfs_is_told_besides_what_is_wrong_in_the_cell(tmp_path):
-    cell, motion = sound()
-    text = damaged_cells.URDF.read_text(encoding="utf-8").replace('effort="28"', 'effort="0"')
-    (tmp_path / "arm.urdf").write_text(text.replace('<mass value="', '<mass value="-', 1), encoding="utf-8")
-    cell["robots"][0]["urdf"] = "arm.urdf"
-    paths = written(tmp_path, cell, motion)
-    alone = [str(mistake) for mistake in mrts.check(*paths).mistakes]
-    assert any("mass" in text for text in alone)
-    with pytest.raises(mrts.InputError) as caught:
-        mrts.load_cell(paths[0])
-    assert [str(each) for each in caught.value.each()] == alone
-    cell["object"]["mass"] = -1
-    told = [str(mistake) for mistake in mrts.check(*written(tmp_path, cell, motion)).mistakes]
-    assert {*alone} <= {*told}
-    assert any("object.mass" in text for text in told)
-
-
 def test_the_gap_of_a_planar_arm_is_what_its_links_lack(tmp_path):
     """Two links reach the sum of their lengths; what is missing lies along the stretched arm."""
     rng = np.random.default_rng(5)

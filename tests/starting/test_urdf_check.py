@@ -71,14 +71,3 @@ def test_why_an_arm_can_hold_nothing(tmp_path):
     found = check_urdf(fixed, {})
     assert (found.status, [remark.code for remark in found.hints]) == ("fine", ["cannot-hold"])
     assert "has 5 joints" in found.hints[0].text
-
-
-def test_what_goes_with_no_urdf_is_refused(tmp_path, capsys):
-    assert main(["check", str(UR5), str(DATA / "lift.yaml")]) == 2
-    assert main(["check", str(UR5), "--xacro-arg", "a=1"]) == 2
-    assert main(["check", str(DATA / "cell.yaml"), "--xacro-arg", "a=1"]) == 2
-    assert "--xacro-arg" in capsys.readouterr().err
-    path = tmp_path / "arm.xacro"
-    path.write_text('<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="a" default="1"/></robot>')
-    found = check_urdf(path, {"a": "2"})
-    assert [mistake.rule for mistake in found.mistakes] == ["has no <link>."]

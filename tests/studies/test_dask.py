@@ -80,26 +80,3 @@ def test_a_cluster_gives_the_same_bits_though_a_worker_is_killed(cluster, study,
     assert_same_table(table, alone)
     assert len(parts(out)) == 8
     assert done[-1] == study.variants
-
-
-@pytest.mark.slow
-def test_a_scheduler_that_goes_away_is_said_and_the_study_gone_on_with(study, alone, tmp_path):
-    with started(SCHEDULER) as scheduler:
-        address = address_of(scheduler)
-        with started([*WORKER, address, "--nthreads", "1", "--local-directory", str(tmp_path)]):
-
-            def kill_scheduler(progress):
-                if progress.done:
-                    kill(scheduler.pid)
-
-            with pytest.raises(mrts.InputError, match=r"scheduler = 'tcp://.*': is gone"):
-                mrts.sweep(study, tmp_path / "out", scheduler=address, progress=kill_scheduler)
-    assert 0 < len(parts(tmp_path / "out")) < mrts.read_study_folder(tmp_path / "out").chunks
-    assert_same_table(mrts.sweep(study, tmp_path / "out", workers=1), alone)
-
-
-@pytest.mark.slow
-def test_a_worker_of_another_version_is_refused(cluster, study, monkeypatch):
-    monkeypatch.setattr("mrts.studies.chunks.__version__", "0.0.9")
-    with pytest.raises(mrts.InputError, match=r"worker: runs mrts .*, the sweep 0\.0\.9: install the same"):
-        mrts.sweep(study, scheduler=cluster[0])

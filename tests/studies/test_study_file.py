@@ -144,25 +144,6 @@ def test_a_study_goes_where_its_files_are_not(tmp_path, private_cache):
         assert (moved.folder / robot["urdf"]).read_bytes() == (DATA / "planar_arm.urdf").read_bytes()
 
 
-def test_a_motion_file_that_names_a_table_is_found_from_anywhere(tmp_path, lift):
-    rows = np.column_stack([lift.time, lift.position, np.zeros((len(lift.time), 3)), np.ones(len(lift.time))])
-    (tmp_path / "tables").mkdir()
-    np.savetxt(tmp_path / "tables" / "lift.csv", rows, delimiter=",", header="t,px,py,pz,qx,qy,qz,qw", comments="")
-    motion = tmp_path / "lift.yaml"
-    motion.write_text("file: tables/lift.csv\nsamples: 41\n", encoding="utf-8")
-    study = planar_study(tmp_path, BASE, motion=motion)
-    written = mrts.load_motion(study.write_variant(1, tmp_path / "a" / "b")[1])
-    np.testing.assert_array_equal(written.position, study.table.position)
-    assert len(written.time) == 41
-    rows[3, 1] += 1e-4
-    np.savetxt(tmp_path / "tables" / "lift.csv", rows, delimiter=",", header="t,px,py,pz,qx,qy,qz,qw", comments="")
-    assert planar_study(tmp_path, BASE, motion=motion) != study
-    with pytest.raises(
-        mrts.InputError, match=r"vary.motion.samples = .*: the motion is a table, of which no number varies"
-    ):
-        planar_study(tmp_path, "vary: {motion.samples: [21, 41]}", motion=motion)
-
-
 @pytest.mark.parametrize("folder", ["dual_ur5", "planar_dual_arm", "squeeze"])
 def test_every_number_of_the_files_may_vary_and_at_its_own_value_changes_nothing(folder, tmp_path):
     files = {"cell": DATA.parent / folder / "cell.yaml"}

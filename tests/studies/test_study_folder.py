@@ -9,7 +9,6 @@ import pytest
 from study_files import planar_study
 
 import mrts
-from mrts.plots.study_table import read_study_table
 from mrts.studies.study_folder import opened_study_folder
 from mrts.studies.variant_rows import solve_variants
 
@@ -104,19 +103,6 @@ def test_what_is_no_study_is_said(text, said, tmp_path):
         (tmp_path / "study.json").write_text(text)
     with pytest.raises(mrts.InputError, match=said):
         mrts.read_study_folder(tmp_path)
-
-
-def test_a_damaged_part_is_said_where_nothing_solves_it_again(complete):
-    whole = complete.part(1).read_bytes()
-    complete.part(1).write_bytes(whole[:-50])
-    with pytest.raises(mrts.InputError, match=r"a part is damaged .* mrts sweep into this folder solves it again"):
-        read_study_table(complete.path)
-    complete.part(1).write_bytes(whole)
-    table = pq.read_table(complete.part(0))
-    at = table.schema.get_field_index("status")
-    pq.write_table(table.set_column(at, table.schema.field(at), [["<b>"] * CHUNK]), complete.part(0))
-    with pytest.raises(mrts.InputError, match="status = '<b>': is damaged: every variant has one of feasible"):
-        read_study_table(complete.path)
 
 
 def test_two_sweeps_in_one_folder_are_refused_and_the_lock_of_a_dead_one_is_not(complete, study):

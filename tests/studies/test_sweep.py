@@ -136,26 +136,6 @@ def test_the_best_are_solved_again_and_written(out, study):
     assert left == {"best-1", "best-1/cell.yaml", "best-1/motion.yaml", "best-2", "best-2/notes.txt", "best-9 of mine"}
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ({"workers": 0}, "workers = 0: must be at least 1"),
-        ({"workers": 2.5}, "workers = 2.5: must be a whole number or None"),
-        ({"workers": 2, "scheduler": "tcp://localhost:1"}, "goes with processes of this machine"),
-        ({"top": 1}, "top = 1: must be at least 0, and takes a folder"),
-        ({"top": -1, "folder": "x"}, "top = -1: must be at least 0"),
-        ({"folder": 3}, "folder = 3: must be text, a Path or None"),
-        ({"study": 3}, "study = 3: must be text or a Path"),
-        ({"progress": 3}, "progress = 3: must be a function"),
-        ({"scheduler": "tcp://"}, "no Dask scheduler answers there"),
-        ({"scheduler": "nonsense"}, "scheduler = 'nonsense': .* it is no address"),
-    ],
-)
-def test_wrong_arguments_are_named(arguments, said, study):
-    with pytest.raises(mrts.InputError, match=said):
-        mrts.sweep(**{"study": study, **arguments})
-
-
 def test_a_limit_given_in_python_is_kept_by_workers_or_refused(tmp_path):
     own = planar_study(tmp_path, "vary: {object.mass: [0.4, 0.5]}")
     assert mrts.sweep(own, workers=1)["status"].to_pylist() == ["feasible", "feasible"]

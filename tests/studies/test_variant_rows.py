@@ -1,17 +1,11 @@
 """Rows of a study: what `mrts.scale` says of the files of each variant, and a reason where there is no answer."""
 
-import pickle
-import re
-import shutil
-
 import numpy as np
 import pytest
-from conftest import DATA
 from shipped_cells import shipped
 from study_files import planar_study
 
 import mrts
-from mrts.studies.dry_run import estimate, study_lines, time_text
 from mrts.studies.variant_rows import column_types, solve_one_by_one, solve_variants
 
 SAME = 1e-9
@@ -124,20 +118,6 @@ def test_a_least_speed_is_told_with_what_sets_it(tmp_path):
     assert row["lower_time"] == 0
 
 
-@pytest.mark.parametrize("given", ["null", "-9"])
-def test_a_limit_that_the_file_does_not_give_counts(given, tmp_path):
-    """On a component that is free in the file, on one side or on both."""
-    cell = tmp_path / "cell.yaml"
-    text = (DATA / "cell.yaml").read_text(encoding="utf-8").replace("urdf: ", f"urdf: {DATA}/")
-    cell.write_text(text.replace("lower: [-2, null, -1]", f"lower: [-2, {given}, -1]"), encoding="utf-8")
-    study = planar_study(tmp_path, "vary:\n  robots.left.wrench.upper[1]: [2.5, 3, 1000]", cell=cell)
-    found = solve_variants(study, 0, 3)
-    free = mrts.scale(mrts.load_cell(cell), mrts.load_motion(DATA / "lift.yaml"), between=None).range.upper.c2
-    assert found["c2_upper"] == pytest.approx(solve_one_by_one(study, study.points(0, 3), 0)["c2_upper"], rel=SAME)
-    assert found["c2_upper"][0] < found["c2_upper"][1] < free
-    assert found["c2_upper"][2] == pytest.approx(free, rel=SAME)
-
-
 def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
     cell = shipped("planar_dual_arm")
     cell["object"]["variation"] = {"mass": [0.5, 1.5]}
@@ -145,22 +125,6 @@ def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
     expected = [mrts.scale(planar_cell.with_variation(mass=(0.5, most)), lift, between=None) for most in (1.5, 3.0)]
     found = solve_variants(study, 0, 2)
     assert found["c2_upper"] == pytest.approx([result.range.upper.c2 for result in expected], rel=SAME)
-
-
-def test_a_study_is_solved_where_its_files_are_not(tmp_path):
-    folder = tmp_path / "there"
-    folder.mkdir()
-    for name in ("cell.yaml", "lift.yaml", "planar_arm.urdf"):
-        shutil.copy(DATA / name, folder)
-    text = "vary: {object.mass: [0.4, 0.8]}"
-    study = planar_study(folder, text, cell=folder / "cell.yaml", motion=folder / "lift.yaml")
-    expected, carried = solve_variants(study, 0, 2), pickle.dumps(study)
-    shutil.rmtree(folder)
-    found = solve_variants(pickle.loads(carried), 0, 2)  # noqa: S301 (our own)
-    assert found["status"] == ["feasible", "feasible"]
-    assert {name: list(column) for name, column in found.items()} == {
-        name: list(column) for name, column in expected.items()
-    }
 
 
 def test_a_defect_is_a_row_and_an_interrupt_is_not(wide):
@@ -176,20 +140,3 @@ def test_a_defect_is_a_row_and_an_interrupt_is_not(wide):
     assert feasible["reason"][place] == "ZeroDivisionError: of mine"
     with pytest.raises(KeyboardInterrupt):
         solve_one_by_one(wide.with_limits(interrupted), wide.points(0, 8), 0)
-
-
-def test_a_dry_run_says_what_varies_and_how_long_it_takes(wide):
-    lines = list(study_lines(wide))
-    assert lines[0] == "study.yaml: 48 variants (sobol, seed 3) of cell 'planar_dual_arm'"
-    assert lines[1] == "  robots.left.base.xyz[0]: from -1.5 to 0.5 m"
-    assert lines[3] == "  object.mass: normal, around 0.4, standard deviation 0.4 kg"
-    assert lines[-1] == "asked of each: profile constant, load auto, at the samples alone"
-    found = estimate(wide)
-    assert sum(found.statuses.values()) == found.tried <= wide.variants
-    assert found.seconds() == pytest.approx(found.seconds_each * wide.variants)
-    assert found.seconds(4) == pytest.approx(found.seconds() / 4)
-    *_, tried, reason = found.lines()
-    assert tried.startswith(f"tried {found.tried} (")
-    assert re.match(r"  such as variant \d+, (unreachable|invalid): \w", reason)
-    assert [time_text(seconds) for seconds in (0.032, 119, 200, 9000, 4e5)] == ["0.032 s", "120 s", "3.3 min",
-                                                                              "2.5 h", "4.6 days"]  # fmt: skip
