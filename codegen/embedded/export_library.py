@@ -75,7 +75,7 @@ def export_library(
     name = cell.name
     model = {f"{name}_model_{short}": functions[short] for short, wanted in MODEL_FUNCTIONS.items() if holds[wanted]}
     words = cell_words(cell, limits, precision)
-    words |= vector_words(vectors, path_samples, precision, limits.motors, name.upper())
+    words |= vector_words(vectors, path_samples, precision, limits, name.upper())
     words |= {"NOTICE": NOTICE, "MODEL": model_c(model)}
 
     def of_cell(text: str) -> str:
@@ -124,21 +124,22 @@ def _check_name(name: str) -> None:
 
 def conditions(limits: EmbeddedLimits, precision: Precision, parts: Iterable[str]) -> dict[str, bool]:
     """What the conditions on CELL_... in the kernel's files for exported libraries are here."""
-    wanted, motors, motions = set(parts), limits.motors, limits.motions
+    wanted, tables = set(parts), limits.tables
+    motors = "ARMATURE" in tables
     return {
-        "MOTORS": motors is not None,
-        "LINES": motors is not None and len(motors.line_rows) > 0,
-        "ENDS": motors is not None and len(motors.end_joints) > 0,
-        "MOTIONS": motions is not None,
-        "POINTS": motions is not None and len(motions.points) > 0,
-        "THINGS": motions is not None and len(motions.friction) > 0,
-        "TURNED": limits.base is not None,
+        "MOTORS": motors,
+        "LINES": len(tables.get("LINE_ROWS", ())) > 0,
+        "ENDS": len(tables.get("END_JOINTS", ())) > 0,
+        "MOTIONS": "ACCELERATION_LOWER" in tables,
+        "POINTS": len(tables.get("POINT_SPEED", ())) > 0,
+        "THINGS": len(tables.get("FRICTION", ())) > 0,
+        "TURNED": "BASE" in tables,
         "SINGLE": precision == "float",
         "WHOLE": is_whole(wanted),
         **{f"HAS_{part.upper()}": part in wanted for part in PARTS},
         "HAS_ROWS": wanted != {"terms"},
         "HAS_FORM": not wanted.isdisjoint({"range", "torques"}),
-        "HAS_SPEEDS": motors is not None and not wanted.isdisjoint({"range", "share"}),
+        "HAS_SPEEDS": motors and not wanted.isdisjoint({"range", "share"}),
     }
 
 

@@ -3,13 +3,13 @@
 
 import math
 import re
-from collections.abc import Iterable, Sequence
-from typing import Literal
+from collections.abc import Sequence
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mrts.base.arrays import Array
-from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotions, EmbeddedMotors, EmbeddedVector
+from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
 from mrts.base.torque_weights import weights_by_limits
 from mrts.cell.record import CellRecord
 
@@ -39,9 +39,11 @@ def c_number(value: float, precision: Precision) -> str:
     return text + ("f" if precision == "float" else "")
 
 
-def c_numbers(values: Iterable[float], precision: Precision) -> str:
-    """Literals with commas between."""
-    return ", ".join(c_number(float(value), precision) for value in values)
+def c_numbers(values: NDArray[Any], precision: Precision) -> str:
+    """Literals of all entries with commas between."""
+    if values.dtype.kind != "f":
+        return ", ".join(str(int(value)) for value in values.flat)
+    return ", ".join(c_number(float(value), precision) for value in values.flat)
 
 
 def c_string(text: str) -> str:
@@ -53,13 +55,19 @@ def cell_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -
     """What stands for each @WORD@ that is about the cell."""
     size, robots = len(cell.wrench_components), len(cell.robots)
     joints = sum(len(robot.joints) for robot in cell.robots)
-    corners, load = _loads(cell)
+    corners = [cell.load] if cell.load_box is None else [corner.load for corner in cell.load_box.corners()]
     torque_limits = np.concatenate([[robot.torque_lower, robot.torque_upper] for robot in cell.robots], axis=1)
     row, column = np.nonzero(limits.matrix)
-    start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(limits.lower)))])
-    motions = limits.motions
-    texts = (*limits.texts, *limits.velocity_texts, *(() if motions is None else motions.texts))
-    words = {
+    tables = {
+        "LOAD": cell.load,
+        "WEIGHT": weights_by_limits(*torque_limits),
+        "ROW_START": np.concatenate([[0], np.cumsum(np.bincount(row, minlength=len(limits.matrix)))]),
+        "ROW_COLUMN": column,
+        "ROW_VALUE": limits.matrix[row, column],
+        **limits.tables,
+    }
+    counted = {"LINES": "LINE_ROWS", "ENDS": "END_JOINTS", "POINTS": "POINT_SPEED", "THINGS": "FRICTION"}
+    return {
         "NAME": cell.name,
         "REAL": precision,
         "ROBOTS": str(robots),
@@ -71,87 +79,32 @@ def cell_words(cell: CellRecord, limits: EmbeddedLimits, precision: Precision) -
         "UNLIMITED": UNLIMITED[precision],
         "CORNERS": str(len(corners)),
         "LOAD_CORNERS": "\n".join(f"    {{{c_numbers(corner, precision)}}}," for corner in corners),
-        "LOAD": c_numbers(load, precision),
-        "WEIGHT": c_numbers(weights_by_limits(*torque_limits), precision),
         "CELL": _cell_lines(cell),
-        "ROWS": str(len(limits.lower)),
+        "ROWS": str(len(limits.matrix)),
         "ENTRIES": str(len(row)),
-        "ROW_START": _integers(start),
-        "ROW_COLUMN": _integers(column),
-        "ROW_VALUE": c_numbers(limits.matrix[row, column], precision),
-        "ROW_GROUP": _integers(limits.group),
-        "ROW_TEXT": "\n".join(f"    {c_string(text)}," for text in texts),
-        "LOWER": c_numbers(limits.lower, precision),
-        "UPPER": c_numbers(limits.upper, precision),
-        "VELOCITY": c_numbers(limits.velocity, precision),
-    }
-    if limits.base is not None:
-        words |= {"BASE": c_numbers(limits.base.ravel(), precision), "AXES": _integers(limits.axes)}
-    words |= {} if motions is None else _motion_words(motions, precision)
-    return words | ({} if limits.motors is None else _motor_words(limits.motors, precision))
-
-
-def _motion_words(motions: EmbeddedMotions, precision: Precision) -> dict[str, str]:
-    arrays = {
-        "ACCELERATION_LOWER": motions.acceleration[0],
-        "ACCELERATION_UPPER": motions.acceleration[1],
-        "OBJECT_ACCELERATION": motions.object_acceleration,
-        "POINT_SPEED": motions.point_limits[:, 0],
-        "POINT_ACCELERATION": motions.point_limits[:, 1],
-        "POINT_PLACE": motions.points,
-        "JOINT_AXIS": motions.axes,
-        "JOINT_POINT": motions.axis_points,
-        "THING_AXES": motions.thing_axes,
-        "THING_CENTRE": motions.thing_centres,
-        "FRICTION": motions.friction,
-        "TILT": motions.tilt,
-        "GRAVITY": motions.gravity,
-    }
-    return {word: c_numbers(array.ravel(), precision) for word, array in arrays.items()} | {
-        "POINTS": str(len(motions.points)),
-        "THINGS": str(len(motions.friction)),
-        "JOINT_SLIDES": _integers(motions.slides),
-        "POINT_FIRST": _integers(first for first, _ in motions.point_joints),
-        "POINT_JOINTS": _integers(joints for _, joints in motions.point_joints),
-    }
-
-
-def _motor_words(motors: EmbeddedMotors, precision: Precision) -> dict[str, str]:
-    return {
-        "LINES": str(len(motors.line_rows)),
-        "ENDS": str(len(motors.end_joints)),
-        "LINE_ROWS": _integers(motors.line_rows),
-        "LINE_JOINTS": _integers(motors.line_joints),
-        "END_JOINTS": _integers(motors.end_joints),
-        "ARMATURE": c_numbers(motors.armature, precision),
-        "COULOMB": c_numbers(motors.coulomb, precision),
-        "VISCOUS": c_numbers(motors.viscous, precision),
-        "SLOPE": c_numbers(motors.slope, precision),
-        "REST": c_number(motors.rest, precision),
+        "ROW_TEXT": "\n".join(f"    {c_string(text)}," for text in limits.texts),
+        **{count: str(len(tables[word])) for count, word in counted.items() if word in tables},
+        **{word: c_numbers(table, precision) for word, table in tables.items()},
     }
 
 
 def vector_words(
-    vectors: Sequence[EmbeddedVector],
-    path_samples: int,
-    precision: Precision,
-    motors: EmbeddedMotors | None,
-    macro: str,
+    vectors: Sequence[EmbeddedVector], path_samples: int, precision: Precision, limits: EmbeddedLimits, macro: str
 ) -> dict[str, str]:
     """What stands for each @WORD@ of the vectors' header."""
     fastest, changing = (max((abs(vector.inputs[k]).max() for vector in vectors), default=0.0) for k in (1, 2))
-    rest = 0.0 if motors is None else motors.rest
+    rest, place = (float(limits.tables["REST"]), macro) if "REST" in limits.tables else (0.0, None)
     return {
         "VECTORS": str(len(vectors)),
         "PATH_SAMPLES": str(path_samples),
-        "VECTOR_ROWS": "\n".join(_vector_row(vector, precision, macro if motors else None) for vector in vectors),
+        "VECTOR_ROWS": "\n".join(_vector_row(vector, precision, place) for vector in vectors),
         "REST_SPEED": c_number(rest * fastest, precision),
         "REST_ACCELERATION": c_number(rest * changing, precision),
     }
 
 
 def _vector_row(vector: EmbeddedVector, precision: Precision, macro: str | None) -> str:
-    sample = ", ".join(f"{{{c_numbers(part.ravel(), precision)}}}" for part in vector.inputs)
+    sample = ", ".join(f"{{{c_numbers(part, precision)}}}" for part in vector.inputs)
     if macro is not None:
         sample += f", {macro}_{vector.place.upper()}"
     low, high, share_low, share_high = (c_number(end, "double") for end in (*vector.ends, *vector.share_ends))
@@ -162,18 +115,8 @@ def _vector_row(vector: EmbeddedVector, precision: Precision, macro: str | None)
     )
 
 
-def _loads(cell: CellRecord) -> tuple[list[Array], Array]:
-    """Corners of the load variation (the load itself if it is known), and the load."""
-    box = cell.load_box
-    return [cell.load] if box is None else [corner.load for corner in box.corners()], cell.load
-
-
 def _cell_lines(cell: CellRecord) -> str:
     # text from a URDF without what Markdown or HTML would read as markup
     return "\n".join(
         re.sub(r"[^\w .,:/+\-]", "?", f"- {robot.name}: joints {', '.join(robot.joints)}") for robot in cell.robots
     )
-
-
-def _integers(values: Iterable[int]) -> str:
-    return ", ".join(str(int(value)) for value in values)

@@ -3,12 +3,15 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedMotions, EmbeddedMotors
+from mrts.base.embedded_inputs import EmbeddedLimits
 from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
+from mrts.cell.motors import EFFECTS
 from mrts.cell.points import PointLimit
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import rows_by_limit
@@ -52,22 +55,24 @@ def embedded_limits(cell: Cell) -> EmbeddedLimits:
     groups = list(dict.fromkeys(name.group for name in rows.names))
     velocity = velocity_limits(replace(cell, enforces_velocity_limits=True), probes[0])
     most = velocity.upper if cell.enforces_velocity_limits else np.full_like(velocity.upper, np.inf)
-    return EmbeddedLimits(
-        texts=tuple(_text(name) for name in rows.names),
-        matrix=rows.matrix,
-        base=None if rows.object_axes is None else rows.object_axes.base,
-        axes=() if rows.object_axes is None else rows.object_axes.axes,
-        lower=rows.lower,
-        upper=rows.upper,
-        group=tuple(groups.index(name.group) for name in rows.names),
-        velocity_texts=tuple(_text(name) for name in (*velocity.names, *(row.name for row in ends))),
-        velocity=np.concatenate([most, [row.limit for row in ends]]),
-        motors=_motors(cell, lines, ends, line_rows),
-        motions=_motions(cell) if cell.limits_motion else None,
-    )
+    tables = {
+        "LOWER": rows.lower,
+        "UPPER": rows.upper,
+        "ROW_GROUP": np.array([groups.index(name.group) for name in rows.names], dtype=np.intp),
+        "VELOCITY": np.concatenate([most, [row.limit for row in ends]]),
+        **_motors(cell, lines, ends, line_rows),
+    }
+    if rows.object_axes is not None:
+        tables |= {"BASE": rows.object_axes.base, "AXES": np.array(rows.object_axes.axes)}
+    names = [*rows.names, *velocity.names, *(row.name for row in ends)]
+    if cell.limits_motion:
+        of_motion, more = _motions(cell)
+        names, tables = names + of_motion, tables | more
+    return EmbeddedLimits(texts=tuple(map(_text, names)), matrix=rows.matrix, tables=tables)
 
 
-def _motions(cell: Cell) -> EmbeddedMotions:
+def _motions(cell: Cell) -> tuple[list[RowName], dict[str, NDArray[Any]]]:
+    """Limits of accelerations, points and things on the object: names in the order of the C's, and their tables."""
     robots, things = cell.robots, cell.carried
     names = [RowName("acceleration", robot.name, joint) for robot in robots for joint in robot.joints]
     names += [RowName("acceleration", "object", part) for part in ("linear", "angular")]
@@ -76,44 +81,47 @@ def _motions(cell: Cell) -> EmbeddedMotions:
     names += [RowName(kind, owner, str(point.name)) for owner, point in owners for kind in ("velocity", "acceleration")]
     names += [RowName("contact", "object", f"{thing.name} {what}") for thing in things for what in STANDING]
     limits = [[point.speed if cell.enforces_velocity_limits else None, point.acceleration] for _, point in owners]
+    speed, acceleration = np.array([[limit or np.inf for limit in both] for both in limits]).reshape(-1, 2).T
     of_arms = [(cell.joint_slices[robot.name].start, point) for robot in robots for point in robot.point_limits]
+    none = [0] * len(cell.object_points)
     places = [point.at_zero for _, point in of_arms] + [point.point for point in cell.object_points]
     unlimited = [np.inf, np.inf]
     tilt = [np.divide(thing.half_width or unlimited, thing.centre_height or 1.0) for thing in things]
-    return EmbeddedMotions(
-        texts=tuple(map(_text, names)),
-        acceleration=np.concatenate([[robot.acceleration_lower, robot.acceleration_upper] for robot in robots], axis=1),
-        object_acceleration=cell.object_acceleration_limit,
-        axes=np.concatenate([robot.axes for robot in robots]),
-        axis_points=np.concatenate([robot.points for robot in robots]),
-        slides=tuple(kind == "prismatic" for robot in robots for kind in robot.joint_types),
-        point_joints=(*((first, point.joints) for first, point in of_arms), *((0, 0) for _ in cell.object_points)),
-        points=np.array(places, dtype=np.float64).reshape(-1, 3),
-        point_limits=np.array([[limit or np.inf for limit in both] for both in limits]).reshape(-1, 2),
-        thing_axes=np.array([thing.axes for thing in things]).reshape(-1, 3, 3),
-        thing_centres=np.array([thing.centre for thing in things]).reshape(-1, 3),
-        friction=np.array([thing.friction or np.inf for thing in things]),
-        tilt=np.array(tilt).reshape(-1, 2),
-        gravity=cell.gravity,
-    )
+    return names, {
+        "ACCELERATION_LOWER": np.concatenate([robot.acceleration_lower for robot in robots]),
+        "ACCELERATION_UPPER": np.concatenate([robot.acceleration_upper for robot in robots]),
+        "OBJECT_ACCELERATION": cell.object_acceleration_limit,
+        "JOINT_AXIS": np.concatenate([robot.axes for robot in robots]),
+        "JOINT_POINT": np.concatenate([robot.points for robot in robots]),
+        "JOINT_SLIDES": np.concatenate([~robot.turns for robot in robots]),
+        "POINT_FIRST": np.array([first for first, _ in of_arms] + none, dtype=np.intp),
+        "POINT_JOINTS": np.array([point.joints for _, point in of_arms] + none, dtype=np.intp),
+        "POINT_PLACE": np.array(places, dtype=np.float64),
+        "POINT_SPEED": speed,
+        "POINT_ACCELERATION": acceleration,
+        "THING_AXES": np.array([thing.axes for thing in things]),
+        "THING_CENTRE": np.array([thing.centre for thing in things]),
+        "FRICTION": np.array([thing.friction or np.inf for thing in things]),
+        "TILT": np.array(tilt),
+        "GRAVITY": cell.gravity,
+    }
 
 
 def _motors(
     cell: Cell, lines: Sequence[CurveRow], ends: Sequence[CurveRow], line_rows: Sequence[int]
-) -> EmbeddedMotors | None:
+) -> dict[str, NDArray[Any]]:
+    """What motors add to torques and limits; nothing where all are ideal."""
     motors = [robot.motors for robot in cell.robots]
     if not (lines or ends or any(motor.has_effect for motor in motors)):
-        return None
-    return EmbeddedMotors(
-        armature=np.concatenate([motor.armature for motor in motors]),
-        coulomb=np.concatenate([motor.coulomb for motor in motors]),
-        viscous=np.concatenate([motor.viscous for motor in motors]),
-        line_rows=tuple(line_rows),
-        line_joints=tuple(row.joint for row in lines),
-        slope=np.array([row.slope for row in lines], dtype=np.float64),
-        end_joints=tuple(row.joint for row in ends),
-        rest=REST,
-    )
+        return {}
+    return {
+        **{name.upper(): np.concatenate([getattr(motor, name) for motor in motors]) for name in EFFECTS},
+        "LINE_ROWS": np.array(line_rows, dtype=np.intp),
+        "LINE_JOINTS": np.array([row.joint for row in lines], dtype=np.intp),
+        "SLOPE": np.array([row.slope for row in lines], dtype=np.float64),
+        "END_JOINTS": np.array([row.joint for row in ends], dtype=np.intp),
+        "REST": np.array(REST),
+    }
 
 
 def _probe(cell: Cell, seed: int) -> CoordinatedMotion:
