@@ -51,22 +51,18 @@ def is_as_made(path: Path, record: CellRecord) -> bool:
         return False
 
 
-def chains_key(cell: "CellModel", stem: str, *, bake: bool) -> str:
+def chains_key(cell: "CellModel", stem: str) -> str:
     """Hash of what functions are generated of: the chains, not the numbers of a cell file."""
-    parts: list[object] = [stem, bake, cell.record.plane]
-    for robot, model in zip(cell.record.robots, cell.models, strict=True):
+    parts: list[object] = [stem, cell.record.plane]
+    for model in cell.models:
         for joint in model.joints:
             by_held = (joint.placed_by_held, joint.laden_by_held)
             parts += [joint.kind, joint.axis.tolist(), *by_held, joint.body.mass]
-            if bake or not joint.placed_by_held:
+            if not joint.placed_by_held:
                 parts.append(joint.placement.numbers.tolist())
-            if bake or not joint.laden_by_held:
+            if not joint.laden_by_held:
                 parts += [joint.body.com.tolist(), joint.body.at_com.tolist()]
-        parts += [model.tip_by_held, *([] if model.tip_by_held and not bake else [model.tip.numbers.tolist()])]
-        if bake:
-            parts += [robot.T_world_base.numbers.tolist(), robot.T_object_tip.numbers.tolist()]
-    if bake:
-        parts.append(cell.record.gravity.tolist())
+        parts += [model.tip_by_held, [] if model.tip_by_held else model.tip.numbers.tolist()]
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 

@@ -153,7 +153,7 @@ BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {
 
 
 def build_functions(
-    cell: CellModel, stem: str, *, bake: bool, names: Iterable[str] = BUILDERS
+    cell: CellModel, stem: str, *, bake: bool = False, names: Iterable[str] = BUILDERS
 ) -> dict[str, ca.Function]:
     """Functions of a cell as named CasADi Functions with named dense inputs and outputs.
 

@@ -46,31 +46,29 @@ class Generated(Generic[Record]):
         write_together({folder / name: text_writer(text) for name, text in texts.items()}, private=private)
 
 
-def generate_cell(path: Path, *, bake: bool = False) -> Generated[CellManifest]:
-    """Generate a cell; `bake` folds its geometry into the functions, else that is their last input."""
+def generate_cell(path: Path) -> Generated[CellManifest]:
+    """Generate a cell."""
     cell = read_cell_model(path)
-    chains = generate_chains(cell, cell.record.name, bake=bake)
+    chains = generate_chains(cell, cell.record.name)
     return Generated(cell_manifest(cell, chains.record), chains.c_source, chains.functions)
 
 
-def generate_chains(cell: CellModel, stem: str, *, bake: bool = False) -> Generated[ChainsRecord]:
+def generate_chains(cell: CellModel, stem: str) -> Generated[ChainsRecord]:
     """Generate the functions of a cell."""
-    functions = build_functions(cell, stem, bake=bake)
+    functions = build_functions(cell, stem)
     c_source = emit_c(functions)
-    return Generated(_chains(cell, stem, functions, c_source, bake=bake), c_source, functions)
+    return Generated(_chains(cell, stem, functions, c_source), c_source, functions)
 
 
 def motion_functions(cell: CellModel, stem: str) -> tuple[CellManifest, dict[str, ca.Function]]:
     """The functions of a cell that the motion of its joints takes, and its manifest: nothing is emitted."""
-    functions = build_functions(cell, stem, bake=False, names=OF_MOTION)
-    return cell_manifest(cell, _chains(cell, stem, functions, "", bake=False)), functions
+    functions = build_functions(cell, stem, names=OF_MOTION)
+    return cell_manifest(cell, _chains(cell, stem, functions, "")), functions
 
 
-def _chains(
-    cell: CellModel, stem: str, functions: dict[str, ca.Function], c_source: str, *, bake: bool
-) -> ChainsRecord:
+def _chains(cell: CellModel, stem: str, functions: dict[str, ca.Function], c_source: str) -> ChainsRecord:
     return ChainsRecord(
-        chains=chains_key(cell, stem, bake=bake),
+        chains=chains_key(cell, stem),
         casadi_version=ca.CasadiMeta.version(),
         source=f"{stem}.c",
         source_sha256=hashlib.sha256(c_source.encode()).hexdigest(),

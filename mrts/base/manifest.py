@@ -13,9 +13,9 @@ from mrts.base.input_file import IDENTIFIER
 
 MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
-"""Name of the last input of functions that hold no numbers of a cell file."""
+"""Name of the last input of generated functions, which hold no numbers of a cell file."""
 
-FORMAT = 13
+FORMAT = 14
 """Version of the manifest's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -90,11 +90,6 @@ class ChainsRecord(Record):
     source: str
     source_sha256: str
     functions: dict[Identifier, FunctionRecord]
-
-    @property
-    def is_baked(self) -> bool:
-        """Whether the functions hold the geometry of one cell as numbers; else it is their last input."""
-        return all(one.name != GEOMETRY for function in self.functions.values() for one in function.inputs)
 
     def problem(self) -> str:
         """The rule that names break; empty if none."""

@@ -36,8 +36,7 @@ class Cell(InNotebooks, CellRecord):
         limits: Functions of a cell and its motion that give further limits; docs/extending.md.
         folder: That the URDFs of its cell file are relative to; None where that is not known.
 
-    All but names, joints and plane can be changed in Python, by methods of this class or `dataclasses.replace`. Where
-    the functions are baked (`mrts generate --bake`), they hold gravity, bases and grasps as numbers, and these cannot.
+    All but names, joints and plane can be changed in Python, by methods of this class or `dataclasses.replace`.
 
     Raises:
         InputError: If a value breaks a rule, or is not what the functions were generated with.

@@ -19,9 +19,6 @@ OF_CELL = ("name", "plane", "wrench_components", "machines")
 OF_CHAINS = ("name", "joints", "joint_types", "axes", "points", "held", "held_numbers", "T_base_tip")
 """Attributes of a robot that its URDF gives, or that name inputs and outputs of the generated functions."""
 
-OF_GEOMETRY = ("T_world_base", "T_object_tip")
-"""Those that baked functions hold as numbers besides."""
-
 SAME_NUMBER = 1e-12
 """Largest difference of what is the same number after rounding [m, rad, m/s²]."""
 
@@ -29,21 +26,16 @@ IN_CHAINS = (
     "is part of the generated functions, so changing it in Python would be ignored there. Change the cell file (name, "
     "plane, fixed, robots) or the URDF, and read it again: mrts.load_cell(path)."
 )
-IN_BAKED = (
-    "stands as a number in the generated C, which was baked, so changing it in Python would be ignored there. Read the "
-    "cell file instead, mrts.load_cell(path), or generate without --bake."
-)
 
 
 def check_generated(cell: "Cell") -> None:
     """Check that what the generated functions hold is what they were generated with."""
-    manifest = cell.functions.manifest
-    made = manifest.cell
+    made = cell.functions.manifest.cell
     of_cell = [(key, getattr(cell, key), getattr(made, key)) for key in OF_CELL]
     ours, theirs = ([robot.name for robot in robots] for robots in (cell.robots, made.robots))
-    _refuse_change([*of_cell, ("robots", ours, theirs), *_of_robots(cell, OF_CHAINS)], IN_CHAINS)
-    if manifest.is_baked:
-        _refuse_change([("gravity", cell.gravity, made.gravity), *_of_robots(cell, OF_GEOMETRY)], IN_BAKED)
+    for key, one, other in (*of_cell, ("robots", ours, theirs), *_of_chains(cell)):
+        if not _same(one, other):
+            raise InputError("cell", IN_CHAINS, key=key)
 
 
 def check_placement(cell: "Cell") -> None:
@@ -95,16 +87,10 @@ def _changed(cell: "Cell") -> Iterator[tuple[Robot, Robot]]:
     return ((robot, generated) for robot, generated in pairs if robot is not generated)
 
 
-def _of_robots(cell: "Cell", attributes: tuple[str, ...]) -> Iterator[tuple[str, object, object]]:
+def _of_chains(cell: "Cell") -> Iterator[tuple[str, object, object]]:
     for robot, generated in _changed(cell):
-        for name in attributes:
+        for name in OF_CHAINS:
             yield f"robot '{robot.name}' {name}", getattr(robot, name), getattr(generated, name)
-
-
-def _refuse_change(pairs: list[tuple[str, object, object]], rule: str) -> None:
-    for key, ours, theirs in pairs:
-        if not _same(ours, theirs):
-            raise InputError("cell", rule, key=key)
 
 
 def _same(ours: object, theirs: object) -> bool:

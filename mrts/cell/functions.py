@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """The generated functions of a cell, bound once, called for all samples of a motion at once."""
 
-from collections.abc import Callable
-from ctypes import CDLL
+from collections.abc import Callable, Iterable
+from ctypes import CDLL, addressof, c_char, string_at
 from functools import cache, partial
 from pathlib import Path
 from typing import Any, NoReturn, Self
@@ -15,7 +15,8 @@ from mrts.cell.record import CellManifest, verified_manifest
 from mrts.kernel.c_text import SELDOM, cell_source, function_source, motion_source
 from mrts.kernel.cell_library import CellLibrary, MotionLibrary
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
-from mrts.kernel.function_shapes import check_shapes, check_signatures
+
+MAKE_AGAIN = "Make C file and manifest again: `mrts generate`."
 
 
 class CellFunctions:
@@ -95,13 +96,27 @@ def _compiled(where: Path | str, manifest: CellManifest, generated: str) -> Cell
     def seldom(name: str) -> CDLL:
         symbol = manifest.functions[name].symbol
         library = library_or_rebuilt(find_compiler(), symbol, function_source(generated, symbol), _opened)
-        return check_signatures(where, manifest, library, [name])
+        return _checked(where, manifest, library, [name])
 
-    check_shapes(where, manifest)
     text, name = cell_source(manifest, generated), manifest.source.removesuffix(".c")
     library = library_or_rebuilt(find_compiler(), name, text, partial(CellLibrary, manifest, seldom=seldom))
-    check_signatures(where, manifest, library.opened, manifest.functions.keys() - {*SELDOM})
+    _checked(where, manifest, library.opened, manifest.functions.keys() - {*SELDOM})
     return CellFunctions(manifest, lambda: library, generated)
+
+
+def _checked(where: Path | str, manifest: CellManifest, library: CDLL, functions: Iterable[str]) -> CDLL:
+    """A library whose functions take and give what the manifest says: C reads and writes where it is told to."""
+    for name in functions:
+        record = manifest.functions[name]
+        try:
+            compiled = c_char.in_dll(library, f"{record.symbol}_signature")
+        except ValueError:
+            raise InputError(
+                where, f"the C file holds no such function. {MAKE_AGAIN}", key=f"functions.{name}"
+            ) from None
+        if string_at(addressof(compiled)) != record.signature.encode():
+            raise InputError(where, f"the compiled function has other shapes. {MAKE_AGAIN}", key=f"functions.{name}")
+    return library
 
 
 def _opened(library: Path) -> CDLL:

@@ -85,7 +85,7 @@ def _chains_in_cache(cell: Any) -> tuple[Path, ChainsRecord | None]:
     """Where the cache keeps what is generated of a cell's chains, and its record; None unless it is there and whole."""
     from mrts_codegen.content_key import chains_key  # noqa: PLC0415 (build time, on demand)
 
-    folder = _chains_folder(chains_key(cell, CACHED_STEM, bake=False))
+    folder = _chains_folder(chains_key(cell, CACHED_STEM))
     chains = _if_sound(folder / CHAINS_NAME, lambda text: ChainsRecord.model_validate(read_json(text)))
     return folder, chains if chains is not None and _is_source(folder / chains.source, chains) else None
 
@@ -100,7 +100,7 @@ def _chains_folder(key: str) -> Path:
     return cache_folder("chains", key, emitter_key())
 
 
-def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple[CellManifest, Path]:
+def generate_to(path: Path, folder: Path | None) -> tuple[CellManifest, Path]:
     """Generate a cell and keep it.
 
     Returns:
@@ -110,7 +110,7 @@ def generate_to(path: Path, folder: Path | None, *, bake: bool = False) -> tuple
         return generated_in_cache(path)
     from mrts_codegen.generate import generate_cell  # noqa: PLC0415 (build time, on demand)
 
-    generate_cell(path, bake=bake).write(folder)
+    generate_cell(path).write(folder)
     return read_generated(folder)
 
 
@@ -145,12 +145,12 @@ def export_to(
         export_library,
         write_library,
     )
-    from mrts_codegen.generate import generate_cell  # noqa: PLC0415
+    from mrts_codegen.function_registry import build_functions  # noqa: PLC0415
 
-    cell = generate_cell(path, bake=True)
+    cell = cell_model(path)
     texts = export_library(
-        cell.record.cell if name is None else replace(cell.record.cell, name=name),
-        cell.functions,
+        cell.record if name is None else replace(cell.record, name=name),
+        build_functions(cell, CACHED_STEM, bake=True),
         limits=limits,
         vectors=vectors,
         path_samples=path_samples,
@@ -173,7 +173,7 @@ def symbolic_functions(description: object, folder: Path) -> dict[str, Any]:
     """CasADi's functions of a cell by short name, to build programs of."""
     from mrts_codegen.function_registry import build_functions  # noqa: PLC0415 (build time, on demand)
 
-    functions: dict[str, Any] = build_functions(described_model(description, folder), CACHED_STEM, bake=False)
+    functions: dict[str, Any] = build_functions(described_model(description, folder), CACHED_STEM)
     return functions
 
 

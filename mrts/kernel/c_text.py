@@ -7,7 +7,7 @@ from itertools import accumulate
 from pathlib import Path
 from posixpath import dirname, join, normpath
 
-from mrts.base.manifest import GEOMETRY, Manifest
+from mrts.base.manifest import Manifest
 
 PROGRAM_FILES = (
     *("linear_programs.c", "quadratic_programs.c", "basis/kept_basis.c", "speed_intervals.c", "batch.c"),
@@ -123,14 +123,13 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     seldom = {record.symbol for name, record in manifest.functions.items() if name in SELDOM}
     often = head + "".join(text for symbol, text in functions.items() if symbol not in seldom)
     components = len(manifest.wrench_components)
-    read = manifest.functions["kinematics"].inputs
     sizes = [one.shape[0] * one.shape[1] for one in manifest.functions["wrench_form"].inputs]
     macros: dict[str, int | str] = {
         "MRTS_WRENCHES": components * len(manifest.robots),
         "MRTS_INPUTS": len(manifest.functions["wrench_form"].inputs),
         "MRTS_INPUT_SIZES": f"{{{', '.join(map(str, sizes))}}}",
         "MRTS_INPUT_NUMBERS": sum(sizes),
-        "MRTS_GEOMETRY_NUMBERS": next((one.shape[0] for one in read if one.name == GEOMETRY), 1),
+        "MRTS_GEOMETRY_NUMBERS": manifest.functions["kinematics"].inputs[-1].shape[0],
         "MRTS_UNKNOWNS": components * (len(manifest.robots) - 1) + 1,
     }
     in_lanes = {f"MRTS_{name.upper()}": manifest.functions[name].symbol for name in IN_LANES}

@@ -195,8 +195,7 @@ def _other_limits(found_with: list[str], given: list[str]) -> Remark:
 
 
 def _functions_of(cell: Cell, saved: CellManifest, path: Path) -> CellFunctions:
-    made = cell.functions.manifest
-    ours, theirs = (_made_from(one.cell, baked=made.is_baked) for one in (made, saved))
+    ours, theirs = (_made_from(one.cell) for one in (cell.functions.manifest, saved))
     for key in theirs | ours:
         if ours.get(key) != theirs.get(key):
             raise InputError(
@@ -208,16 +207,12 @@ def _functions_of(cell: Cell, saved: CellManifest, path: Path) -> CellFunctions:
     return cell.functions
 
 
-def _made_from(cell: CellRecord, *, baked: bool) -> dict[str, Any]:
-    """What a cell's functions depend on: not its limits and load, nor, unless it is folded in, its geometry."""
+def _made_from(cell: CellRecord) -> dict[str, Any]:
+    """What a cell's functions depend on: not its limits, its load or its geometry."""
     made: dict[str, Any] = {"plane": cell.plane, "wrench_components": cell.wrench_components}
-    if baked:
-        made["gravity"] = cell.gravity.tolist()
     for number, robot in enumerate(cell.robots):
         source = robot.source
         own: dict[str, Any] = {"urdf": source.sha256, "base_link": source.base_link, "tip_link": source.tip_link}
         own |= {"held": dict(robot.held), "name": robot.name}
-        if baked:
-            own |= {"base": robot.T_world_base.numbers.tolist(), "grasp": robot.T_object_tip.numbers.tolist()}
         made |= {f"robots[{number}].{key}": value for key, value in own.items()}
     return made | {"name": cell.name}

@@ -29,9 +29,10 @@ NO_CHANGE = 1e-6
 MOST_GAINS, MOST_LOSSES = 12, 8
 """Changes that a table shows of those that gain, and of those that lose."""
 
-_BAKED = "they stand as numbers in the generated C (--bake)"
-_GIVEN = "the joints of this motion are given, and are not those that the arms take by themselves"
-"""Why poses are left out."""
+_GIVEN = (
+    "bases and grasps were not moved: the joints of this motion are given, and are not those that the arms take by "
+    "themselves"
+)
 
 MOST_NAMED = 3
 """Limits that bind which a line names; the rest is counted."""
@@ -267,9 +268,8 @@ def ask_changes(
     follows, motion = following_again(cell, motion)
     before = answer(cell, motion, None)
     changes, left_out = cell_changes(cell, steps), ""
-    if cell.functions.manifest.is_baked or follows is None:
-        changes = tuple(change for change in changes if not change.moves_arms)
-        left_out = f"bases and grasps were not moved: {_BAKED if cell.functions.manifest.is_baked else _GIVEN}"
+    if follows is None:
+        changes, left_out = tuple(change for change in changes if not change.moves_arms), _GIVEN
     found = []
     for number, change in enumerate(changes):
         progress(number, len(changes))
