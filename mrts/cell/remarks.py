@@ -2,7 +2,6 @@
 """What a user should know of a cell: likely mistakes, numbers that look like placeholders, and what is assumed."""
 
 from collections.abc import Callable, Container, Iterator, Sequence
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, median
 from mrts.base.formats.pose import WHOLE_TURN
 from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
+from mrts.base.rigid_transform import plane_normal
 from mrts.base.words import first_names
 from mrts.cell.robot import DEGREES_SUSPECTED
 
@@ -46,21 +46,12 @@ EARTHLY = (9.0, 10.5)
 STRAIGHT = 0.9
 """Share of gravity along one axis from which on that is the vertical."""
 
-TORQUE_UNIT = "torque-millimetres"
-
 MOST_INERTIA = 2.0
 """Times the moment of inertia of a body whose mass is all at the corners of the box around its shape, which no body
 inside exceeds; a drawn shape may leave parts out."""
 
 LEAST_INERTIA = 1 / 300
 """Of the same: a uniform box has 1/3, so this one has its mass within a tenth of its size."""
-
-WIDEST = 3.0
-"""Radius of gyration as a multiple of the half distance between the two grasps that are farthest apart: a beam that two
-arms hold an eighth of its length from its middle has 2.3."""
-
-NARROWEST = 1 / 30
-"""Of the same: hands hold what they reach around, not what is a thirtieth of it."""
 
 FEWEST_JOINTS = 3
 """Turning joints of an arm from which on equal efforts are no accident: of two, motors often are alike."""
@@ -75,12 +66,6 @@ stay below."""
 UNLIKE = 50.0
 """Times by which what the first joint holds at full stretch exceeds what the last does, from which on nobody puts the
 same motor into both. Legs of walking robots, with one motor for all joints, have up to 25."""
-
-TENFOLD = 9.99
-"""Ratio of two limits from which on one of them is mistyped: a decimal point that slipped, but for rounding."""
-
-ALIKE = 1e-6
-"""Share by which masses and lengths of arms that are alike may differ: their URDFs may be printed with few digits."""
 
 WEIGHTLESS = "no mass in the URDF, so its links weigh nothing: torques come out too small, and speeds too high"
 
@@ -128,8 +113,8 @@ def cell_remarks(cell: "Cell") -> Iterator[Remark]:
     codes = {remark.code for remark in units}
     yield from cell.remarks
     yield from units
-    if not codes & {"mass-grams", "inertia-unit"}:  # which make it fit
-        yield from _inertia_remarks(cell)
+    if cell.object_shape is not None and not codes & {"mass-grams", "inertia-unit"}:  # which make it fit
+        yield from _inertia_remarks(cell, cell.object_shape)
     if placeholders:
         said = "; ".join(f"{value:g} N m on every joint of {name}" for name, value in placeholders.items())
         yield Remark(
@@ -137,8 +122,6 @@ def cell_remarks(cell: "Cell") -> Iterator[Remark]:
             f"the effort limits of the URDF look like placeholders: {said}. c² is as good as they are: give "
             "the data sheet's as 'torque' in the cell file.",
         )
-    if TORQUE_UNIT not in codes:
-        yield from _unlike_limits(cell)
     yield from missing_masses(cell.robots)
     of_urdf = [robot.name for robot in cell.robots if robot.has_urdf_torque]
     if of_urdf:
@@ -285,7 +268,7 @@ def _torques(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
         if len(turning) and weight > 0 and median(turning) > STRONG * weight:
             source = torque_source(robot)
             yield Remark.hint(
-                TORQUE_UNIT,
+                "torque-millimetres",
                 f"the torque limits of robot '{robot.name}' ({source}) are around {median(turning):.4g} N m, "
                 f"and {weight:.3g} N m hold the whole arm stretched out: they seem to be in N mm, and must be in N m, "
                 "or the links weigh more than their URDF says.",
@@ -311,49 +294,33 @@ def _load(cell: "Cell") -> Iterator[Remark]:
         )
 
 
-def _inertia_remarks(cell: "Cell") -> Iterator[Remark]:
-    if cell.object_shape is not None:
-        ratio = _ratio_to_shape(cell, cell.object_shape)
-        fits, against = LEAST_INERTIA <= ratio <= MOST_INERTIA, "a body of this shape has at most"
-    else:
-        grasps = [robot.T_object_tip.p for robot in cell.robots]
-        reach = max((float(np.linalg.norm(one - other)) for one, other in combinations(grasps, 2)), default=0.0) / 2
-        if reach == 0:
-            return
-        widest = float(np.sqrt(np.max(_moments(cell, cell.inertia)) / cell.mass)) / reach
-        ratio, fits = widest**2, NARROWEST <= widest <= WIDEST
-        against = "the same mass at the distance of its grasps has"
-    if not fits:
+def _inertia_remarks(cell: "Cell", shape: "ShapeRecord") -> Iterator[Remark]:
+    ratio = _ratio_to_shape(cell, shape)
+    if not LEAST_INERTIA <= ratio <= MOST_INERTIA:
         moments = ", ".join(f"{moment:.4g}" for moment in np.linalg.eigvalsh(cell.inertia))
         yield Remark.hint(
             "inertia-unlike-shape",
             f"the object's inertia, principal moments {moments} kg m², does not fit its mass of {cell.mass:g} kg: it "
-            f"is {ratio:.3g} times what {against}. Without 'inertia', a 'shape' gives that of a uniform body; 1 kg mm² "
-            "is 1e-6 kg m².",
+            f"is {ratio:.3g} times what a body of this shape has at most. Without 'inertia', a 'shape' gives that of a "
+            "uniform body; 1 kg mm² is 1e-6 kg m².",
         )
-
-
-def _moments(cell: "Cell", inertia: Array) -> Array:
-    if cell.plane is None:
-        return np.asarray(np.linalg.eigvalsh(inertia))
-    normal = {"yz": 0, "xz": 1, "xy": 2}[cell.plane]
-    return np.asarray(inertia[normal, normal, None])
 
 
 def _ratio_to_shape(cell: "Cell", shape: "ShapeRecord") -> float:
     """Of the inertia to that of the mass at the corners of a box around the shape.
 
-    It is the largest about any axis of the shape, or that of the largest moments if that is not too large.
+    It is the largest about any axis of the shape, or that of the largest moments if that is not too large; of a planar
+    cell that about the plane's normal.
     """
     R, p = shape.pose.R, shape.pose.p
     squares = (np.abs(R.T @ p) + _half_sides(shape)) ** 2
     corners = cell.mass * (np.sum(squares) - squares)
-    if cell.plane is None:
-        moments = np.diag(R.T @ cell.inertia @ R)
-        most, least = float(np.max(moments / corners)), float(np.max(moments) / np.max(corners))
-    else:
-        most = least = float(_moments(cell, cell.inertia)[0] / _moments(cell, R @ np.diag(corners) @ R.T)[0])
-    return most if most > MOST_INERTIA else least
+    if cell.plane is not None:
+        normal = plane_normal(cell.plane)
+        return float((normal @ cell.inertia @ normal) / (normal @ (R * corners) @ R.T @ normal))
+    moments = np.diag(R.T @ cell.inertia @ R)
+    most = float(np.max(moments / corners))
+    return most if most > MOST_INERTIA else float(np.max(moments) / np.max(corners))
 
 
 def _half_sides(shape: "ShapeRecord") -> Array:
@@ -386,41 +353,6 @@ def _share_of_load(robot: "Robot") -> float:
     masses = robot.source.carried_mass
     first, least = sum(masses) * float(np.sum(lengths)), masses[-1] * float(lengths[-1])
     return first / least if least > 0 else np.inf if first > 0 else 0.0
-
-
-def _unlike_limits(cell: "Cell") -> Iterator[Remark]:
-    """The torque or velocity limits that differ most between arms that are alike, if they differ tenfold."""
-    worst, said = TENFOLD, ""
-    for pair in combinations(cell.robots, 2):
-        if not _alike(*pair):
-            continue
-        torques = [np.maximum(abs(robot.torque_lower), abs(robot.torque_upper)) for robot in pair]
-        speeds, sources = [robot.velocity_limit for robot in pair], [torque_source(robot) for robot in pair]
-        speed_units = [f"{unit}/s" for unit in pair[0].position_units]
-        for kind, limits, units, given in (
-            ("torque", torques, pair[0].torque_units, sources),
-            ("velocity", speeds, speed_units, ["URDF" if robot.has_urdf_velocity else "cell file" for robot in pair]),
-        ):
-            known = (np.minimum(*limits) > 0) & (np.maximum(*limits) < np.inf)
-            ratios = np.divide(np.maximum(*limits), np.minimum(*limits), out=np.ones(len(known)), where=known)
-            j = int(np.argmax(ratios))
-            if ratios[j] > worst:
-                one, other = (
-                    f"{robot.joints[j]} of robot '{robot.name}', {limit[j]:.4g} {units[j]} ({source}),"
-                    for robot, limit, source in zip(pair, limits, given, strict=True)
-                )
-                worst, said = ratios[j], f"the {kind} limits of {one} and of {other} differ {ratios[j]:.3g}-fold"
-    if said:
-        yield Remark.hint("limits-unlike", f"{said}, and the two arms are alike: one of them seems to be mistyped.")
-
-
-def _alike(one: "Robot", other: "Robot") -> bool:
-    if one.joint_types != other.joint_types:
-        return False
-    sizes = (
-        [*robot.source.carried_mass, *np.linalg.norm(np.diff(robot.points, axis=0), axis=1)] for robot in (one, other)
-    )
-    return all(np.isclose(size, same, rtol=ALIKE, atol=ALIKE) for size, same in zip(*sizes, strict=True))
 
 
 def missing_masses(robots: Sequence["Robot"]) -> Iterator[Remark]:

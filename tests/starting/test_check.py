@@ -47,35 +47,6 @@ def test_a_likely_mistake_is_named_and_nothing_else(damage, tmp_path):
     assert not found.mistakes
 
 
-TORQUE, VELOCITY, MASS = 'effort="28"', 'velocity="3.141592653589793"', '<mass value="'
-
-
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({TORQUE: 'effort="2.8"'}, ["wrist_1", "torque", "28 N m (URDF)", "2.8 N m (URDF)", "10-fold"]),
-        (
-            {TORQUE: 'effort="2"', VELOCITY: 'velocity="180"'},
-            ["shoulder_pan", "velocity", "3.142 rad/s (URDF)", "180 rad/s (URDF)", "57.3-fold"],
-        ),
-        ({TORQUE: 'effort="3"', VELOCITY: 'velocity="0.4"'}, None),
-        ({TORQUE: 'effort="2.8"', MASS: '<mass value="1'}, None),
-    ],
-)
-def test_limits_that_differ_tenfold_between_alike_arms_are_told_once(changes, told, tmp_path):
-    (cell, motion), text = sound(), damaged_cells.URDF.read_text(encoding="utf-8")
-    for old, new in changes.items():
-        text = text.replace(old, new, 1)
-    urdf = tmp_path / "arm.urdf"
-    urdf.write_text(text, encoding="utf-8")
-    cell["robots"][1]["urdf"] = str(urdf)
-    found = mrts.check(*written(tmp_path, cell, motion))
-    assert [hint.code for hint in found.hints] == (["limits-unlike"] if told else [])
-    for words in told or ():
-        assert words in found.hints[0].text
-    assert found.status == "fine"
-
-
 WHOLE_TURNS = 'lower="-6.283185307179586" upper="6.283185307179586"'
 
 

@@ -46,7 +46,7 @@ BAD = {
     "friction-placeholders": [of_urdf(friction)],
     "links-without-mass": [of_urdf(weightless)],
     "inertia-unlike-shape": [
-        carries(mass=4.0, inertia=[4, 4, 4]),
+        carries(mass=4.0, inertia=[4, 4, 4], shape={"box": [0.25, 0.25, 0.25]}),
         carries(mass=4.0, inertia=[4e-6] * 3, shape={"cylinder": {"radius": 0.1, "length": 0.2}}),
     ],
 }
