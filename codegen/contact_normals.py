@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from mrts_codegen.hand_file import PadDescription, SuctionDescription
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
@@ -47,12 +46,12 @@ def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shap
     mistakes, remarks = Mistakes(), []
     for index, robot in enumerate(robots):
         T = robot.grasp.transform
-        for place, described in enumerate(robot.contact):
-            hand = getattr(described, described.kind)
-            if not isinstance(hand, PadDescription | SuctionDescription) or hand.pull:
+        hands = [(place, kind, hand) for place, entry in enumerate(robot.contact) for kind, hand in entry.items()]
+        for place, kind, hand in hands:
+            if "normal" not in hand or hand.get("pull"):
                 continue
-            key = f"robots[{index}] ({robot.name}).contact[{place}].{described.kind}.normal"
-            direction = T.R @ (np.array(hand.normal) / np.linalg.norm(hand.normal))
+            key, given = f"robots[{index}] ({robot.name}).contact[{place}].{kind}.normal", np.asarray(hand["normal"])
+            direction = T.R @ (given / np.linalg.norm(given))
             outward = [] if shape is None else list(_faces_at(shape, T.p))
             slopes = [float(direction @ normal) for normal in outward]
             with mistakes.noted():
@@ -64,10 +63,10 @@ def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shap
                         f"shape is [{into}] in tip axes. Turn it round, or give 'pull: true' beside it if this hand "
                         "presses outward, as from inside a hollow."
                     )
-                    raise InputError(path, rule, key=key, value=hand.normal)
+                    raise InputError(path, rule, key=key, value=hand["normal"])
             if not outward and direction @ T.p > OUTWARD * np.linalg.norm(T.p):
                 text = (
-                    f"{path.name}: {key} = {hand.normal} points away from the object's centre of mass, but should "
+                    f"{path.name}: {key} = {hand['normal']} points away from the object's centre of mass, but should "
                     "point from the hand into the object; 'pull: true' beside it says that it is meant."
                 )
                 remarks.append(Remark("contact-normal", text))

@@ -45,7 +45,7 @@ def test_contacts_are_read_in_order_and_named_by_kind(tmp_path):
 
 WRONG = [
     ([{"pad": PAD | {"normal": [0, 0, 0]}}], "[0].pad.normal", "zero length"),
-    ([{"pad": PAD | {"normal": [0, 1]}}], "[0].pad.normal", "has 2 values, at least 3"),
+    ([{"pad": PAD | {"normal": [0, 1]}}], "[0].pad.normal", "must be three finite numbers"),
     ([{"pad": PAD | {"friction": -0.5}}], "[0].pad.friction", "must be a number > 0"),
     ([{"suction": CUP | {"holding_force": -1}}], "[0].suction.holding_force", "must be a number > 0"),
     ([{"suction": CUP | {"radius": 0}}], "[0].suction.radius", "must be a number > 0"),
@@ -60,7 +60,7 @@ WRONG = [
     ([{"box": {}}], "[0].box", "must limit something"),
     ([{"box": {"upper": [1, 2, 3]}}], "[0].box.upper", "must have 6 values (fx, fy, fz, nx, ny, nz)"),
     ([{"box": {"lower": [2] * 6, "upper": [1] * 6}}], "[0].box.lower[0] = 2", "of fx must be at most the upper one, 1"),
-    ([{"box": {"upper": [1] * 6, "frame": "hand"}}], "[0].box.frame", "must be 'tip', 'base' or 'object'"),
+    ([{"box": {"upper": [1] * 6, "frame": "hand"}}], "[0].box.frame", "must be tip, object, base"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0]], "upper": [1]}}], "[0].rows.A", "each row must have 6 numbers"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0, 0]], "upper": [1, 2]}}], "[0].rows.A", "in 2 rows, as many as upper"),
     ([{"rows": {"A": [[0] * 6], "upper": [1]}}], "[0].rows.A", "row 1 is zero"),

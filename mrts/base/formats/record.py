@@ -104,7 +104,7 @@ class Record:
 
     def _fill(self, data: dict[Any, Any]) -> None:
         defaults = {name: getattr(type(self), name) for name in self.model_fields if hasattr(type(self), name)}
-        vars(self).update(_checked_fields(self.model_fields, defaults, data))
+        vars(self).update(checked_fields(self.model_fields, defaults, data))
         if problem := self.problem():
             raise InputError("", f"{problem.rstrip('.')}.")
 
@@ -149,7 +149,8 @@ def _refuse(constant: str) -> NoReturn:
     raise _broken(FINITE, constant)
 
 
-def _checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[Any, Any]) -> dict[str, Any]:
+def checked_fields(kinds: dict[str, Any], defaults: dict[str, Any], data: dict[Any, Any]) -> dict[str, Any]:
+    """The values of a mapping by name, each of its kind; defaults where the mapping leaves one out."""
     mistakes, values = Mistakes(), {}
     keys = {name.rstrip("_"): name for name in kinds}
     for key in data:
@@ -222,7 +223,7 @@ def _dataclass(kind: Any, value: Any) -> Any:
         raise _broken(MAPPING, value)
     given: list[Field[Any]] = [field for field in fields(kind) if field.init]
     defaults = {field.name: field.default for field in given if field.default is not MISSING}
-    values = _checked_fields({field.name: field.type for field in given}, defaults, value)
+    values = checked_fields({field.name: field.type for field in given}, defaults, value)
     return kind(**values)
 
 
