@@ -51,12 +51,6 @@ def is_number(value: object, low: float = -inf, high: float = inf) -> bool:
     return isfinite(number) and low <= number <= high
 
 
-def check_list(name: str, value: object, kind: type) -> None:
-    """Check that an argument is a list or tuple of values of one type."""
-    if not isinstance(value, list | tuple) or not all(isinstance(each, kind) for each in value):
-        raise InputError(name, f"must be a tuple, each of it {_type_name(kind)}.", value=value)
-
-
 def check_callable(name: str, value: object) -> None:
     """Check that an argument can be called."""
     if not callable(value):

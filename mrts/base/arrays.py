@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.errors import InputError, as_array
-
 Array = NDArray[np.float64]
 
 
@@ -63,25 +61,6 @@ def median(values: Array) -> float:
     middle = len(values) // 2
     ordered = np.partition(values, (middle - 1, middle))
     return float(ordered[middle] if len(values) % 2 else (ordered[middle - 1] + ordered[middle]) / 2)
-
-
-def freeze_array(owner: object, name: str, where: str, shape: tuple[int, ...], *, finite: bool) -> None:
-    """Make an attribute of a frozen value an array of its own that nobody can write to.
-
-    Raises:
-        InputError: If it is not such an array.
-    """
-    given = getattr(owner, name)
-    try:
-        value = as_array(name, given)
-    except InputError as error:
-        raise InputError(where, error.rule, key=name, value=given) from None
-    sound = np.isfinite(value) if finite else ~np.isnan(value)
-    if value.shape != shape or not sound.all():
-        numbers = "finite numbers" if finite else "numbers (infinity is no limit)"
-        raise InputError(where, f"must be {numbers} with Shape {shape}.", key=name, value=value.tolist())
-    value.setflags(write=False)
-    object.__setattr__(owner, name, value)
 
 
 def without_infinity(values: Array) -> list[float | None]:

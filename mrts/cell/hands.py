@@ -6,23 +6,20 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from itertools import product
 from pathlib import Path
-from types import NoneType
-from typing import Any, Literal, TypeGuard
+from typing import Annotated, Any, Literal, TypeGuard
 
 import numpy as np
 
-from mrts.base.argument_types import check_list, check_type, is_number
-from mrts.base.arrays import Array, freeze_array, without_infinity
+from mrts.base.argument_types import check_type, is_number
+from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.pose import Finite
-from mrts.base.formats.record import Record
+from mrts.base.formats.record import Record, Rule, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER, plain
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.rigid_transform import multiply
 
 Frame = Literal["tip", "object", "base"]
-
-FRAMES: tuple[Frame, ...] = ("tip", "object", "base")
 
 SHORTEST_DIRECTION = 1e-9
 """A direction is given by numbers near 1: what is shorter is zero, misprinted."""
@@ -60,34 +57,23 @@ class Contact:
 
     name: str
     frame: Frame
-    rows: tuple[str, ...]
-    units: tuple[str, ...]
-    A: Array
-    lower: Array
-    upper: Array
+    rows: Annotated[tuple[str, ...], Shape("r"), Rule(min_length=1)]
+    units: Annotated[tuple[str, ...], Shape("r")]
+    A: Annotated[Array, Shape("r", "w", finite=True)]
+    lower: Annotated[Array, Shape("r")]
+    upper: Annotated[Array, Shape("r")]
     given: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
-        check_type("contact: name", self.name, str)
-        check_type("contact: given", self.given, Mapping, NoneType)
         where = f"contact '{self.name}'"
+        columns = check_attributes(self, Contact, where)["w"]
         if not self.name or self.name != "".join(self.name.split()):
             raise InputError("contact", "its name must be text without blanks.", key="name", value=self.name)
-        if not isinstance(self.frame, str) or self.frame not in FRAMES:
-            raise InputError(where, f"must be {', '.join(FRAMES)}.", key="frame", value=self.frame)
-        for key in ("rows", "units"):
-            check_list(f"{where}: {key}", getattr(self, key), str)
-            object.__setattr__(self, key, tuple(getattr(self, key)))
-        count = len(self.rows)
-        if len({*self.rows}) < count or len(self.units) != count or not count:
-            raise InputError(where, "must name at least one row, each by its own name, with a unit a row.", key="rows")
-        columns = as_array(f"{where}: A", self.A).shape[-1:]
-        if columns not in {(3,), (len(WRENCH_COMPONENTS),)}:
+        if len({*self.rows}) < len(self.rows):
+            raise InputError(where, "must have names of their own.", key="rows", value=self.rows)
+        if columns not in {3, len(WRENCH_COMPONENTS)}:
             rule = "must have 6 columns (fx, fy, fz, nx, ny, nz), in a planar cell 3."
             raise InputError(where, rule, key="A", value=self.A)
-        freeze_array(self, "A", where, (count, *columns), finite=True)
-        for key in ("lower", "upper"):
-            freeze_array(self, key, where, (count,), finite=False)
         limited = np.isfinite(self.lower) | np.isfinite(self.upper)
         sound = limited & (self.lower <= self.upper) & (self.lower < np.inf) & (self.upper > -np.inf)
         sound &= np.any(self.A != 0, axis=1)

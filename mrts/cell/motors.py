@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.pose import Finite, Positive
-from mrts.base.formats.record import Record, Rule
+from mrts.base.formats.record import Record, Rule, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 
 ROUNDED_SLOPE = 1e-9
@@ -28,6 +28,9 @@ PER_JOINT = (*EFFECTS, *RATINGS)
 
 NONE_GIVEN = dict.fromkeys(EFFECTS, 0.0) | dict.fromkeys(RATINGS, np.inf)
 """What they are where nothing is known: no effect, no limit."""
+
+
+PerJoint = Annotated[Array, Shape("n")]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,22 +52,19 @@ class JointMotors:
         InputError: If a number is negative or a curve rises, bends upward or does not start at standstill.
     """
 
-    armature: Array
-    coulomb: Array
-    viscous: Array
-    torque_speed: tuple[Array | None, ...]
-    torque_rate: Array
-    jerk: Array
-    rated: Array
-    power: Array
+    armature: PerJoint
+    coulomb: PerJoint
+    viscous: PerJoint
+    torque_speed: Annotated[tuple[Array | None, ...], Shape("n")]
+    torque_rate: PerJoint
+    jerk: PerJoint
+    rated: PerJoint
+    power: PerJoint
 
     def __post_init__(self) -> None:
-        n = len(self.torque_speed)
+        check_attributes(self, JointMotors, "motors")
         for name in PER_JOINT:
-            value = as_array(f"motors: {name}", getattr(self, name))
-            unlimited = NONE_GIVEN[name] == np.inf
-            if value.shape != (n,):
-                raise InputError("motors", f"must have one value for each of {n} joints.", key=name)
+            value, unlimited = getattr(self, name), NONE_GIVEN[name] == np.inf
             wrong = ~((value >= SMALLEST_NUMBER) if unlimited else (value >= 0) & (value <= LARGEST_NUMBER))
             if np.any(wrong):
                 rule = (
@@ -73,8 +73,6 @@ class JointMotors:
                     else f"must be >= 0 and at most {LARGEST_NUMBER:.0e}."
                 )
                 raise InputError("motors", rule, key=f"{name}[{int(np.argmax(wrong))}]", value=value[wrong][0])
-            value.setflags(write=False)
-            object.__setattr__(self, name, value)
         curves = tuple(None if curve is None else _checked_curve(j, curve) for j, curve in enumerate(self.torque_speed))
         object.__setattr__(self, "torque_speed", curves)
 

@@ -6,16 +6,14 @@ import json
 import re
 from dataclasses import dataclass, fields
 from pathlib import Path
-from types import NoneType
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_list, check_type
-from mrts.base.arrays import Array, freeze_array
+from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Name, Positive
-from mrts.base.formats.record import Record, Rule, read_json
+from mrts.base.formats.record import Record, Rule, Shape, check_attributes, read_json
 from mrts.base.formats.surface_text import unpacked_surface
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME, read_text
 from mrts.base.load_box import LoadBox
@@ -134,12 +132,12 @@ class CellRecord:
     name: Name
     plane: Literal["xy", "xz", "yz"] | None
     wrench_components: tuple[str, ...]
-    gravity: Array
-    load: Array
+    gravity: Annotated[Array, Shape(3, finite=True)]
+    load: Annotated[Array, Shape(len(LOAD_ENTRIES), finite=True)]
     load_box: LoadBox | None
     power_limit: Positive | None
-    object_velocity_limit: Array
-    object_acceleration_limit: Array
+    object_velocity_limit: Annotated[Array, Shape(2)]
+    object_acceleration_limit: Annotated[Array, Shape(2)]
     object_points: Annotated[tuple[PointLimit, ...], Rule(max_length=MOST)]
     carried: Annotated[tuple[CarriedThing, ...], Rule(max_length=MOST)]
     object_shape: ShapeRecord | None
@@ -149,17 +147,8 @@ class CellRecord:
     remarks: Annotated[tuple[Remark, ...], Rule(max_length=MOST)]
 
     def __post_init__(self) -> None:
-        check_type("cell: load_box", self.load_box, LoadBox, NoneType)
-        check_type("cell: object_shape", self.object_shape, ShapeRecord, NoneType)
-        lists = {"wrench_components": str, "robots": Robot, "remarks": Remark, "machines": tuple}
-        records = {"object_points": PointLimit, "carried": CarriedThing, "surroundings": ObstacleRecord}
-        for key, kind in (lists | records).items():
-            check_list(f"cell: {key}", getattr(self, key), kind)
-            object.__setattr__(self, key, tuple(getattr(self, key)))
-        freeze_array(self, "gravity", "cell", (3,), finite=True)
-        freeze_array(self, "load", "cell", (len(LOAD_ENTRIES),), finite=True)
+        check_attributes(self, CellRecord, "cell")
         for key in ("object_velocity_limit", "object_acceleration_limit"):
-            freeze_array(self, key, "cell", (2,), finite=False)
             if np.any(getattr(self, key) <= 0):
                 rule = "must be > 0; infinity where there is none."
                 raise InputError("cell", rule, key=key, value=getattr(self, key).tolist())

@@ -3,16 +3,16 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import check_list, check_type
-from mrts.base.arrays import Array, freeze_array, without_infinity
+from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError, as_array
+from mrts.base.formats.record import Rule, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER
-from mrts.base.manifest import MOST, WRENCH_COMPONENTS
+from mrts.base.manifest import MOST
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
 from mrts.base.words import interval_text
@@ -20,11 +20,8 @@ from mrts.cell.hands import Contact
 from mrts.cell.motors import JointMotors
 from mrts.cell.points import ArmPointLimit
 
-ARRAYS = (
-    *("axes", "points", "held_numbers", "position_lower", "position_upper", "velocity_limit", "posture"),
-    *("acceleration_lower", "acceleration_upper"),
-    *("torque_lower", "torque_upper", "wrench_lower", "wrench_upper", "contact_rate"),
-)
+PerJoint = Annotated[Array, Shape("n")]
+OfWrench = Annotated[Array, Shape("w")]
 
 DEGREES_SUSPECTED = 4 * np.pi
 """A joint position beyond two turns is rather degrees than radians."""
@@ -104,54 +101,36 @@ class Robot(InNotebooks):
     """
 
     name: str
-    joints: tuple[str, ...]
-    joint_types: tuple[Literal["revolute", "prismatic"], ...]
-    axes: Array
-    points: Array
+    joints: Annotated[tuple[str, ...], Shape("n"), Rule(min_length=1, max_length=MOST)]
+    joint_types: Annotated[tuple[Literal["revolute", "prismatic"], ...], Shape("n")]
+    axes: Annotated[Array, Shape("n", 3, finite=True)]
+    points: Annotated[Array, Shape("n", 3, finite=True)]
     T_base_tip: RigidTransform
-    position_lower: Array
-    position_upper: Array
-    velocity_limit: Array
-    acceleration_lower: Array
-    acceleration_upper: Array
+    position_lower: PerJoint
+    position_upper: PerJoint
+    velocity_limit: PerJoint
+    acceleration_lower: PerJoint
+    acceleration_upper: PerJoint
     T_world_base: RigidTransform
     T_object_tip: RigidTransform
-    posture: Array
-    torque_lower: Array
-    torque_upper: Array
-    wrench_lower: Array
-    wrench_upper: Array
+    posture: Annotated[Array, Shape("n", finite=True)]
+    torque_lower: PerJoint
+    torque_upper: PerJoint
+    wrench_lower: OfWrench
+    wrench_upper: OfWrench
     source: RobotSource
     held: Mapping[str, float]
-    held_numbers: Array
+    held_numbers: Annotated[Array, Shape("h", finite=True)]
     motors: JointMotors
     contacts: tuple[Contact, ...]
-    contact_rate: Array
+    contact_rate: OfWrench
     point_limits: tuple[ArmPointLimit, ...]
 
     def __post_init__(self) -> None:
         where = f"robot '{self.name}'"
-        check_type("robot: name", self.name, str)
-        check_type(f"{where}: source", self.source, RobotSource)
-        for key in ("joints", "joint_types"):
-            check_list(f"{where}: {key}", getattr(self, key), str)
-            object.__setattr__(self, key, tuple(getattr(self, key)))
-        check_type(f"{where}: held", self.held, Mapping)
-        n = len(self.joints)
-        if not 1 <= n <= MOST:
-            raise InputError(where, f"must be 1 to {MOST} joints.", key="joints", value=n)
-        if len(self.joint_types) != n or not set(self.joint_types) <= {"revolute", "prismatic"}:
-            rule = f"must be revolute or prismatic for each of its {n} joints."
-            raise InputError(where, rule, key="joint_types", value=self.joint_types)
-        wrench = as_array(f"{where}: wrench_lower", self.wrench_lower).shape[:1] or (len(WRENCH_COMPONENTS),)
-        shapes = {"axes": (n, 3), "points": (n, 3), "held_numbers": (np.size(self.held_numbers),)}
-        shapes |= dict.fromkeys(("wrench_lower", "wrench_upper", "contact_rate"), wrench)
-        for name in ARRAYS:
-            freeze_array(
-                self, name, where, shapes.get(name, (n,)), finite=name in {"axes", "points", "held_numbers", "posture"}
-            )
-        for T_name in ("T_base_tip", "T_world_base", "T_object_tip"):
-            object.__setattr__(self, T_name, _checked_pose(where, T_name, getattr(self, T_name)))
+        n = check_attributes(self, Robot, where)["n"]
+        for name in ("T_base_tip", "T_world_base", "T_object_tip"):
+            object.__setattr__(self, name, _checked_pose(where, name, getattr(self, name)))
         for kind in ("position", "acceleration", "torque", "wrench"):
             lower, upper = getattr(self, f"{kind}_lower"), getattr(self, f"{kind}_upper")
             if np.any(lower > upper) or np.any(lower == np.inf) or np.any(upper == -np.inf):
@@ -166,16 +145,11 @@ class Robot(InNotebooks):
                 raise InputError(where, rule, key=key, value=getattr(self, key).tolist())
         if np.any(self.acceleration_lower >= 0) or np.any(self.acceleration_upper <= 0):
             raise InputError(where, "must be below 0, and acceleration_upper above.", key="acceleration_lower")
-        check_list(f"{where}: point_limits", self.point_limits, ArmPointLimit)
-        object.__setattr__(self, "point_limits", tuple(self.point_limits))
-        check_type(f"{where}: motors", self.motors, JointMotors)
         if len(self.motors.torque_speed) != n:
             raise InputError(where, f"must be those of its {n} joints.", key="motors")
         contradiction = self.motors.problem_with(self.torque_lower, self.torque_upper, self.joints)
         if contradiction is not None:
             raise InputError(where, contradiction[1], key=f"motors.{contradiction[0]}")
-        check_list(f"{where}: contacts", self.contacts, Contact)
-        object.__setattr__(self, "contacts", tuple(self.contacts))
         names = [contact.name for contact in self.contacts]
         if len({*names}) < len(names):
             raise InputError(where, "must have names of their own.", key="contacts", value=names)
@@ -238,9 +212,7 @@ class Robot(InNotebooks):
         return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)
 
 
-def _checked_pose(where: str, key: str, given: object) -> RigidTransform:
-    if not isinstance(given, RigidTransform):
-        raise InputError(where, "must be an mrts RigidTransform.", key=key, value=given)
+def _checked_pose(where: str, key: str, given: RigidTransform) -> RigidTransform:
     R, p = as_array(f"{where}: {key}.R", given.R), as_array(f"{where}: {key}.p", given.p)
     numbers = [*R.ravel().tolist(), *p.ravel().tolist()]
     small = all(abs(number) <= LARGEST_NUMBER for number in numbers)

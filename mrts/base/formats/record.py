@@ -7,10 +7,13 @@ import operator
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
+from functools import cache
 from inspect import get_annotations
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self, Union, dataclass_transform, get_args, get_origin
+
+import numpy as np
 
 from mrts.base.errors import InputError, Mistakes, as_array, did_you_mean
 
@@ -56,6 +59,68 @@ class Rule:
                 if name == "min_length" and isinstance(value, str):
                     rule = "must have at least {limit} character"
                 raise _broken(rule.format(limit=limit, length=len(value) if name.endswith("length") else 0), given)
+
+
+class Shape:
+    """Sizes of an array, or of a tuple, that is an attribute of a dataclass; `check_attributes` checks them.
+
+    Attributes:
+        sizes: Such as ("n", 3), those of one letter alike in all attributes.
+        finite: Whether its numbers are; else infinity is no limit.
+    """
+
+    def __init__(self, *sizes: str | int, finite: bool = False) -> None:
+        self.sizes, self.finite = sizes, finite
+
+    def check(self, value: Any, letters: dict[str, int]) -> None:
+        """Check a value beside those before it, and note what its own letters stand for."""
+        is_tuple = isinstance(value, tuple)
+        given = (len(value),) if is_tuple else value.shape
+        wanted = tuple(letters.get(size, size) if isinstance(size, str) else size for size in self.sizes)
+        if given != wanted:
+            letters |= {size: of for size, of in zip(wanted, given, strict=False) if isinstance(size, str)}
+            wanted = tuple(letters.get(size, size) if isinstance(size, str) else size for size in self.sizes)
+        if given != wanted or not (is_tuple or (np.isfinite(value) if self.finite else ~np.isnan(value)).all()):
+            numbers = "values" if is_tuple else "finite numbers" if self.finite else "numbers (infinity is no limit)"
+            sizes = f"({', '.join(map(str, wanted))}{',' if len(wanted) == 1 else ''})"
+            raise _broken(f"must be {numbers} with Shape {sizes}", value if is_tuple else value.tolist())
+
+
+def check_attributes(owner: Any, of: type, where: str) -> dict[str, int]:
+    """Check the attributes of a frozen dataclass against their kinds, see `Record`; nobody can write to its arrays.
+
+    Returns:
+        What the letters of shapes stand for.
+
+    Raises:
+        InputError: If one is of another kind, or has another shape.
+    """
+    letters: dict[str, int] = {}
+    for name, kind, shape, is_array in _attributes(of):
+        try:
+            given = getattr(owner, name)
+            value = as_array("", given) if is_array else checked(kind, given)
+            if shape is not None:
+                shape.check(value, letters)
+        except InputError as error:
+            raise error.inside(where, name) from None
+        if is_array:
+            value.setflags(write=False)
+        object.__setattr__(owner, name, value)
+    return letters
+
+
+@cache
+def _attributes(of: type) -> list[tuple[str, Any, Shape | None, bool]]:
+    """Name, kind, shape and whether it is an array of each attribute; found once, cells are made by the thousand."""
+    kinds = [(field.name, field.type) for field in fields(of) if field.init]
+    shapes = [
+        next((one for one in getattr(kind, "__metadata__", ()) if isinstance(one, Shape)), None) for _, kind in kinds
+    ]
+    return [
+        (name, kind, shape, shape is not None and get_origin(get_args(kind)[0]) is np.ndarray)
+        for (name, kind), shape in zip(kinds, shapes, strict=True)
+    ]
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True)
@@ -192,7 +257,8 @@ def checked(kind: Any, value: Any) -> Any:
     if origin is Annotated:
         read = checked(parts[0], value)
         for rule in parts[1:]:
-            rule.check(read, value)
+            if isinstance(rule, Rule):
+                rule.check(read, value)
         return read
     if origin in {Union, UnionType}:
         return None if value is None and NoneType in parts else _one_of(value, *(p for p in parts if p is not NoneType))
@@ -220,7 +286,7 @@ def _one_of(value: Any, *kinds: Any) -> Any:
 def _dataclass(kind: Any, value: Any) -> Any:
     """A value of a dataclass from a mapping; what its own check refuses is told as a rule of the mapping."""
     if not isinstance(value, dict):
-        raise _broken(MAPPING, value)
+        raise _broken(f"must be of type {kind.__name__}", value)
     given: list[Field[Any]] = [field for field in fields(kind) if field.init]
     defaults = {field.name: field.default for field in given if field.default is not MISSING}
     values = checked_fields({field.name: field.type for field in given}, defaults, value)
