@@ -62,7 +62,7 @@ class JointMotors:
     power: PerJoint
 
     def __post_init__(self) -> None:
-        check_attributes(self, JointMotors, "motors")
+        check_attributes(self, JointMotors, "motors", n=len(self.torque_speed))
         for name in PER_JOINT:
             value, unlimited = getattr(self, name), NONE_GIVEN[name] == np.inf
             wrong = ~((value >= SMALLEST_NUMBER) if unlimited else (value >= 0) & (value <= LARGEST_NUMBER))

@@ -86,16 +86,15 @@ class Shape:
             raise _broken(f"must be {numbers} with Shape {sizes}", value if is_tuple else value.tolist())
 
 
-def check_attributes(owner: Any, of: type, where: str) -> dict[str, int]:
+def check_attributes(owner: Any, of: type, where: str, **letters: int) -> dict[str, int]:
     """Check the attributes of a frozen dataclass against their kinds, see `Record`; nobody can write to its arrays.
 
     Returns:
-        What the letters of shapes stand for.
+        What the letters of shapes stand for, those besides that are given.
 
     Raises:
         InputError: If one is of another kind, or has another shape.
     """
-    letters: dict[str, int] = {}
     for name, kind, shape, is_array in _attributes(of):
         try:
             given = getattr(owner, name)
