@@ -102,7 +102,7 @@ def check_attributes(owner: Any, of: type, where: str, **letters: int) -> dict[s
             if shape is not None:
                 shape.check(value, letters)
         except InputError as error:
-            raise error.inside(where, name) from None
+            raise error.with_others(()).inside(where, name) from None
         if is_array:
             value.setflags(write=False)
         object.__setattr__(owner, name, value)
