@@ -46,11 +46,12 @@ def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shap
     mistakes, remarks = Mistakes(), []
     for index, robot in enumerate(robots):
         T = robot.grasp.transform
-        hands = [(place, kind, hand) for place, entry in enumerate(robot.contact) for kind, hand in entry.items()]
-        for place, kind, hand in hands:
+        for place, described in enumerate(robot.contact):
+            hand = getattr(described, described.kind)
             if "normal" not in hand or hand.get("pull"):
                 continue
-            key, given = f"robots[{index}] ({robot.name}).contact[{place}].{kind}.normal", np.asarray(hand["normal"])
+            key = f"robots[{index}] ({robot.name}).contact[{place}].{described.kind}.normal"
+            given = np.asarray(hand["normal"])
             direction = T.R @ (given / np.linalg.norm(given))
             outward = [] if shape is None else list(_faces_at(shape, T.p))
             slopes = [float(direction @ normal) for normal in outward]

@@ -76,10 +76,13 @@ class Contact:
             raise InputError(where, rule, key="A", value=self.A)
         limited = np.isfinite(self.lower) | np.isfinite(self.upper)
         sound = limited & (self.lower <= self.upper) & (self.lower < np.inf) & (self.upper > -np.inf)
-        sound &= np.any(self.A != 0, axis=1)
+        sound &= np.any(self.A != 0, axis=1) & np.all(np.abs(self.A) <= LARGEST_NUMBER, axis=1)
         if not np.all(sound):
             row = int(np.argmin(sound))
-            rule = f"row '{self.rows[row]}' must hold a number beside 0 and have limits, lower <= upper."
+            rule = (
+                f"row '{self.rows[row]}' must hold a number beside 0, none above {LARGEST_NUMBER:.0e}, and have "
+                "limits, lower <= upper."
+            )
             raise InputError(where, rule, key="lower, upper", value=[float(self.lower[row]), float(self.upper[row])])
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -161,7 +164,7 @@ def contact_axes(key: str, direction: object, components: Sequence[str]) -> Arra
     """
     check_components(components)
     given = as_array(key, direction)
-    if given.shape != (3,) or not np.all(np.isfinite(given)):
+    if given.shape != (3,) or not np.all(np.abs(given) <= LARGEST_NUMBER):
         raise InputError("contact", "must be three finite numbers in tip axes.", key=key, value=direction)
     length = float(np.linalg.norm(given))
     if length < SHORTEST_DIRECTION:

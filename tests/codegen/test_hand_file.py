@@ -60,7 +60,7 @@ WRONG = [
     ([{"box": {}}], "[0].box", "must limit something"),
     ([{"box": {"upper": [1, 2, 3]}}], "[0].box.upper", "must have 6 values (fx, fy, fz, nx, ny, nz)"),
     ([{"box": {"lower": [2] * 6, "upper": [1] * 6}}], "[0].box.lower[0] = 2", "of fx must be at most the upper one, 1"),
-    ([{"box": {"upper": [1] * 6, "frame": "hand"}}], "[0].box.frame", "must be tip, object, base"),
+    ([{"box": {"upper": [1] * 6, "frame": "hand"}}], "[0].box.frame", "must be 'tip', 'object' or 'base'"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0]], "upper": [1]}}], "[0].rows.A", "each row must have 6 numbers"),
     ([{"rows": {"A": [[1, 0, 0, 0, 0, 0]], "upper": [1, 2]}}], "[0].rows.A", "in 2 rows, as many as upper"),
     ([{"rows": {"A": [[0] * 6], "upper": [1]}}], "[0].rows.A", "row 1 is zero"),

@@ -311,8 +311,9 @@ def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
 
 
 def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ...]) -> Any:
-    if origin is list or kinds[-1] is Ellipsis:
-        return origin(_each_at((f"[{index}]", kinds[0], item) for index, item in enumerate(value)))
+    if origin is not tuple or kinds[-1] is Ellipsis:
+        read = _each_at((f"[{index}]", kinds[0], item) for index, item in enumerate(value))
+        return tuple(read) if origin is tuple else read
     Rule(min_length=len(kinds), max_length=len(kinds)).check(value, value)
     return tuple(_each_at((f"[{index}]", *pair) for index, pair in enumerate(zip(kinds, value, strict=True))))
 
