@@ -100,6 +100,9 @@ def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
 @options.weights
 @options.between
 @options.closure
+@option("--smooth", type=float, metavar="RAD",
+        help="of noisy recordings of joints: how far smooth splines may be from any position, such as 1e-3 [rad, "
+        "m]")  # fmt: skip
 @options.limits
 @option("--formulation", type=Choice(FORMULATIONS), help="unknowns of the programs (default: wrench)")
 @options.solver
@@ -136,7 +139,7 @@ def run(
     for name in rates:
         if name.removesuffix("_rate") not in files:
             raise InputError(name, f"goes with --{name.removesuffix('_rate').replace('_', '-')}.")
-    motion_given = load_motion(motion)
+    motion_given = load_motion(motion, **take(given, ("smooth",)))
     limited = options.limited_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
         warn("--weights has no effect: one arm leaves no torques to choose")
@@ -187,7 +190,7 @@ def _check(profile: str, given: dict[str, Any]) -> None:
 
     module, name = ("scaling", "scale") if profile == "constant" else ("timing", "retime")
     solve = getattr(import_module(f"mrts.{module}.{name}"), name)
-    known = {*signature(solve).parameters, *FILES, *FILE_RATES, *options.LIMITS}
+    known = {*signature(solve).parameters, *FILES, *FILE_RATES, *options.LIMITS, "smooth"}
     known |= {*SELECTIONS} if profile == "constant" else set()
     known |= {"what_if"} if profile != "smooth" else set()
     known -= {"rates"} if profile == "optimal" else set()

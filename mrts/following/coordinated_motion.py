@@ -17,7 +17,7 @@ from mrts.following.null_space import is_redundant
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.following.tracking import FURTHER_STARTS, track_variants
 from mrts.kernel.tracking import PATH
-from mrts.motion.joint_table import JointSplines
+from mrts.motion.joint_table import UNTIMED, JointSplines
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 
 OUT_OF_PLANE = 1e-9
@@ -102,6 +102,11 @@ class CoordinatedMotion:
     def samples(self) -> int:
         """Number of samples N."""
         return len(self.object.time)
+
+    @property
+    def untimed(self) -> bool:
+        """Whether it is a path through waypoints, whose time is its length."""
+        return any(remark.code == UNTIMED for remark in self.remarks)
 
     def at(self, samples: NDArray[np.int_]) -> "CoordinatedMotion":
         """Some samples, at least two, by themselves; their time only counts them.

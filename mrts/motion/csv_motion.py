@@ -14,7 +14,7 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER, read_text
 from mrts.base.rigid_transform import rotations_from_quaternions
-from mrts.motion.joint_table import JointTable, joint_motion
+from mrts.motion.joint_table import JointTable, joint_motion, joint_waypoints
 from mrts.motion.object_courses import spline_motion
 from mrts.motion.object_motion import SHORTEST_STEP, ObjectMotion
 from mrts.motion.rounded_samples import derivative
@@ -41,8 +41,8 @@ def read_table(
 
     Of the object it has t, px, py, pz, qx, qy, qz, qw and maybe velocities, maybe accelerations too, in world axes. Of
     joints it has t and, for every joint, `q.ROBOT/JOINT`, and maybe `dq.…`, and with these maybe `ddq.…`; the torques
-    `tau.…`, `tau_friction.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over. Columns with no `q.` at
-    all are positions of the joints that they name.
+    `tau.…`, `tau_friction.…` and wrenches `F.…` that `mrts scale --csv` writes are passed over. With `q.…` alone, rows
+    are waypoints; columns with no `q.` at all are t and positions of the joints that they name.
 
     Args:
         samples: Number of samples on the C² spline through a table without velocities; None takes its own times.
@@ -97,9 +97,12 @@ def _object_table(path: Path, columns: dict[str, Array], samples: int | None) ->
 
 
 def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> JointTable:
-    time, parts = _time(path, columns), _joint_parts(path, columns)
+    parts = _joint_parts(path, columns)
     if not parts["q"]:
         raise InputError(path, "holds no column q.ROBOT/JOINT.")
+    if all(name.startswith("q.") for name in columns):
+        return joint_waypoints(path, parts["q"], samples)
+    time = _time(path, columns)
     for below, part in (("q", "dq"), ("dq", "ddq")):
         for joint in parts[part]:
             if joint not in parts[below]:

@@ -8,13 +8,26 @@ from typing import Any, Literal
 
 import numpy as np
 
+from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.remark import Remark
 from mrts.motion.object_courses import smoothing_remark
 from mrts.motion.object_motion import check_derivatives, noise_allowed
-from mrts.motion.rounded_samples import Spline, splines_through
+from mrts.motion.rounded_samples import Spline, smoothing_splines, splines_through
 from mrts.motion.rows_at_rest import moving_rows
+
+UNTIMED = "untimed"
+"""Code of the remark on a path of joints without times."""
+
+PER_WAYPOINT = 4
+"""Samples on a path from waypoint to waypoint, at least: a cubic spline bends once in each."""
+
+LEAST_SAMPLES = 101
+"""Of a path through waypoints."""
+
+LARGEST_SMOOTHING = 0.1
+"""[rad, m]; further from its rows it is another motion."""
 
 Source = Literal["positions", "velocities"]
 """What the derivatives of a joint that were not given were found from."""
@@ -89,6 +102,36 @@ class JointTable:
             part: {names.get(name, name): value for name, value in getattr(self, part).items()} for part in parts
         }
         return replace(self, **changed)
+
+    def smoothed(self, most: float) -> "JointTable":
+        """The same times on the smoothest splines that stay near the positions; given derivatives are left out.
+
+        Args:
+            most: How far a spline may be from any position [rad or m].
+
+        Raises:
+            InputError: If it is no number above 0, the table has few rows, or no spline is as near.
+        """
+        if not is_number(most, 0, LARGEST_SMOOTHING) or most == 0:
+            raise InputError("smooth", f"must be > 0 and at most {LARGEST_SMOOTHING:g} (rad or m).", value=most)
+        names = list(self.positions)
+        splines = smoothing_splines(self.time, np.column_stack([self.positions[name] for name in names]), most)
+        found = {name: JointSplines(spline) for name, spline in zip(names, splines, strict=True) if spline is not None}
+        for name in names:
+            if name not in found:
+                rule = f"no spline is as near to all {len(self.time)} positions of '{name}': allow more."
+                raise InputError("smooth", rule, value=most)
+        q, dq, ddq = ({name: spline(self.time)[order] for name, spline in found.items()} for order in range(3))
+        moved = {name: np.abs(q[name] - self.positions[name]) for name in names}
+        worst = max(names, key=lambda name: float(np.max(moved[name])))
+        text = (
+            f"the joint positions were smoothed: '{worst}' by {np.max(moved[worst]):.2g} at t = "
+            f"{self.time[np.argmax(moved[worst])]:.4g} s, the largest deviation; its rates are those of a spline."
+        )
+        return replace(
+            self, positions=q, velocities=dq, accelerations=ddq, splines=found,
+            remarks=(*self.remarks, Remark("smoothed", text)),
+        )  # fmt: skip
 
     def of(self, joints: list[str]) -> "JointTable":
         """The part of a table that a cell needs, checked.
@@ -178,6 +221,30 @@ def joint_motion(
     for joint, splines_of in through.items():
         q[joint], dq[joint], ddq[joint] = splines_of(at)
     return JointTable(path, at, q, dq, ddq, splines=through)
+
+
+def joint_waypoints(path: Path, positions: dict[str, Array], samples: int | None) -> JointTable:
+    """A path of joints through waypoints: its time is the distance in joint space, as if this went at 1 rad/s or m/s.
+
+    Args:
+        positions: By joint, each Shape (M,) [rad or m].
+        samples: Number of samples on the path; None takes enough.
+
+    Raises:
+        InputError: If two waypoints that follow each other are the same.
+    """
+    steps = np.linalg.norm(np.diff(np.column_stack(list(positions.values())), axis=0), axis=1)
+    if np.min(steps) == 0:
+        row = int(np.argmin(steps)) + 1
+        rule = "is the row before again: of waypoints without times (a column 't') leave one out."
+        raise InputError(path, rule, key=f"row {row + 1}")
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    many = max(LEAST_SAMPLES, PER_WAYPOINT * len(steps) + 1) if samples is None else samples
+    told = (
+        f"the table has no times, so its {len(way)} rows are waypoints: the path is the C² spline through them by "
+        f"distance in joint space, {way[-1]:.4g} (rad, m of prismatic joints), and only its timing is asked for."
+    )
+    return replace(joint_motion(path, way, positions, {}, {}, many), remarks=(Remark(UNTIMED, told),))
 
 
 def _columns(part: dict[str, Array], given: tuple[dict[str, Array], ...], rows: int) -> Array:

@@ -101,20 +101,31 @@ class MotionDescription(Record):
         return ""
 
 
-def load_motion(motion: Path | str | Mapping[str, Any]) -> ObjectMotion | JointTable:
+def load_motion(motion: Path | str | Mapping[str, Any], *, smooth: float | None = None) -> ObjectMotion | JointTable:
     """Read a motion.
 
     Args:
         motion: A motion file (YAML), a CSV table of the object's or the joints' motion, or a ROS 2 bag with joint
             trajectories (a folder, or an .mcap file by itself; needs the extra 'ros'); or what a motion file says, as a
             dictionary, whose files are relative to the working folder.
+        smooth: Of noisy recordings of joints: how far a smooth spline may be from any position [rad or m]
+            (`JointTable.smoothed`); None leaves them as they are.
 
     Returns:
         Samples of the object's motion, or a table of joint motion, which needs a cell to say where the object is.
 
     Raises:
-        InputError: If the file or a table that it names is missing, malformed, or breaks a rule.
+        InputError: If the file or a table that it names is missing, malformed, or breaks a rule, or cannot be smoothed.
     """
+    found = _read(motion)
+    if smooth is None:
+        return found
+    if not isinstance(found, JointTable):
+        raise InputError("smooth", "is of recorded joints, and this is a motion of the object.", value=smooth)
+    return found.smoothed(smooth)
+
+
+def _read(motion: Path | str | Mapping[str, Any]) -> ObjectMotion | JointTable:
     if isinstance(motion, Mapping):
         path = Path("motion")
         description = validated(path, plain("motion", motion), MotionDescription, "motion file")

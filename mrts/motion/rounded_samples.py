@@ -73,6 +73,22 @@ def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
     return splines, moved
 
 
+def smoothing_splines(time: Array, columns: Array, most: float) -> list[Spline | None]:
+    """For each column the least-squares quintic spline of the fewest pieces that is near to all samples.
+
+    Args:
+        time: Shape (N,) [s], strictly increasing.
+        columns: Shape (N, k).
+        most: Largest distance from a sample.
+
+    Returns:
+        None for a column to which no spline of `PIECE` samples a piece is as near.
+    """
+    allowed = np.full(columns.shape[1], most)
+    fits, residual = _fewest_pieces(time, columns, allowed, lambda off: np.max(np.abs(off), axis=0))
+    return [fit if left <= most else None for fit, left in zip(fits, residual, strict=True)]
+
+
 def derivative(time: Array, columns: Array) -> Array:
     """Derivatives at the samples of the cubic splines through them, Shape (N, k); rounding is divided by a step only.
 
@@ -113,21 +129,33 @@ def _fits(time: Array, columns: Array, noise: Array) -> list[Spline | None]:
 
     Columns without noise have none.
     """
-    from scipy.interpolate import BSpline, make_lsq_spline  # noqa: PLC0415
-
-    count = len(time)
-    fits: list[Spline | None] = [None] * len(noise)
-    residual = np.where(noise > 0, np.inf, 0.0)
-    pieces = 1
-    while pieces * PIECE + DEGREE <= count and np.any(residual > FIT_RESIDUAL * noise):
-        inner = np.interp(np.linspace(0, count - 1, pieces + 1)[1:-1], np.arange(count), time)
-        knots = np.concatenate([np.full(DEGREE + 1, time[0]), inner, np.full(DEGREE + 1, time[-1])])
-        rough = np.flatnonzero(residual > FIT_RESIDUAL * noise)
-        found = make_lsq_spline(time, columns[:, rough], knots, k=DEGREE)
-        residual[rough] = np.sqrt(np.mean((found(time) - columns[:, rough]) ** 2, axis=0))
-        for place, index in enumerate(rough):
-            fits[index] = BSpline(knots, found.c[:, place], DEGREE)
-        pieces += max(1, pieces // 2)
+    fits, residual = _fewest_pieces(time, columns, FIT_RESIDUAL * noise, lambda off: np.sqrt(np.mean(off**2, axis=0)))
     return [
         fit if left <= LAST_RESIDUAL * size else None for fit, left, size in zip(fits, residual, noise, strict=True)
     ]
+
+
+def _fewest_pieces(
+    time: Array, columns: Array, allowed: Array, size: Callable[[Array], Array]
+) -> tuple[list[Spline | None], Array]:
+    """Least-squares splines of the fewest pieces whose residuals are of the allowed size, or of the most; none for 0.
+
+    Returns:
+        The splines, and the sizes of their residuals, Shape (k,); infinite where the samples are too few.
+    """
+    from scipy.interpolate import BSpline, make_lsq_spline  # noqa: PLC0415
+
+    count = len(time)
+    fits: list[Spline | None] = [None] * len(allowed)
+    residual = np.where(allowed > 0, np.inf, 0.0)
+    pieces = 1
+    while pieces * PIECE + DEGREE <= count and np.any(residual > allowed):
+        inner = np.interp(np.linspace(0, count - 1, pieces + 1)[1:-1], np.arange(count), time)
+        knots = np.concatenate([np.full(DEGREE + 1, time[0]), inner, np.full(DEGREE + 1, time[-1])])
+        rough = np.flatnonzero(residual > allowed)
+        found = make_lsq_spline(time, columns[:, rough], knots, k=DEGREE)
+        residual[rough] = size(found(time) - columns[:, rough])
+        for place, index in enumerate(rough):
+            fits[index] = BSpline(knots, found.c[:, place], DEGREE)
+        pieces += max(1, pieces // 2)
+    return fits, residual

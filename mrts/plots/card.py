@@ -64,6 +64,8 @@ def answer_card(result: "ScalingResult | RetimingResult") -> Card:
         return Card(_refusal(result), ())
     given, done = float(result.motion.object.time[-1]), shown.trajectory
     parts = [f"{given / done.duration:.3g} × as fast", f"{done.duration:.4g} s (given {given:.4g} s)"]
+    if not isinstance(result, ScalingResult) and result.untimed:
+        parts = [f"{done.duration:.4g} s"]
     if not isinstance(result, ScalingResult):
         parts += [f"limited by {name}, {100 * share:.0f} % of the time" for name, share in result.limits[:1]]
     elif not result.origin and result.range.upper is not None and result.range.upper.time is not None:

@@ -154,7 +154,14 @@ def scale(
         between=between,
         rates=None if rates is False else rate_limits(cell, rates),
     ).checked(cell)
-    chosen, rows = chosen_factor(cell, coordinate(cell, motion, closure), options, progress)
+    given = coordinate(cell, motion, closure)
+    if given.untimed:
+        rule = (
+            "has no times, so there is no speed to scale: ask for a timing (--profile optimal or smooth, in Python "
+            "mrts.retime), or give a column 't' in s."
+        )
+        raise InputError("motion", rule)
+    chosen, rows = chosen_factor(cell, given, options, progress)
     return with_torques(chosen, rows=rows)
 
 
