@@ -1,7 +1,6 @@
 """Wrong arguments in Python: every public function refuses what it cannot use by an exception of mrts that names it."""
 
 import inspect
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -168,24 +167,3 @@ def test_wrong_values_are_refused_by_name(name, good):
                 raise AssertionError(f"{name}: {argument} = {value!r} raises {error!r}") from error
             assert "\n\n" not in message
     assert refused > len(ZOO) / 2, name
-
-
-def test_the_message_names_the_argument_what_it_must_be_and_what_it_is(planar_cell, lift):
-    cell = planar_cell
-    followed = mrts.follow_object(cell, lift)
-    slow = lift.played(lift.time, 1e-20 * lift.twist, 1e-40 * lift.acceleration)  # rates that are none of its positions
-    for call, message in (
-        (lambda: mrts.scale(None, lift), "cell: must be of type Cell; it is None."),
-        (lambda: mrts.retime(cell, lift, start_speed=1e200), "start_speed = 1e+200: must be a number from 0 to 1e+12"),
-        (lambda: mrts.MotionDescription(start={"xyz": [0.0]}), "motion: start.xyz = [0.0]: has 1 values, at least 3"),
-        (lambda: followed.at([0]), "samples = [0]: must be two or more whole numbers below 101"),
-        (lambda: lift.played(lift.time[::-1], lift.twist, lift.acceleration), "time: must have Shape (N,) with N >= 2"),
-        (
-            lambda: mrts.retime(cell, replace(followed, object=slow, dq=1e-20 * followed.dq, ddq=1e-40 * followed.ddq)),
-            "motion: its positions, velocities ",
-        ),
-        (lambda: mrts.scale(cell, lift, progress=0), "progress = 0: must be a function; it is of type int"),
-    ):
-        with pytest.raises(mrts.InputError) as refused:
-            call()
-        assert str(refused.value).startswith(message)

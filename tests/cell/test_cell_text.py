@@ -127,16 +127,3 @@ def test_what_a_file_cannot_hold_is_refused(what, tmp_path):
     with pytest.raises(mrts.InputError, match=rf"^cell 'squeeze': .*{message}"):
         cell.to_yaml(tmp_path / "cell.yaml")
     assert not (tmp_path / "cell.yaml").exists()
-
-
-@pytest.mark.quick
-def test_a_urdf_that_changed_is_refused_and_none_is_written_over(tmp_path):
-    urdf = tmp_path / "planar_arm.urdf"
-    urdf.write_bytes((DATA / "planar_arm.urdf").read_bytes())
-    cell = mrts.Cell.from_description(yaml.safe_load((DATA / "cell.yaml").read_text()), folder=tmp_path)
-    with pytest.raises(mrts.InputError, match=r"planar_arm\.urdf: is a file that the cell names"):
-        cell.to_yaml(tmp_path / "." / "planar_arm.urdf")
-    assert urdf.read_bytes() == (DATA / "planar_arm.urdf").read_bytes()
-    urdf.write_text(urdf.read_text() + "\n")
-    with pytest.raises(mrts.InputError, match=r"source.sha256: this file is another one than the cell was made from"):
-        cell.to_yaml()

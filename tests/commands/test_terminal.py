@@ -1,17 +1,15 @@
 """The command line at a terminal: progress, colours, Ctrl-C, --quiet, help, completion."""
 
 import json
-import os
 import re
 import shutil
 import subprocess
 import sys
 from contextlib import contextmanager
 from importlib import import_module
-from pathlib import Path
 
 import pytest
-from conftest import DATA, ROOT, UR5
+from conftest import DATA, UR5
 from motor_recordings import exact_recording, random_motors, write_recording
 from shipped_cells import cell_file, changed_cell, shipped
 from terminal_session import at_terminal
@@ -179,28 +177,3 @@ def test_every_example_of_the_help_is_understood(tmp_path, monkeypatch):
                 ran += 1
     assert ran >= 2 * (len(COMMANDS) - 1) - 2
     assert (tmp_path / "plots" / "c2_range.png").exists()
-
-
-@pytest.mark.parametrize(
-    ("typed", "completed"),
-    [
-        ("mrts conf", "mrts configurations "),
-        ("mrts scale --profile smo", "mrts scale --profile smooth "),
-        ("mrts scale cell.yaml lift.y", "mrts scale cell.yaml lift.yaml "),
-        ("mrts scale cell.yaml lift.yaml --plot fo", "mrts scale cell.yaml lift.yaml --plot folder/"),
-    ],
-)
-def test_bash_completes_verbs_options_and_files(tmp_path, typed, completed):
-    """An interactive bash, told as docs/command_line.md says, and the Tab key."""
-    page = (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
-    command = 'eval "$(_MRTS_COMPLETE=bash_source mrts)"'
-    assert command in page
-    (tmp_path / "folder").mkdir()
-    for name in ("cell.yaml", "cell.urdf", "lift.yaml", "lift.urdf", "fork.yaml"):
-        (tmp_path / name).write_text("")
-    rc = tmp_path / "rc"
-    rc.write_text(f"PS1='ready> '\ncd '{tmp_path}'\n{command}\n")
-    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    keys = [("ready> ", f"{typed}\t"), (completed, "\x15exit\r")]  # ^U takes the line back
-    done = at_terminal(["bash", "--noprofile", "--rcfile", rc, "-i"], keys=keys, PATH=path)
-    assert done.code == 0, done.shown

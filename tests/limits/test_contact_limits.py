@@ -151,21 +151,3 @@ def test_palms_press_what_their_corners_can_make(dual_ur5, lift_and_turn):
     np.testing.assert_allclose(
         rows.at(some).value(done.torque[some], done.wrench[some], 0.0, done.c), value[some], atol=1e-12
     )
-
-
-def test_palms_without_squeeze_conflict_and_say_why(dual_ur5, lift_and_turn):
-    result = mrts.scale(squeezing(dual_ur5, force=60.0), lift_and_turn)
-    assert result.status is mrts.ScalingStatus.INFEASIBLE
-    assert "left/pad normal force (upper, 60 N)" in str(result.range.samples.conflicts[0])
-    even = mrts.scale(squeezing(dual_ur5), lift_and_turn, sharing=mrts.LoadSharing())
-    assert even.status is mrts.ScalingStatus.INFEASIBLE  # equal shares do not squeeze
-    inward = np.zeros(12)
-    inward[0], inward[6] = 300.0, 300.0  # each along its own base's x, which points at the other
-    held = mrts.scale(squeezing(dual_ur5), slow_lift(), sharing=mrts.LoadSharing(internal_wrench=inward))
-    assert held.status is mrts.ScalingStatus.FEASIBLE
-
-
-def slow_lift():
-    """Straight up, so that what squeezes along x stays along x."""
-    ends = {"start": {"xyz": [0, 0.1, 0.35]}, "end": {"xyz": [0, 0.1, 0.4]}}
-    return mrts.sample_motion(mrts.MotionDescription(duration=0.8, samples=21, profile="quintic", **ends))

@@ -64,12 +64,6 @@ def test_a_number_fills_in_torque_rates_by_the_larger_side_of_the_limits(planar_
     np.testing.assert_array_equal(found.wrench, given_rate_limits(cell).wrench)
 
 
-@pytest.mark.parametrize("rates", [True, False, 0, -1, np.nan, 1e13, 10**400, "fast", None, np.array([1.0])])
-def test_what_is_no_rate_is_refused(planar_cell, rates):
-    with pytest.raises(mrts.InputError, match=r"^rates.*: (must be True, or a number > 0|.* limits no rate)"):
-        rate_limits(planar_cell, rates)
-
-
 def with_all_rates(cell):
     """Torque rates, jerks and contact rates of one robot that its fastest factor passes."""
     motors = replace(cell.robots[0].motors, torque_rate=np.array([250.0, np.inf, 200.0]), jerk=np.full(3, 450.0))

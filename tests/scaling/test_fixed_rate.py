@@ -1,13 +1,9 @@
 """A plan at the rate of a controller: equal steps, rest at both ends, and all limits at its samples."""
 
-import csv
-
 import numpy as np
 import pytest
-from conftest import DATA
 
 import mrts
-from mrts.cli import main
 from mrts.output.trajectory_table import played_rows
 
 ROUNDING = 1e-7
@@ -46,15 +42,3 @@ def test_a_plan_at_250_hz_keeps_all_limits_and_ends_at_rest(name, dual_ur5, lift
     if name == "smooth":
         limits = np.concatenate([robot.torque_upper for robot in dual_ur5.robots])
         assert np.all(np.abs(np.diff(done.torque, axis=0)) * 250 <= RATES * limits * (1 + 1e-6))
-
-
-def test_the_command_writes_rows_at_equal_steps(tmp_path, capsys):
-    files = [str(DATA / "cell.yaml"), str(DATA / "lift.yaml")]
-    assert main(["scale", "-q", *files, "--csv", str(tmp_path / "plan.csv"), "--csv-rate", "500"]) == 0
-    with (tmp_path / "plan.csv").open() as file:
-        times = [float(row["t"]) for row in csv.DictReader(file)]
-    assert times == [k / 500 for k in range(len(times))]
-    again = mrts.scale(mrts.load_cell(files[0]), mrts.load_motion(tmp_path / "plan.csv"), "nominal")
-    assert again.c2 == 1
-    assert main(["scale", "-q", *files, "--csv-rate", "500"]) == 2
-    assert "--csv-rate" in capsys.readouterr().err

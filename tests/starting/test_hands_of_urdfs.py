@@ -1,6 +1,5 @@
 """Hands of published URDFs, found by name or by where their chains part; chains between them and their bases."""
 
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -46,32 +45,6 @@ def test_hands_are_found_among_fingers_cameras_and_feet(urdf):
     tree = tree_of(ROBOTS / urdf)
     tips = sorted(hand.link for hand in hands(tree))
     assert (first_link(tree, tips), tips) == FOUND[urdf]
-
-
-CHAIN = ["part0", "part1", "part2", "part3"]
-
-
-def hands_beyond(tmp_path, pairs):
-    """The hands of a chain and of what hangs on it, every joint with a motor."""
-    pairs = [*pairwise(CHAIN), *pairs]
-    links = "".join(f'<link name="{link}"/>' for link in dict.fromkeys(link for pair in pairs for link in pair))
-    joints = "".join(
-        f'<joint name="to_{b}" type="continuous"><parent link="{a}"/><child link="{b}"/></joint>' for a, b in pairs
-    )
-    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
-    return hands(tree_of(tmp_path / "arm.urdf"))
-
-
-@pytest.mark.parametrize(
-    ("ends", "hand", "why"),
-    [
-        (["end"], "end", "the only link at the end of the chain"),
-        (["one", "two"], "part3", "the last link before the chain parts"),
-    ],
-)
-def test_a_hand_without_a_name_is_where_the_chain_ends_or_parts(tmp_path, ends, hand, why):
-    [found] = hands_beyond(tmp_path, [(CHAIN[-1], end) for end in ends])
-    assert (found.link, found.why) == (hand, why)
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from conftest import UR5
 from six_joint_inverse import six_joint_branches
 
 import mrts
-from mrts.cli import main
 
 
 @pytest.fixture(scope="module")
@@ -72,17 +70,3 @@ def test_branches_that_fail_say_why(dual_ur5):
     assert study.combinations < 64
     assert f"by falling c²⁺; branches left out: {len(failures)} out of reach:" in study.table(2).splitlines()[0]
     assert json.loads(study.json_text())["branches"]["left"][0].keys() == {"number", "start", "failure"}
-
-
-@pytest.mark.quick
-def test_the_command(tmp_path, capsys):
-    target = tmp_path / "study.json"
-    arguments = ["configurations", str(UR5 / "cell.yaml"), str(UR5 / "lift_and_turn.yaml"), "--show", "3"]
-    assert main([*arguments, "--json", str(target)]) == 0
-    shown = capsys.readouterr().out
-    assert "64 configurations reach the end" in shown
-    assert shown.count("\n   ") >= 3
-    study = json.loads(target.read_text())
-    assert len(study["ranked"]) == 64
-    assert study["ranked"][0]["c2"]["upper"] > study["ranked"][-1]["c2"]["upper"]
-    assert set(study["ranked"][0]["postures"]) == {"left", "right"}

@@ -2,7 +2,6 @@
 
 import signal
 import threading
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from scipy.optimize import minimize
 from shipped_cells import shipped
 
 import mrts
-from mrts.limits.cell_limits import velocity_limits
 from mrts.studies.distributions import Distribution
 from mrts.studies.layout.place import SEED, LayoutSearch
 from mrts.studies.sampling import sample_points
@@ -27,10 +25,6 @@ SAME = 1e-9
 """Share of c²⁺ by which two solutions of the same programs differ: rounding."""
 
 LIFT = DATA / "planar_dual_arm" / "lift.yaml"
-UR5_VARY = {
-    "distance": {"sets": {"robots.left.base.xyz[0]": -1, "robots.right.base.xyz[0]": 1}, "from": 0.7, "to": 0.8},
-    "robots.right.base.xyz[1]": {"from": -0.05, "to": 0.05},
-}
 PLANAR_VARY = {
     "robots.left.base.xyz[0]": {"from": -0.3, "to": 0.3},
     "robots.left.base.xyz[1]": {"from": -0.3, "to": 0.3},
@@ -127,30 +121,6 @@ def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     assert mrts.scale(cell, layouts.motion, between=None).range.upper.c2 == best.c2
     turned = [robot.posture for robot in cell.robots]
     assert max(map(np.max, np.abs(np.subtract(turned, list(other.postures().values()))))) < 1
-
-
-def test_a_limit_of_ones_own_is_searched_or_refused(tmp_path):
-    """Of rows that nothing but the speed moves: 3 q' is linear in the velocities, 3 q'² is not."""
-
-    def rows(column):
-        def limit(cell, motion):
-            given = velocity_limits(cell, motion)
-            return replace(
-                given, speed=column(given.speed), names=tuple(replace(one, kind="own") for one in given.names)
-            )
-
-        return limit
-
-    path = write_study(tmp_path, shipped("dual_ur5"), DATA / "dual_ur5" / "lift_and_turn.yaml", UR5_VARY)
-    plain = mrts.place(path, starts=1, looked_at=4, between=None)
-    own = rows(lambda speed: 3 * speed)
-    limited = mrts.place(mrts.read_study(path).with_limits(own), starts=1, looked_at=4, between=None)
-    assert limited.after.c2 == pytest.approx(plain.after.c2 / 9, rel=BETTER)
-    assert limited.after.result.range.upper.rows[0].name.kind == "own"
-    own = rows(lambda speed: 3 * speed**2)
-    with pytest.raises(mrts.InputError) as refused:
-        mrts.place(mrts.read_study(path).with_limits(own), starts=1, looked_at=4, between=None)
-    assert refused.value.key == "left/shoulder_pan own"
 
 
 def test_arms_of_one_machine_move_together(tmp_path):

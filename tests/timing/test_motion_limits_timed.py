@@ -34,9 +34,6 @@ INSIDE = 1e-4
 SMOOTH = 3e-3
 """Likewise, where jerk is constant between nodes and switches at them."""
 
-OTHER_GRID = 1e-3
-"""Of durations on another parameter of the path, relative."""
-
 FAR = 1e6
 """Of a speed or an acceleration: no limit [m/s, m/s²]."""
 
@@ -77,15 +74,6 @@ def test_velocities_and_accelerations_give_the_duration_of_toppra(seed, tmp_path
     theirs = duration(np.diff(grid), motion_by_toppra(cell.robots[0], path, grid))
     ours = on_grid(cell, grid, [path(grid, order) for order in range(3)])
     assert ours == pytest.approx(theirs, rel=SAME_DURATION)
-
-
-def test_velocities_and_accelerations_as_a_user_calls_it(tmp_path):
-    cell, path = with_motion_limits(0, tmp_path)
-    grid = np.linspace(0, 1, 2001)
-    theirs = duration(np.diff(grid), motion_by_toppra(cell.robots[0], path, grid))
-    found = mrts.retime(cell, carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2)))
-    assert found.duration == pytest.approx(theirs, rel=OTHER_GRID)
-    assert {row.name.kind for row in found.retimed.range.upper.rows} <= {"velocity", "acceleration"}
 
 
 @pytest.fixture(scope="module")
