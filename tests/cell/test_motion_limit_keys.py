@@ -1,4 +1,4 @@
-"""Keys of the cell file that limit the motion alone: kept, changed, varied, told by one name each."""
+"""Keys of the cell file that limit the motion alone: kept, refused by name, told by one name each."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The `motors` of a cell file: what is refused and how, where friction comes from, and what keeps it."""
+"""The `motors` of a cell file: what is refused and how, and where friction comes from."""
 
 import shutil
 

@@ -1,4 +1,4 @@
-"""Cells, motions and results pass between processes and copy: equal results, libraries of their own, no addresses."""
+"""Cells, motions and results pass between processes and copy: equal results, libraries of their own."""
 
 import copy
 import os

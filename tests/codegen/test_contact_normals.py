@@ -1,4 +1,4 @@
-"""Normals of pads and cups against the object's shape: refused, remarked on, or meant."""
+"""Normals of pads and cups against the object's shape: refused, or meant."""
 
 from pathlib import Path
 

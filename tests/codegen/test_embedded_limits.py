@@ -1,4 +1,4 @@
-"""Limits in exported libraries: velocities, limits given in Python, limits of zero; what cannot go in is refused."""
+"""Limits in exported libraries: velocities, limits given in Python, hands; what cannot go in is refused."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""MoveIt's joint_limits.yaml as a cell file names it: what is taken, what is told, what is refused."""
+"""MoveIt's joint_limits.yaml as a cell file names it: what is taken, what is refused."""
 
 import numpy as np
 import pytest

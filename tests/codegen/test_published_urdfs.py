@@ -1,4 +1,4 @@
-"""URDFs as people publish them: what is let pass with a remark, what is refused and why, over every file at hand."""
+"""URDFs as people publish them: read as yourdfpy does; let pass with a remark, or refused and why."""
 
 import re
 from dataclasses import replace

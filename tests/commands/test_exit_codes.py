@@ -1,4 +1,4 @@
-"""Exit codes mean what they say, whatever happens: streams that are closed, signals, full disks, defects."""
+"""Exit codes mean what they say: streams that are closed, signals, full disks, defects."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""`mrts scale --profile smooth` and `--rates`: what the options say, which go together, the files, a terminal."""
+"""`mrts scale --profile smooth` and `--rates` say and write what the library finds."""
 
 import json
 

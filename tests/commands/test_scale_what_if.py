@@ -1,4 +1,4 @@
-"""`mrts scale --what-if`: the table, what it goes with, files."""
+"""`mrts scale --what-if`: the table and the files."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""The command line at a terminal: progress, colours, Ctrl-C, --quiet, help, completion."""
+"""The command line at a terminal: progress, colours, Ctrl-C, --quiet, help."""
 
 import json
 import re

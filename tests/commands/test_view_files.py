@@ -1,4 +1,4 @@
-"""`mrts view` without a page: pictures of motions, saved results and variants, and what does not go together."""
+"""`mrts view` without a page: pictures of motions, saved results and variants."""
 
 import shutil
 

@@ -1,4 +1,4 @@
-"""Inverse kinematics of spatial and redundant arms, and its outcomes."""
+"""Inverse kinematics of spatial and redundant arms, how far they reach, and its outcomes."""
 
 from dataclasses import replace
 

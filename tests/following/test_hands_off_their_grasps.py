@@ -1,4 +1,4 @@
-"""Joints whose hands are a little off their grasps: moved onto them within a bound, or refused."""
+"""Joints whose hands are a little off their grasps are moved onto them."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Planar closed forms: inverse kinematics, dynamics of the shipped arm, velocity profiles, object motions."""
+"""Planar closed forms of inverse kinematics, and paths that leave the plane."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""The verbs of the Makefile: what each installs, and that none uses or changes the environment of another folder."""
+"""The verbs of the Makefile: what each installs and runs, and that all files are shipped."""
 
 import os
 import re

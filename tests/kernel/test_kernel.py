@@ -1,4 +1,4 @@
-"""Our dense kernel against HiGHS and DAQP, its certificates by substitution, sanitizers and a fuzzer."""
+"""Our dense kernel against HiGHS and DAQP, and its certificates by substitution."""
 
 from collections import Counter
 

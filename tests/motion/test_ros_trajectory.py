@@ -1,4 +1,4 @@
-"""Motions from files that people have: tables by themselves, and ROS 2 bags of joint trajectories."""
+"""Motions from files that people have: tables by themselves, ROS 2 bags of joint trajectories, plans of MoveIt."""
 
 import json
 

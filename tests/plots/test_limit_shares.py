@@ -1,4 +1,4 @@
-"""How much of its limits a motion uses, against the limits as the cell gives them."""
+"""How much of its limits a motion uses and which rows bind where, against limits, ranges and torques themselves."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Plots of a result: they hold its numbers, both drawers draw them, and nothing hides anything."""
+"""Plots of a result or an identification: they hold its numbers, both drawers draw them, nothing hides anything."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Plots and words of a study: they hold its numbers, against scipy, and nothing hides anything."""
+"""Plots of a study: they hold its numbers, against scipy, and nothing hides anything."""
 
 import numpy as np
 import pytest

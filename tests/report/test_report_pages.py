@@ -1,4 +1,4 @@
-"""Reports of results and studies in a real browser: they open offline, play, and are dark or printed."""
+"""Reports of results in a real browser: they open offline and play."""
 
 import re
 

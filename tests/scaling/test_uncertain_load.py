@@ -1,4 +1,4 @@
-"""The guaranteed, possible and grid ranges of an uncertain load: properties, closed forms, independent programs."""
+"""Ranges of an uncertain load: properties, closed forms, independent programs; questions that are refused."""
 
 import json
 from functools import partial

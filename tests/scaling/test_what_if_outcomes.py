@@ -1,4 +1,4 @@
-"""What changes to a cell would do: order, words, and every outcome that a change can have."""
+"""What changes to a cell would do: order, words, and changes that cannot be played."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""`mrts.check`: what is wrong, assumed, and out of reach, against what was damaged on purpose."""
+"""`mrts.check`: what is wrong, assumed, out of reach, and its cause, against what was damaged on purpose."""
 
 import json
 import re

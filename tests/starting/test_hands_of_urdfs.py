@@ -1,4 +1,4 @@
-"""Hands of published URDFs, found by name or by where their chains part; chains between them and their bases."""
+"""Hands of published URDFs, found by name; chains between them and their bases."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Paths that have no fastest timing, and stops, end speeds and arguments of those that have one."""
+"""Paths that have no fastest timing; stops and end speeds of those that have one, and what they are compared with."""
 
 import json
 import pickle

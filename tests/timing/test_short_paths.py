@@ -1,4 +1,4 @@
-"""The fastest timing of paths of any length and any number of samples, and of arms that are alike but for rounding."""
+"""The fastest timing of short paths, and of arms that are alike but for rounding."""
 
 from dataclasses import replace
 

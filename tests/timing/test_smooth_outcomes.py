@@ -1,4 +1,4 @@
-"""Smooth timings: limits put to the test by other code, what is least, every outcome by its name, wrong arguments."""
+"""Smooth timings: limits put to the test by other code, what is least, every outcome by its name, what is told."""
 
 import json
 import re
