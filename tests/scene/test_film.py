@@ -11,13 +11,10 @@ import pytest
 from conftest import DATA, UR5
 from PIL import Image
 from shipped_cells import shipped
-from trimesh import Trimesh
-from trimesh.creation import box
 
 import mrts
 from mrts.plots.limit_shares import limit_shares
-from mrts.scene import film, renderer
-from mrts.scene.arm_meshes import ArmMesh
+from mrts.scene import film
 from mrts.scene.cell_shapes import contact_forces
 from mrts.scene.cell_view import FIELD_OF_VIEW, look_at_cell
 from mrts.scene.film import write_film, write_picture
@@ -168,30 +165,6 @@ def test_surroundings_are_where_the_cell_file_has_them(lift_and_turn):
     ((right, down),) = seen(camera, np.array([drum["pose"]["xyz"]]))
     assert 5 < changed[int(down), int(right)] < 150
     assert 0.001 < np.mean(changed > 5) < 0.1
-
-
-def test_meshes_without_a_surface_are_left_out(lifted, monkeypatch):
-    """MuJoCo refuses a triangle by itself, and triangles that are lines; URDFs have both."""
-    line = Trimesh(np.outer(np.arange(4.0), [1, 0, 0]), [[0, 1, 2], [0, 2, 3]], process=False)
-    triangle = Trimesh(np.eye(3), [[0, 1, 2]], process=False)
-    striking = (255, 0, 255)
-    parts = [ArmMesh(0, mesh, striking, marks=False) for mesh in (line, triangle, box((0.3, 0.3, 0.3)))]
-    monkeypatch.setattr(renderer, "drawn_arms", lambda cell, *_: [parts for _ in cell.robots])
-    assert amount(rendered(clip_of("", lifted), 0.1)[0], striking) > 0.001
-
-
-def test_titles_are_smaller_rather_than_cut_and_cut_only_at_last(lifted):
-    """What would run into the next clip's heading is written smaller, and at last cut."""
-    for title in ("x", "a title that is much too long for its place", "y" * 400):
-        clips = [clip_of(title, lifted), clip_of("", lifted)]
-        composition = Composition(clips)
-        try:
-            heading = composition.frame(0.0)[:26]
-        finally:
-            composition.close()
-        ink = np.flatnonzero(np.any(heading.min(axis=2) < 128, axis=0))
-        half = composition.size[0] // 2
-        assert not np.any((ink > half - 6) & (ink < half + 6)), title
 
 
 @pytest.mark.quick
