@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
 """What a user should know of a cell: likely mistakes, numbers that look like placeholders, and what is assumed."""
 
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.arrays import Array, median
+from mrts.base.arrays import Array
 from mrts.base.formats.pose import WHOLE_TURN
 from mrts.base.remark import EFFORT_PLACEHOLDERS, Remark
 from mrts.base.rigid_transform import plane_normal
@@ -27,9 +27,6 @@ NEAR = 3.0
 
 LONGEST_ARM = 100.0
 """[m]; a longer one was drawn in millimetres."""
-
-STRONG = 100.0
-"""Times the torque that holds the whole arm stretched out: no motor gives so much."""
 
 HEAVY = 30.0
 """Times the weight that the motors of all arms together hold at arm's length."""
@@ -108,14 +105,13 @@ NAMES_SHOWN = 12
 
 def cell_remarks(cell: "Cell") -> Iterator[Remark]:
     """All that is to know of a cell: what its files and its numbers as they are now lead to."""
-    placeholders = _placeholder_efforts(cell)
-    units = [*_unit_remarks(cell, placeholders)]
+    units = [*_unit_remarks(cell)]
     codes = {remark.code for remark in units}
     yield from cell.remarks
     yield from units
     if cell.object_shape is not None and not codes & {"mass-grams", "inertia-unit"}:  # which make it fit
         yield from _inertia_remarks(cell, cell.object_shape)
-    if placeholders:
+    if placeholders := _placeholder_efforts(cell):
         said = "; ".join(f"{value:g} N m on every joint of {name}" for name, value in placeholders.items())
         yield Remark(
             EFFORT_PLACEHOLDERS,
@@ -143,7 +139,7 @@ def friction_sources(robot: "Robot") -> list[str]:
     return ["URDF" if some else "none given" for some in robot.motors.coulomb + robot.motors.viscous]
 
 
-def _unit_remarks(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
+def _unit_remarks(cell: "Cell") -> Iterator[Remark]:
     yield from _gravity(cell.gravity)
     for robot in cell.robots:
         yield from _angles(robot)
@@ -151,7 +147,6 @@ def _unit_remarks(cell: "Cell", without_efforts: Container[str]) -> Iterator[Rem
     if any(arm_length(robot) > LONGEST_ARM for robot in cell.robots):
         return  # the rest compares with that length
     yield from _lengths(cell)
-    yield from _torques(cell, without_efforts)
     yield from _load(cell)
 
 
@@ -198,8 +193,6 @@ def link_lengths(robot: "Robot") -> Array:
 
 def _gravity(gravity: Array) -> Iterator[Remark]:
     size = float(np.linalg.norm(gravity))
-    if EARTHLY[0] <= size / 1000 <= EARTHLY[1]:
-        yield Remark.hint("gravity-millimetres", f"gravity is {size:.4g} m/s²: it seems to be in mm/s².")
     if not EARTHLY[0] <= size <= EARTHLY[1]:
         return
     axis = int(np.argmax(np.abs(gravity)))
@@ -257,22 +250,6 @@ def base_remarks(robot: "Robot", middle: Array, meant: Array, longest: float) ->
             f"the base of robot '{robot.name}' is {away:.4g} m from the object, and the arm is {longest:.3g} m "
             "long: its position seems to be in mm.",
         )
-
-
-def _torques(cell: "Cell", without_efforts: Container[str]) -> Iterator[Remark]:
-    for robot in cell.robots:
-        if robot.name in without_efforts:
-            continue
-        weight = STANDARD_GRAVITY * sum(robot.source.carried_mass) * arm_length(robot)
-        turning = robot.torque_upper[robot.turns]
-        if len(turning) and weight > 0 and median(turning) > STRONG * weight:
-            source = torque_source(robot)
-            yield Remark.hint(
-                "torque-millimetres",
-                f"the torque limits of robot '{robot.name}' ({source}) are around {median(turning):.4g} N m, "
-                f"and {weight:.3g} N m hold the whole arm stretched out: they seem to be in N mm, and must be in N m, "
-                "or the links weigh more than their URDF says.",
-            )
 
 
 def _load(cell: "Cell") -> Iterator[Remark]:

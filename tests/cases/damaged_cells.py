@@ -46,9 +46,6 @@ HINTS = {
     "grasp in degrees": ("rpy-degrees", lambda cell, _, arm: _scale(cell["robots"][arm]["grasp"], "rpy", DEGREES)),
     "motion in degrees": ("rpy-degrees", lambda _cell, motion, _: _scale(motion["end"], "rpy", DEGREES)),
     "gravity upward": ("gravity-upward", lambda cell, *_: cell.update(gravity=[0, 0, 9.81])),
-    "gravity in mm": ("gravity-millimetres", lambda cell, *_: cell.update(gravity=[0, 0, -9810])),
-    "torques in N mm": ("torque-millimetres", lambda cell, _, arm: cell["robots"][arm].update(
-        torque=[150e3, 150e3, 150e3, 28e3, 28e3, 28e3])),
     "mass in grams": ("mass-grams", lambda cell, *_: cell["object"].update(mass=8000.0)),
     "inertia in kg mm²": ("inertia-unit", lambda cell, *_: _scale(cell["object"], "inertia", 1e6)),
     "bases swapped": ("swapped-bases", lambda cell, *_: _swap(cell, "base")),
