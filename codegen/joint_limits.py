@@ -31,22 +31,6 @@ WRAPPERS = ("/**", "ros__parameters", "robot_description_planning")
 """Keys that files of ROS parameters put around those of MoveIt."""
 
 
-class FileLimits(NamedTuple):
-    """What a joint_limits.yaml says of the joints of a chain, each Shape (n,); infinity where a quantity is unbounded.
-
-    Attributes:
-        limits: By quantity; NaN where nothing is said.
-        velocity_factor: Its own default one, for velocities of the URDF too.
-        reference: As the cell file names it, and the hash of its bytes.
-        remarks: What of it is not taken as it reads.
-    """
-
-    limits: dict[str, Array]
-    velocity_factor: float
-    reference: tuple[str, str]
-    remarks: tuple[Remark, ...]
-
-
 class JointMotionLimits(NamedTuple):
     """Limits of the motion of n joints, each Shape (n,); infinity where there is none.
 
@@ -56,8 +40,8 @@ class JointMotionLimits(NamedTuple):
         acceleration_upper: Likewise.
         jerk: [rad/s³, m/s³]; None where no joint_limits.yaml gives one.
         from_urdf: Whether the velocities are all those of the URDF.
-        file: As `FileLimits.reference`, None without a file.
-        remarks: What to know of it.
+        file: A joint_limits.yaml as the cell file names it, and the hash of its bytes; None without one.
+        remarks: What of that file is not taken as it reads.
     """
 
     velocity: Array
@@ -73,22 +57,18 @@ def joint_motion_limits(
     path: Path, key: str, robot: "RobotDescription", joints: Sequence[str], of_urdf: Array, folder: Path
 ) -> JointMotionLimits:
     """The limits of a robot: keys of the cell file before its joint_limits.yaml, and that before the URDF."""
-    velocity, jerk, file = of_urdf, None, None
-    lower, upper = np.full(len(joints), -np.inf), np.full(len(joints), np.inf)
-    remarks: tuple[Remark, ...] = ()
-    if robot.joint_limits is not None:
-        found = _read(path, f"{key}.joint_limits", robot, joints, folder)
-        said = {name: ~np.isnan(values) for name, values in found.limits.items()}
-        velocity = np.where(said["velocity"], found.limits["velocity"], velocity * found.velocity_factor)
-        upper = np.where(said["acceleration"], found.limits["acceleration"], upper)
-        lower, file, remarks = -upper, found.reference, found.remarks
-        if said["jerk"].any():
-            jerk = np.where(said["jerk"], found.limits["jerk"], np.inf)
+    if robot.joint_limits is None:
+        free = np.full(len(joints), np.inf)
+        found = JointMotionLimits(of_urdf, -free, free, jerk=None, from_urdf=True, file=None, remarks=())
+    else:
+        found = _of_file(path, f"{key}.joint_limits", robot, joints, of_urdf, folder)
     if robot.velocity is not None:
         velocity = given_velocity(path, f"{key}.velocity", robot.velocity, joints)
+        found = found._replace(velocity=velocity, from_urdf=False)
     if robot.acceleration is not None:
         lower, upper = given_acceleration(path, f"{key}.acceleration", robot.acceleration, joints)
-    return JointMotionLimits(velocity, lower, upper, jerk, velocity is of_urdf, file, remarks)
+        found = found._replace(acceleration_lower=lower, acceleration_upper=upper)
+    return found
 
 
 def joint_limits_reference(text: str) -> FileReference:
@@ -120,7 +100,9 @@ class MoveItLimits(Record):
 Share = Rule(gt=0, le=1)
 
 
-def _read(path: Path, key: str, robot: "RobotDescription", joints: Sequence[str], folder: Path) -> FileLimits:
+def _of_file(
+    path: Path, key: str, robot: "RobotDescription", joints: Sequence[str], of_urdf: Array, folder: Path
+) -> JointMotionLimits:
     reference = joint_limits_reference(str(robot.joint_limits))
     file, content = reference.path(path, folder), reference.content(path, folder)
     try:
@@ -148,15 +130,20 @@ def _read(path: Path, key: str, robot: "RobotDescription", joints: Sequence[str]
             read[name] = checked(MoveItLimits, {of: given[of] for of in MoveItLimits.model_fields if of in given})
         except InputError as error:
             raise error.inside(file, f"joint_limits.{name}") from None
-    limits = {of: np.array([read[j].limit(of) if j in read else np.nan for j in joints]) for of in QUANTITIES}
     factors = {of: _factor(file, data, of) for of in QUANTITIES[:2]}
-    for of, factor in factors.items():
-        limits[of] = limits[of] * factor
-    return FileLimits(
-        limits,
-        factors["velocity"],
-        (reference.text, hashlib.sha256(content).hexdigest()),
-        tuple(_remarks(robot.name, key, file.name, factors, passed)),
+    velocity, acceleration, jerk = (
+        np.array([read[j].limit(of) if j in read else np.nan for j in joints]) * factors.get(of, 1.0)
+        for of in QUANTITIES
+    )
+    most = np.where(np.isnan(acceleration), np.inf, acceleration)
+    return JointMotionLimits(
+        velocity=np.where(np.isnan(velocity), of_urdf * factors["velocity"], velocity),
+        acceleration_lower=-most,
+        acceleration_upper=most,
+        jerk=None if np.isnan(jerk).all() else np.where(np.isnan(jerk), np.inf, jerk),
+        from_urdf=False,
+        file=(reference.text, hashlib.sha256(content).hexdigest()),
+        remarks=tuple(_remarks(robot.name, key, file.name, factors, passed)),
     )
 
 

@@ -31,8 +31,13 @@ GRAVITY_SIZE, ROBOT_SIZE = 3, 24
 """Layout of a geometry vector: gravity in the world [m/s²]; of each robot the rotation of its base in the world by
 rows, its position [m], and those of its tip in the object frame; then `held_numbers` of all (`mrts.Robot`)."""
 
-OF_MOTION = ("kinematics", "bias_acceleration", "geometric_stiffness", "geometric_stiffness_rate")
-"""Functions that the motion of the joints takes, without forces."""
+ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form", "fixed_distribution")
+
+FOR_REDUNDANT_ARMS = ("geometric_stiffness", "geometric_stiffness_rate")
+"""Functions that a cell has besides if an arm has more joints than wrench components."""
+
+OF_MOTION = ("kinematics", "bias_acceleration", *FOR_REDUNDANT_ARMS)
+"""Those that the motion of the joints takes, without forces."""
 
 MOST = 1000
 """Robots of a cell, joints of a robot, arguments of a function: far above any that can be generated."""

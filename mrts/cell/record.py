@@ -18,6 +18,8 @@ from mrts.base.formats.surface_text import unpacked_surface
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME, read_text
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import (
+    ALWAYS_GENERATED,
+    FOR_REDUNDANT_ARMS,
     FORMAT,
     LOAD_ENTRIES,
     MANIFEST_NAME,
@@ -221,6 +223,10 @@ def verified_manifest(where: Path | str, text: str) -> CellManifest:
         raise InputError(
             where, "was edited after it was generated. Change the cell file and run `mrts generate` again."
         )
+    redundant = any(len(robot.joints) > len(manifest.wrench_components) for robot in manifest.robots)
+    for short in (*ALWAYS_GENERATED, *(FOR_REDUNDANT_ARMS if redundant else ())):
+        if short not in manifest.functions:
+            raise InputError(where, f"its functions must include '{short}'.", key="functions")
     return manifest
 
 

@@ -140,8 +140,12 @@ def redundant(tmp_path_factory):
 
 @pytest.mark.parametrize("short", ["geometric_stiffness", "geometric_stiffness_rate"])
 def test_a_cell_with_a_redundant_arm_has_what_tracks_it(short, redundant, tmp_path):
+    manifest = redundant.record
+    without = {name: function for name, function in manifest.functions.items() if name != short}
+    with pytest.raises(mrts.InputError, match=f"functions: its functions must include '{short}'"):
+        verified_manifest("x", manifest.model_copy(update={"functions": without}).sealed().to_json())
     redundant.write(tmp_path)
-    data = redundant.record.model_dump()
+    data = manifest.model_dump()
     data["functions"][short]["outputs"][0]["shape"] = [5, 5]
     wrong = CellManifest.model_validate(data).sealed()
     (tmp_path / "manifest.json").write_text(wrong.to_json())
