@@ -6,6 +6,7 @@ from conftest import DATA, UR5
 
 import mrts
 from mrts.plots.limit_shares import limit_shares
+from mrts.plots.plot import value_ends
 from mrts.plots.range_plots import MOST_LANES, binding_lanes, spans
 from mrts.scaling.scaled_trajectory import accumulated_energy
 
@@ -91,3 +92,12 @@ def test_accumulated_energy_ends_at_the_energy(spatial):
     assert whole[-1] == pytest.approx(done.energy, rel=1e-12)
     parts = [accumulated_energy(done.time, done.power[:, part]) for part in spatial.cell.joint_slices.values()]
     np.testing.assert_allclose(np.sum(parts, axis=0), whole, atol=1e-12)
+
+
+def test_axes_show_values_and_near_limits_but_not_far_ones():
+    values = np.array([[-1.0], [2.0]])
+    low, high = value_ends(values, np.array([[-4.0], [100.0]]))
+    assert -5 < low < -4
+    assert 2 < high < 3
+    assert value_ends(np.zeros((2, 1)), np.array([[-3.0], [np.inf]]))[0] < -3
+    assert value_ends(np.zeros((2, 1)), np.empty((2, 0))) == (-1.0, 1.0)

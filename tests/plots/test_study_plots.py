@@ -11,15 +11,17 @@ from mrts.plots import durations_plot, matplotlib_figure, study_map_plot, write_
 from mrts.plots.plot import Bars, HeatMap, Line, Points, one_panel
 from mrts.plots.plotly_drawer import plotly_figure
 from mrts.plots.study_map import (
+    LIMIT_COLOURS,
     MOST_CELLS,
     best_values,
+    map_binding,
     map_remark,
     study_map,
     weights,
 )
 from mrts.plots.study_plots import MOST_LINES, NO_DURATION, parallel_figure
 from mrts.plots.study_table import OUTCOMES
-from mrts.plots.study_words import managed
+from mrts.plots.study_words import managed, next_steps
 
 KINDS = kinds()
 
@@ -163,3 +165,33 @@ def test_the_share_that_manages_a_duration_is_a_quantile_of_all(share):
     all_of_them = np.where(np.isnan(table.duration), np.inf, table.duration)
     expected = np.quantile(all_of_them, share / 100, method="inverted_cdf")
     assert (managed(table, share) or np.inf) == expected
+
+
+def test_limits_beyond_the_colours_share_the_last():
+    table = KINDS["eleven limits"]
+    drawn = study_map(table)
+    names, codes = map_binding(table, drawn)
+    assert len(names) == len(LIMIT_COLOURS)
+    assert names[-1] == "5 other limits"
+    for place, row in np.ndenumerate(drawn.best):
+        if row >= 0:
+            (name,), shown = table.limits(row), names[codes[place]]
+            assert shown == name or (shown == names[-1] and name not in names)
+    assert np.all((codes < 0) == (drawn.best < 0))
+
+
+def test_the_next_step_is_the_one_that_the_numbers_ask_for():
+    table = grid_study()
+    steps, without = "\n".join(next_steps(table)), np.count_nonzero(np.isnan(table.duration))
+    assert "Of the best, knob 1 is at the lower end of what was tried (2 m): try further" in steps
+    assert "knob 0 is at the" not in steps
+    assert "knob 1 matters most" in steps
+    assert f"27 of the {without} variants that cannot be played are unreachable" in steps
+    assert "left/fx ↓ limits" in steps
+    inside = np.random.default_rng(1).uniform(0, 1, (500, 3))
+    calm = "\n".join(next_steps(found_study(inside, 0.5 + (inside[:, 0] - 0.5) ** 2)))
+    assert "try further" not in calm
+    assert "knob 1, knob 2 by themselves hardly do anything" in calm
+    assert "cannot be played" not in calm
+    hopeless = next_steps(KINDS["nothing can be played"])
+    assert hopeless == ["30 of the 30 variants that cannot be played are infeasible, such as: no way."]

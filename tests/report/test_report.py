@@ -19,6 +19,7 @@ from mrts.plots.plot import Bars, HeatMap, Line
 from mrts.plots.what_if_plot import what_if_plot
 from mrts.report import report_html
 from mrts.report.player import player
+from mrts.report.tables import changes_in_words
 from mrts.scaling.limit_use import limit_uses, used_shares
 from mrts.scene.cell_shapes import contact_forces
 
@@ -179,3 +180,16 @@ def test_bars_are_the_numbers_of_the_changes(lifted):
     assert "What a change does to c²⁺" in text
     assert "Nothing else matters: 2 torque limits may be changed as much, one at a time, and the speed stays." in text
     assert "What a change does" not in report_html(lifted)
+
+
+@pytest.mark.quick
+def test_what_bars_cannot_show_is_listed(planar_cell, lift):
+    heavy = mrts.scale(planar_cell.with_mass(13.0), lift)
+    found = heavy.what_if(share=0.3)
+    assert what_if_plot(found) is None  # nothing to be a share of
+    ((title, changes),) = changes_in_words(found)
+    assert title == "With these it can be played:"
+    assert any(change.startswith("mass -30 %: feasible, c² ") for change in changes)
+    *_, (title, changes) = changes_in_words(mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.9))
+    assert title == "With these it cannot be played:"
+    assert any(change.startswith("mass +80 %: infeasible: ") for change in changes)
