@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from mrts.scene.renderer import Clip
     from mrts.studies.study import Study
     from mrts.viewer.choices import Given
-    from mrts.viewer.film_controls import Others
     from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
 
@@ -79,7 +78,7 @@ def _sides(text: str) -> list[str]:
           help="motion file, CSV table, or ROS 2 bag with joint trajectories; without one the cell stands at its "
           "posture, and no compiler is needed")  # fmt: skip
 @option("--with", "others", type=Named(), multiple=True, metavar="RESULT.npz",
-        help="a saved result to show beside it; may be given again")  # fmt: skip
+        help="in pictures and films, a saved result beside it; may be given again")  # fmt: skip
 @option("--variant", type=int, metavar="N", help="of the study: its cell and its motion")
 @options.closure
 @options.share
@@ -111,7 +110,7 @@ def run(
 ) -> int:
     """A cell in the browser, its motion at any speed against all limits, until Ctrl-C; or as a picture or a film."""
     of_films = take(given, OF_FILMS)
-    _check_films(cell, png, video, of_films)
+    _check_films(cell, png, video, of_films | ({"others": others} if others else {}))
     needing = [name for name, value in (("png", png), ("video", video), ("others", others)) if value]
     with _files(cell, motion, variant, given, needing) as (cell_file, motion_file):
         if png is None and video is None:
@@ -119,10 +118,9 @@ def run(
         saved = _played(cell) if _is_saved(cell) else None
         urdfs = {} if saved else _urdfs(cell_file)
         if png is None and video is None:
-            beside = [(path.stem, _played(path)) for path in others]
             cell_path = cell_file if variant is None and urdfs else None
             source = _start(cell_file, motion_file, cell_path, given) if saved is None else saved
-            return _serve(source, urdfs, beside, host, port, opens=not no_open)
+            return _serve(source, urdfs, host, port, opens=not no_open)
         clips, within = [_saved_clip(cell.stem, saved)] if saved else [], True
         if motion_file is not None:
             limited, played = _read(cell_file, motion_file, given)
@@ -295,9 +293,7 @@ def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[
     return Given(limited, played, description, cell_path, motion, **given)
 
 
-def _serve(
-    source: "Given | ScalingResult", urdfs: "Urdfs", others: "Others", host: str, port: int, *, opens: bool
-) -> int:
+def _serve(source: "Given | ScalingResult", urdfs: "Urdfs", host: str, port: int, *, opens: bool) -> int:
     from mrts.scaling.result import ScalingResult
     from mrts.viewer.player_state import PlayerState
     from mrts.viewer.server import close_server, open_server
@@ -321,7 +317,7 @@ def _serve(
                 outcome = first.message if first.state is None else first.state.result.summary()
                 feasible = first.state is not None and first.state.result.status.admits_motion
             code = FEASIBLE if feasible else INFEASIBLE
-        _follow(server, Viewer(server, bench, urdfs, warn, others), f"{name}: {outcome}", host, opens=opens)
+        _follow(server, Viewer(server, bench, urdfs, warn), f"{name}: {outcome}", host, opens=opens)
     finally:
         close_server(server)
     return code

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
 from mrts.cell.cell import Cell
 from mrts.scene.cell_shapes import joint_points, perpendicular
 from mrts.scene.held_body import held_body
@@ -19,9 +18,6 @@ ELEVATION, AZIMUTH = np.deg2rad(15.0), np.deg2rad(25.0)
 
 MARGIN = 1.15
 """How much farther away a camera stands than it must."""
-
-STEEPEST = 1e-2
-"""Length of the level part of a unit vector below which it points upward or downward."""
 
 HALVINGS = 30
 """Steps to the middle of what is seen, to a billionth of it."""
@@ -66,24 +62,10 @@ class CellView:
         across = perpendicular(self.up)
         return np.stack([across, np.cross(self.up, across), self.up], axis=1)
 
-    def camera(self, aspect: float = 1.0, direction: Array | None = None) -> Camera:
-        """The nearest camera that has all points in its picture.
-
-        Args:
-            aspect: Width of the picture by its height.
-            direction: From the cell to the camera, Shape (3,); None is `direction`.
-
-        Raises:
-            InputError: If the direction is none.
-        """
-        back = np.asarray(self.direction if direction is None else direction, dtype=np.float64)
-        if not (np.all(np.isfinite(back)) and np.linalg.norm(back) > 0):
-            raise InputError("backward", "must have a direction: look at the cell from somewhere.", value=back.tolist())
-        back = back / np.linalg.norm(back)
+    def camera(self, aspect: float = 1.0) -> Camera:
+        """The nearest camera that has all points in a picture whose width is `aspect` times its height."""
+        back = self.direction
         right = np.cross(self.up, back)
-        if np.linalg.norm(right) < STEEPEST:
-            right = perpendicular(self.up)  # from right above any level axis will do
-            back = np.sign(back @ self.up) * self.up
         right /= np.linalg.norm(right)
         axes = np.stack([right, np.cross(back, right), -back])
         x, y, forward = (self.points @ axes.T).T

@@ -3,14 +3,12 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 from mrts.base.argument_types import Progress, require_extra
-from mrts.base.arrays import Array
 from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError
 from mrts.scene.arm_meshes import Warn
@@ -34,7 +32,6 @@ LONGEST = 3600
 def write_film(
     clips: Sequence[Clip],
     path: Path,
-    backward: Array | None = None,
     warn: Warn = silent,
     progress: Progress = lambda _done, _total: None,
 ) -> None:
@@ -45,7 +42,6 @@ def write_film(
     Args:
         clips: One to four.
         path: The file, .gif or .mp4.
-        backward: From the cell to the camera, world axes, Shape (3,); None looks from the front.
         warn: Told which arm is drawn without its meshes, and why.
         progress: Told how many frames are drawn.
 
@@ -63,7 +59,7 @@ def write_film(
     times = np.minimum(np.arange(frames) * pace / rate, longest).tolist()
     shown = [times[0]] * round(BEFORE * rate) + times + [longest] * round(AFTER * rate)
     words = PACES[pace] if pace == 1 else f"{PACES[pace]} of real time"
-    with closing(Composition(clips, words, backward, warn)) as composition:
+    with closing(Composition(clips, words, warn)) as composition:
 
         def drawn() -> Iterator[Frame]:
             frame, last = composition.frame(times[0]), times[0]
@@ -94,16 +90,9 @@ def write_picture(clips: Sequence[Clip], path: Path, time: float, warn: Warn = s
     Raises:
         InputError: If the file cannot be written, or there is nothing to draw it by.
     """
-    content = picture_bytes(clips, time, warn=warn)
-    write_atomically(path, lambda temporary: temporary.write_bytes(content))
-
-
-def picture_bytes(clips: Sequence[Clip], time: float, backward: Array | None = None, warn: Warn = silent) -> bytes:
-    """The PNG of `write_picture`, seen as in `write_film`."""
-    file = BytesIO()
-    with closing(Composition(clips, backward=backward, warn=warn)) as composition:
-        Image.fromarray(composition.frame(time)).save(file, "PNG", optimize=True)
-    return file.getvalue()
+    with closing(Composition(clips, warn=warn)) as composition:
+        picture = Image.fromarray(composition.frame(time))
+    write_atomically(path, lambda temporary: picture.save(temporary, "PNG", optimize=True))
 
 
 def check_film(path: Path) -> None:

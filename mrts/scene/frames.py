@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
-from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.printable import cut, printable
 from mrts.plots.colours import COLOURS
@@ -69,7 +68,6 @@ class Composition:
     Args:
         clips: One to four; all are seen from one place, and their forces drawn to one scale.
         pace: How fast the film plays, in words; empty where nothing plays.
-        backward: From the cell to the camera, world axes, Shape (3,); None looks from the front.
         warn: Told which arm is drawn without its meshes, and why.
 
     Attributes:
@@ -80,9 +78,7 @@ class Composition:
         InputError: If there are too many clips, or none, or nothing to draw them by.
     """
 
-    def __init__(
-        self, clips: Sequence[Clip], pace: str = "", backward: Array | None = None, warn: Warn = silent
-    ) -> None:
+    def __init__(self, clips: Sequence[Clip], pace: str = "", warn: Warn = silent) -> None:
         if len(clips) not in WIDTHS:
             raise InputError("clips", f"must be one to {max(WIDTHS)}: more have no room.", value=len(clips))
         self._clips = tuple(clips)
@@ -93,7 +89,7 @@ class Composition:
         scenes = [clip.scene for clip in clips]
         views = [look_at_cell(scene.cell, scene.q, scene.position) for scene in scenes]
         view = replace(views[0], points=np.concatenate([each.points for each in views]))
-        camera = view.camera(self._width / self._height, backward)
+        camera = view.camera(self._width / self._height)
         strongest = max(clip.strongest for clip in clips)
         scale = ARROW * view.size / strongest if strongest > 0 else 0.0
         self._renderers: list[SceneRenderer] = []

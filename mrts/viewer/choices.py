@@ -29,9 +29,6 @@ from mrts.viewer.player_state import Profile
 TORQUE_RATE = 11.0
 """Of the smooth profile, where the cell gives none: a multiple of the torque limit per second [1/s]; a Panda's."""
 
-COARSE_SAMPLES = 101
-"""Most samples of a coarse answer, where the motion is described by poses."""
-
 DECIMALS = 6
 """Of a position that was moved [m]: no hand is as exact as a number of a gizmo."""
 
@@ -59,15 +56,6 @@ class Given:
     sharing: LoadSharing | None = None
     closure: ClosureBound | None = None
     stands: bool = False
-
-    @property
-    def shares(self) -> tuple[float, ...] | None:
-        """Shares of the load by arm; None where they are free."""
-        if self.sharing is None:
-            return None
-        arms = len(self.cell.robots)
-        shares = np.full(arms, 1 / arms) if self.sharing.shares is None else np.asarray(self.sharing.shares)
-        return tuple(shares.tolist())
 
 
 @dataclass(frozen=True)
@@ -116,48 +104,27 @@ class Choices:
 
     Attributes:
         mass: Of the object [kg]; None is the given one.
-        corner: Parameters of one load of the cell's box, to look at it alone; None leaves the load uncertain.
         limits: Share of a given limit by its name, both sides alike.
         poses: Of places that were moved.
-        postures: Joint positions near which the motion starts, by robot [rad or m]; None are the given ones.
-        configuration: What they are called; empty for the given ones.
         profile: How the speed may vary.
         torque_rate: Of the smooth profile, for joints whose rate is not known [1/s].
-        shares: Shares of the load by arm; None leaves them free.
     """
 
     mass: float | None = None
-    corner: Mapping[str, float] | None = None
     limits: Mapping[Changed, float] = field(default_factory=dict)
     poses: Mapping[Place, RigidTransform] = field(default_factory=dict)
-    postures: Mapping[str, list[float]] | None = None
-    configuration: str = ""
     profile: Profile = "constant"
     torque_rate: float = TORQUE_RATE
-    shares: tuple[float, ...] | None = None
 
-    def cell(self, given: Given) -> Cell:
-        """The cell as it was chosen.
-
-        Raises:
-            InputError: If a number breaks a rule of the cell.
-        """
-        cell = self.saved_cell(given.cell)
-        if self.corner is None or cell.load_box is None:
-            return cell
-        return cell.with_load(cell.load_box.load_at(self.corner))
-
-    def saved_cell(self, cell: Cell) -> Cell:
-        """A given cell as a cell file would hold it now: with its whole range of loads.
+    def cell(self, cell: Cell) -> Cell:
+        """A given cell as it was chosen.
 
         Raises:
             InputError: If a number breaks a rule of the cell.
         """
         for (kind, robot, element), share in self.limits.items():
             cell = CellChange(kind=kind, robot=robot, element=element, step=share - 1).applied(cell)
-        values: dict[str, object] = {f"robots.{name}.posture": q for name, q in (self.postures or {}).items()}
-        if self.mass is not None:
-            values["object.mass"] = self.mass
+        values: dict[str, object] = {} if self.mass is None else {"object.mass": self.mass}
         for place, pose in self.poses.items():
             if place.kind == "base":
                 cell = with_machine_at(cell, place.robot, pose)
@@ -165,15 +132,13 @@ class Choices:
                 values[f"robots.{place.robot}.grasp"] = pose
         return cell.with_values(values)
 
-    def motion(self, given: Given, most: int | None = None) -> ObjectMotion | JointTable:
+    def motion(self, given: Given) -> ObjectMotion | JointTable:
         """The motion as it was chosen.
 
         Raises:
             InputError: If two waypoints became the same.
         """
         described = self.description(given)
-        if described is not None and most is not None and len(given.motion.time) > most:
-            return sample_motion(described.model_copy(update={"samples": most}))
         return given.motion if described is given.description or described is None else sample_motion(described)
 
     def description(self, given: Given) -> MotionDescription | None:
@@ -190,10 +155,6 @@ class Choices:
             moved = {"waypoints": [moved.get("start", start), *between, moved.get("end", end)]}
         return MotionDescription(**keys | moved)
 
-    def sharing(self) -> LoadSharing | None:
-        """The distribution of the load; None where it is free."""
-        return None if self.shares is None else LoadSharing(np.array(self.shares))
-
     def with_limit(self, name: Changed, share: float) -> "Choices":
         """With another share of a limit."""
         others = {key: value for key, value in self.limits.items() if key != name}
@@ -207,7 +168,7 @@ class Choices:
         """What was changed, in words."""
         words = [] if self.mass is None else [f"mass {self.mass:.4g} kg"]
         words += [f"{robot}/{element} × {share:.4g}" for (_, robot, element), share in self.limits.items()]
-        return words + [*map(str, self.poses)] + ([f"configuration {self.configuration}"] * bool(self.configuration))
+        return [*words, *map(str, self.poses)]
 
 
 def free_axes(cell: Cell) -> tuple[str, str]:

@@ -1,23 +1,20 @@
 # SPDX-License-Identifier: MIT
 """Controls of the panel that change choices, save them, or change how the scene looks; needs the extra 'view'."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from math import degrees, radians
 from queue import SimpleQueue
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import viser
 
 from mrts.base.errors import MrtsError
-from mrts.base.load_box import LoadBox
 from mrts.base.rigid_transform import RigidTransform, rotations_from_quaternions
 from mrts.cell.cell_change import Changed, limit_names
 from mrts.scene.scene import wxyz
-from mrts.studies.configurations import ConfigurationStudy
 from mrts.viewer.choices import Choices, Given, Place, free_axes, in_plane, moved_by, offset_of, places
 from mrts.viewer.panel import text_html
 from mrts.viewer.saved_choices import save_choices
@@ -39,17 +36,10 @@ FARTHEST, TURNED = 500.0, 180.0
 FASTEST_RATE = 50.0
 """Largest torque rate on offer, a multiple of the torque limit per second [1/s]."""
 
-CORNERS_SHOWN, CONFIGURATIONS_SHOWN = 64, 200
-"""Longer menus are no help; the best configurations come first."""
-
-SETTLED = 0.4
-"""A control that rests so long is let go: the next change is another step to undo [s]."""
-
 ARM = 0.3
 """Length of the gizmo's arrows, as a share of the cell's size."""
 
-RANK, RANK_AGAIN = "Rank all configurations", "Rank them again"
-NOWHERE, NO_LIMIT, AS_GIVEN, ALL_LOADS = "nothing", "–", "as in the cell file", "every load of the box"
+NOWHERE, NO_LIMIT = "nothing", "–"
 NO_FILE = "Only a cell file is written anew: this cell is from generated files, or a variant of a study."
 
 Later = Callable[[Callable[[], None]], None]
@@ -64,14 +54,12 @@ class BoundControl:
         handle: The control.
         read: Its value for some choices.
         apply: Choices with another value.
-        gesture: What is changed, one step to undo however long it is dragged.
         shown: Value that was taken over last.
     """
 
     handle: viser.GuiInputHandle[Any]
     read: Callable[[Choices], Any]
     apply: Callable[[Choices, Any], Choices]
-    gesture: str
     shown: Any
 
     def show(self, choices: Choices) -> None:
@@ -128,36 +116,29 @@ class Gizmo:
         self._handle.position = now.p
         self._handle.wxyz = wxyz(now.R @ self.place.in_world(given, held).R.T)
 
-    def moved(self, choices: Choices) -> tuple[Choices | None, bool]:
-        """Choices as the gizmo was moved since the last call, None if it was not, and whether it was let go."""
-        last, ended = None, False
+    def moved(self, choices: Choices) -> Choices | None:
+        """Choices as the gizmo was moved since the last call; None if it was not."""
+        last = None
         while not self._events.empty():
             phase, pose = self._events.get()
             self.dragged = phase != "end"
-            ended = ended or phase == "end"
             if phase == "update":
                 last = pose
         if last is None or self.place is None:
-            return None, ended
+            return None
         given = self.place.given(self._given)
         pose = RigidTransform(last.R @ self.place.in_world(given, self._held).R, last.p)
         pose = self.place.in_world(pose, self._held.inverse())
-        return choices.with_pose(self.place, in_plane(self._given.cell, pose, given)), ended
+        return choices.with_pose(self.place, in_plane(self._given.cell, pose, given))
 
 
 class ChangeControls:
-    """All that changes a workbench's choices, in the container that is open.
+    """All that changes a workbench's choices, in the container that is open."""
 
-    Attributes:
-        unsettled: Whether a hand may still be on a control.
-    """
-
-    def __init__(self, server: viser.ViserServer, bench: Workbench, size: float, later: Later) -> None:
+    def __init__(self, server: viser.ViserServer, bench: Workbench, size: float) -> None:
         self._bench, self._given, self._gui = bench, bench.given, server.gui
-        self._still, self.unsettled = 0.0, False
         self._gizmo = Gizmo(server, bench.given, size)
         self._bound: list[BoundControl] = []
-        self._study: ConfigurationStudy | None = None
         with self._gui.add_folder("Timing", visible=not bench.given.stands):
             self._add_timing()
         with self._gui.add_folder("Load"):
@@ -166,69 +147,42 @@ class ChangeControls:
             self._add_limits()
         with self._gui.add_folder("Places"):
             self._add_places()
-        with self._gui.add_folder("Configuration"):
-            self._add_configurations(later)
         self.show()
 
-    def follow(self, elapsed: float, speed_at: Callable[[Choices], float | None], held: RigidTransform) -> None:
+    def follow(self, speed_at: Callable[[Choices], float | None], held: RigidTransform) -> None:
         """Take over what was changed since the last call, and ask for its answer.
 
         Args:
-            elapsed: Since then [s].
             speed_at: The speed to play choices at; None is the first one.
             held: Of the object in the world, at the moment that is shown.
 
         Raises:
             InputError: If a value breaks a rule.
         """
-        bench, choices, gesture = self._bench, self._bench.choices, ""
-        by_gizmo, let_go = self._gizmo.moved(choices)
-        if by_gizmo is not None:
-            choices, gesture = by_gizmo, str(self._gizmo.place)
+        bench, choices = self._bench, self._bench.choices
+        by_gizmo = self._gizmo.moved(choices)
+        touched, choices = by_gizmo is not None, by_gizmo or choices
         for control in self._bound:
             value = control.handle.value
             if value != control.shown:
                 control.shown = value
-                choices, gesture = control.apply(choices, value), control.gesture
-        self._still += elapsed
-        if gesture:
-            self._still, self.unsettled = 0.0, True
+                touched, choices = True, control.apply(choices, value)
+        if touched:
             if choices is not bench.choices:
-                bench.edit(choices, gesture, speed=speed_at(choices))
+                bench.edit(choices, speed_at(choices))
             self.show()
             self.follow_gizmo(held)
-        elif self.unsettled and (let_go or (self._still > SETTLED and not self._gizmo.dragged)):
-            self.unsettled = False
-            bench.end_gesture()
 
     def follow_gizmo(self, held: RigidTransform) -> None:
         """Let the gizmo stand where its place is."""
         self._gizmo.follow(self._bench.choices, held)
 
     def show(self) -> None:
-        """Show choices that came from elsewhere: undone, or by the gizmo."""
-        choices, bench = self._bench.choices, self._bench
-        if not bench.fixed_configuration:
-            labels = bench.configuration_labels()[:CONFIGURATIONS_SHOWN]
-            options = tuple(dict.fromkeys((AS_GIVEN, choices.configuration or AS_GIVEN, *labels)))
-            if options != self._menu.options:
-                self._menu.options = options
+        """Show choices that came from elsewhere: those that were given again, or by the gizmo."""
+        choices = self._bench.choices
         for control in self._bound:
             control.show(choices)
         self._rate.visible = choices.profile == "smooth"
-        for slider in self._shares:
-            slider.visible = choices.shares is not None
-
-    def show_study(self) -> None:
-        """Say how far the ranking is, and offer the configurations once they are ranked."""
-        bench = self._bench
-        if bench.fixed_configuration:
-            return
-        ranked = bench.ranked
-        wanted = f"Stop ranking ({ranked[0]} of {ranked[1]})" if ranked else RANK_AGAIN if bench.study else RANK
-        if self._rank.label != wanted or self._study is not bench.study:
-            self._study, self._rank.label, self._menu.visible = bench.study, wanted, bench.study is not None
-            self.show()
 
     def _bind(
         self,
@@ -238,13 +192,13 @@ class ChangeControls:
     ) -> None:
         if isinstance(handle, viser.GuiSliderHandle):
             handle.precision = max(handle.precision, DECIMALS)
-        self._bound.append(BoundControl(handle, read, apply, handle.label, handle.value))
+        self._bound.append(BoundControl(handle, read, apply, handle.value))
 
     def _bind_field(self, handle: viser.GuiInputHandle[Any], name: str) -> None:
         self._bind(handle, lambda now: getattr(now, name), lambda now, value: replace(now, **{name: value}))
 
     def _add_timing(self) -> None:
-        gui, arms, given = self._gui, self._given.cell.robots, self._given.shares
+        gui = self._gui
         profile = gui.add_dropdown(
             "profile", ("constant", "optimal", "smooth"),
             hint="one factor of speed, the fastest timing r(t), or the fastest whose torques change at limited rates",
@@ -255,24 +209,6 @@ class ChangeControls:
             hint="a multiple of the torque limit per second, for joints whose rate the cell file does not give",
         )  # fmt: skip
         self._bind_field(self._rate, "torque_rate")
-        self._shares: list[viser.GuiSliderHandle[float]] = []
-        if len(arms) == 1:
-            return
-        equal = (1 / len(arms),) * len(arms)
-        fixed = gui.add_checkbox(
-            "fixed shares of the load", given is not None,
-            hint="each arm carries its share; otherwise redundant torques are chosen by the quadratic program",
-        )  # fmt: skip
-        self._bind(fixed, lambda now: now.shares is not None,
-                   lambda now, value: replace(now, shares=equal if value else None))  # fmt: skip
-        for index, robot in enumerate(arms[:-1]):
-
-            def read(now: Choices, index: int = index) -> float:
-                return round(100 * (now.shares or equal)[index], DECIMALS)
-
-            slider = gui.add_slider(f"share of {robot.name} [%]", 0.0, 100.0, 0.5, 100 * (given or equal)[index])
-            self._shares.append(slider)
-            self._bind(slider, read, partial(_with_share, index))
 
     def _add_load(self) -> None:
         gui, cell = self._gui, self._given.cell
@@ -281,12 +217,6 @@ class ChangeControls:
         mass = gui.add_slider("mass [kg]", step, heaviest, step, cell.mass, hint="the inertia stays as it is")
         self._bind(mass, lambda now: cell.mass if now.mass is None else now.mass,
                    lambda now, value: replace(now, mass=None if value == cell.mass else value))  # fmt: skip
-        if cell.load_box is None:
-            return
-        corners = _corners(cell.load_box)
-        corner = gui.add_dropdown("load", tuple(corners), hint="one corner of the box of loads, or all of it")
-        self._bind(corner, lambda now: next(text for text, point in corners.items() if point == now.corner),
-                   lambda now, value: replace(now, corner=corners[value]))  # fmt: skip
 
     def _add_limits(self) -> None:
         gui = self._gui
@@ -299,8 +229,13 @@ class ChangeControls:
                 slider = gui.add_slider(f"{robot} {words} [%]", *SHARES, hint="of all these limits as they were given")
                 self._bind_limits(slider, names)
         single = {f"{name[1]}/{name[2]} {name[0]}": name for group in groups.values() for name in group}
-        menu = gui.add_dropdown("one limit", (NO_LIMIT, *single))
-        of_single, chosen = gui.add_slider("of that limit [%]", *SHARES, disabled=True), list[Changed]()
+        state = self._bench.answer.state
+        deciding = None if state is None or state.deciding is None else state.deciding.name
+        first = "" if deciding is None else f"{deciding.robot}/{deciding.element} {deciding.kind}"
+        first = first if first in single else NO_LIMIT
+        menu = gui.add_dropdown("one limit", (NO_LIMIT, *single), initial_value=first, hint="at first what decides")
+        chosen = [single[first]] if first in single else []
+        of_single = gui.add_slider("of that limit [%]", *SHARES, disabled=not chosen)
 
         def choose(now: Choices, value: str) -> Choices:
             chosen[:] = [single[value]] if value in single else []
@@ -329,7 +264,7 @@ class ChangeControls:
         def choose(now: Choices, value: str) -> Choices:
             self._gizmo.choose(found.get(value))
             for control in offsets:
-                control.gesture, control.handle.visible = value, value in found
+                control.handle.visible = value in found
             return now
 
         self._bind(menu, lambda _: menu.value, choose)
@@ -364,46 +299,6 @@ class ChangeControls:
 
         self._bind(slider, read, apply)
 
-    def _add_configurations(self, later: Later) -> None:
-        bench = self._bench
-        if bench.fixed_configuration:
-            self._gui.add_html(text_html("note", bench.fixed_configuration))
-            return
-
-        def rank_or_stop() -> None:
-            if bench.ranked is None:
-                bench.rank()
-            else:
-                bench.stop_ranking()
-
-        self._rank = self._gui.add_button(RANK, hint="of the cell as it is now; takes seconds, and all else goes on")
-        self._rank.on_click(lambda _: later(rank_or_stop))
-        self._menu = self._gui.add_dropdown("configuration", (AS_GIVEN,), visible=False)
-        self._bind(self._menu, lambda now: now.configuration or AS_GIVEN,
-                   lambda now, label: bench.with_configuration(now, "" if label == AS_GIVEN else label))  # fmt: skip
-
-
-def _with_share(index: int, now: Choices, value: float) -> Choices:
-    """With another share of one arm; the others keep their proportions to each other."""
-    if now.shares is None:
-        return now
-    share = value / 100
-    rest = [part for at, part in enumerate(now.shares) if at != index]
-    total = sum(rest)
-    shares = [(1 - share) * (part / total if total > 0 else 1 / len(rest)) for part in rest]
-    shares.insert(index, share)
-    shares[-1] = max(0.0, 1 - sum(shares[:-1]))
-    return replace(now, shares=tuple(shares))
-
-
-def _corners(box: LoadBox) -> dict[str, Mapping[str, float] | None]:
-    """Parameters of loads on offer by their text: all of the box, the nominal one, its corners."""
-    points = [box.nominal_point(), *box.corners(box.varying)]
-    found: dict[str, Mapping[str, float] | None] = {ALL_LOADS: None}
-    for number, point in enumerate(points[:CORNERS_SHOWN]):
-        found[str(point) if number else f"nominal: {point}"] = MappingProxyType(dict(point.parameters))
-    return found
-
 
 def add_save_controls(gui: viser.GuiApi, bench: Workbench, later: Later) -> None:
     """Add names of the files, and the button that writes them, to the container that is open."""
@@ -435,7 +330,7 @@ def add_save_controls(gui: viser.GuiApi, bench: Workbench, later: Later) -> None
 
 
 def add_view_controls(gui: viser.GuiApi, scene: ViewerScene, later: Later) -> None:
-    """Add what is drawn, in which colours, and from where, to the container that is open."""
+    """Add the colours of the page, and where the scene is seen from, to the container that is open."""
 
     def darken(*, on: bool) -> None:
         configure_theme(gui, dark=on)
@@ -445,21 +340,9 @@ def add_view_controls(gui: viser.GuiApi, scene: ViewerScene, later: Later) -> No
         if event.client is not None:
             later(partial(scene.fit, event.client))
 
-    shown: tuple[tuple[str, bool, str | None, Callable[..., None]], ...] = (
-        ("frames", False, "of bases, tips and the object", scene.show_frames),
-        ("names", True, None, scene.show_names),
-        ("shadows", False, "for a good graphics card", scene.show_shadows),
-        ("dark", False, None, darken),
-    )
-    with gui.add_folder("Scene"):
-        for label, first, hint, show in shown:
-            box = gui.add_checkbox(label, first, hint=hint)
-            box.on_update(partial(_ask_to_show, later, show))
-        gui.add_button("Show the whole cell").on_click(fit)
-
-
-def _ask_to_show(later: Later, show: Callable[..., None], event: viser.GuiEvent[viser.GuiCheckboxHandle]) -> None:
-    later(partial(show, on=event.target.value))
+    dark = gui.add_checkbox("dark", initial_value=False)
+    dark.on_update(lambda event: later(partial(darken, on=event.target.value)))
+    gui.add_button("Show the whole cell").on_click(fit)
 
 
 def configure_theme(gui: viser.GuiApi, *, dark: bool = False) -> None:

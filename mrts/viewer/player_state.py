@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A motion that is played at a chosen speed, admissible or not: speeds on offer, torques, and all limits."""
 
-import re
 from copy import copy
 from dataclasses import dataclass, replace
 from math import ceil, floor, isfinite, log10, sqrt
@@ -48,9 +47,6 @@ STEPS = 400
 
 INTERIOR = 1e-6
 """A widened limit is widened by this share more: at the least widening the feasible set is a point."""
-
-DIRECTION = re.compile(r" ([+-][ab]?|[ab]|\d+)$")
-"""The end of a contact's row that tells it from others of its kind: `+a` of "pad friction +a"."""
 
 Profile = Literal["constant", "optimal", "smooth"]
 
@@ -107,38 +103,6 @@ def offered_speeds(found: ScalingRange) -> Speeds:
 
 OF_TIMINGS = Speeds(ends={"r(t)": 1.0}, lower=0.1, upper=BEYOND, step=1e-3, start=1.0)
 """Speeds of a timing that was found: shares of its own."""
-
-
-@dataclass(frozen=True)
-class Bar:
-    """A quantity against its limits."""
-
-    name: str
-    value: float
-    lower: float
-    upper: float
-    unit: str
-
-    @property
-    def limit(self) -> float | None:
-        """The limit on the value's side of zero; None if there is none."""
-        limit = self.upper if self.value >= 0 else self.lower
-        return limit if isfinite(limit) else None
-
-    @property
-    def share(self) -> float | None:
-        """The value as a signed share of its limit; None without one, infinity for a limit of zero that is passed."""
-        if self.limit is None:
-            return None
-        if self.limit == 0:
-            return 0.0 if self.value == 0 else float(np.copysign(np.inf, self.value))
-        return float(np.copysign(self.value / self.limit, self.value))
-
-    @property
-    def over(self) -> bool:
-        """Whether it is beyond a limit by more than rounding."""
-        size = max((abs(limit) for limit in (self.lower, self.upper) if isfinite(limit)), default=1.0) or 1.0
-        return max(self.lower - self.value, self.value - self.upper) > LIMIT_TOLERANCE * size
 
 
 class PlayerState:
@@ -266,23 +230,6 @@ class PlayerState:
             SolverError: If no solver answers.
         """
         self._play(self.speeds.c2(c))
-
-    def bars(self) -> dict[str, dict[str, list[Bar]]]:
-        """What is limited at the chosen time, by kind and robot; of what a hand holds, the worst direction in %."""
-        of, at = self._limited, self.sample
-        value, lower, upper, used = (part[at] for part in (of.values, of.lower, of.upper, of.share))
-        found: dict[str, dict[str, list[Bar]]] = {}
-        holds: dict[tuple[str, str], float] = {}
-        for row, name in enumerate(of.rows):
-            bars = found.setdefault(name.kind, {}).setdefault(name.robot, [])
-            if name.kind == "contact":
-                hold = name.robot, DIRECTION.sub("", name.element)
-                holds[hold] = max(float(used[row]), holds.get(hold, 0.0))
-            else:
-                bars.append(Bar(name.element, float(value[row]), float(lower[row]), float(upper[row]), name.unit))
-        for (robot, what), share in holds.items():
-            found["contact"][robot].append(Bar(what, 100 * share, -np.inf, 100.0, "%"))
-        return found
 
     def violations(self) -> list[tuple[RowName, float, float]]:
         """Limits that are passed at some sample, the worst first: by which share at most, and when [s]."""

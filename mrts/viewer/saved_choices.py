@@ -86,7 +86,7 @@ def _target(folder: Path, where: str, name: str) -> Path:
 def _cell_text(choices: Choices, path: Path, target: Path) -> tuple[str, str]:
     """The original text with the edited keys; where that does not read back to the cell, a text written anew."""
     original = uncompiled_cell(cell_model(path), path.resolve().parent)
-    wanted = choices.saved_cell(original)
+    wanted = choices.cell(original)
 
     def is_wanted(read: Any) -> bool:
         return _same(uncompiled_cell(described_model(read, target.parent), target.parent), wanted)
@@ -111,7 +111,7 @@ def _cell_edits(original: Cell, wanted: Cell) -> Edits:
     before, after = cell_keys(original), cell_keys(wanted)
     edits: Edits = {} if original.mass == wanted.mass else {("object", "mass"): wanted.mass}
     for index, (old, new) in enumerate(zip(before["robots"], after["robots"], strict=True)):
-        for key in ("base", "grasp", "torque", "wrench", "posture"):
+        for key in ("base", "grasp", "torque", "wrench"):
             if old[key] == new[key]:
                 continue
             if key in {"base", "grasp"} and old[key]["rpy"] == new[key]["rpy"]:  # a file may give it in another form

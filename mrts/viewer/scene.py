@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The cell in a viser scene: arms, the body they hold, its path, contact wrenches, gaps, another result beside it."""
+"""The cell in a viser scene: arms, the body they hold, its path, contact wrenches, gaps."""
 
 import warnings
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import viser
@@ -13,9 +11,6 @@ from mrts.base.arrays import Array
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance
-from mrts.plots.labels import shortened
-from mrts.plots.limit_shares import played
-from mrts.scaling.result import ScalingResult
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import contact_forces, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
@@ -31,7 +26,6 @@ from mrts.scene.scene import (
     SURROUNDINGS,
     DecidingLimit,
     Moment,
-    Rgb,
     Scene,
     arm_colour,
     blended,
@@ -56,11 +50,11 @@ OUTLINE_WIDTH = 1.5
 NEAREST_WIDTH = 5.0
 """Of the line between the two nearest bodies [pixels]."""
 
-FRAME = 0.12
-"""Length of a frame's axes, as a share of the cell's size."""
-
 LINE = 0.25
 """Radius of the object's path, as a share of an arm's; it is drawn as arrows without heads."""
+
+OPACITY = 0.9
+"""Of the object."""
 
 NO_LINES = np.zeros((0, 2, 3), dtype=np.float32)
 
@@ -76,31 +70,27 @@ class DrawnCell:
 
     Attributes:
         carried: The object's frame.
-        ends: By robot, the names of its first and its last body.
+        ends: By robot, the name of its last body.
     """
 
-    def __init__(
-        self, scene: viser.SceneApi, name: str, cell: Cell, urdfs: Urdfs, warn: Warn, colour: Rgb | None = None
-    ) -> None:
-        self._scene, self._name, self._opacity = scene, name, 0.9 if colour is None else 0.6
-        self._frames, self._parts, self.ends = [], [], dict[str, tuple[str, str]]()
+    def __init__(self, scene: viser.SceneApi, cell: Cell, urdfs: Urdfs, warn: Warn) -> None:
+        self._scene = scene
+        self._frames, self._parts, self.ends = [], [], dict[str, str]()
         for robot, parts in zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True):
-            names = [f"{name}/arms/{robot.name}/body{body}" for body in range(len(robot.joints) + 1)]
-            self.ends[robot.name] = names[0], names[-1]
+            names = [f"/arms/{robot.name}/body{body}" for body in range(len(robot.joints) + 1)]
+            self.ends[robot.name] = names[-1]
             self._frames.append([scene.add_frame(of, show_axes=False) for of in names])
             for number, part in enumerate(parts):
                 mesh, at = part.mesh, f"{names[part.body]}/mesh{number}"
-                drawn = scene.add_mesh_simple(
-                    at, mesh.vertices, mesh.faces, color=colour or part.own, flat_shading=False
-                )
+                drawn = scene.add_mesh_simple(at, mesh.vertices, mesh.faces, color=part.own, flat_shading=False)
                 self._parts.append((robot, part, drawn))
         for number, one in enumerate(cell.surroundings):
             surface = shape_surface(one)
             scene.add_mesh_simple(
-                f"{name}/surroundings/{number}", surface.vertices.astype(np.float32), surface.faces.astype(np.uint32),
+                f"/surroundings/{number}", surface.vertices.astype(np.float32), surface.faces.astype(np.uint32),
                 color=SURROUNDINGS, opacity=SEE_THROUGH, flat_shading=True, side="double", cast_shadow=False,
             )  # fmt: skip
-        self.carried = scene.add_frame(f"{name}/carried", show_axes=False)
+        self.carried = scene.add_frame("/carried", show_axes=False)
         self._body_key = b""
         self.show_body(cell)
 
@@ -111,8 +101,8 @@ class DrawnCell:
             return None
         self._body_key = body.vertices.tobytes()
         self._scene.add_mesh_simple(
-            f"{self._name}/carried/object", body.vertices.astype(np.float32), body.faces.astype(np.uint32),
-            color=OBJECT, opacity=self._opacity, flat_shading=True,
+            "/carried/object", body.vertices.astype(np.float32), body.faces.astype(np.uint32),
+            color=OBJECT, opacity=OPACITY, flat_shading=True,
         )  # fmt: skip
         return body
 
@@ -149,27 +139,21 @@ class ViewerScene:
         self._server, self._scene = server, server.scene
         self._course = shown
         cell = self._course.cell
-        self._view = self._alone = look_at_cell(cell, self._course.q, self._course.position)
+        self._view = look_at_cell(cell, self._course.q, self._course.position)
         self.size = self._view.size
         self.colours = {robot.name: arm_colour(index) for index, robot in enumerate(cell.robots)}
         self.metres_per_newton = self.metres_per_newton_metre = 1.0
         self._look()
-        self.show_shadows(on=False)
+        self._scene.configure_default_lights(enabled=True, cast_shadow=False)  # shadows cost most of the frames
         self._draw_surroundings()
         radius = THICKNESS * self.size
-        drawn = self._drawn = DrawnCell(self._scene, "", cell, urdfs, warn)
+        drawn = self._drawn = DrawnCell(self._scene, cell, urdfs, warn)
         self._names = [
             self._scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
         ]
-        axes: dict[str, Any] = {"axes_length": FRAME * self.size, "axes_radius": 0.04 * FRAME * self.size}
-        self._frames = [self._scene.add_frame("/carried/frame", visible=False, **axes)]
         for robot in cell.robots:
-            base, (end, tip) = drawn.ends[robot.name][0], (drawn.ends[robot.name][1], robot.T_base_tip)
-            self._scene.add_icosphere(f"{end}/hand", 1.7 * radius, self.colours[robot.name], position=tip.p)
-            self._frames += [
-                self._scene.add_frame(f"{base}/base", visible=False, **axes),
-                self._scene.add_frame(f"{end}/tip", visible=False, wxyz=wxyz(tip.R), position=tip.p, **axes),
-            ]
+            hand, at = f"{drawn.ends[robot.name]}/hand", robot.T_base_tip.p
+            self._scene.add_icosphere(hand, 1.7 * radius, self.colours[robot.name], position=at)
         thin = 0.4 * radius
         self._forces, self._moments = (
             self._scene.add_arrows(
@@ -196,7 +180,6 @@ class ViewerScene:
             self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
         ]
         self._draw_outlines(held_body(cell))
-        self._named = True
         self._fitted: dict[int, tuple[float, Camera]] = {}
         self.show(shown)
 
@@ -207,11 +190,12 @@ class ViewerScene:
             self._draw_outlines(body)
         for name, robot in zip(self._names, course.cell.robots, strict=True):
             name.position = name_place(course.cell, robot)
+        poses = np.hstack([course.position, course.rotation.reshape(-1, 9)])
+        moves = bool(np.any(np.ptp(poses, axis=0) > 0))
         for outline, at in zip(self._outlines, (0, -1), strict=True):
             outline.position, outline.wxyz = course.position[at], wxyz(course.rotation[at])
         for label, at in zip(self._end_names, (0, -1), strict=True):
-            label.position = course.position[at]
-        self._show_names()
+            label.position, label.visible = course.position[at], moves
         steps = np.stack([course.position[:-1], course.position[1:]], axis=1).astype(np.float32)
         passed = course.passed[:-1] | course.passed[1:]
         colours = np.where(passed[:, None], np.array(OVER_LIMIT), np.array(PATH)).astype(np.uint8)
@@ -244,12 +228,11 @@ class ViewerScene:
     def show_nearest(self, near: Clearance | None) -> None:
         """Draw the least distance along a motion between its two points, red if it is a depth, and say when it is."""
         points, name = None if near is None else near.points, self._nearest_name
-        self._nearest.visible, name.text = points is not None, ""
+        self._nearest.visible = name.visible = points is not None
         if near is not None and points is not None:
             self._nearest.points = points[None].astype(np.float32)
             self._nearest.colors = np.full((1, 2, 3), OVER_LIMIT if near.collides else PATH, dtype=np.uint8)
             name.text, name.position = f"{1e3 * near.distance:.3g} mm at {near.time:.3g} s", np.mean(points, axis=0)
-        self._show_names()
 
     def held_pose(self, sample: int) -> RigidTransform:
         """The object in the world at a sample of what is shown."""
@@ -267,20 +250,6 @@ class ViewerScene:
             short = f"{1000 * gap:.0f} mm short" if gap >= SHORTEST else "cannot turn so"
             label.text, label.position = f"{robot.name}: {short}", np.mean(lines[index], axis=0)
         self._show_gaps(lines)
-
-    def show_frames(self, *, on: bool) -> None:
-        """Show or hide the frames of bases, tips and the object."""
-        for frame in self._frames:
-            frame.visible = on
-
-    def show_names(self, *, on: bool) -> None:
-        """Show or hide what is written in the scene."""
-        self._named = on
-        self._show_names()
-
-    def show_shadows(self, *, on: bool) -> None:
-        """Cast shadows, or none: without a good graphics card they cost most of the frames."""
-        self._scene.configure_default_lights(enabled=True, cast_shadow=on)
 
     def darken(self, *, on: bool) -> None:
         """Draw the floor for a dark page, or for a light one."""
@@ -309,22 +278,6 @@ class ViewerScene:
             if not moved and abs(client.camera.aspect / aspect - 1) > ASPECT_CHANGE:
                 self.fit(client)
         self._fitted = {client_id: fitted for client_id, fitted in self._fitted.items() if client_id in clients}
-
-    def look_beside(self, offset: Array) -> None:
-        """Have in view what stands beside it too, at an offset, Shape (3,) [m], unless somebody moved the view."""
-        alone = self._alone
-        self._view = replace(alone, points=np.concatenate([alone.points, alone.points + offset]))
-        self._look()
-        self._fitted = {client_id: (np.inf, put) for client_id, (_, put) in self._fitted.items()}
-
-    def _show_names(self) -> None:
-        poses = np.hstack([self._course.position, self._course.rotation.reshape(-1, 9)])
-        moves = bool(np.any(np.ptp(poses, axis=0) > 0))
-        for label in self._names:
-            label.visible = self._named
-        for label in self._end_names:
-            label.visible = self._named and moves
-        self._nearest_name.visible = self._named and self._nearest.visible
 
     def _arrows(self, start: Array, step: Array) -> NDArray[np.float32]:
         long = np.linalg.norm(step, axis=1) > SHORTEST * self.size
@@ -365,51 +318,3 @@ class ViewerScene:
             position=view.floor,
         )
         self.darken(on=False)
-
-
-OTHER, BESIDE, OVER, HIDDEN = "/other", "beside it", "over it", "hidden"
-
-APART = 1.9
-"""From the middle of one cell to that of the other, as a share of the cell's size."""
-
-GREY: Rgb = (140, 146, 156)
-"""Of the arms of another result."""
-
-
-class OtherResult:
-    """Arms and object of another result at the time of the first; it stands where it has ended.
-
-    Attributes:
-        frame: What holds all of it.
-        drawn: Its arms and what they carry.
-        offset: From where it stands over the first to where it stands beside it, Shape (3,) [m].
-    """
-
-    def __init__(self, server: viser.ViserServer, scene: ViewerScene, name: str, result: ScalingResult) -> None:
-        self._done, self._view, drawing, cell = played(result), scene, server.scene, result.cell
-        self._scene = Scene.of(self._done)
-        view = look_at_cell(cell, self._scene.q, self._scene.position)
-        across = np.cross(view.up, view.direction)
-        self.offset = APART * view.size * across / np.linalg.norm(across)
-        self.frame = drawing.add_frame(OTHER, show_axes=False)
-        self.drawn = DrawnCell(drawing, OTHER, cell, {}, lambda _text: None, GREY)
-        self._label = drawing.add_label(f"{OTHER}/name", shortened(name), anchor="bottom-center")
-        self._above = 0.5 * view.size * view.up
-        with server.gui.add_folder("Other result"):
-            self._place = server.gui.add_dropdown("stands", (BESIDE, OVER, HIDDEN), initial_value=BESIDE)
-        self._shown = ""
-        self.step()
-
-    def show_moment(self, time: float) -> None:
-        """Go to the time of the first [s]."""
-        moment = self._scene.moment(int(np.argmin(np.abs(self._done.time - time))))
-        self.drawn.move(moment)
-        self._label.position = moment.position + self._above
-
-    def step(self) -> None:
-        """Stand where it is wanted."""
-        if self._place.value != self._shown:
-            self._shown = self._place.value
-            offset = self.offset if self._shown == BESIDE else np.zeros(3)
-            self.frame.position, self.frame.visible = offset, self._shown != HIDDEN
-            self._view.look_beside(offset)

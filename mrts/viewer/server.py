@@ -229,7 +229,7 @@ def _possible(control: Any, value: Any) -> bool | float | str | None:
     match control:
         case viser.GuiSliderHandle(disabled=False) if _are_numbers({"": value}, {"": 0}):
             return min(max(float(value), control.min), control.max)
-        case viser.GuiDropdownHandle(disabled=False) | viser.GuiButtonGroupHandle(disabled=False):
+        case viser.GuiDropdownHandle(disabled=False):
             return value if isinstance(value, str) and value in control.options else None
         case viser.GuiTextHandle(disabled=False) if isinstance(value, str):
             return value if len(value) <= LONGEST_TEXT and value.isprintable() else None

@@ -7,7 +7,6 @@ slider never queues up work. Answers are found in the workbench's own thread.
 
 import contextlib
 import time
-from functools import partial
 from math import floor, log10, sqrt
 from queue import SimpleQueue
 from typing import Any
@@ -28,22 +27,21 @@ from mrts.viewer.controls import (
     assign,
     configure_theme,
 )
-from mrts.viewer.film_controls import FilmControls, Others
 from mrts.viewer.panel import (
     PANEL,
     STYLE,
-    Readings,
+    arrows_html,
     collisions_html,
     held_html,
-    limits_html,
     moment_html,
+    nearest_html,
     outcome_html,
     speed_html,
     text_html,
     verdict_html,
 )
 from mrts.viewer.player_state import PlayerState, Speeds
-from mrts.viewer.scene import OtherResult, ViewerScene
+from mrts.viewer.scene import ViewerScene
 from mrts.viewer.time_plots import PlotPanel
 from mrts.viewer.workbench import Answer, Workbench
 
@@ -63,7 +61,7 @@ FIXED = "A saved result is played at the speed it was saved with. To change some
 
 
 class Playback:
-    """The time of a motion that is played: its slider and Play; `add_pace` adds two more controls.
+    """The time of a motion that is played: its slider and Play; `add_pace` adds how fast.
 
     Attributes:
         duration: Of the motion as it is shown [s].
@@ -78,11 +76,9 @@ class Playback:
         self._play.on_click(lambda _: later(self.toggle))
 
     def add_pace(self, gui: viser.GuiApi) -> None:
-        """Add how fast it plays, and whether it begins again, to the container that is open."""
-        with gui.add_folder("Playback"):
-            suited = PACES[suited_pace(self.duration)]
-            self._pace = gui.add_dropdown("pace", tuple(PACES.values()), initial_value=suited)
-            self._loop = gui.add_checkbox("loop", initial_value=True)
+        """Add how fast it plays to the container that is open."""
+        suited = PACES[suited_pace(self.duration)]
+        self._pace = gui.add_dropdown("pace", tuple(PACES.values()), initial_value=suited)
 
     @property
     def time(self) -> float:
@@ -94,8 +90,6 @@ class Playback:
         self.plays, self._toggled = not self.plays, True
         self._play.label = "Pause" if self.plays else "Play"
         self._play.icon = viser.Icon.PLAYER_PAUSE if self.plays else viser.Icon.PLAYER_PLAY
-        if self.plays and self._share >= 1:
-            self._share = 0.0
 
     def follow(self, elapsed: float) -> tuple[bool, bool]:
         """Take over what was changed since the last call, and play on.
@@ -113,11 +107,8 @@ class Playback:
         if self.plays:
             self._unread += elapsed
             self._share += elapsed * PACE_NAMED[self._pace.value] / self.duration
-            if self._share > 1 and self._loop.value:
+            if self._share > 1:
                 self._share %= 1
-            elif self._share > 1:
-                self._share = 1.0
-                self.toggle()
         return changed or self.plays or self._toggled, changed or self._unread >= READING
 
     def show(self) -> None:
@@ -128,27 +119,22 @@ class Playback:
 
 
 class Viewer:
-    """The scene and the panel: the outcome, speed and time, readings, plots, changes and files.
+    """The scene and the panel: the outcome, speed and time, limits, changes and files.
 
     Args:
         server: Where.
         bench: Whose answers are shown; or the state of a saved result, of which nothing can be changed.
         urdfs: URDF and base link by robot, for their meshes; empty draws simple shapes.
         warn: Told which arm is drawn without its meshes, and why.
-        others: Results to show beside it, each with its name; the plots compare with the first.
 
     Attributes:
         server: As given.
         bench: As given; None of a saved result.
         playback: Its time.
         plots: Along time; None of a cell that is looked at without a motion.
-        films: Buttons that make files; likewise.
-        other: The first of the others; None without any.
     """
 
-    def __init__(
-        self, server: viser.ViserServer, bench: Workbench | PlayerState, urdfs: Urdfs, warn: Warn, others: Others = ()
-    ) -> None:
+    def __init__(self, server: viser.ViserServer, bench: Workbench | PlayerState, urdfs: Urdfs, warn: Warn) -> None:
         self.server = server
         self.bench = bench if isinstance(bench, Workbench) else None
         answer = self._answer = bench.answer if isinstance(bench, Workbench) else Answer(Choices(), bench)
@@ -174,38 +160,29 @@ class Viewer:
         start = 0.0 if found is None else float(answer.times[found.sample]) / duration
         self.playback = Playback(gui, duration, later, start=start, visible=not stands)
         if self.bench is not None:
-            steps = gui.add_button_group("change", ("Undo", "Redo", "Reset"))
-            steps.on_click(lambda event: later(partial(self._step_back, event.target.value)))
+            gui.add_button("Reset all changes").on_click(lambda _: later(self._reset))
         self._speed_text, self._moment_text = (gui.add_html("", visible=not stands) for _ in range(2))
-        self._add_tabs(urdfs, others, later, stands=stands)
+        self._add_tabs(later, stands=stands)
         self._show_answer(answer)
 
-    def _add_tabs(self, urdfs: Urdfs, others: Others, later: Later, *, stands: bool) -> None:
-        server, gui = self.server, self.server.gui
+    def _add_tabs(self, later: Later, *, stands: bool) -> None:
+        gui = self.server.gui
         tabs = gui.add_tab_group()
-        self._limits = self._readings = self.plots = self.films = self.other = self._changes = None
-        with tabs.add_tab("Limits" if stands else "Readings"):
-            if stands:
-                self._limits = gui.add_html("")
-            else:
-                self._readings = Readings(gui, self._scene)
+        self.plots = self._changes = None
         if not stands:
-            with tabs.add_tab("Plots") as tab:
-                self.plots = PlotPanel(gui, tab, others[0] if others else None)
+            with tabs.add_tab("Limits") as tab:
+                self._nearest, self._arrows = gui.add_html(""), gui.add_html("")
+                self.plots = PlotPanel(gui, tab)
         if self.bench is not None:
             with tabs.add_tab("Change"):
-                self._changes = ChangeControls(server, self.bench, self._scene.size, later)
+                self._changes = ChangeControls(self.server, self.bench, self._scene.size)
         with tabs.add_tab("View"):
             if not stands:
                 self.playback.add_pace(gui)
             add_view_controls(gui, self._scene, later)
-            if others:  # more than one have no room
-                self.other = OtherResult(server, self._scene, *others[0])
-        with tabs.add_tab("Save"):
-            if self.bench is not None:
+        if self.bench is not None:
+            with tabs.add_tab("Save"):
                 add_save_controls(gui, self.bench, later)
-            if not stands:
-                self.films = FilmControls(server, urdfs, others, later)
 
     @property
     def state(self) -> PlayerState | None:
@@ -228,9 +205,9 @@ class Viewer:
         try:
             another = not self._todo.empty()
             while not self._todo.empty():
-                self._follow_changes(0.0)  # controls that were changed before it was asked
+                self._follow_changes()  # controls that were changed before it was asked
                 self._todo.get()()
-            self._follow_choices(elapsed)
+            self._follow_choices()
             moves, read = self.playback.follow(elapsed)
             another = another or moves
             if another:
@@ -238,10 +215,6 @@ class Viewer:
             self._scene.follow_windows()
             if self.plots is not None:
                 self.plots.step(elapsed)
-            if self.other is not None:
-                self.other.step()
-            if self.films is not None:
-                self.films.step(self._answer)
             if another:
                 self.server.flush()  # viser waits up to twice a sixtieth of a second for more to send
         except MrtsError as error:
@@ -252,39 +225,29 @@ class Viewer:
         """Step until every question is answered and shown, as scripts want it."""
         end = time.monotonic() + patience
         self.step(FRAME)
-        while self._unsettled() and time.monotonic() < end:
+        while self.bench is not None and self.bench.waits and time.monotonic() < end:
             time.sleep(FRAME / 3)
             self.step(FRAME)
         self.step(0.0)
 
-    def _unsettled(self) -> bool:
-        return self.bench is not None and (self.bench.waits or (self._changes is not None and self._changes.unsettled))
-
     def close(self) -> None:
-        """Let the workbench answer nothing more, and end a film; the server stays."""
+        """Let the workbench answer nothing more; the server stays."""
         if self.bench is not None:
             self.bench.close()
-        if self.films is not None:
-            self.films.close()
 
-    def _follow_choices(self, elapsed: float) -> None:
+    def _follow_choices(self) -> None:
         if (bench := self.bench) is None:
             return
-        for one in bench.take():
-            if isinstance(one, Answer):
-                self._show_answer(one)
-            else:
-                self._error = text_html("error", str(one))
-        if self._changes is not None:
-            self._changes.show_study()
-        self._follow_changes(elapsed)
+        for answer in bench.take():
+            self._show_answer(answer)
+        self._follow_changes()
         if self._speed.value != self._shown_speed:
             self._shown_speed = self._speed.value
             bench.ask(self._shown_speed)
 
-    def _follow_changes(self, elapsed: float) -> None:
+    def _follow_changes(self) -> None:
         if self._changes is not None:
-            self._changes.follow(elapsed, self._speed_at, self._scene.held_pose(self._sample))
+            self._changes.follow(self._speed_at, self._scene.held_pose(self._sample))
 
     def _speed_at(self, choices: Choices) -> float | None:
         """The speed that other choices are played at: the first one while that is shown, and of another profile."""
@@ -293,9 +256,9 @@ class Viewer:
             return None
         return state.trajectory.c
 
-    def _step_back(self, which: str) -> None:
+    def _reset(self) -> None:
         if self.bench is not None and self._changes is not None:
-            {"Undo": self.bench.undo, "Redo": self.bench.redo, "Reset": self.bench.reset}[which]()
+            self.bench.edit(Choices())
             self._changes.show()
 
     def _show_verdict(self) -> None:
@@ -321,16 +284,15 @@ class Viewer:
             if state is not None:
                 if others:
                     self._scene.rescale(state)
-                self._outcome = outcome_html(state, coarse=answer.coarse) + collisions_html(near, said)
+                self._outcome = outcome_html(state) + collisions_html(near, said)
             elif answer.held is not None:
                 self._outcome = held_html(answer.held)
-                if self._limits is not None:
-                    self._limits.content = limits_html(answer.scene.cell, self._scene.colours)
             self._show_verdict()
             self._speed_text.content = speed_html(state)
-            if self._readings is not None:
-                self._readings.show_answer(state)
             if self.plots is not None:
+                scene = self._scene
+                self._nearest.content = "" if state is None else nearest_html(state.card)
+                self._arrows.content = arrows_html(scene.metres_per_newton, scene.metres_per_newton_metre)
                 self.plots.show_answer(state)
             self._show_moment(read=True)
         if state is not None and self.bench is not None:  # unless a user has moved on to another speed
@@ -349,8 +311,6 @@ class Viewer:
                 self._scene.show_moment(answer.state, between if self.playback.plays else self._sample)
                 if self.plots is not None:
                     self.plots.show_moment(answer.state)
-                if self.other is not None:
-                    self.other.show_moment(answer.state.time)
             elif answer.held is not None:
                 self._scene.show_gap(answer.held, self._sample)
         if self._changes is not None:
@@ -358,8 +318,6 @@ class Viewer:
         if read:
             self.playback.show()
             self._moment_text.content = moment_html(answer.state)
-            if self._readings is not None and answer.state is not None:
-                self._readings.show_moment(answer.state)
 
 
 def set_slider(

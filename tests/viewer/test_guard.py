@@ -3,8 +3,7 @@
 import http.client
 import socket
 import time
-from contextlib import closing, suppress
-from threading import Event
+from contextlib import closing
 from types import SimpleNamespace
 from urllib.parse import urlsplit
 
@@ -15,14 +14,13 @@ import websockets.asyncio.server
 from command_line import mrts_without
 from conftest import DATA
 from shown_viewer import PATIENCE, planar_given, shown_viewer
-from viewer_socket import CAMERA, PROTOCOL, connected, pack, unpacked
+from viewer_socket import CAMERA, PROTOCOL, connected, pack
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import mrts
 from mrts.cli import main
-from mrts.scene import film
-from mrts.viewer.choices import Place
+from mrts.viewer.choices import Choices, Place
 from mrts.viewer.server import LARGEST_MESSAGE, names_this_machine, open_server
 
 
@@ -147,10 +145,9 @@ BAD = {
 BAD_VALUES = {
     "speed c": [float("nan"), float("inf"), -float("inf"), "1", None, [1.0], {}, True, b"\0"],
     "pace": ["", "2", 1, None, True, ["real time"], "x" * 10_000],
-    "loop": ["no", 2, None, 0.5, []],
+    "dark": ["no", 2, None, 0.5, []],
     "Play": ["yes", None, 7, {}],
     "torque rate [1/s]": [5.0],  # is hidden
-    "change": ["Remove", 1, None],
     "cell file": ["../evil.yaml\n", "a" * 201, "\x1b[31m", 3, None],
 }
 GIZMO = {"type": "TransformControlsUpdateMessage", "name": "/gizmo", "wxyz": [1, 0, 0, 0], "position": [0.1, 0, 0]}
@@ -183,56 +180,10 @@ def test_a_gizmo_moves_only_while_it_is_seen_and_to_a_place(viewer):
             assert opened.ping().wait(PATIENCE)
             viewer.shown.settle()
     np.testing.assert_allclose(viewer.bench.choices.poses[base].p, [-0.02, 0.01, 0.0], atol=1e-6)
-    viewer.bench.undo()
+    viewer.bench.edit(Choices())
     menu.value = "nothing"
     viewer.shown.settle()
     assert not viewer.bench.choices.poses
-
-
-def test_a_film_comes_to_the_page_that_asked_for_it(viewer, monkeypatch):
-    monkeypatch.setitem(film.RATES, ".gif", 2)
-    monkeypatch.setattr(film, "suited_pace", lambda _duration: 1.0)
-    name, download = f"{viewer.bench.given.cell.name}.gif".encode(), b"FileTransferStartDownload"
-    with connected(viewer.url) as other, connected(viewer.url) as asking:
-        asking.send(update(viewer, "Film (GIF)", value=True))
-        received, end = b"", time.monotonic() + PATIENCE
-        while download not in received and time.monotonic() < end:
-            viewer.shown.settle()
-            with suppress(TimeoutError):
-                received = unpacked(asking.recv(timeout=0.05))
-        assert download in received
-        assert name in received
-        with suppress(TimeoutError):
-            while True:
-                assert download not in unpacked(other.recv(timeout=0.2))
-
-
-def test_a_file_is_not_sent_to_a_browser_that_left(viewer, monkeypatch):
-    """Viser would warn of it on the terminal, which is an error here."""
-    begun, left, draw = Event(), Event(), film.picture_bytes
-
-    def drawn(*arguments):
-        begun.set()
-        assert left.wait(PATIENCE)
-        return draw(*arguments)
-
-    def note(_client):
-        if begun.is_set() and not viewer.server.get_clients():
-            left.set()
-
-    monkeypatch.setattr(film, "picture_bytes", drawn)
-    viewer.server.on_client_disconnect(note)
-    with connected(viewer.url) as asking:
-        asking.send(update(viewer, "Picture (PNG)", value=True))
-        end = time.monotonic() + PATIENCE
-        while not begun.is_set() and time.monotonic() < end:
-            assert asking.ping().wait(PATIENCE)
-            viewer.shown.settle()
-    viewer.shown.films.job.result(PATIENCE)
-    viewer.shown.settle()
-    with connected(viewer.url) as another:
-        while b"the browser that asked for it is closed" not in unpacked(another.recv(timeout=PATIENCE)):
-            pass
 
 
 def set_slider(viewer, opened, label, value, shown=None):

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
-from conftest import DATA
 from given_ranges import ranges_of
 from scipy.optimize import linprog
 from shipped_cells import still_motion
@@ -15,8 +14,8 @@ from mrts.base.printable import html_text
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.scaling.range import intersect
-from mrts.viewer.panel import bars_html, moment_html, outcome_html, speed_html
-from mrts.viewer.player_state import Bar, PlayerState, offered_speeds, widened_torques
+from mrts.viewer.panel import moment_html, outcome_html, speed_html
+from mrts.viewer.player_state import PlayerState, offered_speeds, widened_torques
 
 NEAR_END = 1e-6
 """Relative distance from the end of a sample's range at which rounding decides."""
@@ -24,10 +23,6 @@ NEAR_END = 1e-6
 
 def synthetic(lower, upper):
     return intersect(ranges_of(lower, upper))
-
-
-def red_bars(state):
-    return [bar for groups in state.bars().values() for bars in groups.values() for bar in bars if bar.over]
 
 
 @pytest.mark.quick
@@ -60,9 +55,6 @@ def test_a_sample_is_red_exactly_outside_its_own_range(make, arms, tmp_path):
         clear = np.abs(c2 - samples.upper) > NEAR_END * c2
         clear &= np.abs(c2 - samples.lower) > NEAR_END * c2
         np.testing.assert_array_equal((state.excess > 0)[clear], beyond[clear])
-        for sample in np.flatnonzero(clear):
-            state.sample = int(sample)
-            assert bool(red_bars(state)) == beyond[sample]
         seen |= set(beyond[clear].tolist())
         # whatever the limits say, the torques carry the object
         checked = replace(state.result, trajectory=state.trajectory).residuals()
@@ -109,7 +101,6 @@ def test_an_infeasible_motion_still_plays(planar_cell, lift):
     assert "these limits conflict" in outcome_html(state)
     assert "Outside the admissible range" in speed_html(state)
     assert "no torques carry the object" in moment_html(state)
-    assert 'data-over="true"' in bars_html("torque", state.bars()["torque"])
 
 
 def test_at_rest_any_speed_plays(planar_cell, lift):
@@ -167,32 +158,6 @@ def test_speeds_on_offer_pass_both_ends(lower, upper, start, high):
     assert speeds.c2(between) == between**2
 
 
-def test_a_bar_is_the_share_of_the_limit_on_its_side():
-    for value, lower, upper, share, over in (
-        (50, -80, 100, 0.5, False),
-        (-88, -80, 100, -1.1, True),
-        (100 * (1 + 1e-9), -80, 100, 1, False),  # rounding
-        (3, 5, 20, 0.15, True),  # a push that must be kept up
-        (-1, 0, 20, -np.inf, True),
-        (0, 0, 20, 0, False),
-        (-7, -np.inf, 5, None, False),
-    ):
-        bar = Bar("a", value, lower, upper, "N")
-        assert bar.share == pytest.approx(share)
-        assert bar.over is over
-        html = bars_html("torque", {"left": [bar]})
-        assert f'data-over="{str(over).lower()}"' in html
-        assert "nan" not in html
-        assert "inf" not in html
-        assert ("no limit" in html) == (share is None)
-        width = 40 * min(abs(share or 0.0), 1.25)
-        assert f"left:{50 - width * (value < 0):.2f}%;width:{width:.2f}%" in html
-    html = bars_html("torque", {"left": [Bar(*each, -4000, 5000, "N m") for each in (("<b>", 1234.5), ("b", -2e-14))]})
-    assert "&lt;b&gt;" in html
-    assert "1234 of 5000 N m<" in html  # no powers of ten
-    assert "0 of -4000 N m<" in html
-
-
 def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, lift_and_turn):
     state = PlayerState(dual_ur5, lift_and_turn)
     assert state.violations() == []
@@ -205,16 +170,3 @@ def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, lift_and_tur
     free = dual_ur5.without_velocity_limits()
     reported = mrts.scale(free, lift_and_turn).too_fast()
     assert f"{len(reported)} of 12 joints" in speed_html(PlayerState(free, lift_and_turn))
-
-
-def test_bars_of_hands_say_how_much_of_what_they_hold_is_in_use():
-    squeeze = DATA.parent / "squeeze"
-    state = PlayerState(mrts.load_cell(squeeze / "cell.yaml"), mrts.load_motion(squeeze / "lift_and_turn.yaml"))
-    for sample in (0, 30, 100):
-        state.sample = sample
-        bars = state.bars()["contact"]
-        assert [bar.name for bar in bars["left"]] == ["pad normal force", "pad friction", "pad tilt", "pad torsion"]
-        used = [bar.share for of_robot in bars.values() for bar in of_robot]
-        assert max(used) == pytest.approx(1.0, abs=1e-6)
-        assert not [bar for of_robot in bars.values() for bar in of_robot if bar.over]
-        assert "left/pad friction" in bars_html("contact", bars)

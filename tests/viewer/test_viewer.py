@@ -28,7 +28,7 @@ from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
 from mrts.viewer.held_poses import still_motion
 from mrts.viewer.player_state import PlayerState
-from mrts.viewer.time_plots import PHASE, compared_html, names_html, time_panels, uplot_props
+from mrts.viewer.time_plots import names_html, time_panels, uplot_props
 from mrts.viewer.viewer import FRAME, Viewer
 
 PATIENCE = 60.0
@@ -45,9 +45,6 @@ BLENDED = 1e-3
 
 SINGLE = 2e-6
 """Of positions in a scene [m]: single precision of some metres."""
-
-SUMMED = 5e-3
-"""Of the width or height of a plot: the way is a sum over samples, the timing knows it better."""
 
 TORQUES = "Joint torques"
 
@@ -90,7 +87,7 @@ def test_another_profile_is_played_at_its_own_speed(viewer):
 def test_every_slider_changes_its_number(viewer):
     """Of one number field without decimal places the page drops the point: a typed 1.5 is 15."""
     sliders = {name: each for name, each in viewer.controls.items() if isinstance(each, viser.GuiSliderHandle)}
-    assert len(sliders) == 13
+    assert len(sliders) == 12
     assert all(slider.precision >= DECIMALS for slider in sliders.values())
     for label, value in (("mass [kg]", 1.0), ("left torques [%]", 87.5), ("right wrenches [%]", 50.0)):
         choose(viewer, **{label: value})
@@ -104,16 +101,13 @@ def test_every_slider_changes_its_number(viewer):
     assert viewer.controls["of that limit [%]"].value == 87.5
     choose(viewer, **{"of that limit [%]": 60.0})
     assert viewer.bench.choices.limits["torque", "left", "elbow"] == 0.6
-    choose(viewer, **{"fixed shares of the load": True, "share of left [%]": 70.0})
-    assert viewer.bench.choices.shares == pytest.approx((0.7, 0.3))
     choose(viewer, move="left base")
     choose(viewer, **{"along x [mm]": 20.0, "about z [°]": 10.0})
     pose, given = viewer.bench.choices.poses[Place("base", "left")], left.T_world_base
     np.testing.assert_allclose(pose.p - given.p, [0.02, 0, 0], atol=1e-9)
     turn = Rotation.from_matrix(pose.R @ given.R.T).as_rotvec(degrees=True)
     np.testing.assert_allclose(turn, [0, 0, 10], atol=1e-9)
-    viewer.bench.reset()
-    viewer.shown._changes.show()  # noqa: SLF001 (as its button does)
+    viewer.shown._reset()  # noqa: SLF001 (as its button does)
     assert [sliders[name].value for name in ("along x [mm]", "left torques [%]")] == [0, 100]
 
 
@@ -134,37 +128,13 @@ def test_a_hand_on_the_slider_is_not_pushed_back(viewer, monkeypatch):
     assert viewer.shown.state.trajectory.c == pytest.approx(0.7)
 
 
-def test_ranking_again_keeps_the_chosen_configuration(viewer):
-    bench, menu = viewer.bench, viewer.controls["configuration"]
-    bench.rank()
-    viewer.shown.settle()
-    second = menu.options[2]
-    choose(viewer, configuration=second)
-    postures = bench.choices.postures
-    bench.edit(replace(bench.choices, mass=2 * bench.given.cell.mass))
-    bench.rank()
-    viewer.shown.settle()
-    assert second not in bench.configuration_labels()  # its c²⁺ is another one
-    assert bench.choices.postures == postures
-    assert menu.value == second
-    choose(viewer, configuration=bench.configuration_labels()[0])
-    assert bench.choices.postures != postures
-
-
 def test_what_was_changed_just_before_a_button_is_older_than_it(viewer):
-    """Both come between two frames: the change is taken back with the rest, and is a step of its own."""
-    shown, bench, shares = viewer.shown, viewer.bench, viewer.controls["fixed shares of the load"]
-
-    def press(which):
-        assign(viewer.controls["change"], which)
-        shown.settle()
-
-    assign(shares, value=True)
-    press("Reset")
-    assert (bench.choices.shares, shares.value) == (None, False)
-    press("Undo")
-    assert bench.choices.shares is not None
-    assert shares.value
+    """Both come between two frames: the change is taken back with the rest."""
+    shown, profile = viewer.shown, viewer.controls["profile"]
+    assign(profile, "optimal")
+    shown._todo.put(shown._reset)  # noqa: SLF001 (as its button does)
+    shown.settle()
+    assert (viewer.bench.choices.profile, profile.value) == ("constant", "constant")
 
 
 def test_an_answer_is_outdated_as_soon_as_a_control_changes(viewer):
@@ -185,7 +155,7 @@ def test_an_answer_is_outdated_as_soon_as_a_control_changes(viewer):
     bench.edit(replace(bench.choices, mass=-1.0))
     shown.settle()
     assert verdict() == (False, True, True)  # the last answer stays, of the values before
-    bench.undo()
+    bench.edit(replace(bench.choices, mass=None))
     shown.step(0.0)
     assert verdict() == (True, False, True)
     shown.settle()
@@ -197,12 +167,13 @@ def test_it_opens_at_the_moment_that_decides(spatial):
     assert 0 < upper.sample < len(state.trajectory.time) - 1
     assert state.sample == upper.sample
     assert spatial.controls["time [s]"].value == pytest.approx(state.trajectory.time[upper.sample], abs=1e-4)
+    assert state.deciding.name.element in spatial.controls["one limit"].value
+    assert not spatial.controls["of that limit [%]"].disabled
 
 
 def test_a_cell_alone_has_nothing_to_play_and_shows_gaps(planar_cell, monkeypatch, capsys):
     with shown_viewer(Given(planar_cell, still_motion(planar_cell), stands=True)) as viewer:
         assert not any(viewer.controls[name].visible for name in ("speed c", "time [s]", "Play"))
-        assert "<td>elbow</td><td>[-80, 80] N m</td>" in viewer.shown._limits.content  # noqa: SLF001 (what the page shows)
         base = planar_cell.robots[0].T_world_base
         far = RigidTransform(base.R, base.p - np.array([0.0, 3.0, 0.0]))
         viewer.bench.edit(viewer.bench.choices.with_pose(Place("base", "left"), far))
@@ -382,9 +353,9 @@ def shares_of(result):
 
 
 @pytest.mark.quick
-def test_lines_are_the_shares_of_limits_and_another_is_dashed_on_one_axis(planar_cell, lift, lifted):
+def test_lines_are_the_shares_of_limits(lifted):
     panels, of = time_panels(lifted), shares_of(lifted)
-    assert list(panels) == ["Range of c² of each sample", TORQUES, "Contact wrenches", PHASE]
+    assert list(panels) == ["Range of c² of each sample", TORQUES, "Contact wrenches"]
     curves = curves_of(uplot_props(panels[TORQUES]))
     names = lxml.html.fromstring(f"<p>{names_html(panels[TORQUES])}</p>").text_content()
     for column in of.ranked[:4]:
@@ -394,17 +365,6 @@ def test_lines_are_the_shares_of_limits_and_another_is_dashed_on_one_axis(planar
         np.testing.assert_allclose(time, lifted.trajectory.time)
         assert name in names.replace("\xa0", " ")
     assert names.endswith("and 1 more")
-    slow = mrts.scale(planar_cell, lift, 0.5)
-    ratio = slow.trajectory.duration / lifted.trajectory.duration
-    text = lxml.html.fromstring(compared_html(lifted, "<slow>", slow)).text_content()
-    assert f"{ratio:.3g} × as fast as <slow>" in text
-    props = uplot_props(panels[TORQUES], time_panels(slow)[TORQUES])
-    assert props["scales"]["x"]["range"] == (0.0, slow.trajectory.duration)
-    lines = curves_of(props)
-    time, share = lines.pop("the other")
-    np.testing.assert_allclose(share, np.interp(time, slow.trajectory.time, 100 * shares_of(slow).largest))
-    assert time[-1] == slow.trajectory.duration
-    assert all(time[-1] == lifted.trajectory.duration for name, (time, _) in lines.items() if name)
 
 
 @pytest.mark.quick
@@ -420,27 +380,14 @@ def test_no_peak_is_lost_and_names_are_text():
     assert "<b>/&" in names.text_content()
 
 
-def test_a_saved_timing_has_its_phase_plane(planar_cell, lift, tmp_path):
-    """The independent side is the profile that was found, along the arc length that the timing itself counts."""
-    found = mrts.retime(planar_cell, lift)
-    mrts.save_result(found.retimed, tmp_path / "timed.npz")
-    panel = time_panels(mrts.load_result(tmp_path / "timed.npz"))[PHASE]
-    ((along, height),) = curves_of(uplot_props(panel)).values()
-    (piece,) = found.pieces
-    np.testing.assert_allclose(along / along[-1], piece.piece.arc / piece.piece.arc[-1], atol=SUMMED)
-    np.testing.assert_allclose(height / np.max(height), piece.arc_speed / np.max(piece.arc_speed), atol=SUMMED)
-
-
-def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_cell, lift, tmp_path, monkeypatch):
+def test_a_saved_result_plays_without_a_compiler(lifted, tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
     mrts.save_result(lifted, tmp_path / "fast.npz")
-    mrts.save_result(mrts.scale(planar_cell, lift, 0.5), tmp_path / "slow.npz")
-    fast, slow = (mrts.load_result(tmp_path / name) for name in ("fast.npz", "slow.npz"))
-    state = PlayerState.saved(fast)
+    state = PlayerState.saved(mrts.load_result(tmp_path / "fast.npz"))
     assert state.admissible
-    with shown_viewer(state, others=[("slow", slow)]) as opened:
-        viewer, stands = opened.shown, opened.controls["stands"]
+    with shown_viewer(state) as opened:
+        viewer = opened.shown
         viewer.playback.toggle()
         viewer.step(1.0)
         before = state.sample
@@ -448,17 +395,4 @@ def test_a_saved_result_plays_without_a_compiler_beside_another(lifted, planar_c
             viewer.step(0.2)
         assert state.sample > before
         assert opened.controls["Play"].label == "Pause"
-        (line,) = time_panels(fast)[PHASE].items
-        style = viewer.plots.cursor.content
-        assert f"--mrts-cursor: {state.time / slow.trajectory.duration:.4f}" in style
-        assert f"--mrts-along: {line.x[state.sample] / line.x[-1]:.4f}" in style
-        other = viewer.other
-        sample = int(np.argmin(np.abs(slow.trajectory.time - state.time)))
-        np.testing.assert_allclose(other.drawn.carried.position, slow.motion.object.position[sample], atol=1e-6)
-        np.testing.assert_allclose(other.frame.position, other.offset, atol=1e-6)
-        stands.value = "over it"
-        viewer.step(0.0)
-        np.testing.assert_allclose(other.frame.position, 0.0)
-        stands.value = "hidden"
-        viewer.step(0.0)
-        assert not other.frame.visible
+        assert f"--mrts-cursor: {state.time / state.trajectory.duration:.4f}" in viewer.plots.cursor.content

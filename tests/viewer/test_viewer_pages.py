@@ -1,11 +1,9 @@
 """The viewer in a real browser: its controls, where its panel is, its plots, and who may connect."""
 
-import io
 import shutil
 
 import pytest
 from conftest import DATA
-from PIL import Image
 from viewer_browser import chromium, interrupt, open_page, running_viewer
 
 import mrts
@@ -21,8 +19,8 @@ WIDTHS = (1400, 900, 700, 577, 500)
 TALL = {"width": 1400, "height": 1700}
 """Of a window in which the panel does not scroll [pixels]."""
 
-OVER = '[data-over="true"]:not([data-bar^=nearest])'
-"""Bars of this moment that pass their limit; the card's are of the whole motion."""
+OVER = '[data-bar="reached"]'
+"""Bars of limits that are reached or passed."""
 
 LAID_OUT = """() => {
     const scene = document.querySelector('canvas').getBoundingClientRect();
@@ -40,11 +38,12 @@ LAID_OUT = """() => {
 """Whether the panel covers no scene, and cuts no text and no plot."""
 
 OFF = """() => Math.max(...[...document.querySelectorAll('.u-over')].map(over => {
-    const style = getComputedStyle(document.documentElement), named = over.closest('.uplot').querySelector('.u-title');
-    const share = parseFloat(style.getPropertyValue(named ? '--mrts-along' : '--mrts-cursor'));
+    const share = parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--mrts-cursor'));
     return Math.abs(parseFloat(getComputedStyle(over, '::after').left) - share * over.clientWidth);
 }))"""
 """How far the cursor of some plot is from where its style sheet says [pixels]."""
+
+RESET = "Reset all changes"
 
 TOPS = """() => [...document.querySelectorAll('.mantine-Slider-root, [role=tab], [role=combobox], button')]
     .filter(each => each.offsetParent).map(each => each.getBoundingClientRect().top)"""
@@ -86,28 +85,21 @@ def row(page, label):
 
 @pytest.mark.quick
 def test_the_page_follows_the_speed_slider(chromium):
-    """The planar lift binds at its first sample, so there the bars turn red as soon as c passes c⁺."""
-
-    def red():
-        return page.locator(OVER).evaluate_all("rows => rows.map(row => row.dataset.bar)")
-
     with running_viewer(*FILES) as (process, url), open_page(chromium, url) as page:
         page.wait_for_selector("canvas")
         assert "[0, 3.062]" in text(page, "outcome")
         assert "c² = 3.062" in text(page, "speed")
-        assert red() == []
-        before = page.locator('[data-bar="torque left/shoulder"]').inner_text()
+        assert page.locator(OVER).count() > 0
         speed, time = page.get_by_role("slider").all()
         speed.press("Home")
         waits_for(page, "speed", "c = 0.0")
-        assert page.locator('[data-bar="torque left/shoulder"]').inner_text() != before
+        page.wait_for_selector(OVER, state="detached")
         assert "Inside" in text(page, "speed")
         speed.press("End")
         page.wait_for_selector(OVER)
-        assert {"torque left/elbow", "torque right/elbow", "wrench left/fx", "wrench right/nz"} <= set(red())
         assert "Outside the admissible range" in text(page, "speed")
         time.press("End")
-        page.wait_for_selector(OVER, state="detached")
+        waits_for(page, "moment", "given motion: 0.5236 s")
         assert "given motion: 0.5236 s" in text(page, "moment")
         assert page.problems == []
         out, err, code = interrupt(process)  # while the page is open
@@ -125,11 +117,7 @@ def test_every_control_does_what_it_says(chromium, tmp_path):
         page.get_by_role("tab", name="Change").click()
         row(page, "mass [kg]").press("End")
         waits_for(page, "outcome", "2 kg")
-        press(page, "Undo")
-        is_other(page, "outcome", first, same=True)
-        press(page, "Redo")
-        waits_for(page, "outcome", "2 kg")
-        press(page, "Reset")
+        press(page, RESET)
         is_other(page, "outcome", first, same=True)
         pick(page, "profile", "smooth")
         waits_for(page, "outcome", "smooth timing")
@@ -138,19 +126,16 @@ def test_every_control_does_what_it_says(chromium, tmp_path):
         row(page, "along y [mm]").press("End")
         waits_for(page, "outcome", "No motion")
         assert "Red in the scene" in text(page, "outcome")
-        press(page, "Undo")
+        press(page, RESET)
         is_other(page, "outcome", first, same=True)
-        press(page, "Rank all configurations")
-        pick(page, "configuration", "2: ")
-        is_other(page, "outcome", first)
+        row(page, "mass [kg]").press("End")
         page.get_by_role("tab", name="View").click()
-        for name in ("frames", "names", "shadows", "dark"):
-            page.get_by_role("checkbox", name=name).click()
+        page.get_by_role("checkbox", name="dark").click()
         page.wait_for_selector('[data-mantine-color-scheme="dark"]', state="attached")
         press(page, "Show the whole cell")
         page.get_by_role("tab", name="Save").click()
         press(page, "Save")
-        waits_for(page, "saved", "configuration 2")
+        waits_for(page, "saved", "mass 2 kg")
         press(page, "Save")
         waits_for(page, "error", "exists already")
         assert page.problems == []
@@ -177,7 +162,7 @@ def test_numbers_keep_the_point_that_is_typed_and_no_control_moves(chromium):
             field.press_sequentially(number, delay=50)
             page.wait_for_selector("[data-text=computing]", state="detached")
             assert (field.input_value(), slider.get_attribute("aria-valuenow")) == (number, number)
-        press(page, "Reset")
+        press(page, RESET)
         waits_for(page, "outcome", "3.062")
         before = page.evaluate(TOPS)
         for label, key, kind, words in (
@@ -195,21 +180,15 @@ def test_numbers_keep_the_point_that_is_typed_and_no_control_moves(chromium):
 
 
 @pytest.mark.slow
-def test_plots_follow_a_saved_result_and_its_picture_is_taken(chromium, lifted, planar_cell, lift, tmp_path):
+def test_plots_follow_a_saved_result(chromium, lifted, tmp_path):
     mrts.save_result(lifted, tmp_path / "fast.npz")
-    mrts.save_result(mrts.scale(planar_cell, lift, 0.5), tmp_path / "slow.npz")
-    with (
-        running_viewer(tmp_path / "fast.npz", "--with", tmp_path / "slow.npz") as (_, url),
-        open_page(chromium, url) as page,
-    ):
+    with running_viewer(tmp_path / "fast.npz") as (_, url), open_page(chromium, url) as page:
         start = text(page, "moment")
-        page.get_by_role("tab", name="Plots").click()
         page.wait_for_selector(".uplot canvas")
         titles = page.locator("[data-plot]:not([data-plot=names])")
         plots = titles.evaluate_all("all => all.map(each => each.dataset.plot)")
-        assert plots == ["compared", *time_panels(lifted)]
-        assert page.locator(".uplot canvas").count() == len(plots) - 1
-        assert page.locator("[data-plot=compared]").inner_text().startswith("Shown: 0.2992 s, 2.47 × as fast as slow")
+        assert plots == [*time_panels(lifted)]
+        assert page.locator(".uplot canvas").count() == len(plots)
         assert page.evaluate(OFF) < 1
         press(page, "Play")
         is_other(page, "moment", start)
@@ -222,10 +201,4 @@ def test_plots_follow_a_saved_result_and_its_picture_is_taken(chromium, lifted, 
         for width in (900, 500, 1400):
             page.set_viewport_size({"width": width, "height": 700})
             page.wait_for_function(LAID_OUT)
-        page.get_by_role("tab", name="Save").click()
-        with page.expect_download() as saved:
-            press(page, "Picture (PNG)")
-        with Image.open(io.BytesIO(saved.value.path().read_bytes())) as picture:
-            assert picture.size[0] == 960
-        assert saved.value.suggested_filename == f"{planar_cell.name}.png"
         assert page.problems == []

@@ -1,4 +1,4 @@
-"""The workbench: what changes lead to, undo, the order of answers, and arms that do not reach.
+"""The workbench: what changes lead to, the order of answers, and arms that do not reach.
 
 The work is the real one; where its order matters it waits at a gate for the test, so that no clock decides.
 """
@@ -16,9 +16,9 @@ from mrts.collisions.clearance import clearance_remarks
 from mrts.motion.motion_file import sample_motion
 from mrts.scene.cell_shapes import joint_points
 from mrts.viewer import workbench
-from mrts.viewer.choices import COARSE_SAMPLES, Choices, Given, Place, moved_by, places
+from mrts.viewer.choices import Choices, Given, Place, moved_by, places
 from mrts.viewer.held_poses import still_motion
-from mrts.viewer.panel import held_html, outcome_html
+from mrts.viewer.panel import held_html
 from mrts.viewer.workbench import Workbench, find_answer
 
 SAME = 1e-9
@@ -37,7 +37,7 @@ def spatial(dual_ur5):
 
 @pytest.fixture
 def fine(spatial):
-    """A workbench whose motion has more samples than a coarse answer."""
+    """A workbench whose motion has some samples more."""
     description = spatial.description.model_copy(update={"samples": 201})
     opened = Workbench(Given(spatial.cell, sample_motion(description), description))
     answered(opened)
@@ -73,13 +73,14 @@ def test_each_change_has_the_answer_of_the_changed_cell(spatial):
         "grasp": (start.with_pose(grasp, regrasped), cell.with_values({"robots.right.grasp.xyz": [0.25, 0.01, 0.0]})),
     }
     for name, (choices, wanted) in cases.items():
-        bench.edit(choices, name)
+        bench.edit(choices)
         assert upper(answered(bench)) == pytest.approx(mrts.scale(wanted, motion).range.upper.c2, rel=SAME), name
     bench.edit(replace(start, profile="optimal"))
     assert answered(bench).state.trajectory.duration == pytest.approx(mrts.retime(cell, motion).duration, rel=SAME)
-    bench.edit(replace(start, shares=(0.7, 0.3)))
-    fixed = mrts.scale(cell, motion, sharing=mrts.LoadSharing(np.array([0.7, 0.3])))
-    assert upper(answered(bench)) == pytest.approx(fixed.range.upper.c2, rel=SAME)
+    shares = mrts.LoadSharing(np.array([0.7, 0.3]))
+    fixed = mrts.scale(cell.with_mass(9.0), motion, sharing=shares)
+    answer = changed(replace(spatial, sharing=shares), Choices(mass=9.0))
+    assert upper(answer) == pytest.approx(fixed.range.upper.c2, rel=SAME)
 
 
 def test_a_smooth_timing_keeps_its_rates_and_can_be_played_slower(planar):
@@ -93,37 +94,18 @@ def test_a_smooth_timing_keeps_its_rates_and_can_be_played_slower(planar):
     assert state.trajectory.c == 1  # which stays as it was
 
 
-def test_the_newest_of_many_changes_is_answered_and_undone_at_once(planar):
+def test_the_newest_of_many_changes_is_answered(planar):
     bench = Workbench(planar)
     first = upper(bench.answer)
     for mass in np.linspace(0.6, 2.0, 40):
-        bench.edit(replace(bench.choices, mass=float(mass)), "mass")
+        bench.edit(replace(bench.choices, mass=float(mass)))
     assert bench.is_asked
     assert answered(bench).choices.mass == 2.0
     assert not bench.is_asked
-    bench.end_gesture()
-    bench.edit(replace(bench.choices, mass=3.0), "mass")
-    bench.undo()
-    assert answered(bench).choices.mass == 2.0
-    bench.undo()  # the whole gesture
+    bench.edit(replace(bench.choices, mass=-1.0))
+    assert "object.mass" in answered(bench).message
+    bench.edit(Choices())
     assert upper(answered(bench)) == first
-    bench.undo()  # there is nothing before it
-    assert answered(bench).choices.mass is None
-    bench.redo()
-    assert answered(bench).choices.mass == 2.0
-    bench.reset()
-    assert answered(bench).choices.mass is None
-    bench.edit(replace(bench.choices, postures={"left": [0.0]}))
-    assert "robot 'left': posture = [0.0]" in answered(bench).message
-    bench.undo()
-    assert upper(answered(bench)) == first
-
-
-def test_a_corner_of_the_load_is_that_load(planar):
-    given = replace(planar, cell=planar.cell.with_variation(mass=(0.5, 3.0)))
-    heavy = upper(changed(given, Choices(corner={"mass": 3.0})))
-    wanted = mrts.scale(given.cell.with_load(given.cell.load_box.load_at({"mass": 3.0})), given.motion)
-    assert heavy == pytest.approx(wanted.range.upper.c2, rel=SAME)
 
 
 def test_an_arm_that_does_not_reach_is_shown_as_near_as_it_comes(spatial):
@@ -159,27 +141,12 @@ def test_a_cell_without_a_motion_stands_at_its_posture_and_follows_its_places(pl
     assert held_html(held).count("mm") == 1
 
 
-def test_a_ranked_configuration_is_played(planar):
-    bench = Workbench(planar)
-    assert bench.configuration_labels() == []
-    bench.rank()
-    answered(bench)
-    labels = bench.configuration_labels()
-    assert len(labels) == len(bench.study.ranked) == 4
-    for label, configuration in zip(labels, bench.study.ranked, strict=True):
-        bench.edit(bench.with_configuration(bench.choices, label))
-        assert upper(answered(bench)) == pytest.approx(configuration.c2_upper, rel=1e-9)
-    with pytest.raises(mrts.InputError, match="none of those that were ranked"):
-        bench.with_configuration(bench.choices, "5: left 9")
-
-
-def test_a_joint_table_fixes_the_configuration_and_its_ends(planar, tmp_path):
+def test_the_ends_of_a_joint_table_cannot_be_moved(planar, tmp_path):
     followed = mrts.follow_object(planar.cell, planar.motion)
     names = [f"{robot.name}/{joint}" for robot in planar.cell.robots for joint in robot.joints]
     columns = [dict(zip(names, part.T, strict=True)) for part in (followed.q, followed.dq, followed.ddq)]
     table = mrts.JointTable(tmp_path / "joints.csv", planar.motion.time, *columns)
     bench = Workbench(Given(planar.cell, table))
-    assert "fixes the configuration" in bench.fixed_configuration
     assert {place.kind for place in places(bench.given)} == {"base", "grasp"}
 
 
@@ -194,66 +161,40 @@ class Gate:
         assert self.opened.wait(PATIENCE)
 
 
-@pytest.fixture
-def gates(monkeypatch):
-    """Gates of a ranking, by the number of configurations that are done."""
-    found = {}
-
-    def ranked(*given, progress, **named):
-        def waiting(done, total):
-            progress(done, total)
-            if done in found:
-                found[done].wait()
-
-        return mrts.rank_configurations(*given, progress=waiting, **named)
-
-    monkeypatch.setattr(workbench, "rank_configurations", ranked)
-    yield found
-    for gate in found.values():
-        gate.opened.set()
-
-
-def test_a_coarse_answer_comes_first_says_so_and_is_replaced(fine):
-    """The whole one is that of `mrts.retime`; the coarse one has fewer samples and keeps limits at these alone."""
+def test_an_answer_comes_again_with_its_collisions(fine):
     fine.edit(Choices(profile="smooth", mass=9.0))
-    coarse, whole, looked = news_of(fine)
-    assert [coarse.coarse, whole.coarse, looked.coarse] == [True, False, False]
+    whole, looked = news_of(fine)
     assert whole.collisions is None
     assert looked.state is whole.state
     near = mrts.clearance(whole.state.result.cell, whole.state.result.motion)
     assert (looked.collisions[0].distance, looked.collisions[0].pair) == (near.distance, near.pair)
-    assert len(coarse.state.excess) == COARSE_SAMPLES
-    assert "Coarse, the whole answer follows" in outcome_html(coarse.state, coarse=coarse.coarse)
     wanted = mrts.retime(fine.given.cell.with_mass(9.0), fine.given.motion, rates=whole.choices.torque_rate)
     assert whole.state.trajectory.duration == pytest.approx(wanted.duration, rel=SAME)
-    assert fine.answer is looked
-    fine.ask(0.5)  # of a whole answer, whole at once
+    fine.ask(0.5)
     (slower,) = news_of(fine)
-    assert not slower.coarse
     assert slower.clearance()[0].time == pytest.approx(2 * near.time)
     assert slower.state.trajectory.duration == pytest.approx(2 * wanted.duration, rel=SAME)
 
 
-def test_what_is_newer_ends_work_on_a_whole_answer(fine, monkeypatch):
+def test_what_is_newer_ends_work_on_an_older_answer(fine, monkeypatch):
     masses = np.linspace(8.1, 9.0, 4).tolist()
     begins = {mass: Gate() for mass in masses[:-1]}
 
-    def find(given, choices, *others, coarse):
-        if not coarse and choices.mass in begins:
+    def find(given, choices, progress):
+        if choices.mass in begins:
             begins[choices.mass].wait()
-        return find_answer(given, choices, *others, coarse=coarse)
+        return find_answer(given, choices, progress)
 
     monkeypatch.setattr(workbench, "find_answer", find)
-    taken = []
     for before, mass in zip([None, *masses], masses, strict=False):
-        fine.edit(Choices(profile="smooth", mass=mass), "mass")
+        fine.edit(Choices(profile="smooth", mass=mass))
         if before is not None:
             begins[before].opened.set()
-        taken += news_of(fine, until=lambda one: one.coarse)
-    taken += news_of(fine)
-    assert [one.choices.mass for one in taken if one.coarse] == masses
-    assert [one.choices.mass for one in taken if not one.coarse and one.collisions is None] == masses[-1:]
-    assert [one.choices.mass for one in taken if one.collisions is not None] == masses[-1:]
+        if mass in begins:
+            assert begins[mass].reached.wait(PATIENCE)
+    taken = news_of(fine)
+    assert [one.choices.mass for one in taken] == 2 * masses[-1:]
+    assert [one.collisions is None for one in taken] == [True, False]
 
 
 def test_what_is_newer_ends_the_look_for_collisions(fine, monkeypatch):
@@ -269,39 +210,6 @@ def test_what_is_newer_ends_the_look_for_collisions(fine, monkeypatch):
     fine.edit(Choices(mass=9.5))
     begun.opened.set()
     assert [one.choices.mass for one in news_of(fine) if one.collisions is not None] == [9.5]
-
-
-def test_answers_come_while_configurations_are_ranked(fine, gates):
-    """Nothing of them is lost: the ranking is that of `mrts.rank_configurations`."""
-    gates |= {2: Gate(), 4: Gate()}
-    fine.rank()
-    assert gates[2].reached.wait(PATIENCE)
-    before = fine.ranked
-    fine.edit(replace(fine.choices, mass=11.0))
-    gates[2].opened.set()
-    *_, answer = news_of(fine, until=lambda one: one.choices.mass == 11.0 and not one.coarse)
-    during = fine.ranked
-    assert before[0] <= during[0] < during[1]
-    wanted = mrts.scale(fine.given.cell.with_mass(11.0), fine.given.motion)
-    assert upper(answer) == pytest.approx(wanted.range.upper.c2, rel=SAME)
-    assert fine.study is None
-    gates[4].opened.set()
-    news_of(fine)
-    alone = mrts.rank_configurations(fine.given.cell, fine.given.motion)
-    assert [one.c2_upper for one in fine.study.ranked] == [one.c2_upper for one in alone.ranked]
-
-
-def test_a_ranking_can_be_stopped(fine, gates):
-    gates[1] = Gate()
-    fine.rank()
-    assert gates[1].reached.wait(PATIENCE)
-    fine.stop_ranking()
-    gates[1].opened.set()
-    assert fine.ranked is None
-    assert news_of(fine) == []
-    fine.edit(replace(fine.choices, mass=9.0))
-    assert news_of(fine)[-1].choices.mass == 9.0
-    assert fine.study is None
 
 
 def test_a_defect_is_raised_where_answers_are_taken(planar, monkeypatch):
