@@ -28,14 +28,11 @@ examples:
 @option("--clearance", is_flag=True, help="a column: how near bodies come to each other")
 @options.solver
 @options.json
-@options.plot("a figure")
 def run(
     cell: Path,
     motion: Path,
     show: int,
-    plot_format: str,
     json: Path | None = None,
-    plot: Path | None = None,
     **given: Any,
 ) -> int:
     """Compare all inverse-kinematics branches of the arms."""
@@ -51,11 +48,6 @@ def run(
         study = rank_configurations(limited, given_motion, **given, progress=progress)
     outputs = Outputs()
     outputs.write(json, study.write_json)
-    if plot is not None:
-        from mrts.plots import ranking_plot, write_plot
-
-        drawn = ranking_plot(study, f"{limited.name}: configurations")
-        outputs.write(plot, lambda folder: write_plot(drawn, folder / f"configurations.{plot_format}"))
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
     lines = study.table(show).split("\n", 1)
     return outputs.answer(lines, FEASIBLE if feasible else INFEASIBLE, json, study)

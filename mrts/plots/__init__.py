@@ -13,7 +13,6 @@ from mrts.base.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from mrts.plots.card import answer_card as answer_card
-    from mrts.plots.configuration_plot import ranking_plot as ranking_plot
     from mrts.plots.figure_files import write_motor_plots as write_motor_plots
     from mrts.plots.figure_files import write_result_plots as write_result_plots
     from mrts.plots.figure_files import write_study_plots as write_study_plots
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from mrts.plots.study_plots import study_map_plot as study_map_plot
     from mrts.plots.study_table import read_study_table as read_study_table
     from mrts.plots.study_words import managed_texts as managed_texts
-    from mrts.plots.study_words import next_steps as next_steps
     from mrts.plots.trajectory_plots import power_plot as power_plot
     from mrts.plots.trajectory_plots import trajectory_plot as trajectory_plot
 
@@ -40,7 +38,6 @@ __all__, __getattr__, __dir__ = lazy_names(
     __name__,
     {
         "card": "answer_card",
-        "configuration_plot": "ranking_plot",
         "figure_files": "write_motor_plots write_result_plots write_study_plots",
         "limit_plots": "limits_plot",
         "matplotlib_drawer": "matplotlib_figure write_plot",
@@ -49,7 +46,7 @@ __all__, __getattr__, __dir__ = lazy_names(
         "range_plots": "load_plot load_study_plot range_plot",
         "study_plots": "durations_plot study_map_plot",
         "study_table": "read_study_table",
-        "study_words": "managed_texts next_steps",
+        "study_words": "managed_texts",
         "trajectory_plots": "power_plot trajectory_plot",
     },
 )

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.limits.rows import ActiveRow, RowName
@@ -122,21 +121,17 @@ def all_shares(result: ScalingResult) -> tuple[tuple[RowName, ...], Array]:
 
 @dataclass(frozen=True)
 class LimitingRows:
-    """What is to be said of limits that are reached.
+    """What is limited, and what of it sets the speed.
 
     Attributes:
         names: What is limited, rates included, as `all_shares` has it.
         shares: How much of its limit each uses at each sample, Shape (N, r).
         setting: Rows that set the speed, each with when; those of a timing by falling share of the time.
-        reached: Others that are at their limit, each with why.
-        forced: At which samples the speed keeps a row at its limit, Shape (N, r).
     """
 
     names: tuple[RowName, ...]
     shares: Array
     setting: dict[RowName, str]
-    reached: dict[RowName, str]
-    forced: NDArray[np.bool_]
 
     @cached_property
     def ranked(self) -> dict[str, list[int]]:
@@ -152,8 +147,7 @@ class LimitingRows:
 def limiting_rows(result: ScalingResult, timing: "RetimingResult | None") -> LimitingRows:
     """What sets the speed: of a constant factor the end of the range that it is at, of a timing all along its path.
 
-    A row that is at its limit where c² lies inside the range of its sample need not be there: with another
-    distribution the motion could be faster and slower there.
+    Another row that is at its limit need not be there: it may be so by how the load is distributed.
 
     Args:
         result: A result with a trajectory.
@@ -164,30 +158,25 @@ def limiting_rows(result: ScalingResult, timing: "RetimingResult | None") -> Lim
     """
     names, shares = all_shares(result)
     if timing is not None and timing.retimed is not None:
-        forced, setting = _of_timing(timing, names)
+        setting = _of_timing(timing, names)
+    elif result.origin:
+        binding = _of_retimed(result)
+        setting = {name: "sets the speed" for name in names if name in binding}
     else:
-        forced, binding = _forced(result, names)
-        setting = {name: "sets the speed" for name in names if name in binding} if result.origin else _of_range(result)
-    at_limit = shares >= 1 - AT_LIMIT
-    reached = {}
-    for place in np.flatnonzero(np.any(at_limit, axis=0)).tolist():
-        if names[place] not in setting:
-            kept = bool(np.any(at_limit[:, place] & forced[:, place]))
-            reached[names[place]] = "reached where the speed is set" if kept else "reached through the distribution"
-    return LimitingRows(names, shares, setting, reached, forced)
+        setting = _of_range(result)
+    return LimitingRows(names, shares, setting)
 
 
-def _of_timing(timing: "RetimingResult", names: Sequence[RowName]) -> tuple[NDArray[np.bool_], dict[RowName, str]]:
+def _of_timing(timing: "RetimingResult", names: Sequence[RowName]) -> dict[RowName, str]:
     """Its limits are told segment by segment, the two sides of a row apart; both do not bind at once."""
     segments = timing.segment_limits
     binds = np.array([[_binds(name, of_segment) for name in names] for of_segment, _ in segments], dtype=bool)
     share = np.array([time for _, time in segments]) @ binds
-    setting = {
+    return {
         names[place]: f"sets the speed for {100 * share[place]:.3g} % of the time"
         for place in np.argsort(-share, kind="stable").tolist()
         if share[place] > 0
     }
-    return np.vstack([binds[:1], binds]) | np.vstack([binds, binds[-1:]]), setting
 
 
 def _binds(name: RowName, told: Sequence[ActiveRow | str]) -> bool:
@@ -206,20 +195,11 @@ def _of_range(result: ScalingResult) -> dict[RowName, str]:
     return told
 
 
-def _forced(result: ScalingResult, names: tuple[RowName, ...]) -> tuple[NDArray[np.bool_], set[RowName]]:
-    """`LimitingRows.forced` of c² at an end of what its sample admits, and all rows that set an end at which c² is.
-
-    Where velocities alone set the end, no torque or wrench has to be at a limit; else all that are may have to be.
-    """
-    found, done = result.range, played(result)
-    near = AT_END_RETIMED if result.origin else AT_END
-    at_lower = (found.samples.lower > 0) & (found.samples.lower >= done.c2 * (1 - near))
-    at_upper = found.samples.upper <= done.c2 * (1 + near)
-    forced, rows = np.zeros((len(found.samples.time), len(names)), dtype=bool), set()
-    for sample in np.flatnonzero(at_lower | at_upper).tolist():
-        binding = {row.name for row in found.binding(sample, "upper") if at_upper[sample]}
-        binding |= {row.name for row in found.binding(sample, "lower") if at_lower[sample]}
-        of_load = any(name.of_load for name in binding)
-        forced[sample] = [of_load or name in binding for name in names]
-        rows |= binding
-    return forced, rows
+def _of_retimed(result: ScalingResult) -> set[RowName]:
+    """Rows that set an end of what a sample of a retimed motion admits, where c² is at it."""
+    found, c2 = result.range, played(result).c2
+    at_lower = (found.samples.lower > 0) & (found.samples.lower >= c2 * (1 - AT_END_RETIMED))
+    at_upper = found.samples.upper <= c2 * (1 + AT_END_RETIMED)
+    rows = [row for sample in np.flatnonzero(at_lower).tolist() for row in found.binding(sample, "lower")]
+    rows += [row for sample in np.flatnonzero(at_upper).tolist() for row in found.binding(sample, "upper")]
+    return {row.name for row in rows}

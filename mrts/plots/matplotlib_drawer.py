@@ -51,9 +51,6 @@ LEGEND_DROP, SHARED_DROP = 34.0, 8.0
 
 HATCH_COLOR = "#8a8a8a"
 
-CONTOURS = 4
-"""Of one value each; a map with fewer cells along an axis has none."""
-
 
 def matplotlib_figure(plot: Plot) -> Figure:
     """The plot as a figure of matplotlib, to be changed before it is written or shown."""
@@ -202,10 +199,6 @@ def _name_rows(axes: Axes, axis: Axis) -> None:
     for tick, strong in zip(axes.get_yticklabels(), axis.strong, strict=False):
         tick.set_fontweight("bold" if strong else "normal")
     axes.set_ylim(len(rows) - 0.4, -0.6)
-    if axis.beside:
-        other = axes.secondary_yaxis("right")
-        other.set_yticks(rows, [_label(text, NAME_LETTERS) for text in axis.beside], fontsize="small")
-        other.tick_params(length=0)
 
 
 def _add(axes: Axes, item: Item) -> None:
@@ -279,8 +272,6 @@ def _add_bars(axes: Axes, bars: Bars) -> None:
         axes.bar(bars.place, bars.end - bars.start, bars.thickness, bars.start, **look)
     else:
         axes.barh(bars.place, bars.end - bars.start, bars.thickness, bars.start, **look)
-    for row, end, text in zip(bars.place, bars.end, bars.written, strict=False):
-        axes.annotate(_plain(text), (end, row), (3, 0), textcoords="offset points", va="center", fontsize="x-small")
 
 
 def _add_heat_map(axes: Axes, heat: HeatMap) -> None:
@@ -289,12 +280,6 @@ def _add_heat_map(axes: Axes, heat: HeatMap) -> None:
     mesh = axes.pcolormesh(heat.x, heat.y, values, cmap=colors, vmin=heat.low, vmax=heat.high)
     beyond = "max" if values.count() and float(np.max(values)) > heat.high else "neither"
     axes.figure.colorbar(mesh, ax=axes, label=_plain(heat.title), extend=beyond)
-    if heat.contours and min(heat.z.shape) >= CONTOURS and heat.high > heat.low:
-        levels = np.linspace(heat.low, heat.high, CONTOURS + 2)[1:-1]
-        near = np.ma.masked_greater(values, heat.high)  # far longer ones beside them would draw an edge as contours
-        x, y = ((edges[1:] + edges[:-1]) / 2 for edges in (heat.x, heat.y))
-        lines = axes.contour(x, y, near, levels=levels, colors="white", linewidths=0.8)
-        axes.clabel(lines, fmt=f"%.3g {heat.unit}", fontsize="x-small")
 
 
 def _add_named_cells(axes: Axes, cells: HeatMap) -> None:

@@ -89,8 +89,7 @@ class Rule:
 class Bars:
     """Bars along an axis of names (level), or upright ones on the x axis.
 
-    `place` is the row of each level bar, its middle, or the x of an upright one; `hatch` is as matplotlib has it. What
-    is `written` stands at the end of each.
+    `place` is the row of each level bar, its middle, or the x of an upright one; `hatch` is as matplotlib has it.
     """
 
     place: Array
@@ -102,16 +101,15 @@ class Bars:
     upright: bool = False
     hatch: str = ""
     texts: Sequence[str] = ()
-    written: Sequence[str] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HeatMap:
     """Cells whose colours are values, NaN where one is empty, Shape (rows, columns); edges `x` and `y` have one more.
 
-    `low` and `high` have the first and the last colour, which values beyond have too. Contours are lines of one value,
-    where there is room. `texts` are told in place of a value and its unit. With `names` a value is the number of a
-    name, which has a colour and, if there are any, a hatch of its own; the legend has those that some cell has.
+    `low` and `high` have the first and the last colour, which values beyond have too. `texts` are told in place of a
+    value and its unit. With `names` a value is the number of a name, which has a colour and, if there are any, a hatch
+    of its own; the legend has those that some cell has.
     """
 
     x: Array
@@ -123,7 +121,6 @@ class HeatMap:
     title: str = ""
     unit: str = ""
     texts: Sequence[Sequence[str]] = ()
-    contours: bool = False
     names: Sequence[str] = ()
     hatches: Sequence[str] = ()
 
@@ -140,8 +137,8 @@ Item = Line | Points | Band | Rule | Bars | HeatMap
 class Axis:
     """What an axis counts, or the names along it, in rows 0, 1, … from the top.
 
-    Without `ends` all there is is shown. `colors` and `strong` (bold) are of the names, `beside` is written at the
-    other end of the rows; `hover` is what a value under the mouse is called, such as "t = {} s".
+    Without `ends` all there is is shown. `colors` and `strong` (bold) are of the names; `hover` is what a value under
+    the mouse is called, such as "t = {} s".
     """
 
     label: str = ""
@@ -150,7 +147,6 @@ class Axis:
     names: Sequence[str] = ()
     colors: Sequence[str] = ()
     strong: Sequence[bool] = ()
-    beside: Sequence[str] = ()
     hover: str = "{}"
 
 

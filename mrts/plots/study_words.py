@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""What a study found, in words: how many variants may be played, the best, what limits it, what to do next."""
+"""What a study found, in words: how many variants may be played, the best, what limits it."""
 
 import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.words import first_names
 from mrts.limits.rows import MOST_NAMES
-from mrts.plots.study_map import Weight, ends_reached, weights
+from mrts.plots.study_map import ends_reached
 from mrts.plots.study_table import Index, StudyTable
 
 BEST_PART = 0.05
@@ -14,12 +14,6 @@ BEST_PART = 0.05
 
 SHARES = (50, 90, 95, 99)
 """Of the variants, of which the duration is told within which they finish [%]."""
-
-HARDLY = 0.02
-"""A number that explains less than this share of anything hardly matters."""
-
-MANY = 0.1
-"""Share of variants without a speed from which their reason is worth a step."""
 
 
 def outcome_text(table: StudyTable) -> str:
@@ -105,55 +99,6 @@ def span_texts(low: float, high: float) -> tuple[str, str]:
 def _span(values: Array) -> str:
     values = values[np.isfinite(values)]
     return " … ".join(span_texts(float(np.min(values)), float(np.max(values)))) if len(values) else ""
-
-
-def next_steps(table: StudyTable) -> list[str]:
-    """What a designer may do with this, the most telling first."""
-    steps = []
-    found = weights(table)
-    if len(table.ranked):
-        steps += _widen(table, {weight.knob for weight in found if weight.larger < HARDLY and len(found) > 1})
-    steps += _numbers_that_matter(table, found if len(found) > 1 else [])
-    without = table.variants - int(np.sum(table.admitted))
-    if without >= MANY * table.variants:
-        outcome, reason, count = table.reasons()[0]
-        why = f", such as: {reason.split('. ')[0].rstrip('.')}" if reason else ""
-        steps.append(f"{count} of the {without} variants that cannot be played are {outcome}{why}.")
-    if len(table.ranked):
-        counts = table.limit_counts(np.isin(np.arange(table.variants), best_part(table)))
-        if counts:
-            share = percent(counts[0][1], len(best_part(table)))
-            steps.append(
-                f"{counts[0][0]} limits {share} of the best variants: mrts sweep --top writes the best as "
-                "files; ask mrts scale --what-if of these what raising it would bring, and what binds then."
-            )
-        steps.append("mrts place searches on from the best variants, between the points that were tried.")
-    return steps
-
-
-def _widen(table: StudyTable, idle: set[int]) -> list[str]:
-    row = int(table.ranked[0])
-    return [
-        f"Of the best, {table.knobs[knob].path} is at the {end} end of what was tried "
-        f"({table.values[row, knob]:.4g} {table.knobs[knob].unit}".rstrip()
-        + "): try further, if the room allows."
-        for knob, end in ends_reached(table, row)
-        if knob not in idle
-    ]
-
-
-def _numbers_that_matter(table: StudyTable, found: list[Weight]) -> list[str]:
-    steps = []
-    if found and (most := max(found, key=lambda weight: weight.duration)).duration >= HARDLY:
-        steps.append(
-            f"{table.knobs[most.knob].path} matters most: by itself it explains {100 * most.duration:.0f} % of how the "
-            "durations spread."
-        )
-    idle = [table.knobs[weight.knob].path for weight in found if weight.larger < HARDLY]
-    if idle and len(idle) < len(found):
-        alone = "by itself hardly does" if len(idle) == 1 else "by themselves hardly do"
-        steps.append(f"{', '.join(idle)} {alone} anything: choose by other reasons, or vary less.")
-    return steps
 
 
 def percent(count: int, of: int) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What a played motion takes along time, with its limits: torques, wrenches, velocities, positions, power, energy."""
+"""What a played motion takes along time, with its limits: torques, wrenches, power, energy."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -44,28 +44,6 @@ def wrench_plots(result: ScalingResult) -> list[Plot]:
             part = wrenches.only([name.startswith(first) for name in wrenches.names])
             title = f"{robot.name}: contact {what} on the object"
             plots.append(_quantities(result, f"{what}-{number}", title, what, part))
-    return plots
-
-
-def joint_plots(result: ScalingResult, what: str) -> list[Plot]:
-    """Joint positions or velocities with limits, kept or not, of each robot a plot for each unit.
-
-    Raises:
-        ValueError: If there is no trajectory.
-    """
-    done, plots = played(result), []
-    for number, robot in enumerate(result.cell.robots):
-        if what == "position":
-            values, ends, per, plural = done.q, (robot.position_lower, robot.position_upper), "", "positions"
-        else:
-            values, ends, per, plural = done.dq, (-robot.velocity_limit, robot.velocity_limit), "/s", "velocities"
-        values = values[:, result.cell.joint_slices[robot.name]]
-        limits = np.broadcast_to(np.stack(ends)[:, None, :], (2, *values.shape))
-        for part, unit in enumerate(dict.fromkeys(robot.position_units)):
-            own = [index for index, of in enumerate(robot.position_units) if of == unit]
-            names = [(robot.joints[index], f"{unit}{per}") for index in own]
-            name, title = f"{what}-{number}-{part}", f"{robot.name}: joint {plural}"
-            plots.append(_limited(result, name, title, what, values[:, own], names, limits[:, :, own]))
     return plots
 
 

@@ -51,11 +51,6 @@ def document(template: str, title: str, data: dict[str, Any], **context: Any) ->
     def packed_data() -> str:
         return packed(json.dumps({"plots": plots, **data}, allow_nan=False, separators=(",", ":")))
 
-    def scripts() -> str:
-        """What the browser lets the page run: plotly's parallel coordinates are compiled."""
-        compiles = any(trace.get("type") == "parcoords" for plot in plots.values() for trace in plot["data"])
-        return "'unsafe-inline' 'unsafe-eval'" if compiles else "'unsafe-inline'"
-
     environment = Environment(
         loader=PackageLoader("mrts.report"),
         autoescape=True,
@@ -74,7 +69,6 @@ def document(template: str, title: str, data: dict[str, Any], **context: Any) ->
         library=plot_library(),
         data=packed_data,
         place=place,
-        scripts=scripts,
         plotly_figure=plotly_figure,
         **context,
     )

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
-from mrts.plots import limit_plots, phase_plane, range_plots, trajectory_plots, what_if_plot
+from mrts.plots import limit_plots, phase_plane, range_plots, trajectory_plots
 from mrts.plots.card import answer_card
 from mrts.plots.limit_shares import limiting_rows
 from mrts.plots.plot import Plot, one_panel
@@ -15,9 +15,6 @@ from mrts.report.player import player
 from mrts.scaling.result import ScalingResult, fallbacks_text
 from mrts.scene.scene import PACES
 from mrts.timing.result import RetimingResult
-
-DRAWN_BY_VALUE = ("torque", "wrench", "velocity")
-"""Kinds of limits whose quantities are drawn in their own units."""
 
 
 def write_report(result: ScalingResult | RetimingResult, path: Path | str) -> None:
@@ -61,12 +58,10 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
         player=scene,
         paces=PACES,
         tables=tables,
-        limit_plots=limit_plots,
         percent_plots=_percent_plots,
         phase_plane=phase_plane,
         range_plots=range_plots,
         trajectory_plots=trajectory_plots,
-        what_if_plot=what_if_plot,
     )
 
 
@@ -82,11 +77,8 @@ def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]
         return told
     told = [shown.sentence()]
     if done is not None:
-        given = float(shown.motion.object.time[-1])
-        if shown.load is not None:
-            told.append(f"The torques below are those of a load of {shown.cell.mass:.4g} kg.")
-        speed = f"The given {given:.4g} s become {done.duration:.4g} s, {given / done.duration:.3g} × as fast. "
-        told.append(f"{'' if shown.origin else speed}The motors give {done.energy:.4g} J.")
+        load = "" if shown.load is None else f"The torques below are those of a load of {shown.cell.mass:.4g} kg. "
+        told.append(f"{load}The motors give {done.energy:.4g} J.")
     return told
 
 
@@ -101,6 +93,5 @@ def _notes(result: ScalingResult) -> list[str]:
 
 
 def _percent_plots(result: ScalingResult) -> list[Plot]:
-    """Hands, motors and rates, whose values have no plot of their own, as per cents of their limits."""
-    panels = [panel for row in limit_plots.limits_plot(result, "", DRAWN_BY_VALUE).rows for panel in row]
+    panels = [panel for row in limit_plots.limits_plot(result, "").rows for panel in row]
     return [one_panel(f"limits-{number}", panel, "played") for number, panel in enumerate(panels)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The page of a study: what was varied, what became of the variants, the best, and what to do next."""
+"""The page of a study: what was varied, what became of the variants, the best, and what matters."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from mrts.base.atomic_file import write_text_atomically
 from mrts.plots import study_words
 from mrts.plots.plot import one_panel
 from mrts.plots.study_map import map_remark, study_map, weights
-from mrts.plots.study_plots import durations_plot, parallel_figure, study_map_plot
+from mrts.plots.study_plots import durations_plot, study_map_plot
 from mrts.plots.study_table import OUTCOMES, StudyTable, read_study_table
 from mrts.report.document import document
 from mrts.report.tables import Entry, Styled, Table, bar, more
@@ -21,9 +21,6 @@ MOST_BEST = 10
 MOST_REASONS = 12
 MOST_LIMITS = 15
 """Rows of the tables of reasons and limits; the rest is counted."""
-
-MOST_ON_A_MAP = 2
-"""Numbers of a study of which the map shows all."""
 
 
 def write_study_report(study: StudyTable | Path | str, path: Path | str) -> None:
@@ -47,7 +44,6 @@ def study_html(found: StudyTable) -> str:
     Raises:
         InputError: If plotly is not installed.
     """
-    lines = parallel_figure(found) if len(found.knobs) > MOST_ON_A_MAP else None
     names = ("duration-map", "limit-map") if len(found.knobs) > 1 else ("duration-line",)
     panels = study_map_plot(found).rows[0] if found.knobs else []
     return document(
@@ -59,7 +55,6 @@ def study_html(found: StudyTable) -> str:
         best_table=_best_table,
         durations_plot=durations_plot,
         limits_table=_limits_table,
-        lines=lines,
         map_remark=map_remark(found, study_map(found)) if found.knobs else "",
         maps=[one_panel(name, panel) for name, panel in zip(names, panels, strict=False)],
         outcomes_table=_outcomes_table,

@@ -165,7 +165,7 @@ class WhatIf(InNotebooks):
 
     def notebook_words(self) -> list[str]:
         """The question, the answer before, what does nothing."""
-        return [*self.lines(gains=0, losses=0)]
+        return [next(self.lines()), *filter(None, [self.nothing_else(), self.left_out])]
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """What gains most, what loses most, what cannot be played."""

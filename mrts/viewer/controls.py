@@ -135,10 +135,11 @@ class Gizmo:
 class ChangeControls:
     """All that changes a workbench's choices, in the container that is open."""
 
-    def __init__(self, server: viser.ViserServer, bench: Workbench, size: float) -> None:
+    def __init__(self, server: viser.ViserServer, bench: Workbench, size: float, later: Later) -> None:
         self._bench, self._given, self._gui = bench, bench.given, server.gui
         self._gizmo = Gizmo(server, bench.given, size)
         self._bound: list[BoundControl] = []
+        self._gui.add_button("Reset all changes").on_click(lambda _: later(self._reset))
         with self._gui.add_folder("Timing", visible=not bench.given.stands):
             self._add_timing()
         with self._gui.add_folder("Load"):
@@ -183,6 +184,10 @@ class ChangeControls:
         for control in self._bound:
             control.show(choices)
         self._rate.visible = choices.profile == "smooth"
+
+    def _reset(self) -> None:
+        self._bench.edit(Choices())
+        self.show()
 
     def _bind(
         self,

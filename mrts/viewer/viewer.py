@@ -159,8 +159,6 @@ class Viewer:
         found = None if answer.state is None else answer.state.deciding
         start = 0.0 if found is None else float(answer.times[found.sample]) / duration
         self.playback = Playback(gui, duration, later, start=start, visible=not stands)
-        if self.bench is not None:
-            gui.add_button("Reset all changes").on_click(lambda _: later(self._reset))
         self._speed_text, self._moment_text = (gui.add_html("", visible=not stands) for _ in range(2))
         self._add_tabs(later, stands=stands)
         self._show_answer(answer)
@@ -175,7 +173,7 @@ class Viewer:
                 self.plots = PlotPanel(gui, tab)
         if self.bench is not None:
             with tabs.add_tab("Change"):
-                self._changes = ChangeControls(self.server, self.bench, self._scene.size)
+                self._changes = ChangeControls(self.server, self.bench, self._scene.size, later)
         with tabs.add_tab("View"):
             if not stands:
                 self.playback.add_pace(gui)
@@ -255,11 +253,6 @@ class Viewer:
         if state is None or state.profile != choices.profile or state.trajectory.c == state.speeds.start:
             return None
         return state.trajectory.c
-
-    def _reset(self) -> None:
-        if self.bench is not None and self._changes is not None:
-            self.bench.edit(Choices())
-            self._changes.show()
 
     def _show_verdict(self) -> None:
         computing = outdated = False

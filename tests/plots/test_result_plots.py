@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from legible_figures import check_legible, lines_of
 from motor_recordings import exact_recording, random_motors, recording
-from shipped_cells import still_motion
 from shown_results import KINDS, result_of
 
 import mrts
@@ -16,7 +15,6 @@ from mrts.plots import (
     motor_plot,
     power_plot,
     range_plot,
-    ranking_plot,
     trajectory_plot,
     write_result_plots,
 )
@@ -132,24 +130,6 @@ def test_the_range_is_drawn_with_the_point_that_sets_it(planar_cell, lift, resul
     torn = range_plot(mrts.scale(planar_cell.with_mass(24.0), lift)).rows[0][0]
     assert "no c² at all" in of_panel(torn, Bars)
     assert "worst conflict" in of_panel(torn, Rule)
-
-
-def test_the_ranking_has_bars_and_marks_infeasible_and_unlimited_configurations(planar_cell, lift):
-    study = mrts.rank_configurations(planar_cell, lift)
-    panel = ranking_plot(study, "planar").rows[0][0]
-    np.testing.assert_allclose(panel.items[0].end, [configuration.c2_upper for configuration in study.ranked])
-    first = study.ranked[0].branches
-    assert panel.y.names[0] == f"left {first[0].number}, right {first[1].number}"
-    infeasible = mrts.rank_configurations(planar_cell.with_mass(24.0), lift)
-    plot = ranking_plot(infeasible, "planar")
-    check_legible(matplotlib_figure(plot))
-    (crosses,) = plot.rows[0][0].items
-    assert (crosses.symbol, len(crosses.x)) == ("cross", len(infeasible.ranked))
-    reasons = plot.rows[0][0].y.beside
-    assert sum(text.startswith("infeasible: ") for text in reasons) == len(infeasible.ranked) == 4
-    still = mrts.rank_configurations(planar_cell, still_motion(lift.position[0]))
-    (bars,) = ranking_plot(still, "still").rows[0][0].items
-    assert bars.hatch
 
 
 def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, tmp_path):

@@ -10,21 +10,17 @@ from report_pages import data_of, own_text
 
 import mrts
 from mrts.cli import main
-from mrts.plots.study_plots import NO_DURATION
-from mrts.report import report_html, study_html
+from mrts.report import study_html
 
 KINDS = kinds()
 
 
-def test_only_a_page_with_parallel_coordinates_may_compile_and_names_stay_text(planar_cell, lift):
-    """plotly compiles what draws them; nothing else on the page does, and nothing is fetched either way."""
-    result = report_html(mrts.scale(planar_cell, lift))
-    texts = [own_text(text) for text in (study_html(KINDS["many numbers"]), study_html(KINDS["grid"]), result)]
-    for text in texts[1:]:
-        assert not re.search(r"https?://|//[a-z]|\b(src|href)=.(?!#)|@import|url\(", text)
-    assert ["'unsafe-eval'" in text for text in texts] == [True, False, False]
-    assert AWKWARD not in texts[0]
-    assert "&lt;img src=x onerror=window.broken=1&gt;" in texts[0]
+def test_names_stay_text_and_the_page_loads_nothing():
+    text = own_text(study_html(KINDS["many numbers"]))
+    plain = own_text(study_html(KINDS["grid"]))
+    assert not re.search(r"https?://|//[a-z]|\b(src|href)=.(?!#)|@import|url\(", plain)
+    assert AWKWARD not in text
+    assert "&lt;img src=x onerror=window.broken=1&gt;" in text
 
 
 def test_plots_hold_the_numbers_of_the_study():
@@ -36,12 +32,6 @@ def test_plots_hold_the_numbers_of_the_study():
     assert f"variant {table.ranked[0]}: " in "".join(text for row in heat["text"] for text in row)
     assert sum(text.startswith("unreachable") for row in heat["text"] for text in row) == 27
     drawn = drawn_study(600, 4)
-    trace = data_of(study_html(drawn))["plots"]["plot-lines"]["data"][0]
-    assert [axis["label"] for axis in trace["dimensions"]] == [*(f"knob {k} [m]" for k in range(4)), "duration [s]"]
-    lengths = {len(axis["values"]) for axis in trace["dimensions"]} | {len(trace["line"]["color"])}
-    assert len(lengths) == 1
-    none = np.array(trace["dimensions"][-1]["values"]) == NO_DURATION
-    assert none.tolist() == [kind == 0 for kind in trace["line"]["color"]]
     curve = data_of(study_html(drawn))["plots"]["plot-durations"]["data"][0]
     assert curve["y"][-1] == pytest.approx(100 * len(drawn.ranked) / 600, rel=1e-5)
     assert curve["x"][0] == pytest.approx(np.nanmin(drawn.duration), rel=1e-5)

@@ -107,7 +107,7 @@ def test_every_slider_changes_its_number(viewer):
     np.testing.assert_allclose(pose.p - given.p, [0.02, 0, 0], atol=1e-9)
     turn = Rotation.from_matrix(pose.R @ given.R.T).as_rotvec(degrees=True)
     np.testing.assert_allclose(turn, [0, 0, 10], atol=1e-9)
-    viewer.shown._reset()  # noqa: SLF001 (as its button does)
+    viewer.shown._changes._reset()  # noqa: SLF001 (as its button does)
     assert [sliders[name].value for name in ("along x [mm]", "left torques [%]")] == [0, 100]
 
 
@@ -132,7 +132,7 @@ def test_what_was_changed_just_before_a_button_is_older_than_it(viewer):
     """Both come between two frames: the change is taken back with the rest."""
     shown, profile = viewer.shown, viewer.controls["profile"]
     assign(profile, "optimal")
-    shown._todo.put(shown._reset)  # noqa: SLF001 (as its button does)
+    shown._todo.put(shown._changes._reset)  # noqa: SLF001 (as its button does)
     shown.settle()
     assert (viewer.bench.choices.profile, profile.value) == ("constant", "constant")
 

@@ -19,8 +19,8 @@ WIDTHS = (1400, 900, 700, 577, 500)
 TALL = {"width": 1400, "height": 1700}
 """Of a window in which the panel does not scroll [pixels]."""
 
-OVER = '[data-bar="reached"]'
-"""Bars of limits that are reached or passed."""
+USED = "parseFloat(document.querySelector('[data-bar] td:last-child').innerText)"
+"""Share of the limit of which most is used [%]."""
 
 LAID_OUT = """() => {
     const scene = document.querySelector('canvas').getBoundingClientRect();
@@ -89,14 +89,15 @@ def test_the_page_follows_the_speed_slider(chromium):
         page.wait_for_selector("canvas")
         assert "[0, 3.062]" in text(page, "outcome")
         assert "c² = 3.062" in text(page, "speed")
-        assert page.locator(OVER).count() > 0
+        assert page.evaluate(USED) == 100
+        before = page.locator("[data-bars]").inner_text()
         speed, time = page.get_by_role("slider").all()
         speed.press("Home")
         waits_for(page, "speed", "c = 0.0")
-        page.wait_for_selector(OVER, state="detached")
+        assert page.locator("[data-bars]").inner_text() != before
         assert "Inside" in text(page, "speed")
         speed.press("End")
-        page.wait_for_selector(OVER)
+        page.wait_for_function(f"{USED} > 101")
         assert "Outside the admissible range" in text(page, "speed")
         time.press("End")
         waits_for(page, "moment", "given motion: 0.5236 s")
