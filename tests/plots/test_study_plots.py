@@ -20,7 +20,7 @@ from mrts.plots.study_map import (
     weights,
 )
 from mrts.plots.study_table import OUTCOMES
-from mrts.plots.study_words import managed, next_steps
+from mrts.plots.study_words import managed
 
 KINDS = kinds()
 
@@ -162,20 +162,3 @@ def test_limits_beyond_the_colours_share_the_last():
             (name,), shown = table.limits(row), names[codes[place]]
             assert shown == name or (shown == names[-1] and name not in names)
     assert np.all((codes < 0) == (drawn.best < 0))
-
-
-def test_the_next_step_is_the_one_that_the_numbers_ask_for():
-    table = grid_study()
-    steps, without = "\n".join(next_steps(table)), np.count_nonzero(np.isnan(table.duration))
-    assert "Of the best, knob 1 is at the lower end of what was tried (2 m): try further" in steps
-    assert "knob 0 is at the" not in steps
-    assert "knob 1 matters most" in steps
-    assert f"27 of the {without} variants that cannot be played are unreachable" in steps
-    assert "left/fx ↓ limits" in steps
-    inside = np.random.default_rng(1).uniform(0, 1, (500, 3))
-    calm = "\n".join(next_steps(found_study(inside, 0.5 + (inside[:, 0] - 0.5) ** 2)))
-    assert "try further" not in calm
-    assert "knob 1, knob 2 by themselves hardly do anything" in calm
-    assert "cannot be played" not in calm
-    hopeless = next_steps(KINDS["nothing can be played"])
-    assert hopeless == ["30 of the 30 variants that cannot be played are infeasible, such as: no way."]
