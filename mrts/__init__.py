@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from mrts.scaling.scale import torques_for_load as torques_for_load
     from mrts.simulation.controller import Controller as Controller
     from mrts.simulation.controller import PlantErrors as PlantErrors
+    from mrts.simulation.reserve import least_reserve as least_reserve
     from mrts.simulation.simulate import simulate as simulate
     from mrts.starting.check import check as check
     from mrts.starting.hold import hold_here as hold_here
@@ -113,6 +114,7 @@ __all__, __getattr__, __dir__ = lazy_names(
         "scaling.result": "ScalingResult",
         "scaling.scale": "SelectionError scale torques_for_load",
         "simulation.controller": "Controller PlantErrors",
+        "simulation.reserve": "least_reserve",
         "simulation.simulate": "simulate",
         "starting.hold": "hold_here",
         "starting.plan_check": "check_plan",

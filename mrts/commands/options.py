@@ -318,8 +318,11 @@ LIMITS = ("reserve", "no_wrench_limits", "no_velocity_limits")
 
 
 limits = together(
-    option("--reserve", type=float, metavar="SHARE",
-           help="share of every limit that is kept free, such as 0.1 (default: 0)"),
+    option("--reserve", metavar="SHARE",
+           type=listed("reserve", "must be a number such as 0.1; of mrts scale also auto.", itemgetter(0),
+                       {"auto": ["auto"]}, counts=(1,)),
+           help="share of every limit that is kept free, such as 0.1 (default: 0); of mrts scale also auto: the least "
+           "with which the plan keeps all limits in mrts simulate"),
     option("--no-wrench-limits", is_flag=True, help="ignore the limits on the contact wrenches"),
     option("--no-velocity-limits", is_flag=True, help="report velocity limits, but let them bound nothing"),
 )  # fmt: skip

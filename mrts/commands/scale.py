@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from click import Choice, option
 
+from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
 from mrts.commands import options
 from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from mrts.motion.object_motion import ObjectMotion
     from mrts.plots.card import Card
     from mrts.scaling.result import ScalingResult
+    from mrts.simulation.reserve import ReserveSearch
     from mrts.timing.result import RetimingResult
 
 EXAMPLES = """\
@@ -140,13 +142,15 @@ def run(
         if name.removesuffix("_rate") not in files:
             raise InputError(name, f"goes with --{name.removesuffix('_rate').replace('_', '-')}.")
     motion_given = load_motion(motion, **take(given, ("smooth",)))
+    automatic = _is_automatic(given)
     limited = options.limited_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
         warn("--weights has no effect: one arm leaves no torques to choose")
     load = _known_load(limited, carry, given.get("load"))
     solver = {"solver": given["solver"]} if "solver" in given else {}
     try:
-        found = _solved(limited, motion_given, profile, given)
+        search = _searched(limited, motion_given, profile, given) if automatic else None
+        found = (search and search.found) or _solved(limited, motion_given, profile, given)
         if load is not None:
             found = _replaced(found, lambda played: torques_for_load(played, load, **solver))
         if what_if:
@@ -162,10 +166,10 @@ def run(
         raise
     with working("comparing with a constant factor"):
         card = None if detail == "all" else answer_card(found)
-        lines = _words(found, card, brief=detail == "brief")
+        lines = _words(found, card, search, brief=detail == "brief")
     with working("writing"):  # files first: whoever reads the lines may go away
-        outputs = _written(found, files, rates, plot_format)
-    outcome = FEASIBLE if found.status.admits_motion else INFEASIBLE
+        outputs = _written(found, files, rates, plot_format, search)
+    outcome = FEASIBLE if found.status.admits_motion and (search is None or search.found) else INFEASIBLE
     bars = () if card is None else zip(card.lines(), card.bars, strict=True)
     styles = {line: STYLES[bar.nearness] for line, bar in bars}
     code = outputs.answer(lines, outcome, files.get("json"), found, styles)
@@ -174,7 +178,18 @@ def run(
     return code
 
 
-def _words(found: "ScalingResult | RetimingResult", card: "Card | None", *, brief: bool) -> list[str]:
+def _is_automatic(given: dict[str, Any]) -> bool:
+    """Whether the least reserve is to be found; the option is then taken out of the others."""
+    if given.get("reserve") != "auto":
+        return False
+    require_extra("reserve", "simulate", "mujoco")
+    del given["reserve"]
+    return True
+
+
+def _words(
+    found: "ScalingResult | RetimingResult", card: "Card | None", search: "ReserveSearch | None", *, brief: bool
+) -> list[str]:
     from mrts.output.summary_lines import retiming_lines, scaling_lines
     from mrts.scaling.result import ScalingResult
 
@@ -182,7 +197,8 @@ def _words(found: "ScalingResult | RetimingResult", card: "Card | None", *, brie
         for warning in found.warnings:
             warn(warning.text)
         return [f"{found.cell.name}: {card.outcome}"]
-    return list(scaling_lines(found, card) if isinstance(found, ScalingResult) else retiming_lines(found, card))
+    lines = scaling_lines(found, card) if isinstance(found, ScalingResult) else retiming_lines(found, card)
+    return [*lines, *([] if search is None else ["", *search.lines()])]
 
 
 def _check(profile: str, given: dict[str, Any]) -> None:
@@ -223,6 +239,14 @@ def _solved(
         given[name] = _torques(name, torques, cell)
     with working(f"timing {cell.name}") as progress:
         return retime(cell, motion, **given, progress=progress)
+
+
+def _searched(
+    cell: "Cell", motion: "ObjectMotion | JointTable", profile: str, given: dict[str, Any]
+) -> "ReserveSearch":
+    from mrts.simulation.reserve import least_reserve
+
+    return least_reserve(lambda reserve: _solved(cell.with_reserve(reserve), motion, profile, dict(given)))
 
 
 def _replaced(
@@ -269,7 +293,11 @@ def _write_plan(played: "ScalingResult", form: TrajectoryFormat, rate: float | N
 
 
 def _written(
-    found: "ScalingResult | RetimingResult", files: dict[str, Path], rates: dict[str, float], plot_format: str
+    found: "ScalingResult | RetimingResult",
+    files: dict[str, Path],
+    rates: dict[str, float],
+    plot_format: str,
+    search: "ReserveSearch | None" = None,
 ) -> Outputs:
     """Write what was asked for; of a timing, files of one trajectory get the retimed motion."""
     from mrts.scaling.result import ScalingResult
@@ -287,7 +315,7 @@ def _written(
         elif name == "plot":
             from mrts.plots import write_result_plots
 
-            outputs.write(path, lambda folder: write_result_plots(found, folder, plot_format))
+            outputs.write(path, lambda folder: write_result_plots(found, folder, plot_format, search))
         elif name == "save":
             from mrts.output.saved_result import save_result
 

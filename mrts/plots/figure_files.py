@@ -15,10 +15,12 @@ from mrts.plots.motor_plots import motor_plot
 from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import Plot
 from mrts.plots.range_plots import load_study_plot, range_plot
+from mrts.plots.reserve_plot import reserve_plot
 from mrts.plots.study_plots import durations_plot, study_map_plot
 from mrts.plots.study_table import StudyTable, read_study_table
 from mrts.plots.trajectory_plots import power_plot, trajectory_plot
 from mrts.scaling.result import ScalingResult
+from mrts.simulation.reserve import ReserveSearch
 from mrts.timing.result import RetimingResult
 
 
@@ -40,19 +42,26 @@ def result_plots(result: ScalingResult | RetimingResult) -> list[Plot]:
     return plots
 
 
-def write_result_plots(result: ScalingResult | RetimingResult, folder: Path | str, form: str = "png") -> None:
+def write_result_plots(
+    result: ScalingResult | RetimingResult,
+    folder: Path | str,
+    form: str = "png",
+    search: ReserveSearch | None = None,
+) -> None:
     """Write the plots of a result: range of c², phase plane, loads, torques and wrenches, use of limits, power.
 
     Args:
         result: Any result; what it does not have is left out.
         folder: Made if missing; it gets all files or none.
         form: "png", "svg" or "pdf".
+        search: That found its reserve: its plot comes with them.
 
     Raises:
         InputError: If there is no such format, or a file cannot be written.
     """
     check_type("result", result, ScalingResult, RetimingResult)
-    _write(result_plots(result), as_path("folder", folder), form)
+    further = [] if search is None else [reserve_plot(search)]
+    _write([*result_plots(result), *further], as_path("folder", folder), form)
 
 
 def write_study_plots(study: StudyTable | Path | str, to: Path | str, form: str = "png") -> None:

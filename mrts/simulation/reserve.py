@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: MIT
+"""The least reserve with which a plan survives its controller."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from mrts.base.argument_types import Progress, check_callable
+from mrts.base.printable import printable
+from mrts.scaling.result import ScalingResult
+from mrts.simulation.controller import Controller, PlantErrors
+from mrts.simulation.simulate import simulate
+from mrts.timing.result import RetimingResult
+
+Result = ScalingResult | RetimingResult
+
+WITHIN = 0.01
+"""Of the least reserve, as a share of limits."""
+
+MOST_PLANS = 16
+"""That are tried: four or five halve what the first few leave."""
+
+
+@dataclass(frozen=True)
+class TriedReserve:
+    """A plan that was tried: its reserve, its duration, infinity if there is none [s], and the largest use of a limit.
+
+    `limit` names that limit; without a plan the use is infinite.
+    """
+
+    reserve: float
+    duration: float
+    share: float
+    limit: str
+    kept: bool
+
+
+@dataclass(frozen=True)
+class ReserveSearch:
+    """The plans that were tried, in that order, and the one with the least reserve that keeps all limits, if any."""
+
+    found: Result | None
+    tried: tuple[TriedReserve, ...]
+
+    @property
+    def reserve(self) -> float | None:
+        """The least with which all limits are kept, to `WITHIN`; None if no plan does."""
+        return min((each.reserve for each in self.tried if each.kept), default=None)
+
+    def lines(self) -> Iterator[str]:
+        """What came of it, and the table of the plans by their reserve."""
+        if self.reserve is None:
+            yield "reserve auto: no plan keeps all limits when the controller of `mrts simulate` plays it"
+        else:
+            yield (
+                f"reserve auto: {100 * self.reserve:.3g} % of every limit, the least of {len(self.tried)} with which "
+                "all are kept when the controller of `mrts simulate` plays the plan"
+            )
+        for each in sorted(self.tried, key=lambda each: each.reserve):
+            told = f"{each.duration:.4g} s, uses {100 * each.share:.1f} % of {each.limit}" if each.limit else "no plan"
+            yield printable(f"  {100 * each.reserve:5.1f} %  {told}")
+
+    def to_json(self) -> list[dict[str, Any]]:
+        """The plans by their reserve; null stands for what there is not."""
+        return [
+            {
+                "reserve": each.reserve,
+                "duration": each.duration if each.limit else None,
+                "largest": each.share if each.limit else None,
+                "limit": each.limit or None,
+                "kept": each.kept,
+            }
+            for each in sorted(self.tried, key=lambda each: each.reserve)
+        ]
+
+
+def least_reserve(
+    solve: Callable[[float], Result],
+    controller: Controller | None = None,
+    errors: PlantErrors | None = None,
+    *,
+    progress: Progress = lambda _done, _total: None,
+) -> ReserveSearch:
+    """Find the least reserve with which a plan keeps all limits in `mrts.simulate`, by bisection.
+
+    Args:
+        solve: Makes the plan with a reserve: `lambda reserve: mrts.retime(cell, motion, reserve=reserve)`.
+        controller: As in `mrts.simulate`.
+        errors: Likewise.
+        progress: Told of the plans.
+
+    Raises:
+        InputError: As `solve` and `mrts.simulate`.
+    """
+    check_callable("solve", solve)
+    tried, best = list[TriedReserve](), None
+    low, edge, reserve, proportional = (
+        0.0,
+        1.0,
+        0.0,
+        0.5,
+    )  # limits are passed at `low`; at `edge` they are kept, or there is no plan
+    while edge - low > WITHIN and len(tried) < MOST_PLANS:
+        plan = solve(reserve)
+        last = _tried(plan, reserve, controller, errors)
+        tried.append(last)
+        progress(len(tried), MOST_PLANS)
+        if last.kept or not last.limit:
+            edge, best = reserve, plan if last.kept else best
+        else:
+            low, proportional = reserve, 1 - (1 - reserve) / last.share + WITHIN
+        reserve = min((low + edge) / 2, proportional)
+    return ReserveSearch(best, tuple(tried))
+
+
+def _tried(plan: Result, reserve: float, controller: Controller | None, errors: PlantErrors | None) -> TriedReserve:
+    shown = plan.retimed if isinstance(plan, RetimingResult) else plan
+    if shown is None or shown.trajectory is None:
+        return TriedReserve(reserve, inf, inf, "", kept=False)
+    played = simulate(shown.trajectory, controller, errors)
+    _, worst = played.uses[0]
+    return TriedReserve(reserve, played.plan.duration, worst.share, str(worst.name), kept=not played.passed)
