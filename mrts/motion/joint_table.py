@@ -26,6 +26,9 @@ PER_WAYPOINT = 4
 LEAST_SAMPLES = 101
 """Of a path through waypoints."""
 
+FEWEST_SMOOTHED = 21
+"""Rows: of fewer, noise cannot be told from motion."""
+
 LARGEST_SMOOTHING = 0.1
 """[rad, m]; further from its rows it is another motion."""
 
@@ -104,34 +107,34 @@ class JointTable:
         return replace(self, **changed)
 
     def smoothed(self, most: float) -> "JointTable":
-        """The same times on the smoothest splines that stay near the positions; given derivatives are left out.
+        """The same times on splines that smooth the noise of the positions; given derivatives are left out.
 
         Args:
             most: How far a spline may be from any position [rad or m].
 
         Raises:
-            InputError: If it is no number above 0, the table has few rows, or no spline is as near.
+            InputError: If it is no number above 0, the table has few rows, or its noise is larger.
         """
         if not is_number(most, 0, LARGEST_SMOOTHING) or most == 0:
             raise InputError("smooth", f"must be > 0 and at most {LARGEST_SMOOTHING:g} (rad or m).", value=most)
+        if len(self.time) < FEWEST_SMOOTHED:
+            raise InputError("smooth", f"needs {FEWEST_SMOOTHED} rows, and {self.path.name} has {len(self.time)}.")
         names = list(self.positions)
-        splines = smoothing_splines(self.time, np.column_stack([self.positions[name] for name in names]), most)
-        found = {name: JointSplines(spline) for name, spline in zip(names, splines, strict=True) if spline is not None}
-        for name in names:
-            if name not in found:
-                rule = f"no spline is as near to all {len(self.time)} positions of '{name}': allow more."
-                raise InputError("smooth", rule, value=most)
+        splines = smoothing_splines(self.time, np.column_stack([self.positions[name] for name in names]))
+        found = {name: JointSplines(spline) for name, spline in zip(names, splines, strict=True)}
         q, dq, ddq = ({name: spline(self.time)[order] for name, spline in found.items()} for order in range(3))
         moved = {name: np.abs(q[name] - self.positions[name]) for name in names}
         worst = max(names, key=lambda name: float(np.max(moved[name])))
+        largest, at = float(np.max(moved[worst])), self.time[np.argmax(moved[worst])]
+        if largest > most:
+            rule = f"a smooth spline is {largest:.2g} from the position of '{worst}' at t = {at:.4g} s: allow more."
+            raise InputError("smooth", rule, value=most)
         text = (
-            f"the joint positions were smoothed: '{worst}' by {np.max(moved[worst]):.2g} at t = "
-            f"{self.time[np.argmax(moved[worst])]:.4g} s, the largest deviation; its rates are those of a spline."
+            f"the joint positions were smoothed: '{worst}' by {largest:.2g} at t = {at:.4g} s, the largest deviation; "
+            "their rates are those of splines."
         )
-        return replace(
-            self, positions=q, velocities=dq, accelerations=ddq, splines=found,
-            remarks=(*self.remarks, Remark("smoothed", text)),
-        )  # fmt: skip
+        told = (*self.remarks, Remark("smoothed", text))
+        return replace(self, positions=q, velocities=dq, accelerations=ddq, splines=found, remarks=told)
 
     def of(self, joints: list[str]) -> "JointTable":
         """The part of a table that a cell needs, checked.

@@ -38,6 +38,9 @@ PIECE = 3
 
 DEGREE = 5
 
+NEARLY_AT_REST = 0.2
+"""Share of the fastest column's rate that is rest at an end of noisy samples: its spline's rate is least sure there."""
+
 
 def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
     """The C² spline of each column of samples.
@@ -73,20 +76,58 @@ def splines_through(time: Array, columns: Array) -> tuple[list[Spline], Array]:
     return splines, moved
 
 
-def smoothing_splines(time: Array, columns: Array, most: float) -> list[Spline | None]:
-    """For each column the least-squares quintic spline of the fewest pieces that is near to all samples.
+def smoothing_splines(time: Array, columns: Array) -> list[Spline]:
+    """For each column the least-squares quintic spline of as many pieces as generalised cross-validation asks for.
+
+    It makes N RSS / (N - p)² least, for p coefficients and the residual sum of squares RSS of N samples (Craven and
+    Wahba, Numerische Mathematik, 1979): what is smoothed away is as large as the noise seems to be. Columns that
+    together are nearly at rest at an end are so exactly, as noise is largest in rates there.
 
     Args:
-        time: Shape (N,) [s], strictly increasing.
+        time: Shape (N,) [s], strictly increasing, N > `PIECE` + `DEGREE`.
         columns: Shape (N, k).
-        most: Largest distance from a sample.
-
-    Returns:
-        None for a column to which no spline of `PIECE` samples a piece is as near.
     """
-    allowed = np.full(columns.shape[1], most)
-    fits, residual = _fewest_pieces(time, columns, allowed, lambda off: np.max(np.abs(off), axis=0))
-    return [fit if left <= most else None for fit, left in zip(fits, residual, strict=True)]
+    free = _cross_validated(time, columns, (False, False))
+    rates = np.abs(np.column_stack([spline(time, 1) for spline in free]))
+    starts, ends = (np.max(rates[[0, -1]], axis=1) <= NEARLY_AT_REST * np.max(rates)).tolist()
+    return _cross_validated(time, columns, (starts, ends)) if starts or ends else free
+
+
+def _cross_validated(time: Array, columns: Array, rests: tuple[bool, bool]) -> list[Spline]:
+    count, least = len(time), np.full(columns.shape[1], np.inf)
+    best: list[Spline] = []
+    pieces = 1
+    while pieces * PIECE + DEGREE <= count:
+        fits = _least_squares(time, columns, pieces, rests)
+        squares = np.array([np.sum((fit(time) - values) ** 2) for fit, values in zip(fits, columns.T, strict=True)])
+        score = count * squares / (count - pieces - DEGREE) ** 2
+        best = [fit if better else kept for fit, kept, better in zip(fits, best or fits, score < least, strict=True)]
+        least = np.minimum(score, least)
+        pieces += max(1, pieces // 4)
+    return best
+
+
+def _least_squares(time: Array, columns: Array, pieces: int, rests: tuple[bool, bool]) -> list[Spline]:
+    """Least-squares quintic splines of pieces with as many samples each, which may start and end at rest."""
+    from scipy.interpolate import BSpline  # noqa: PLC0415
+    from scipy.sparse import csr_array  # noqa: PLC0415
+    from scipy.sparse.linalg import splu  # noqa: PLC0415
+
+    knots = _knots(time, pieces)
+    basis = csr_array(BSpline.design_matrix(time, knots, DEGREE))
+    coefficients = basis.shape[1]
+    own = np.arange(coefficients)
+    own[1:] -= rests[0]  # the first two are one where the rate is zero, and the last two
+    own[-1] -= rests[1]
+    alike = csr_array((np.ones(coefficients), (np.arange(coefficients), own)), shape=(coefficients, own[-1] + 1))
+    reduced: Any = basis @ alike
+    found = alike @ splu((reduced.T @ reduced).tocsc()).solve(reduced.T @ columns)
+    return [BSpline(knots, column, DEGREE) for column in found.T]
+
+
+def _knots(time: Array, pieces: int) -> Array:
+    inner = np.interp(np.linspace(0, len(time) - 1, pieces + 1)[1:-1], np.arange(len(time)), time)
+    return np.concatenate([np.full(DEGREE + 1, time[0]), inner, np.full(DEGREE + 1, time[-1])])
 
 
 def derivative(time: Array, columns: Array) -> Array:
@@ -129,33 +170,20 @@ def _fits(time: Array, columns: Array, noise: Array) -> list[Spline | None]:
 
     Columns without noise have none.
     """
-    fits, residual = _fewest_pieces(time, columns, FIT_RESIDUAL * noise, lambda off: np.sqrt(np.mean(off**2, axis=0)))
-    return [
-        fit if left <= LAST_RESIDUAL * size else None for fit, left, size in zip(fits, residual, noise, strict=True)
-    ]
-
-
-def _fewest_pieces(
-    time: Array, columns: Array, allowed: Array, size: Callable[[Array], Array]
-) -> tuple[list[Spline | None], Array]:
-    """Least-squares splines of the fewest pieces whose residuals are of the allowed size, or of the most; none for 0.
-
-    Returns:
-        The splines, and the sizes of their residuals, Shape (k,); infinite where the samples are too few.
-    """
     from scipy.interpolate import BSpline, make_lsq_spline  # noqa: PLC0415
 
     count = len(time)
-    fits: list[Spline | None] = [None] * len(allowed)
-    residual = np.where(allowed > 0, np.inf, 0.0)
+    fits: list[Spline | None] = [None] * len(noise)
+    residual = np.where(noise > 0, np.inf, 0.0)
     pieces = 1
-    while pieces * PIECE + DEGREE <= count and np.any(residual > allowed):
-        inner = np.interp(np.linspace(0, count - 1, pieces + 1)[1:-1], np.arange(count), time)
-        knots = np.concatenate([np.full(DEGREE + 1, time[0]), inner, np.full(DEGREE + 1, time[-1])])
-        rough = np.flatnonzero(residual > allowed)
+    while pieces * PIECE + DEGREE <= count and np.any(residual > FIT_RESIDUAL * noise):
+        knots = _knots(time, pieces)
+        rough = np.flatnonzero(residual > FIT_RESIDUAL * noise)
         found = make_lsq_spline(time, columns[:, rough], knots, k=DEGREE)
-        residual[rough] = size(found(time) - columns[:, rough])
+        residual[rough] = np.sqrt(np.mean((found(time) - columns[:, rough]) ** 2, axis=0))
         for place, index in enumerate(rough):
             fits[index] = BSpline(knots, found.c[:, place], DEGREE)
         pieces += max(1, pieces // 2)
-    return fits, residual
+    return [
+        fit if left <= LAST_RESIDUAL * size else None for fit, left, size in zip(fits, residual, noise, strict=True)
+    ]
