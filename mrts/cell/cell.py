@@ -5,14 +5,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from types import NoneType
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_callable, check_type, is_number
+from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
+from mrts.base.formats.record import Rule
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
@@ -44,20 +44,12 @@ class Cell(InNotebooks, CellRecord):
 
     functions: CellFunctions
     enforces_velocity_limits: bool = True
-    reserve: float = 0.0
+    reserve: Annotated[float, Rule(ge=0, lt=1)] = 0.0
     limits: tuple[Callable[..., Any], ...] = ()
     folder: Path | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_type("cell: functions", self.functions, CellFunctions)
-        check_type("cell: folder", self.folder, Path, NoneType)
-        check_type("cell: enforces_velocity_limits", self.enforces_velocity_limits, bool)
-        check_type("cell: limits", self.limits, list, tuple)
-        for limit in self.limits:
-            check_callable("cell: limits", limit)
-        object.__setattr__(self, "limits", tuple(self.limits))
-        _check_reserve(self.reserve)
         check_generated(self)
         check_placement(self)
         object.__setattr__(self, "functions", self.functions.placed(self.geometry))
@@ -264,7 +256,6 @@ class Cell(InNotebooks, CellRecord):
         Raises:
             InputError: If it is something else.
         """
-        _check_reserve(reserve)
         return self if reserve == self.reserve else replace(self, reserve=reserve)
 
     def with_limits(self, *limits: Callable[..., Any]) -> Self:
@@ -289,12 +280,6 @@ class Cell(InNotebooks, CellRecord):
         """
         check_type("postures", postures, Mapping)
         return self.with_values({f"robots.{name}.posture": posture for name, posture in postures.items()})
-
-
-def _check_reserve(reserve: object) -> None:
-    if not is_number(reserve, 0, np.nextafter(1, 0)):
-        rule = "must be a number, 0 or more and below 1: the share of every limit that is kept free, such as 0.1."
-        raise InputError("reserve", rule, value=reserve)
 
 
 def _slices(sizes: dict[str, int]) -> dict[str, slice]:

@@ -147,7 +147,7 @@ class CellRecord:
     remarks: Annotated[tuple[Remark, ...], Rule(max_length=MOST)]
 
     def __post_init__(self) -> None:
-        check_attributes(self, CellRecord, "cell")
+        check_attributes(self, type(self), "cell")
         for key in ("object_velocity_limit", "object_acceleration_limit"):
             if np.any(getattr(self, key) <= 0):
                 rule = "must be > 0; infinity where there is none."

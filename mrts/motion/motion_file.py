@@ -28,7 +28,7 @@ DEFAULT_SAMPLES = 101
 LONGEST_DURATION = 1e9
 """[s]; in thirty years no robot moves."""
 
-Duration = Annotated[float, Rule(gt=SHORTEST_STEP, le=LONGEST_DURATION, allow_inf_nan=False)]
+Duration = Annotated[float, Rule(gt=SHORTEST_STEP, le=LONGEST_DURATION)]
 """[s]."""
 
 KINDS = {

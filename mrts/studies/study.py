@@ -48,7 +48,7 @@ class StudyQuestion(Record):
     profile: Literal["constant", "optimal"] = "constant"
     load: Annotated[str, Rule(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
     torques: bool = False
-    reserve: Annotated[float, Rule(ge=0, lt=1, allow_inf_nan=False)] | None = None
+    reserve: Annotated[float, Rule(ge=0, lt=1)] | None = None
     between: Finite | None = None
     clearance: bool = False
 

@@ -22,10 +22,10 @@ from mrts.base.rigid_transform import (
 Name = Annotated[str, Rule(pattern=IDENTIFIER, max_length=LONGEST_NAME)]
 """Of a cell or a robot: it stands in C text and in paths."""
 
-Coordinate = Annotated[float, Rule(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False)]
-Finite = Annotated[float, Rule(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, allow_inf_nan=False, smallest=SMALLEST_NUMBER)]
-Positive = Annotated[float, Rule(gt=0, le=LARGEST_NUMBER, allow_inf_nan=False, smallest=SMALLEST_NUMBER)]
-Angle = Annotated[float, Rule(ge=-1e4, le=1e4, allow_inf_nan=False)]
+Coordinate = Annotated[float, Rule(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
+Finite = Annotated[float, Rule(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER, smallest=SMALLEST_NUMBER)]
+Positive = Annotated[float, Rule(gt=0, le=LARGEST_NUMBER, smallest=SMALLEST_NUMBER)]
+Angle = Annotated[float, Rule(ge=-1e4, le=1e4)]
 Angles3 = Annotated[list[Angle], Rule(min_length=3, max_length=3)]
 Vector3 = Annotated[list[Coordinate], Rule(min_length=3, max_length=3)]
 

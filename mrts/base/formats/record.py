@@ -32,7 +32,6 @@ LIMITS: dict[str, tuple[str, Callable[[Any, Any], bool]]] = {
         "must be letters, digits and single underscores, and start with a letter",
         lambda value, limit: re.fullmatch(limit, value) is not None,
     ),
-    "allow_inf_nan": (FINITE, lambda value, limit: limit or math.isfinite(value)),
     "smallest": (
         "must be 0, or at least {limit:g} in size",
         lambda value, limit: value == 0 or abs(value) >= limit,
@@ -126,10 +125,10 @@ def _attributes(of: type) -> list[tuple[str, Any, Shape | None, bool]]:
 class Record:
     """Named values of the annotated kinds; nothing is converted but whole numbers to numbers, and lists to tuples.
 
-    Kinds are float, int, bool, str, Any, Literal, records, dataclasses, arrays, lists, tuples and dictionaries of
-    these, alternatives and None, each with a `Rule` or not. Numbers are finite; of arrays, JSON has infinite ones as
-    the texts "inf" and "-inf", and a dataclass checks its own arrays. The attribute of a key that is a word of Python
-    ends in an underscore.
+    Kinds are float, int, bool, str, Any, Literal, records, dataclasses, arrays, functions, other classes, lists, tuples
+    and dictionaries of these, alternatives and None, each with a `Rule` or not. Numbers are finite; of arrays, JSON has
+    infinite ones as the texts "inf" and "-inf", and a dataclass checks its own arrays. The attribute of a key that is a
+    word of Python ends in an underscore.
 
     Raises:
         InputError: If a key or a value breaks a rule.
@@ -293,6 +292,10 @@ def _dataclass(kind: Any, value: Any) -> Any:
 
 
 def _of_parts(origin: Any, parts: tuple[Any, ...], value: Any) -> Any:
+    if origin is Callable:
+        if not callable(value):
+            raise _broken("must be a function", value)
+        return value
     if origin is Literal:
         if not isinstance(value, str) or value not in parts:
             *others, last = map(repr, parts)
@@ -321,7 +324,7 @@ def _items(origin: Any, kinds: tuple[Any, ...], value: list[Any] | tuple[Any, ..
 def _plain(kind: type, value: Any) -> Any:
     taken: Any = (float, int) if kind is float else kind
     if not isinstance(value, taken) or (isinstance(value, bool) and kind is not bool):
-        raise _broken(f"must be {TYPES[kind]}", value)
+        raise _broken(f"must be {TYPES.get(kind, f'of type {kind.__name__}')}", value)
     if kind is not float:
         return value
     try:
