@@ -111,14 +111,6 @@ def test_mistakes_in_the_urdf(old, new, said, files, capsys):
     assert said in message
 
 
-def test_missing_files(files, capsys):
-    assert "no such cell file" in refused(capsys, "scale", files / "no.yaml", files / "lift.yaml")
-    assert "no such motion file" in refused(capsys, "scale", files / "cell.yaml", files / "no.yaml")
-    for verb in ("scale", "check"):
-        assert f"name the cell file in it: {files / 'cell.yaml'}" in refused(capsys, verb, files, files / "lift.yaml")
-    assert "no such cell file" in refused(capsys, "generate", files / "no.yaml")
-
-
 def test_a_refused_speed_still_writes_the_range(files, capsys, tmp_path):
     message = run(capsys, files, "--c2", "7", "--json", tmp_path / "range.json")
     assert "outside the admissible range [0, 3.06181]" in message

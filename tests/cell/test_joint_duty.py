@@ -125,3 +125,12 @@ def test_power_above_its_limit_is_a_warning_that_names_the_worst(cell, lift, res
     assert [warning.text.split(":")[0] for warning in supply.warnings if warning.code == "above-power"] == [
         "all motors together"
     ]
+
+
+def test_motors_above_their_rating_are_a_warning_until_the_motion_is_slow_enough(cell, lift, result):
+    (said,) = [warning for warning in result.warnings if warning.code == "above-rated"]
+    worst = result.trajectory.duty["left"].rated_share
+    assert f"{100 * max(worst):.0f} % of what its motor bears" in said.text
+    relaxed = replace(cell.robots[0].motors, rated=np.full(3, 1e4))
+    easy = mrts.scale(with_left(cell, motors=relaxed), lift)
+    assert not [warning for warning in easy.warnings if warning.code == "above-rated"]

@@ -16,7 +16,6 @@ from mrts.cli import main
 from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 
@@ -135,20 +134,6 @@ def test_ranges_of_random_motors_are_those_of_programs_at_fixed_speeds(curved, s
         assert status == OK
         assert np.abs(torque - problem.torque(x)[0]).max() <= SAME_TORQUE * limit.min()
         assert np.abs(wrench - problem.wrench(x)[0]).max() <= SAME_TORQUE * limit.max()
-
-
-def test_torques_in_a_gap_are_no_answer(gapped):
-    library, cell, motion = gapped
-    below = motion_ranges(motion_rows(cell, motion), DEFAULT_SOLVER, high=0.0)
-    gaps = 0
-    for index in range(1, motion.samples - 1):
-        sample = library.sample(motion, index)
-        _, found, _ = library.range(sample)
-        if found.size and found[0, 0] > below.upper[index]:
-            gaps += 1
-            asked = found[0].mean(), below.upper[index] / 2, (below.upper[index] + found[0, 0]) / 2
-            assert [library.torques(sample, c2)[0] for c2 in asked] == [OK, OK, INFEASIBLE]
-    assert gaps
 
 
 def test_a_guaranteed_range_goes_down_to_slower_intervals(gapped):

@@ -225,3 +225,12 @@ def _assert_same_pose(ours, theirs):
     matrix = np.eye(4) if theirs is None else theirs
     np.testing.assert_allclose(ours.R, matrix[:3, :3], atol=SAME)
     np.testing.assert_array_equal(ours.p, matrix[:3, 3])
+
+
+def test_a_follower_off_the_chain_is_told():
+    """Panda's other finger stays where it is while the chain's moves."""
+    path = ROBOTS / "panda_description/urdf/panda.urdf"
+    (remark,) = build_robot_model(path, parse_urdf(path, path.read_bytes()), None, "panda_leftfinger").remarks
+    assert remark.code == "follower-at-zero"
+    assert remark.text.startswith("panda.urdf: 'panda_finger_joint2' would move with joint 'panda_finger_joint1'")
+    assert not build_robot_model(path, parse_urdf(path, path.read_bytes()), None, "panda_hand").remarks

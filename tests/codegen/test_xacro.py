@@ -1,11 +1,13 @@
 """A xacro in the place of a URDF: it is expanded, with all that it includes, whenever a cell is read."""
 
+import numpy as np
 import pytest
 import yaml
 from conftest import DATA
 from same_cells import same_cell
 
 import mrts
+from mrts.starting import reading
 
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 ARM = f"""<robot name="planar_arm" {XACRO}>
@@ -87,3 +89,17 @@ def test_mistakes_in_a_xacro(mistake, cell):
     change(cell)
     with pytest.raises(mrts.InputError, match=rule):
         mrts.load_cell(cell)
+
+
+def test_mrts_new_takes_arguments(cell, monkeypatch):
+    monkeypatch.chdir(cell.parent)
+
+    def request_of(robot):
+        gravity, arguments = np.array([0, -9.81, 0]), {"far": "true"}
+        return reading.request_of(cell.parent, name="cell", robots=[robot], gravity=gravity, xacro_args=arguments)
+
+    request = request_of("arm.urdf.xacro")
+    assert [each.arm.robot.position_upper[0] for each in request.arms] == [3.5, 3.5]
+    assert [each.xacro_args for each in request.arms] == [{"far": "true"}] * 2
+    with pytest.raises(mrts.InputError, match="--xacro-arg: no --robot is a xacro"):
+        request_of(str(DATA / "planar_arm.urdf"))

@@ -1,5 +1,6 @@
 """The least distance of bodies along a motion: against MuJoCo, closed forms, and dense samples."""
 
+import sys
 from dataclasses import replace
 from itertools import combinations
 
@@ -13,6 +14,8 @@ from conftest import ROOT
 import mrts
 from mrts.collisions.clearance import RESOLUTION, SHARE, CollisionModel
 from mrts.following.coordinate import coordinate
+from mrts.starting.check import check
+from mrts.studies.variant_rows import solve_variants
 
 UR5 = ROOT / "mrts" / "data" / "dual_ur5"
 TORSO = ROOT / "mrts" / "data" / "upper_body"
@@ -194,3 +197,31 @@ def test_meshes_of_links_and_object_are_as_their_shapes(tmp_path):
     for other in found[1:]:
         assert other.pair == found[0].pair
         assert other.distances == pytest.approx(found[0].distances, abs=EXACT)
+
+
+def test_without_coal_it_is_said_that_nothing_was_looked_at(monkeypatch):
+    monkeypatch.setitem(sys.modules, "coal", None)
+    found = check(UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml")
+    (said,) = [one for one in found.assumed if one.code == "no-collisions"]
+    assert "mrts[collision]" in said.text
+    assert found.clearance is None
+    cell = mrts.load_cell(UR5 / "cell.yaml")
+    with pytest.raises(mrts.InputError) as error:
+        mrts.clearance(cell, lifting())
+    assert error.value.where == "collisions"
+
+
+def test_configurations_and_studies_have_it_as_a_column(tmp_path):
+    given = described([box("shelf", [0.6, 0.4, 0.002], [0, 0.2, 0.5])])
+    (tmp_path / "cell.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
+    vary = {"surroundings[0].pose.xyz[2]": [0.5, -0.5]}
+    asked = {"cell": "cell.yaml", "motion": str(UR5 / "lift_and_turn.yaml"), "vary": vary, "clearance": True}
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(asked), encoding="utf-8")
+    study = mrts.read_study(tmp_path / "study.yaml")
+    columns = solve_variants(study, 0, 2)
+    assert columns["clearance"][0] < 0 < columns["clearance"][1]
+    assert columns["c2_upper"][0] == columns["c2_upper"][1]
+    motion = lifting(samples=11)
+    ranked = mrts.rank_configurations(mrts.load_cell(tmp_path / "cell.yaml"), motion, clearance=True, between=None)
+    assert all(one.clearance.collides for one in ranked.ranked)
+    assert "collides" in ranked.table(1)

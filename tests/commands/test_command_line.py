@@ -3,6 +3,7 @@
 import json
 import shutil
 
+import numpy as np
 import pytest
 from command_line import mrts_command, mrts_process
 from conftest import DATA, UR5
@@ -11,6 +12,7 @@ from shipped_cells import changed_cell
 import mrts
 from mrts.cli import main
 
+FILES = (DATA / "cell.yaml", DATA / "lift.yaml")
 PICTURES = ["c2_range.png", "limits.png", "power_and_energy.png", "torques_and_wrenches.png"]
 
 
@@ -35,12 +37,25 @@ def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lif
 
 
 def test_options_choose_the_speed_and_the_sharing():
-    files = (DATA / "cell.yaml", DATA / "lift.yaml")
-    assert "chosen c² = 1:" in mrts_command("scale", *files, "--nominal").stdout
-    assert "chosen c² = 2.5:" in mrts_command("scale", *files, "--c2", "2.5").stdout
-    assert "[0, 2.96]" in mrts_command("scale", *files, "--share", "equal").stdout
-    assert "[0, 4.107]" in mrts_command("scale", *files, "--no-wrench-limits", "--fastest").stdout
-    assert mrts_command("scale", *files, "--nominal", "--fastest").returncode == 2
+    assert "chosen c² = 1:" in mrts_command("scale", *FILES, "--nominal").stdout
+    assert "chosen c² = 2.5:" in mrts_command("scale", *FILES, "--c2", "2.5").stdout
+    assert "[0, 2.96]" in mrts_command("scale", *FILES, "--share", "equal").stdout
+    assert "[0, 4.107]" in mrts_command("scale", *FILES, "--no-wrench-limits", "--fastest").stdout
+    assert mrts_command("scale", *FILES, "--nominal", "--fastest").returncode == 2
+
+
+def test_options_of_the_plan_reach_the_library(planar_cell, lift, tmp_path):
+    target = tmp_path / "plan.json"
+    words = "--c2 1 --formulation torque --solver qpsol:qpoases --weights 1,2,3,4,5,6"
+    assert mrts_command("scale", *FILES, *words.split(), "--json", target).returncode == 0
+    asked = {"formulation": "torque", "solver": "qpsol:qpoases", "weights": np.arange(1.0, 7.0)}
+    assert json.loads(target.read_text()) == mrts.scale(planar_cell, lift, 1.0, **asked).to_json()
+    words = "--c2 1 --distribute reserve --reserve 0.1"
+    assert mrts_command("scale", *FILES, *words.split(), "--json", target).returncode == 0
+    assert (
+        json.loads(target.read_text())
+        == mrts.scale(planar_cell, lift, 1.0, distribute="reserve", reserve=0.1).to_json()
+    )
 
 
 def test_an_infeasible_motion_is_an_outcome(tmp_path):

@@ -1,8 +1,5 @@
 """`mrts place` as it is typed: the answer, its file, exit codes, and what it refuses."""
 
-import signal
-from contextlib import contextmanager
-
 import pytest
 import yaml
 from command_line import mrts_command
@@ -61,19 +58,3 @@ def test_wrong_options_are_refused_by_name(options, words, tmp_path, capsys):
     assert main(["place", str(study), "-o", str(target), *options]) == 2
     assert words in capsys.readouterr().err
     assert not target.exists()
-
-
-def test_ctrl_c_writes_the_best_so_far(tmp_path, capsys, monkeypatch):
-    study, target = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, VARY), tmp_path / "best.yaml"
-
-    @contextmanager
-    def pressed_at_five(_what):
-        yield lambda done, _total: signal.raise_signal(signal.SIGINT) if done == 5 else None
-
-    monkeypatch.setattr(mrts.commands.place, "working", pressed_at_five)
-    assert main(["place", str(study), "-o", str(target), "--look", "20000"]) == 0
-    out, err = capsys.readouterr()
-    assert err == "mrts: Ctrl-C ended the search: a longer one may find a better layout\n"
-    assert "searched from the best 0 of 6 layouts" in out
-    assert "ended by Ctrl-C" in out
-    mrts.load_cell(target)

@@ -54,3 +54,22 @@ def test_rates_of_the_cell_file_need_no_number(rated, capsys):
 def test_the_constant_factor_keeps_rates_too(capsys):
     free, kept = answered(capsys, "scale", CELL, LIFT), answered(capsys, "scale", CELL, LIFT, "--rates", "3")
     assert kept["c2"]["upper"] < free["c2"]["upper"]
+
+
+def test_energy_is_weighed_or_least_within_a_duration(capsys):
+    weighed = answered(capsys, *SMOOTH, "--weights", "1", "--weigh", "time=1,energy=1e-4")
+    assert weighed["smooth"]["goal"] == {"time": 1.0, "energy": 1e-4, "longest": None}
+    within = answered(capsys, *SMOOTH, "--least-energy-in", "0.4")
+    assert within["duration"] == pytest.approx(0.4, rel=1e-6)
+    assert main([*SMOOTH, "--least-energy-in", "0.1"]) == 1
+    assert capsys.readouterr().out.startswith("planar_dual_arm: duration too short: the motion cannot be done in 0.1 s")
+
+
+def test_torques_at_an_end_are_given_by_robot(planar_cell, lift, capsys):
+    torque = mrts.retime(planar_cell, lift, rates=11.5).retimed.torque
+    given = [f"{name}={','.join(map(str, torque[name][-1].tolist()))}" for name in ("right", "left")]
+    output = answered(capsys, *SMOOTH, "--end-torque", given[0], "--end-torque", given[1])
+    for name in torque:
+        np.testing.assert_allclose(output["torque"][name][-1], torque[name][-1], atol=1e-3)
+    assert main([*SMOOTH, "--start-torque", "left=0,0,0", "--start-torque", "right=0,0,0"]) == 1
+    assert "infeasible holding torque: the torques given for the start" in capsys.readouterr().out

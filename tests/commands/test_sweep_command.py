@@ -43,14 +43,6 @@ def test_a_study_is_solved_said_and_written(tmp_path):
     assert (again.returncode, again.stdout) == (0, done.stdout)
 
 
-def test_a_study_without_a_feasible_variant_says_so_by_its_exit_code(tmp_path):
-    path = study_file(tmp_path, "vary: {object.mass: [24, 25]}")
-    done = mrts_command("sweep", path, "-o", tmp_path / "out", "--workers", 1, "--top", 1)
-    assert (done.returncode, done.stdout) == (1, "study.yaml: 2 variants: 2 infeasible\n")
-    quiet = mrts_command("sweep", path, "-o", tmp_path / "out", "-q")
-    assert (quiet.returncode, quiet.stdout, quiet.stderr) == (1, "", "")
-
-
 def test_a_dry_run_writes_nothing(tmp_path):
     done = mrts_command("sweep", study_file(tmp_path), "-o", tmp_path / "out", "--dry-run", "--workers", 3)
     assert done.returncode == 0, done.stderr

@@ -94,14 +94,6 @@ def test_further_starts_are_tried_where_the_posture_leads_past_a_limit(dual_ur5)
         mrts.follow_object(away, given)
 
 
-def test_whole_turns_bring_a_joint_inside_its_limits(dual_ur5):
-    given = motion([0.03, 0.2, 0.5])
-    free = mrts.follow_object(dual_ur5, given)
-    upper = np.append(np.max(free.q[:, 6]) - 0.01, np.full(5, 7.0))
-    turned = mrts.follow_object(limited(dual_ur5, 1, np.full(6, -7.0), upper), given)
-    np.testing.assert_allclose(free.q - turned.q, np.tile(2 * np.pi * np.eye(12)[6], (201, 1)), atol=1e-9)
-
-
 GIVEN_MISTAKES = {
     "one joint off": (lambda m: replace(m, q=m.q + 0.01 * np.eye(12)[4]), "'left' is off its grasp"),
     "no velocities": (lambda m: replace(m, dq=0 * m.dq), "velocities do not fit"),

@@ -1,5 +1,6 @@
 """Motors from recordings: known ones are found again, with the confidence that is claimed, or it is said why not."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -217,3 +218,39 @@ def test_a_number_that_would_be_negative_is_zero_and_said(planar_cell):
     assert armature.free[1] == pytest.approx(motors.armature[4] - 2, rel=1e-3)
     assert [remark.code for remark in found.remarks] == ["bound-active"]
     assert "held at 0: elbow" in found.to_yaml()
+
+
+def test_noise_of_positions_is_said_to_take_inertia(planar_cell):
+    """And it takes as much as is said."""
+    motors = random_motors(6)
+    joints, time, q, effort = exact_recording(planar_cell, motors)
+    rng = np.random.default_rng(3)
+    quiet, noisy = (
+        mrts.identify(planar_cell, recording(FILE, joints, time, q + size * rng.standard_normal(q.shape), effort))
+        for size in (1e-4, 3e-3)
+    )
+    assert quiet.remarks == ()
+    said = [remark.text for remark in noisy.remarks if remark.code == "noisy-positions"]
+    assert len(said) == 6
+    shares = np.array([float(re.search(r"is ([\d.]+) %", text).group(1)) / 100 for text in said])
+    lost = 1 - np.concatenate([value_of(arm, "armature") for arm in noisy.arms]) / motors.armature
+    wrists = [2, 5]  # which turn next to nothing but their armature
+    np.testing.assert_allclose(lost[wrists], shares[wrists], rtol=0.5)
+
+
+def test_currents_are_no_torques(dual_ur5):
+    """Efforts in A, as some drivers publish them: ten times smaller than the torques that gravity asks for."""
+    joints, time, q, effort = exact_recording(dual_ur5, random_motors(12))
+    found = mrts.identify(dual_ur5, recording(FILE, joints, time, q, effort / 10))
+    assert "left/shoulder_lift" in "".join(r.text for r in found.remarks if r.code == "unexplained-effort")
+
+
+def test_units_and_zeros_of_positions_are_doubted(dual_ur5):
+    joints, time, q, effort = exact_recording(dual_ur5, random_motors(12))
+    with pytest.raises(mrts.InputError, match=r"recorded\.csv: position of left/\w+ = \d.*are these degrees\?"):
+        mrts.identify(dual_ur5, recording(FILE, joints, time, np.rad2deg(q), effort))
+    off = q + np.where(np.arange(12) == 8, 1.2, 0.0)  # the right elbow, which ends at π
+    found = mrts.identify(dual_ur5, recording(FILE, joints, time, off, effort))
+    said = [remark.text for remark in found.remarks if remark.code == "past-position-limit"]
+    assert len(said) == 1
+    assert "'right/elbow' moves from" in said[0]

@@ -160,18 +160,6 @@ def test_lanes_give_the_same_bits_whatever_the_registers_and_the_answers_of_samp
             assert np.max(value) > 1e-2
 
 
-@pytest.mark.parametrize("answers", ["planar_dual_arm"], indirect=True)
-def test_torques_of_many_arms_are_found_singly(answers):
-    """In lanes their programs would fill the stack."""
-    compiled, found, _ = answers
-    some = np.arange(20)
-    in_lanes, singly = found(compiled("-O1"), some), found(compiled("-O1", "-DMRTS_MOST_LANE_UNKNOWNS=1"), some)
-    for name in (name for name in in_lanes if name.endswith("torque")):
-        np.testing.assert_allclose(
-            in_lanes[name], singly[name], atol=SOLVED * np.max(np.abs(singly[name])), err_msg=name
-        )
-
-
 def test_sines_and_cosines_are_those_of_extended_precision(tmp_path):
     (tmp_path / "angles.c").write_text(ANGLES)
     library = tmp_path / "angles.so"

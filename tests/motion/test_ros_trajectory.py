@@ -223,3 +223,13 @@ def test_which_trajectory_is_named(whole, tmp_path):
         mrts.load_motion(write_motion(tmp_path, joints="table.csv", trajectory=0))
     with pytest.raises(mrts.InputError, match="'file' does not go with: trajectory"):
         mrts.load_motion(write_motion(tmp_path, file="table.csv", trajectory=0))
+
+
+def test_what_a_controller_plays_comes_before_what_a_planner_shows(whole, tmp_path):
+    names, rows = whole
+    messages = [(TOPIC, display(robot_trajectory(*whole))), ("/both/joint_trajectory", message(names, rows[:30]))]
+    write_bag(tmp_path / "both", messages, types=MOVEIT)
+    assert len(mrts.load_motion(tmp_path / "both").time) == 30
+    assert len(mrts.load_motion(write_motion(tmp_path, joints="both", topic=TOPIC)).time) == len(rows)
+    with pytest.raises(mrts.InputError, match=r"topic = '/plan': has no trajectories .* in /both/.*, /display_planned"):
+        mrts.load_motion(write_motion(tmp_path, joints="both", topic="/plan"))

@@ -146,17 +146,6 @@ def test_joints_of_no_arm_are_passed_over(tmp_path, dual_ur5, exact):
         assert name in text
 
 
-def test_positions_that_are_noise_twice_differentiated_are_refused(tmp_path, dual_ur5, exact):
-    followed, c2 = exact["turn", 101]
-    noise = np.random.default_rng(5).normal(size=followed.q.shape)
-    rough = replace(followed, q=followed.q + 1e-6 * noise)
-    found = read(dual_ur5, write_table(tmp_path / "joints.csv", columns_of(dual_ur5, rough, ("q",))))
-    assert found.range.upper.c2 == pytest.approx(c2, rel=0.05)
-    rougher = replace(followed, q=followed.q + 3e-5 * noise)
-    with pytest.raises(mrts.MotionError, match="accelerations, which were found from the positions, are rough"):
-        read(dual_ur5, write_table(tmp_path / "joints.csv", columns_of(dual_ur5, rougher, ("q",))))
-
-
 @pytest.mark.parametrize(("form", "unit"), [(".3f", 1e-3), (".5g", 1e-5), (".8g", 1e-8), (".12g", 0)])
 def test_the_rounding_of_printed_digits(form, unit):
     """Against what the digits really cut off, for values of up to one, and of up to a hundred."""

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from conftest import DATA
 from gantries import along_x, gantries
-from motions_between import DENSE, KINDS, dense_excess, draw
+from motion_tables import columns_of, write_table
+from motions_between import DENSE, KINDS, corner_of, dense_excess, draw
 from shipped_cells import sampled, shipped_motion
 
 import mrts
@@ -98,3 +99,19 @@ def test_every_corner_of_the_load_keeps_its_limits_between_samples(dual_ur5, loa
     carried = mrts.torques_for_load(found, cell.load_box.load_at({"mass": 1.2}))
     assert carried.trajectory.torque.shape == found.trajectory.torque.shape
     assert (carried.excess is None) == (load != "guaranteed")
+
+
+def test_a_coarse_table_of_joints_says_that_its_splines_are_ours(cells, tmp_path):
+    """21 rows around a corner, 64 samples on their splines: told by how much c²⁺ is less than at the samples."""
+    cell = cells[0]
+    path = mrts.MotionDescription(duration=0.8, profile="quintic", samples=21, waypoints=corner_of(cell, steps=2))
+    followed = mrts.follow_object(cell, mrts.sample_motion(path))
+    write_table(tmp_path / "joints.csv", columns_of(cell, followed, ("q",)), ".15g")
+    (tmp_path / "motion.yaml").write_text("joints: joints.csv\nsamples: 30\n")
+    found = mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml"))
+    told = [remark for remark in found.warnings if remark.code == "between-samples"]
+    assert len(told) == 1
+    assert "spline that mrts lays through them" in told[0].text
+    bare = mrts.scale(cell, mrts.load_motion(tmp_path / "motion.yaml"), between=None)
+    fall = 100 * (1 - found.range.upper.c2 / bare.range.upper.c2)
+    assert f"{fall:.2g} % less" in told[0].text

@@ -42,19 +42,6 @@ def test_motions_from_rest_to_rest_are_not_warned_of(planar_cell, profile, sampl
     assert codes(mrts.scale(planar_cell, straight_lift(profile, samples=samples))) == []
 
 
-@pytest.mark.parametrize(("part", "samples"), [(slice(30, None), [0]), (slice(0, 80), [79]), (slice(30, 80), [0, 49])])
-def test_ends_that_are_not_at_rest(planar_cell, part, samples):
-    whole = straight_lift()
-    arrays = (getattr(whole, name)[part] for name in ("position", "rotation", "twist", "acceleration"))
-    result = mrts.scale(planar_cell, mrts.ObjectMotion(whole.time[part] - whole.time[part][0], *arrays))
-    assert [warning.sample for warning in result.warnings] == samples
-    assert set(codes(result)) == {"not-at-rest"}
-    first = result.motion.dq[samples[0]]
-    joint = int(np.argmax(np.abs(first)))
-    assert f"moves at {abs(first[joint]):.3g} rad/s" in result.warnings[0].text
-    assert "(a table of few rows: with its velocities)" in result.warnings[0].text
-
-
 @pytest.mark.parametrize(
     ("samples", "noise", "said"), [(101, 3e-5, True), (101, 3e-9, False), (301, 3e-6, True), (301, 3e-8, False)]
 )

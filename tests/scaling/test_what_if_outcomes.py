@@ -1,5 +1,7 @@
 """What changes to a cell would do: order, words, and changes that cannot be played."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from gantries import along_x, gantries
@@ -69,3 +71,17 @@ def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
     played = [one.after.duration is not None for one in kept]
     assert played == sorted(played, reverse=True)
     assert not all(played)
+
+
+def test_joints_that_arms_do_not_take_by_themselves_are_left_where_they_are(planar_cell, lift):
+    """Joints given from elsewhere than the posture are followed again; others are not, and it says so."""
+    motion = mrts.follow_object(planar_cell, lift)
+    far = {robot.name: (robot.posture + 0.4).tolist() for robot in planar_cell.robots}
+    found = mrts.scale(planar_cell.with_postures(far), motion, between=None).what_if()
+    assert found.left_out == ""
+    plain = by_text(mrts.scale(planar_cell, lift, between=None).what_if())
+    assert all(one.after.c2 == pytest.approx(plain[text].after.c2, rel=1e-6) for text, one in by_text(found).items())
+    slower = replace(motion, ddq=motion.ddq * (1 + 1e-4))
+    given = mrts.scale(planar_cell, slower, between=None, closure=mrts.ClosureBound(0.01, 0.02)).what_if()
+    assert not any(one.change.moves_arms for one in given.changes)
+    assert given.left_out.startswith("bases and grasps were not moved")

@@ -12,12 +12,13 @@ from damaged_cells import HINTS, MISTAKES, damaged, sound, written
 from draws import draws
 from motion_tables import columns_of, write_motion, write_table
 from published_robots import single_arm_cell
-from shipped_cells import shipped, shipped_motion
+from shipped_cells import changed_cell, shipped, shipped_motion
 
 import mrts
 from mrts.base.errors import InputError
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.loading import cell_to_compile
+from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS
 from mrts.cli import main
 from mrts.starting.reading import HOPELESS, request_of
 
@@ -281,3 +282,20 @@ def test_the_rank_and_what_is_lost_are_told(name, tmp_path):
             request_of(tmp_path, **given)
         assert f"in {rank} independent directions" in refused.value.rule
         assert refused.value.where == str(urdf)
+
+
+NO_EXTENT = 'ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"'
+
+
+def test_links_without_mass_and_points_are_told(tmp_path):
+    text = (DATA / "planar_arm.urdf").read_text(encoding="utf-8")
+    for mass, given in (("4", "0"), ("0.5", "0.5")):
+        text = re.sub(
+            rf'<mass value="{mass}"/>\s*<inertia [^>]*>', f'<mass value="{given}"/><inertia {NO_EXTENT}/>', text
+        )
+    (tmp_path / "arm.urdf").write_text(text)
+    path = changed_cell(tmp_path, lambda cell: cell["robots"][0].update(urdf="arm.urdf"))
+    assert {remark.code: remark.text for remark in mrts.check(path).warnings} == {
+        "links-without-mass": f"{WEIGHTLESS} (left: elbow)",
+        "links-without-inertia": f"{POINT_MASSES} (left: hand)",
+    }

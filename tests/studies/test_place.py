@@ -180,3 +180,17 @@ def test_what_is_no_layout_and_wrong_arguments_are_refused_by_name(tmp_path):
     for argument, value in (("starts", 0), ("looked_at", 1.5), ("seconds", -1), ("progress", 3)):
         with pytest.raises(mrts.InputError, match=argument):
             mrts.place(path, **{argument: value})
+
+
+UR5_VARY = {
+    "distance": {"sets": {"robots.left.base.xyz[0]": -1, "robots.right.base.xyz[0]": 1}, "from": 0.7, "to": 0.8},
+    "robots.right.base.xyz[1]": {"from": -0.05, "to": 0.05},
+}
+
+
+def test_points_of_arms_are_searched_with(tmp_path):
+    cell = shipped("dual_ur5", frames=[{"link": "wrist_1", "speed": 0.45, "acceleration": 4.0}])
+    path = write_study(tmp_path, cell, DATA / "dual_ur5" / "lift_and_turn.yaml", UR5_VARY)
+    found = mrts.place(path, starts=1, looked_at=4, between=None)
+    assert found.after.c2 > found.before.c2
+    assert {row.name.element for row in found.after.result.range.upper.rows} == {"wrist_1"}

@@ -1,6 +1,5 @@
 """Rows of a study: what `mrts.scale` says of the files of each variant, and a reason where there is no answer."""
 
-import numpy as np
 import pytest
 from shipped_cells import shipped
 from study_files import planar_study
@@ -98,24 +97,6 @@ def test_the_optimal_profile_gives_its_duration_beside_the_constant_range(tmp_pa
     assert fast["energy"] == pytest.approx(found.retimed.trajectory.energy, rel=SAME)
     assert (heavy["status"], heavy["duration"], heavy["energy"]) == ("infeasible", None, None)
     assert heavy["reason"]
-
-
-def test_a_least_speed_is_told_with_what_sets_it(tmp_path):
-    """Hands that push up with less than the weight can only let the bar fall fast enough: c² >= (g - F/m) / a."""
-    time, fall, mass, push = np.linspace(0, 0.5, 21), 2.0, 0.5, 2.0
-    zero, one = np.zeros_like(time), np.ones_like(time)
-    columns = {"t": time, "px": 1.25 * one, "py": 1.5 - fall * time**2 / 2, "pz": zero}
-    columns |= {"qx": zero, "qy": zero, "qz": zero, "qw": one, "vx": zero, "vy": -fall * time, "vz": zero}
-    columns |= dict.fromkeys(("wx", "wy", "wz", "ax", "az", "alphax", "alphay", "alphaz"), zero) | {"ay": -fall * one}
-    table = tmp_path / "fall.csv"
-    np.savetxt(table, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="")
-    vary = "vary:\n" + "".join(f"  robots.{robot}.wrench.upper[1]: [{push}]\n" for robot in ("left", "right"))
-    study = planar_study(tmp_path, vary, motion=table)
-    row = rows_of(solve_variants(study, 0, 1))[0]
-    assert row["status"] == "feasible"
-    assert row["c2_lower"] == pytest.approx((9.8 - 2 * push / mass) / fall, rel=SAME)
-    assert row["lower_limit"] == "left/fy ↑, right/fy ↑"
-    assert row["lower_time"] == 0
 
 
 def test_an_uncertain_load_is_asked_about(tmp_path, planar_cell, lift):
