@@ -12,7 +12,7 @@ from mrts.commands import options
 from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.console.output_files import Outputs
 from mrts.commands.console.progress import working
-from mrts.commands.options import Named
+from mrts.commands.options import HTML, Named
 
 if TYPE_CHECKING:
     from mrts.cell.cell import Cell
@@ -37,9 +37,21 @@ examples:
 @option("--trials", type=int, metavar="N", help="play it again so often with drawn errors (default: 0)")
 @option("--seed", type=int, metavar="N", help="of the drawn errors and of noise (default: 0)")
 @options.json
+@options.plot("a figure of what was used over what was planned")
+@option("--report", type=HTML, metavar="FILE",
+        help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
 @option("-v", "--verbose", is_flag=True, help="print the table of all limits, not the nearest ones")
 def run(
-    cell: Path, plan: Path, given: tuple[str, ...] = (), json: Path | None = None, *, verbose: bool = False, **draw: Any
+    cell: Path,
+    plan: Path,
+    plot_format: str,
+    given: tuple[str, ...] = (),
+    *,
+    json: Path | None = None,
+    plot: Path | None = None,
+    report: Path | None = None,
+    verbose: bool = False,
+    **draw: Any,
 ) -> int:
     """Does a plan keep its limits when a controller plays it on a cell that is not quite the plan's?"""
     from mrts.simulation.controller import Controller, PlantErrors, with_settings
@@ -54,6 +66,14 @@ def run(
         found = simulate(planned, controller, errors, progress=progress, **draw)
     outputs = Outputs()
     outputs.write(json, found.write_json)
+    if plot is not None:
+        from mrts.plots import write_simulation_plot
+
+        outputs.write(plot, lambda folder: write_simulation_plot(found, folder, plot_format))
+    if report is not None:
+        from mrts.report import write_simulation_report
+
+        outputs.write(report, lambda file: write_simulation_report(found, file))
     outcome = INFEASIBLE if found.passed else FEASIBLE
     return outputs.answer(found.lines(every=verbose), outcome, json, found)
 

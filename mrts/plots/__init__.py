@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from mrts.plots.card import answer_card as answer_card
     from mrts.plots.figure_files import write_motor_plots as write_motor_plots
     from mrts.plots.figure_files import write_result_plots as write_result_plots
+    from mrts.plots.figure_files import write_simulation_plot as write_simulation_plot
     from mrts.plots.figure_files import write_study_plots as write_study_plots
     from mrts.plots.limit_plots import limits_plot as limits_plot
     from mrts.plots.matplotlib_drawer import matplotlib_figure as matplotlib_figure
@@ -38,7 +39,7 @@ __all__, __getattr__, __dir__ = lazy_names(
     __name__,
     {
         "card": "answer_card",
-        "figure_files": "write_motor_plots write_result_plots write_study_plots",
+        "figure_files": "write_motor_plots write_result_plots write_simulation_plot write_study_plots",
         "limit_plots": "limits_plot",
         "matplotlib_drawer": "matplotlib_figure write_plot",
         "motor_plots": "motor_plot",

@@ -16,11 +16,13 @@ from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import Plot
 from mrts.plots.range_plots import load_study_plot, range_plot
 from mrts.plots.reserve_plot import reserve_plot
+from mrts.plots.simulation_plots import simulation_plot
 from mrts.plots.study_plots import durations_plot, study_map_plot
 from mrts.plots.study_table import StudyTable, read_study_table
 from mrts.plots.trajectory_plots import power_plot, trajectory_plot
 from mrts.scaling.result import ScalingResult
 from mrts.simulation.reserve import ReserveSearch
+from mrts.simulation.simulate import Simulation
 from mrts.timing.result import RetimingResult
 
 
@@ -62,6 +64,12 @@ def write_result_plots(
     check_type("result", result, ScalingResult, RetimingResult)
     further = [] if search is None else [reserve_plot(search)]
     _write([*result_plots(result), *further], as_path("folder", folder), form)
+
+
+def write_simulation_plot(found: Simulation, folder: Path | str, form: str = "png") -> None:
+    """Write the plot `simulation`; arguments and errors as of `write_result_plots`."""
+    check_type("found", found, Simulation)
+    _write([simulation_plot(found)], as_path("folder", folder), form)
 
 
 def write_study_plots(study: StudyTable | Path | str, to: Path | str, form: str = "png") -> None:

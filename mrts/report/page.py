@@ -9,11 +9,13 @@ from mrts.plots import limit_plots, phase_plane, range_plots, trajectory_plots
 from mrts.plots.card import answer_card
 from mrts.plots.limit_shares import limiting_rows
 from mrts.plots.plot import Plot, one_panel
+from mrts.plots.simulation_plots import simulation_plot
 from mrts.report import tables
 from mrts.report.document import document
 from mrts.report.player import player
 from mrts.scaling.result import ScalingResult, fallbacks_text
 from mrts.scene.scene import PACES
+from mrts.simulation.simulate import Simulation
 from mrts.timing.result import RetimingResult
 
 
@@ -63,6 +65,16 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
         range_plots=range_plots,
         trajectory_plots=trajectory_plots,
     )
+
+
+def write_simulation_report(found: Simulation, path: Path | str) -> None:
+    """Write the report of a plan in closed loop; arguments and errors as of `write_report`."""
+    check_type("found", found, Simulation)
+    panels = [panel for row in simulation_plot(found).rows for panel in row]
+    plots = [one_panel(f"simulation-{number}", panel) for number, panel in enumerate(panels)]
+    title = f"{found.plan.cell.name}: in closed loop"
+    text = document("simulation.html", title, {}, found=found, plots=plots)
+    write_text_atomically(as_path("path", path), text)
 
 
 def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]:

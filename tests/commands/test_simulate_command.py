@@ -51,9 +51,12 @@ def test_passed_limits_are_exit_code_1(plans, tmp_path):
     assert f"{found['outcome']}\n" in done.stdout
 
 
-def test_kept_limits_are_exit_code_0(plans):
-    done = mrts_command("simulate", CELL, plans / "slow.npz", "-v")
+def test_kept_limits_are_exit_code_0_and_are_drawn(plans, tmp_path):
+    page, plots = tmp_path / "page.html", tmp_path / "plots"
+    done = mrts_command("simulate", CELL, plans / "slow.npz", "-v", "--plot", plots, "--report", page)
     assert (done.returncode, done.stderr) == (0, "")
+    assert (plots / "simulation.png").stat().st_size > 10_000
+    assert page.read_text().count('id="plot-simulation-') == 7
     assert len(done.stdout.splitlines()) > simulation.NEAREST + 6
 
 
