@@ -21,6 +21,9 @@ CELLS = {"dual_ur5": "lift_and_turn.yaml", "three_arms": "lift_and_turn.yaml", "
 RATES = 10.0
 """Torque limits per second, of the smooth profile."""
 
+ERRORS = mrts.PlantErrors(mass=0.05, com=np.full(3, 0.005))
+"""Between minus and plus which errors are drawn."""
+
 PLANS: dict[str, Callable[..., mrts.ScalingResult | mrts.RetimingResult]] = {
     "constant": mrts.scale,
     "constant, `--distribute reserve`": partial(mrts.scale, distribute="reserve"),
@@ -47,7 +50,7 @@ def main(trials: int) -> None:
     for name, file in CELLS.items():
         cell, motion = mrts.load_cell(DATA / name / "cell.yaml"), mrts.load_motion(DATA / name / file)
         for profile, plan in PLANS.items():
-            found = mrts.simulate(plan(cell, motion), trials=trials)
+            found = mrts.simulate(plan(cell, motion), errors=ERRORS, trials=trials)
             if found.trials is not None:
                 print(f"| {row(name, profile, found, found.trials)} |", flush=True)
 
