@@ -111,30 +111,6 @@ def test_at_rest_any_speed_plays(planar_cell, lift):
     assert state.admissible
 
 
-def test_a_fixed_distribution_keeps_its_shares_beyond_the_range(planar_cell, lift):
-    state = PlayerState(planar_cell, lift, sharing=mrts.LoadSharing())
-    state.choose_speed(state.speeds.upper)
-    result = mrts.scale(planar_cell.without_wrench_limits(), lift, 1.0, sharing=mrts.LoadSharing())
-    # G + (τ(1) - G) c², with G read off at two speeds
-    slow = mrts.scale(planar_cell.without_wrench_limits(), lift, 0.25, sharing=mrts.LoadSharing())
-    slope = (result.trajectory.torque - slow.trajectory.torque) / 0.75
-    expected = result.trajectory.torque + slope * (state.trajectory.c2 - 1)
-    np.testing.assert_allclose(state.trajectory.torque, expected, atol=1e-9)
-    assert np.max(state.excess) > 0
-    assert "The torques follow from the motion alone" in speed_html(state)
-
-
-def test_an_uncertain_load_says_which_load_is_shown(planar_cell, lift):
-    state = PlayerState(planar_cell.with_variation(mass=(0.5, 3.0)), lift)
-    assert state.admissible
-    assert "nominal load of 0.5 kg" in outcome_html(state)
-    state.choose_speed(state.speeds.upper)
-    assert not state.admissible
-    if not np.any(state.excess):
-        assert "no torques are guaranteed" in speed_html(state)
-    assert "with" in moment_html(state)
-
-
 @pytest.mark.parametrize(
     ("lower", "upper", "start", "high"),
     [

@@ -97,18 +97,6 @@ def test_an_end_that_the_file_repeats_moves_alone(which, tmp_path):
     np.testing.assert_allclose(ends, [[1, 1.5, 0], [1, 1, 0]] if which == "start" else [[1, 1, 0], [1, 1.5, 0]])
 
 
-def test_ends_of_waypoints_move_where_they_stand(tmp_path):
-    path = tmp_path / "motion.yaml"
-    poses = "- {xyz: [1, 1, 0]}\n- {xyz: [1, 1.2, 0]}\n- {xyz: [1, 1.5, 0]}  # there\n"
-    path.write_text(f"duration: 2\nprofile: quintic\nwaypoints:\n{poses}", encoding="utf-8")
-    given = Given(None, None, described_motion(path), None, path)
-    moved = RigidTransform(np.eye(3), np.array([1.0, 1.6, 0.0]))
-    text, remark = motion_text(given, Choices().with_pose(Place("end"), moved))
-    assert (remark, "# there" in text) == ("", True)
-    path.write_text(text, encoding="utf-8")
-    np.testing.assert_allclose(mrts.load_motion(path).position[[0, -1]], [[1, 1, 0], [1, 1.6, 0]])
-
-
 @pytest.mark.parametrize(
     ("text", "keys", "value"),
     [

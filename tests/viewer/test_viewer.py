@@ -12,7 +12,6 @@ from conftest import DATA, UR5
 from scipy.spatial.transform import Rotation
 from shipped_cells import shipped
 from shown_viewer import cell_of_real_arms, news_of, planar_given, shown_viewer, spatial_given
-from viewer_socket import connected, messages_of
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
@@ -30,15 +29,6 @@ from mrts.viewer.held_poses import still_motion
 from mrts.viewer.player_state import PlayerState
 from mrts.viewer.time_plots import names_html, time_panels, uplot_props
 from mrts.viewer.viewer import FRAME, Viewer
-
-PATIENCE = 60.0
-"""[s]"""
-
-WANTED = 30
-"""Frames a second."""
-
-MOST_PARTS = 40
-"""Of a frame; viser cuts at 128, and then a page draws half of it."""
 
 BLENDED = 1e-3
 """By how much less a turn between samples is than a rotation: the square of a step, which is at most 0.06 rad here."""
@@ -215,38 +205,6 @@ def test_surroundings_and_the_nearest_pair_are_drawn(dual_ur5, monkeypatch):
         viewer.shown.settle()
         assert not drawn(viewer, "/nearest").visible
         assert "mrts[collision]" in viewer.shown._outcome  # noqa: SLF001 (likewise)
-
-
-def frame_after(opened):
-    """Parts of the next message in which the object moves."""
-    while True:
-        parts = messages_of(opened.recv(timeout=PATIENCE))
-        if any(part.get("name") == "/carried" and part["type"] == "SetPositionMessage" for part in parts):
-            return parts
-
-
-def test_a_second_of_playing_is_thirty_frames_each_whole(spatial):
-    """Each step of the viewer is one message with every part that moves, counted through a raw websocket."""
-    moving = {"/carried", "/carried/forces"}
-    moving |= {f"/arms/{arm}/body{body}" for arm in ("left", "right") for body in range(1, 7)}
-    viewer = spatial.shown
-    for spatial.controls["pace"].value in ("1/10", "1/50"):
-        with connected(spatial.url) as opened:
-            viewer.playback.toggle()
-            viewer.step(FRAME)
-            frame_after(opened)
-            frames, clock, seen = 0, 0.0, set()
-            while clock < 1:
-                viewer.step(FRAME)
-                clock += FRAME
-                parts = frame_after(opened)
-                frames += moving <= {part.get("name") for part in parts}
-                assert sum("position" in part or "wxyz" in part for part in parts) <= MOST_PARTS
-                seen.add(tuple(next(part["position"] for part in parts if part.get("name") == "/carried")))
-            viewer.playback.toggle()
-            viewer.step(FRAME)
-        assert frames >= WANTED
-        assert len(seen) >= WANTED
 
 
 def turned(handle):

@@ -1,7 +1,5 @@
 """The viewer in a real browser: its controls, where its panel is, its plots, and who may connect."""
 
-import shutil
-
 import pytest
 from conftest import DATA
 from viewer_browser import chromium, interrupt, open_page, running_viewer
@@ -106,42 +104,6 @@ def test_the_page_follows_the_speed_slider(chromium):
         out, err, code = interrupt(process)  # while the page is open
     assert (code, err) == (0, "")
     assert len(out.splitlines()) == 2  # the outcome and the address: no banner
-
-
-@pytest.mark.slow
-def test_every_control_does_what_it_says(chromium, tmp_path):
-    folder = shutil.copytree(DATA, tmp_path / "cell")
-    cell = folder / "cell.yaml"
-    cell.write_text(cell.read_text().replace("  mass: 0.5 ", "  variation: {mass: [0.5, 2]}\n  mass: 0.5 "))
-    with running_viewer(cell, folder / "lift.yaml") as (_, url), open_page(chromium, url) as page:
-        first = text(page, "outcome")
-        page.get_by_role("tab", name="Change").click()
-        row(page, "mass [kg]").press("End")
-        waits_for(page, "outcome", "2 kg")
-        press(page, RESET)
-        is_other(page, "outcome", first, same=True)
-        pick(page, "profile", "smooth")
-        waits_for(page, "outcome", "smooth timing")
-        pick(page, "profile", "constant")
-        pick(page, "move", "end of the motion")
-        row(page, "along y [mm]").press("End")
-        waits_for(page, "outcome", "No motion")
-        assert "Red in the scene" in text(page, "outcome")
-        press(page, RESET)
-        is_other(page, "outcome", first, same=True)
-        row(page, "mass [kg]").press("End")
-        page.get_by_role("tab", name="View").click()
-        page.get_by_role("checkbox", name="dark").click()
-        page.wait_for_selector('[data-mantine-color-scheme="dark"]', state="attached")
-        press(page, "Show the whole cell")
-        page.get_by_role("tab", name="Save").click()
-        press(page, "Save")
-        waits_for(page, "saved", "mass 2 kg")
-        press(page, "Save")
-        waits_for(page, "error", "exists already")
-        assert page.problems == []
-    assert "variation: {mass: [0.5, 2]}" in (folder / "changed_cell.yaml").read_text()
-    assert (folder / "changed_motion.yaml").read_text() == (folder / "lift.yaml").read_text()
 
 
 @pytest.mark.slow

@@ -34,8 +34,3 @@ def connected(url, **options):
 def unpacked(window):
     """What a page unpacks of a message: behind two lengths, its parts, packed together."""
     return zstandard.ZstdDecompressor().decompressobj().decompress(window[16:])
-
-
-def messages_of(window):
-    """The parts of a message; numbers in arrays stay where they are, behind them."""
-    return msgspec.msgpack.decode(unpacked(window))["messages"]
