@@ -40,11 +40,14 @@ TIGHT_SLIP = 1e-8
 """Slip of polynomials on the grasps, relative to the largest rate: 1e-5 is felt in the jerk between close samples."""
 
 
-def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> CoordinatedMotion:
+def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_path: bool = False) -> CoordinatedMotion:
     """The motion at some times between its samples, and at both of its ends.
 
     Args:
         time: Shape (k,) [s], strictly increasing, inside the motion.
+        of_path: Whether the accelerations are those of the velocities in between, so that a segment that is divided
+            stays the same curve; else those of a motion whose object is known at its samples only lie between those
+            of the samples, as they may jump.
 
     Returns:
         k + 2 samples, of which the first and the last are those of the motion.
@@ -56,7 +59,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array) -> Coord
     at = np.concatenate([given.time[:1], time, given.time[-1:]])
     known = _on_course(given, at)
     inside = velocity_polynomials(given.time, ours, time) if motion.course is None else motion.course(time)
-    if motion.course is None and known is None:
+    if motion.course is None and known is None and not of_path:
         inside = (*inside[:2], _linear(given.time, motion.ddq, time))
     elif motion.course is None and isinstance(given.course, ProfiledPath):
         _across_corners(given.course, given.time, ours, time, inside)

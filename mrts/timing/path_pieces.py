@@ -149,7 +149,8 @@ def with_samples(cell: Cell, motion: CoordinatedMotion, added: Array) -> Coordin
     Raises:
         MotionError: If the arms cannot hold the object there.
     """
-    return denser(motion, between_samples(cell, motion, added), np.arange(1, len(added) + 1, dtype=np.intp))
+    between = between_samples(cell, motion, added, of_path=True)
+    return denser(motion, between, np.arange(1, len(added) + 1, dtype=np.intp))
 
 
 def _piece(

@@ -35,15 +35,8 @@ from mrts.timing.between_samples import check_held_between, refined_timing
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.path_pieces import NoPath, smooth_nodes
 from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus, SmoothAnswer
-from mrts.timing.retimed_motion import TimedPiece, fastest_pieces, retimed_motion, smooth_pieces
+from mrts.timing.retimed_motion import fastest_pieces, retimed_motion, smooth_pieces
 from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
-
-NEAR = 0.3
-"""Share of the tolerance from which a segment gets a node once one passes it: each round solves all programs anew."""
-
-PARTS = 4
-"""Parts of a segment in one round: with 2, joint accelerations, which bind all along a path, took 2.5 times as long as
-no such limits, with 4 they take 1.5 times; without them 4 saves a quarter."""
 
 WEIGHTS = ("time", "energy")
 """What `weigh` may weigh."""
@@ -126,11 +119,11 @@ def retime(
     if options.between is not None:
         check_held_between(cell, given)
 
-    def timed(path: CoordinatedMotion, *, refined: bool = True) -> RetimingResult:
-        return fastest_timing(compared, path, end_speeds, progress, refined=refined)
+    def again(path: CoordinatedMotion, _before: RetimingResult) -> RetimingResult:
+        return fastest_timing(compared, path, end_speeds, progress, refined=True)
 
-    first = timed(given, refined=False)
-    fastest = refined_timing(first, timed, options.between)
+    first = fastest_timing(compared, given, end_speeds, progress)
+    fastest = refined_timing(first, again, options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         return _smooth(SmoothQuestion(fastest, goal, (start, end), KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
@@ -144,18 +137,17 @@ def retime(
 
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
-    bare, before = question.bare, list[TimedPiece]()
+    bare = question.bare
     constant = bare.factor
     nodes = smooth_nodes(bare.cell, constant.motion, bare.end_speeds)
     if isinstance(nodes, NoPath):
         return bare
 
-    def timed(motion: CoordinatedMotion) -> RetimingResult:
-        found = smooth_timing(question, motion, before, progress)
-        before[:] = found.pieces
-        return found
+    def again(motion: CoordinatedMotion, before: RetimingResult) -> RetimingResult:
+        return smooth_timing(question, motion, before.pieces, progress)
 
-    found = refined_timing(timed(nodes), timed, bare.options.between, near=NEAR, parts=PARTS)
+    first = smooth_timing(question, nodes, (), progress)
+    found = refined_timing(first, again, bare.options.between)
     pieces = smooth_pieces(found.pieces)
     gains = [part.steps.gain for part in pieces]
     answer = SmoothAnswer(

@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 import mrts
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.motion.velocity_profile import PROFILES
+from mrts.program.excess import BETWEEN
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
@@ -49,6 +50,17 @@ def test_coarse_tables_are_timed_no_worse_than_by_toppra(arm, law):
     ratios = [(1 + longer) / (1 + one.longer[0]) for one in found for longer in one.longer[1:]]
     assert np.median(ratios) < 1 < LONGER
     assert max(ratios) < LONGER
+
+
+def test_limits_hold_between_the_samples_across_a_knot(arm):
+    """Its third derivative jumps inside a segment: divided, that stays the same curve, and the excess vanishes."""
+    grid = np.linspace(0, 1, 334)  # its knots, at fifths, lie inside segments
+    for seed in range(PATHS):
+        path = spline_path(*arm, seed)
+        motion = carried_by_first(path.cell, grid, *(path.spline(grid, order) for order in range(3)), smooth=False)
+        found = mrts.retime(path.cell, motion)
+        assert found.status is mrts.RetimingStatus.OPTIMAL, seed
+        assert found.excess.share <= BETWEEN
 
 
 @pytest.mark.parametrize("seed", seeds(1, 1))
