@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """The fastest timing of one arm, against copp and toppra, which ask the same of one arm; see docs/performance.md.
 
-One UR5-class arm carries the shipped box along the shipped lift. All have the same joint path at the same grid points,
-torque limits and nothing else, limits at both ends of every segment (interpolation scheme), rest at both ends. What
-lasts longer than one path (models, constraints' buffers, options) is made once for every candidate, outside the
-measured calls. Our whole call besides gives torques and a check between the points.
+One UR5-class arm carries the shipped box along the shipped lift, and along random splines. All have the same joint path
+at the same grid points, torque limits and nothing else, limits at both ends of every segment (interpolation scheme),
+rest at both ends. What lasts longer than one path (models, constraints' buffers, options) is made once for every
+candidate, outside the measured calls. Our whole call besides gives torques and a check between the points.
 
 copp is `copp-py` of PyPI. toppra's C++ core is measured where it is installed with headers (`cmake -DBUILD_TESTS=OFF`
 of the folder cpp of its repository): TOPPRA_PREFIX names the folder of its include/ and lib/.
@@ -30,16 +30,18 @@ from toppra.constraint.linear_constraint import canlinear_colloc_to_interpolate
 
 import mrts
 from mrts.base.arrays import Array
+from mrts.following.coordinated_motion import carried_by_first
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.timing.path_pieces import path_pieces
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import along, duration, model_with_box, one_arm, one_arm_path
+from coarse_grids import spline_path
 from interleaved import median_times, on_one_processor, show
 from timing_alone import timing_alone
 
-POINTS, REPEATS = 1000, 15
+POINTS, REPEATS, SPLINES = 1000, 15, 12
 REST = (0.0, 0.0)
 SPEED, ACCELERATION, LOOSE = np.full(6, 2.0), np.full(6, 10.0), np.full(6, 1e6)
 """Of the question without torques [rad/s, rad/s², N m]."""
@@ -187,6 +189,34 @@ def of_motion_alone(cell: mrts.Cell, path: Any, grid: Array) -> dict[str, Callab
     }
 
 
+def on_random_splines(
+    cell: mrts.Cell, model: Any, limits: Array, points: int
+) -> tuple[dict[str, Callable[[], float]], float]:
+    """Whole calls, each for all splines with their total duration; and the share that got further samples."""
+    data, grid = model.createData(), np.linspace(0, 1, points)
+    splines = [spline_path(cell, model, seed).spline for seed in range(SPLINES)]
+    motions = [
+        carried_by_first(cell, grid, *(spline(grid, order) for order in range(3)), smooth=False) for spline in splines
+    ]
+    refined = [mrts.retime(cell, motion).motion.samples > points for motion in motions]
+
+    def torque(q: Array, dq: Array, ddq: Array) -> Array:
+        return np.asarray(pin.rnea(model, data, q, dq, ddq))
+
+    theirs = toppra.constraint.JointTorqueConstraint(
+        torque, limits, np.zeros(len(limits)), discretization_scheme=DiscretizationType.Interpolation
+    )
+    planners = [by_toppra([theirs], toppra.SplineInterpolator(one.x, one(one.x)), grid) for one in splines]
+    candidates: dict[str, Callable[[], float]] = {
+        WHOLE: lambda: sum(float(mrts.retime(cell, motion).duration or np.nan) for motion in motions),
+        "the same, between=None": lambda: sum(
+            float(mrts.retime(cell, motion, between=None).duration or np.nan) for motion in motions
+        ),
+        "toppra, torques by a callback (Pinocchio)": lambda: sum(run() for run in planners),
+    }
+    return candidates, float(np.mean(refined))
+
+
 def compare(candidates: dict[str, Callable[[], float]], points: int, repeats: int) -> None:
     """Print the time and the duration of each."""
     durations = {label: run() for label, run in candidates.items()}
@@ -234,6 +264,9 @@ def main(points: int = POINTS, repeats: int = REPEATS) -> None:
         print("  toppra's C++ core is not installed (TOPPRA_PREFIX)")
     print("velocities and accelerations alone, whole calls from the same spline")
     compare(of_motion_alone(cell, path, grid), points, repeats)
+    candidates, refined = on_random_splines(cell, model, limits, points)
+    print(f"{SPLINES} random splines, torque limits; {100 * refined:.0f} % got samples between their own")
+    compare(candidates, SPLINES * points, repeats)
 
 
 if __name__ == "__main__":
