@@ -32,7 +32,7 @@ examples:
 
 @options.command(EXAMPLES)
 @argument("cell", type=Named(), metavar="CELL|PLAN",
-          help="cell file, or a URDF or xacro by itself; with --cell a plan: a CSV table of joints")  # fmt: skip
+          help="cell file, or a URDF or xacro by itself; with --cell a plan: a CSV table or a ROS 2 bag")  # fmt: skip
 @argument("motion", type=Named(), required=False, metavar="[MOTION]",
           help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
 @option("--cell", "of_cell", type=Named(), metavar="CELL",

@@ -12,11 +12,16 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate, required_columns
 from mrts.motion.csv_motion import read_joint_columns
 from mrts.motion.joint_table import joint_motion
-from mrts.motion.ros_messages import KIND, NANOSECONDS, bag_messages, is_bag, point_stamps, point_values
+from mrts.motion.ros_messages import KIND, NANOSECONDS, bag_messages, is_bag, joint_column, point_stamps, point_values
 from mrts.motion.rows_at_rest import moving_rows
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
+PARTS = ("q", "dq", "ddq", "tau", "F")
+"""Of a plan, in the order of its columns."""
+
 WRENCH_KIND = "geometry_msgs/msg/WrenchStamped"
+
+OTHER_TIMES = "must have the times of all others: the arms move together."
 
 
 def load_plan(cell: Cell, path: Path | str) -> ScaledTrajectory:
@@ -31,21 +36,10 @@ def load_plan(cell: Cell, path: Path | str) -> ScaledTrajectory:
         InputError: If it is malformed, lacks something, or is of another cell.
         MotionError: If its joints do not carry one object.
     """
-    check_type("cell", cell, Cell)
+    time, found = read_plan(cell, path)
     path = as_path("path", path)
-    time, parts = _from_bag(cell, path) if is_bag(path) else read_joint_columns(path)
-    joints, _ = required_columns(cell, path, list(parts["q"]))
-    wrenches = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
-    found: dict[str, Array] = {}
-    for part in ("q", "dq", "ddq", "tau", "F"):
-        names = wrenches if part == "F" else joints
-        missing = [name for name in names if name not in parts[part]]
-        if missing:
-            rule = (
-                f"says nothing of '{part}.{missing[0]}': a plan of cell '{cell.name}' has it, as mrts scale writes it."
-            )
-            raise InputError(path, rule)
-        found[part] = np.column_stack([parts[part][name] for name in names])
+    if missing := [part for part in PARTS if part not in found]:
+        raise InputError(path, f"says nothing of '{missing[0]}': a plan has it, as mrts scale writes it.")
     q, dq, ddq = (dict(zip(cell.joint_names, found[part].T, strict=True)) for part in ("q", "dq", "ddq"))
     motion = coordinate(cell, joint_motion(path, time, q, dq, ddq, None))
     kept = moving_rows(time, found["q"], found["dq"], found["ddq"])
@@ -55,26 +49,62 @@ def load_plan(cell: Cell, path: Path | str) -> ScaledTrajectory:
     return ScaledTrajectory(cell, motion, 1.0, torque[kept], wrench[kept], holding)
 
 
+def read_plan(cell: Cell, path: Path | str) -> tuple[Array, dict[str, Array]]:
+    """The numbers of a plan as they are, whoever made it.
+
+    Args:
+        cell: The cell.
+        path: As in `load_plan`, but for what is not there.
+
+    Returns:
+        Times of the rows, Shape (N,) [s] from 0; and what there is of q, dq, ddq and tau of all joints and F of all
+        wrench components, in the order of the cell, each Shape (N, …). There is q.
+
+    Raises:
+        InputError: If it is malformed, or lacks something of a joint or a component that it gives of another.
+    """
+    check_type("cell", cell, Cell)
+    path = as_path("path", path)
+    time, parts = _from_bag(cell, path) if is_bag(path) else read_joint_columns(path)
+    joints, _ = required_columns(cell, path, list(parts["q"]))
+    wrenches = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
+    found: dict[str, Array] = {}
+    for part, columns in parts.items():
+        names = wrenches if part == "F" else joints
+        missing = [name for name in names if name not in columns]
+        if columns and missing:
+            raise InputError(path, f"says nothing of '{part}.{missing[0]}', but of others: give all or none.")
+        if columns:
+            found[part] = np.column_stack([columns[name] for name in names])
+    return time, found
+
+
 def _from_bag(cell: Cell, path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
     """What a table of the same plan has: times, and columns by q, dq, ddq, tau and F."""
     names = {"q": "positions", "dq": "velocities", "ddq": "accelerations", "tau": "effort"}
-    parts: dict[str, dict[str, Array]] = {name: {} for name in (*names, "F")}
+    parts: dict[str, dict[str, Array]] = {name: {} for name in PARTS}
     messages, stamps = bag_messages(path, KIND, WRENCH_KIND), np.zeros(0, dtype=np.int64)
-    for robot in cell.robots:
-        topics = [f"/{robot.name}/{name}" for name in ("joint_trajectory", "contact_wrench")]
-        if missing := [topic for topic in topics if topic not in messages]:
-            raise InputError(path, f"has no topic {missing[0]}: a plan of cell '{cell.name}' has it.")
-        (_, planned), pushed = messages[topics[0]][0], [message.wrench for _, message in messages[topics[1]]]
-        own = point_stamps(path, topics[0], planned)
+    for topic, ((_, planned), *_) in messages.items():
+        if planned.__msgtype__ != KIND:
+            continue
+        own = point_stamps(path, topic, planned)
         stamps = stamps if len(stamps) else own
-        if not np.array_equal(own, stamps) or len(pushed) != len(stamps):
-            raise InputError(path, "must have the times of all others: the arms move together.", key=topics[0])
+        if not np.array_equal(own, stamps):
+            raise InputError(path, OTHER_TIMES, key=topic)
         for name, part in names.items():
-            columns = point_values(path, topics[0], planned, part).T
+            columns = point_values(path, topic, planned, part).T
             parts[name] |= {
-                f"{robot.name}/{joint}": of for joint, of in zip(planned.joint_names, columns, strict=False)
+                joint_column(topic, joint): of for joint, of in zip(planned.joint_names, columns, strict=False)
             }
-        six = np.array([[of.x, of.y, of.z] for one in pushed for of in (one.force, one.torque)]).reshape(-1, 6)
-        of_hand = zip(cell.wrench_components, six.T[cell.wrench_rows], strict=True)
-        parts["F"] |= {f"{robot.name}/{component}": of for component, of in of_hand}
+    if not len(stamps):
+        raise InputError(path, f"has no topic of {KIND}.")
+    for robot in cell.robots:
+        topic = f"/{robot.name}/contact_wrench"
+        pushed = [message.wrench for _, message in messages.get(topic, [])]
+        if len(pushed) not in {0, len(stamps)}:
+            raise InputError(path, OTHER_TIMES, key=topic)
+        if pushed:
+            six = np.array([[of.x, of.y, of.z] for one in pushed for of in (one.force, one.torque)]).reshape(-1, 6)
+            of_hand = zip(cell.wrench_components, six.T[cell.wrench_rows], strict=True)
+            parts["F"] |= {f"{robot.name}/{component}": of for component, of in of_hand}
     return (stamps - stamps[0]) / NANOSECONDS, parts

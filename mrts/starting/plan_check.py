@@ -19,11 +19,9 @@ from mrts.base.remark import Remark
 from mrts.base.words import interval_text
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, clearance_remarks
-from mrts.following.coordinate import required_columns
 from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
 from mrts.following.grasp_closure import ClosureBound, grasp_gaps, mean_object
 from mrts.limits.rows import RowName
-from mrts.motion.csv_motion import read_joint_columns
 from mrts.motion.object_motion import check_derivatives, noise_allowed
 from mrts.motion.rounded_samples import derivative
 from mrts.motion.rows_at_rest import moving_rows, pushing_ends
@@ -38,6 +36,7 @@ from mrts.scaling.options import Options
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import overload_remarks
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.simulation.plan_file import read_plan
 
 PLACES = np.array([0.25, 0.5, 0.75])
 """Where between two rows limits are evaluated, as shares of the step."""
@@ -47,6 +46,9 @@ PASSED = 5e-3
 
 AT_REST = 1e-2
 """Share of the fastest joint's speed that is rest: what a spline through positions alone leaves of it."""
+
+NEEDED = {"ddq": "dq", "tau": "F", "F": "tau"}
+"""What cannot be looked at without the other: arms that hold one object share its load by both."""
 
 RESIDUAL = 1e-3
 """Share of a torque limit, and of the largest force or moment, that dynamics may miss: rounding in tables."""
@@ -198,7 +200,8 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
 
     Args:
         cell: The cell.
-        plan: A CSV table with t, q.ROBOT/JOINT, and maybe dq., ddq., tau. and F.; as of `mrts.write_trajectory_csv`.
+        plan: A CSV table with t, q.ROBOT/JOINT, and maybe dq., ddq., tau. and F., as of `mrts.write_trajectory_csv`, or
+            a ROS 2 bag with joint trajectories, as of `mrts.write_ros_bag`.
         closure: How far hands may be off their grasps; None allows 2 mm and 5 mrad.
 
     Returns:
@@ -207,29 +210,25 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
     Raises:
         InputError: If the file is malformed, does not fit the cell, or gives some joint less than others.
     """
-    check_type("cell", cell, Cell)
     path, bound = as_path("plan", plan), closure or ClosureBound()
     check_type("closure", bound, ClosureBound)
-    time, parts = read_joint_columns(path)
-    q, given_dq, given_ddq, given_tau, given_F = _arrays(cell, path, parts)
-    given = tuple(
-        name
-        for name, values in zip(parts, (q, given_dq, given_ddq, given_tau, given_F), strict=True)
-        if values is not None
-    )
-    at, course, rows = _course(time, q, given_dq, given_ddq)
+    time, given = read_plan(cell, path)
+    for part, others in NEEDED.items():
+        if part in given and others not in given:
+            raise InputError(path, f"gives '{part}.…' without '{others}.…': give both, or leave '{part}.…' out.")
+    at, course, rows = _course(time, given)
     motion, gaps = _carried(cell, at, course, bound)
-    if given_tau is None or given_F is None:
-        torque, wrench = _best_torques(cell, motion)
-        residuals: list[LimitUse] = []
+    residuals: list[LimitUse] = []
+    if "tau" in given:
+        torque, wrench, residuals = _given_torques(cell, motion, rows, time, given["tau"], given["F"])
     else:
-        torque, wrench, residuals = _given_torques(cell, motion, rows, time, given_tau, given_F)
+        torque, wrench = _best_torques(cell, motion)
     done = ScaledTrajectory(cell, motion, 1.0, torque, wrench)
     dq, ddq, at_rows = motion.dq[rows], motion.ddq[rows], _at(motion, rows)
     near, said = clearance_remarks(cell, at_rows)
     uses = [
         *(use for use in all_quantities(done, driven=True).uses(at) if use.limited),
-        *_rates(cell, at_rows, torque[rows], wrench[rows], only_jerk=given_tau is None),
+        *_rates(cell, at_rows, torque[rows], wrench[rows], only_jerk="tau" not in given),
         *_positions(cell, at, motion.q),
         *gaps,
         *_ends(cell, time, dq),
@@ -239,53 +238,31 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
         plan=path,
         cell=cell.name,
         time=time,
-        given=given,
+        given=tuple(given),
         uses=tuple(sorted(uses, key=lambda use: -use.share)),
-        contradictions=() if given_dq is None else tuple(_contradictions(cell, time, q, dq, ddq)),
+        contradictions=tuple(_contradictions(cell, time, given["q"], dq, ddq)) if "dq" in given else (),
         remarks=(*_pushing(dq, ddq), *overload_remarks(done), *said),
         clearance=near,
     )
 
 
-def _arrays(cell: Cell, path: Path, parts: dict[str, dict[str, Array]]) -> list[Array | None]:
-    """Columns of q, dq, ddq, tau and F in the order of the cell, each Shape (N, …), None where there are none."""
-    names, _ = required_columns(cell, path, list(parts["q"]))
-    of_hands = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
-    found: list[Array | None] = []
-    for part, columns in parts.items():
-        needed = of_hands if part == "F" else names
-        missing = [name for name in needed if name not in columns]
-        if columns and missing:
-            raise InputError(path, f"gives some columns '{part}.…', but no '{part}.{missing[0]}': give all or none.")
-        found.append(np.column_stack([columns[name] for name in needed]) if columns else None)
-    if (found[3] is None) != (found[4] is None):
-        has, lacks = ("F", "tau") if found[3] is None else ("tau", "F")
-        rule = f"gives '{has}.…' without '{lacks}.…': arms that hold one object need both, or leave both out."
-        raise InputError(path, rule)
-    if found[2] is not None and found[1] is None:
-        raise InputError(path, "gives 'ddq.…' without 'dq.…'.")
-    return found
-
-
-def _course(
-    time: Array, q: Array | None, dq: Array | None, ddq: Array | None
-) -> tuple[Array, tuple[Array, Array, Array], NDArray[np.intp]]:
+def _course(time: Array, given: dict[str, Array]) -> tuple[Array, tuple[Array, Array, Array], NDArray[np.intp]]:
     """Times of rows and places between them, joints there, and which places are rows.
 
     Between a row that holds still and the row next to it nothing moves, and no place is looked at.
     """
     from scipy.interpolate import BPoly, CubicSpline  # noqa: PLC0415 (slow to import)
 
-    assert q is not None  # noqa: S101 (a table of joints has positions)
     none = np.zeros((len(time), 0))
-    kept = moving_rows(time, q, none if dq is None else dq, none if ddq is None else ddq)
+    q, dq, ddq = given["q"], given.get("dq", none), given.get("ddq", none)
+    kept = moving_rows(time, q, dq, ddq)
     inside = (time[kept][:-1, None] + np.diff(time[kept])[:, None] * PLACES).ravel()
     at = np.union1d(time, inside)
     rows = np.searchsorted(at, time)
-    if dq is None:
+    if "dq" not in given:
         spline = CubicSpline(time, q)
         return at, (spline(at), spline(at, 1), spline(at, 2)), rows
-    ddq = derivative(time, dq) if ddq is None else ddq
+    ddq = given["ddq"] if "ddq" in given else derivative(time, dq)
     quintic = BPoly.from_derivatives(time, np.stack([q, dq, ddq], axis=1))
     course = (quintic(at), quintic(at, 1), quintic(at, 2))
     for values, exact in zip(course, (q, dq, ddq), strict=True):
@@ -423,8 +400,7 @@ def _uses(names: Sequence[RowName], time: Array, values: Array, limit: Array) ->
     return list(LimitedQuantities(tuple(names), values, np.zeros_like(wide), wide, share, limit).uses(time))
 
 
-def _contradictions(cell: Cell, time: Array, q: Array | None, dq: Array, ddq: Array) -> Iterator[str]:
-    assert q is not None  # noqa: S101 (a table of joints has positions)
+def _contradictions(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> Iterator[str]:
     kept = moving_rows(time, q, dq, ddq)
     noise = noise_allowed(q, dq)
     for column, joint in enumerate(cell.joint_names):

@@ -19,6 +19,9 @@ SAME = 1e-6
 BETWEEN = 5e-3
 """Share of a limit by which what is between the rows may differ: places there are three a step."""
 
+NANOSECOND = 1e-5
+"""Share of a limit that is lost where times are rounded to whole nanoseconds."""
+
 PARTS = ("q", "dq", "ddq", "tau", "F")
 
 
@@ -82,6 +85,15 @@ def test_positions_alone_are_played_on_a_cubic_spline(turned, dual_ur5, plan, tm
     assert fast.passed[0].share == pytest.approx(1.3 * share(slow, "velocity"), rel=SAME)
     limit, _ = max((use.share, use) for use in turned.limit_uses if use.name.kind == "velocity")
     assert fast.passed[0].share == pytest.approx(1.3 * limit, abs=BETWEEN)
+
+
+@pytest.mark.parametrize("merged", [False, True])
+def test_bags_are_read_alike(merged, turned, dual_ur5, plan, tmp_path):
+    mrts.write_ros_bag(turned, tmp_path / "bag", merged=merged)
+    table_, bag = (mrts.check_plan(dual_ur5, path) for path in (table(tmp_path / "plan.csv", plan), tmp_path / "bag"))
+    assert (bag.status, bag.given) == ("fine", PARTS)
+    shares = {use.name: use.share for use in table_.uses}
+    assert {use.name: use.share for use in bag.uses} == pytest.approx(shares, abs=NANOSECOND)
 
 
 def scaled(name, factor):
