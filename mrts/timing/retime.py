@@ -146,8 +146,8 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     def again(motion: CoordinatedMotion, before: RetimingResult) -> RetimingResult:
         return smooth_timing(question, motion, before.pieces, progress)
 
-    first = smooth_timing(question, nodes, (), progress)
-    found = refined_timing(first, again, bare.options.between)
+    coarse = smooth_timing(question, nodes, (), progress)
+    found = refined_timing(coarse, again, bare.options.between)
     pieces = smooth_pieces(found.pieces)
     gains = [part.steps.gain for part in pieces]
     answer = SmoothAnswer(
