@@ -1,16 +1,75 @@
-"""The answer in one line with the nearest limits: the numbers of the result."""
+"""The answer in one line with the nearest limits, and torque-speed curves where limits are shown."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from changed_robots import with_left
+from conftest import DATA
+from random_motors import equipped
 
 import mrts
+from mrts.limits.rows import TORQUE_SPEED
+from mrts.output.summary_lines import scaling_lines
+from mrts.plots import write_result_plots
 from mrts.plots.card import MOST_BARS, answer_card
-from mrts.plots.limit_shares import all_shares
-from mrts.scaling.limit_use import rate_uses
+from mrts.plots.labels import short_name
+from mrts.plots.limit_shares import all_shares, limiting_rows
+from mrts.report.tables import margins_table
+from mrts.scaling.limit_use import limit_uses, limited_quantities, rate_uses
 
 pytestmark = pytest.mark.quick
+
+CURVE = np.array([[0, 120.0], [1, 110], [6, 10]])
+"""Of the left shoulder and elbow, whose torque limits are 100 and 80 N m: its lines cross them within the lift."""
+
+
+@pytest.fixture(scope="module")
+def cell(planar_cell):
+    return with_left(planar_cell, motors=replace(planar_cell.robots[0].motors, torque_speed=(CURVE, CURVE, None)))
+
+
+@pytest.fixture(scope="module")
+def result(cell, lift):
+    return mrts.scale(cell, lift)
+
+
+def largest(speed):
+    """What the curve gives at a speed, by interpolation between its corners [N m]."""
+    return np.interp(np.abs(speed), *CURVE.T)
+
+
+def test_limits_of_the_torque_are_what_the_curve_gives_where_the_motor_drives(result):
+    done = result.trajectory
+    torques = limited_quantities(result, "torque", "left")
+    for j, plain in enumerate(result.cell.robots[0].torque_upper[:2]):
+        dq = done.dq[:, j]
+        forward = np.minimum(plain, np.where(dq > 0, largest(dq), plain))
+        backward = -np.minimum(plain, np.where(dq < 0, largest(dq), plain))
+        np.testing.assert_allclose(torques.upper[:, j], forward, rtol=1e-12)
+        np.testing.assert_allclose(torques.lower[:, j], backward, rtol=1e-12)
+    assert np.ptp(torques.upper[:, 0]) + np.ptp(torques.lower[:, 0]) > 1
+    assert np.ptp(torques.upper[:, 2]) == 0  # the wrist has no curve
+    assert np.all(torques.values <= torques.upper + 1e-6)
+    assert np.all(torques.values >= torques.lower - 1e-6)
+
+
+def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
+    """Rows of every kind that a cell file has, in figures, report, table, saved result and words."""
+    shipped = DATA.parent / "squeeze"
+    cell = mrts.load_cell(shipped / "cell.yaml")
+    real = equipped(cell, armature=0.1, coulomb=1.0, viscous=0.5, torque_speed=[[0, 200.0], [4, 20]], rated=30.0)
+    result = mrts.scale(real, mrts.load_motion(shipped / "lift_and_turn.yaml"))
+    kinds = {use.name.kind for use in limit_uses(result)}
+    assert kinds >= {"torque", "velocity", "contact", TORQUE_SPEED, "motor speed"}
+    write_result_plots(result, tmp_path / "plots")
+    mrts.write_report(result, tmp_path / "report.html")
+    mrts.save_result(result, tmp_path / "result.npz")
+    again = mrts.load_result(tmp_path / "result.npz")
+    assert list(scaling_lines(again, answer_card(again))) == list(scaling_lines(result, answer_card(result)))
+    np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
+    named = {row[0][0] for row in margins_table(result, limiting_rows(result, None)).rows}
+    assert named == {short_name(use.name) for use in limit_uses(result)}
 
 
 def test_the_card_has_speed_durations_and_the_limit_that_decides(turned):

@@ -1,4 +1,6 @@
-"""What changes to a cell would do: against changed files and an independent implementation."""
+"""What changes to a cell would do: against changed files and an independent implementation; order and outcomes."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,6 +8,7 @@ import yaml
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from conftest import UR5
 from draws import seeds
+from gantries import along_x, gantries
 from reference import ReferenceCell
 from scipy.spatial.transform import Rotation
 from shipped_cells import cell_file, shipped
@@ -127,3 +130,77 @@ def reference_range(cell, motion_file):
         ends.append(cell.range_at(cell.terms(sample, own), own, even=False)[1:])
     lower, upper = np.array(ends).T
     return np.max(lower), np.min(upper)
+
+
+@pytest.fixture(scope="module")
+def planar_changes(planar_cell, lift):
+    return mrts.scale(planar_cell, lift).what_if()
+
+
+@pytest.mark.quick
+def test_a_limit_that_binds_alone_in_closed_form(tmp_path):
+    """Two gantries push 11 kg along 2 m with 20 N each: c² is force by mass, and at most (velocity / 3 m/s)²."""
+    cell = gantries(tmp_path, object_velocity={"linear": 4.0})
+    result = mrts.scale(cell, along_x(), between=None)
+    total, heaviest = 40.0, 3 + 2 * 4.0
+    c2 = total / (heaviest * 12.0)
+    assert result.range.upper.c2 == pytest.approx(c2)
+    found = by_text(result.what_if())
+    assert found["near/slide_x +10 %"].c2_change == pytest.approx(2.0 / total)
+    assert found["far/slide_x -10 %"].c2_change == pytest.approx(-2.0 / total)
+    assert found["mass -10 %"].c2_change == pytest.approx(heaviest / (heaviest - 0.3) - 1)
+    assert found["mass -10 %"].after.duration == pytest.approx(1 / np.sqrt(c2 * heaviest / (heaviest - 0.3)))
+    assert str(found["far/slide_x +10 %"]).startswith("far/slide_x +10 %: c² +5 %, 1.77")
+    assert not found["object/linear velocity +10 %"].matters
+
+
+@pytest.mark.quick
+def test_what_gains_comes_first_and_what_does_nothing_is_said_in_one_sentence(planar_changes):
+    durations = [one.after.duration for one in planar_changes.changes]
+    assert durations == sorted(durations)
+    more, less, lost = planar_changes.sorted()
+    assert [one.after.duration for one in more] == sorted(one.after.duration for one in more)
+    assert [one.after.duration for one in less] == sorted((one.after.duration for one in less), reverse=True)
+    assert all(one.c2_change > 0 for one in more)
+    assert all(one.c2_change < 0 for one in less)
+    assert lost == []
+    matter = {one.change.what for one in (*more, *less)}
+    assert matter.isdisjoint(planar_changes.without_effect)
+    assert planar_changes.without_effect == ("left/wrist", "right/wrist")
+    *table, last = str(planar_changes).splitlines()
+    assert last == "nothing else matters: 2 torque limits may be changed as much, one at a time, and the speed stays"
+    assert table[0].endswith("now 0.2992 s at c² = 3.062")
+    assert (
+        " ".join(table[1].split()) == "mass -10 % c² +1.63 % 0.2968 s then left/elbow, right/elbow, left/fx and 3 more"
+    )
+    assert "… and 13 more that lose less (--json has all)" in str(planar_changes)
+
+
+def test_what_cannot_be_played_says_why_and_comes_last(planar_cell, lift):
+    found = by_text(mrts.scale(planar_cell.with_mass(7.0), lift).what_if(share=0.8, shift=0.9))
+    lost = found["mass +80 %"]
+    assert lost.after.status == "infeasible"
+    assert str(lost) == (
+        "mass +80 %: infeasible: at 20 of 101 samples; at t = 0 s left/elbow, right/elbow, left/fx and 1 more conflict"
+    )
+    far = found["left base y -900 mm"]
+    assert far.after.status == "unreachable"
+    assert "robot 'left'" in far.after.reason
+    kept = list(found.values())
+    played = [one.after.duration is not None for one in kept]
+    assert played == sorted(played, reverse=True)
+    assert not all(played)
+
+
+def test_joints_that_arms_do_not_take_by_themselves_are_left_where_they_are(planar_cell, lift):
+    """Joints given from elsewhere than the posture are followed again; others are not, and it says so."""
+    motion = mrts.follow_object(planar_cell, lift)
+    far = {robot.name: (robot.posture + 0.4).tolist() for robot in planar_cell.robots}
+    found = mrts.scale(planar_cell.with_postures(far), motion, between=None).what_if()
+    assert found.left_out == ""
+    plain = by_text(mrts.scale(planar_cell, lift, between=None).what_if())
+    assert all(one.after.c2 == pytest.approx(plain[text].after.c2, rel=1e-6) for text, one in by_text(found).items())
+    slower = replace(motion, ddq=motion.ddq * (1 + 1e-4))
+    given = mrts.scale(planar_cell, slower, between=None, closure=mrts.ClosureBound(0.01, 0.02)).what_if()
+    assert not any(one.change.moves_arms for one in given.changes)
+    assert given.left_out.startswith("bases and grasps were not moved")
