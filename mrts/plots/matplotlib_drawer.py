@@ -49,8 +49,6 @@ NAME_LETTERS = 72
 LEGEND_DROP, SHARED_DROP = 34.0, 8.0
 """From the axes down to a legend below tick and axis labels, and without these [pt]."""
 
-HATCH_COLOR = "#8a8a8a"
-
 
 def matplotlib_figure(plot: Plot) -> Figure:
     """The plot as a figure of matplotlib, to be changed before it is written or shown."""
@@ -266,8 +264,6 @@ def _add_points(axes: Axes, points: Points) -> None:
 
 def _add_bars(axes: Axes, bars: Bars) -> None:
     look: dict[str, Any] = {"color": bars.color, "label": _label(bars.label) or "_"}
-    if bars.hatch:
-        look |= {"edgecolor": HATCH_COLOR, "hatch": bars.hatch, "linewidth": 0}
     if bars.upright:
         axes.bar(bars.place, bars.end - bars.start, bars.thickness, bars.start, **look)
     else:
@@ -287,7 +283,5 @@ def _add_named_cells(axes: Axes, cells: HeatMap) -> None:
         row, column = np.nonzero(cells.z == code)
         left, right, low, high = cells.x[column], cells.x[column + 1], cells.y[row], cells.y[row + 1]
         corners = np.stack([left, low, right, low, right, high, left, high], axis=1).reshape(-1, 4, 2)
-        color, hatch = cells.colors[code], cells.hatches[code] if cells.hatches else ""
-        look: dict[str, Any] = {"facecolor": color, "edgecolor": color, "linewidth": 0.2}
-        look |= {"edgecolor": HATCH_COLOR, "hatch": hatch, "linewidth": 0} if hatch else {}
-        axes.add_collection(PolyCollection(list(corners), label=_label(cells.names[code]), **look))
+        color, label = cells.colors[code], _label(cells.names[code])
+        axes.add_collection(PolyCollection(list(corners), label=label, facecolor=color, edgecolor=color, linewidth=0.2))

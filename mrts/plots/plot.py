@@ -89,7 +89,7 @@ class Rule:
 class Bars:
     """Bars along an axis of names (level), or upright ones on the x axis.
 
-    `place` is the row of each level bar, its middle, or the x of an upright one; `hatch` is as matplotlib has it.
+    `place` is the row of each level bar, its middle, or the x of an upright one.
     """
 
     place: Array
@@ -99,7 +99,6 @@ class Bars:
     label: str = ""
     color: str = COLOURS[0]
     upright: bool = False
-    hatch: str = ""
     texts: Sequence[str] = ()
 
 
@@ -108,8 +107,8 @@ class HeatMap:
     """Cells whose colours are values, NaN where one is empty, Shape (rows, columns); edges `x` and `y` have one more.
 
     `low` and `high` have the first and the last colour, which values beyond have too. `texts` are told in place of a
-    value and its unit. With `names` a value is the number of a name, which has a colour and, if there are any, a hatch
-    of its own; the legend has those that some cell has.
+    value and its unit. With `names` a value is the number of a name, which has a colour of its own; the legend has
+    those that some cell has.
     """
 
     x: Array
@@ -122,7 +121,6 @@ class HeatMap:
     unit: str = ""
     texts: Sequence[Sequence[str]] = ()
     names: Sequence[str] = ()
-    hatches: Sequence[str] = ()
 
     @property
     def found(self) -> list[int]:

@@ -163,25 +163,12 @@ def _line(line: Line, panel: Panel) -> list[dict[str, Any]]:
     if line.texts:
         texts = [plot_text(line.texts[place]).replace("\n", "<br>") for place in shown.tolist()]
         own |= {"text": texts, "hovertemplate": f"{own['hovertemplate']}<br>%{{text}}"}
-    used = _percent(line, shown)
-    if used is not None:
-        own |= {"customdata": used, "hovertemplate": f"%{{y:.4g}} {line.unit} (%{{customdata}} %)"}
     thin: dict[str, Any] = {"mode": "lines", "hoverinfo": "skip", "legendgroup": group, "showlegend": False, "name": ""}
     traces = [own]
     for limit in line.limits:
         at = np.array([0, -1]) if np.all(limit == limit[0]) else shown
         traces.append(thin | {"x": numbers(line.x[at]), "y": numbers(limit[at]), "line": look | {"width": 0.8}})
     return traces
-
-
-def _percent(line: Line, shown: NDArray[np.int_]) -> list[int] | None:
-    """How much of the limit on their side values use [%]; None where a side has none, or one of 0."""
-    if line.lower is None or line.upper is None:
-        return None
-    limit = np.where(line.y < 0, line.lower, line.upper)[shown]
-    if not np.all(np.isfinite(limit) & (limit != 0) & np.isfinite(line.y[shown])):
-        return None
-    return [round(percent) for percent in (100 * line.y[shown] / limit).tolist()]
 
 
 def _points(points: Points, along: Axis) -> dict[str, Any]:

@@ -72,7 +72,7 @@ def _range_panel(found: ScalingRange) -> Panel:
     items: list[Item] = []
     infeasible = np.array([status is RangeStatus.INFEASIBLE for status in samples.status])
     if without := spans(samples.time, infeasible):
-        items.append(upright_areas(without, (low, high), "no c² at all", "#ddd", "///"))
+        items.append(upright_areas(without, (low, high), "no c² at all", "#ddd"))
     if found.status.admits_motion and found.lower and found.upper:
         ends = (np.full(2, end) for end in (found.lower.c2, min(found.upper.c2, 2 * high)))
         items.append(Band(x=samples.time[[0, -1]], lower=next(ends), upper=next(ends), color=ADMISSIBLE, opacity=0.15,
@@ -184,14 +184,12 @@ def neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, floa
     return [(float(edges[start]), float(edges[end])) for start, end in steps.reshape(-1, 2)]
 
 
-def upright_areas(
-    spans: Sequence[tuple[float, float]], ends: tuple[float, float], label: str, color: str, hatch: str = ""
-) -> Bars:
+def upright_areas(spans: Sequence[tuple[float, float]], ends: tuple[float, float], label: str, color: str) -> Bars:
     """Parts of the x axis, filled from the lower to the upper one of the ends of the y axis."""
     start, end = np.array(spans, dtype=np.float64).T
     low, high = (np.full(len(spans), value) for value in ends)
     return Bars(place=(start + end) / 2, start=low, end=high, thickness=end - start, label=label, color=color,
-                hatch=hatch, upright=True)  # fmt: skip
+                upright=True)  # fmt: skip
 
 
 def load_plot(results: Mapping[str, ScalingResult]) -> Plot:

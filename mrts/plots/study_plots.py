@@ -37,14 +37,14 @@ FASTER = ("#fde725", "#aadc32", "#5ec962", "#28ae80", "#21918c", "#2c728e", "#3b
 """Viridis from its end, bright is fast: ordered in grey and for every colour vision (van der Walt and Smith, 2015)."""
 
 WITHOUT = {
-    "unbounded": ("#e3f1e9", "||||"),
-    "infeasible": ("#bbb", "////"),
-    "empty": ("#a9a9a9", "\\\\\\\\"),
-    "unreachable": ("#d9d9d9", "xxxx"),
-    "invalid": ("#8d8d8d", "...."),
-    "failed": ("#6f6f6f", "****"),
+    "unbounded": "#e3f1e9",
+    "infeasible": "#bbb",
+    "empty": "#a9a9a9",
+    "unreachable": "#d9d9d9",
+    "invalid": "#8d8d8d",
+    "failed": "#6f6f6f",
 }
-"""Grey and hatch of what has no duration: greys, which no duration has."""
+"""Of what has no duration: greys, which no duration has."""
 
 SAME = 0.01
 """Share of a duration by which an axis of durations that are all alike is wide."""
@@ -76,8 +76,8 @@ def _title(table: StudyTable, *remarks: str) -> str:
 def _map_panels(table: StudyTable, drawn: StudyMap) -> list[Panel]:
     grid: dict[str, Any] = {"x": drawn.edges[0], "y": drawn.edges[1], "texts": _texts(table, drawn)}
     limits, binding = map_binding(table, drawn)
-    colors, hatches = zip(*(WITHOUT.get(name, ("#fff", "")) for name in OUTCOMES), strict=True)
-    without = HeatMap(**grid, z=drawn.outcome, names=list(OUTCOMES), colors=colors, hatches=hatches)
+    greys = [WITHOUT.get(name, "#fff") for name in OUTCOMES]
+    without = HeatMap(**grid, z=drawn.outcome, names=list(OUTCOMES), colors=greys)
     duration: list[Item] = []
     if len(table.ranked):
         low, high = duration_ends(table)
@@ -127,18 +127,16 @@ def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
     (edges,), durations = drawn.edges, best_values(drawn, table.duration)
     limits, binding = map_binding(table, drawn)
     fills = [
-        (binding == code, name, _pale(color), "")
+        (binding == code, name, _pale(color))
         for code, (name, color) in enumerate(zip(limits, LIMIT_COLOURS, strict=False))
     ]
-    fills += [(drawn.outcome == code, name, *WITHOUT[name]) for code, name in enumerate(OUTCOMES) if name in WITHOUT]
+    fills += [(drawn.outcome == code, name, WITHOUT[name]) for code, name in enumerate(OUTCOMES) if name in WITHOUT]
     log = bool(len(table.ranked)) and spreads_widely(table)
     low, high = (np.nanmin(durations), np.nanmax(durations)) if len(table.ranked) else (0.0, 1.0)
     margin = MARGIN * ((high - low) or high)
     ends = (low / (1 + MARGIN), high * (1 + MARGIN)) if log else (low - margin, high + margin)
     items: list[Item] = [
-        upright_areas(neighbours(edges, where), ends, name, color, hatch)
-        for where, name, color, hatch in fills
-        if np.any(where)
+        upright_areas(neighbours(edges, where), ends, name, color) for where, name, color in fills if np.any(where)
     ]
     middles = (edges[1:] + edges[:-1]) / 2
     items.append(Line(x=middles, y=durations, label="shortest duration", unit="s", color="#1b1b1b"))

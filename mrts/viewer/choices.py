@@ -12,7 +12,6 @@ from mrts.base.arrays import Array
 from mrts.base.formats.pose import Pose
 from mrts.base.rigid_transform import (
     RigidTransform,
-    plane_normal,
     rotations_from_vectors,
     vectors_from_rotations,
 )
@@ -30,7 +29,7 @@ TORQUE_RATE = 11.0
 """Of the smooth profile, where the cell gives none: a multiple of the torque limit per second [1/s]; a Panda's."""
 
 DECIMALS = 6
-"""Of a position that was moved [m]: no hand is as exact as a number of a gizmo."""
+"""Of a position that was moved [m]: what is less is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +83,6 @@ class Place:
             return pose.transform
         robot = next(robot for robot in given.cell.robots if robot.name == self.robot)
         return robot.T_world_base if self.kind == "base" else robot.T_object_tip
-
-    def in_world(self, pose: RigidTransform, held: RigidTransform) -> RigidTransform:
-        """Where a pose of it is in the world, with the object held somewhere."""
-        return held @ pose if self.kind == "grasp" else pose
 
 
 def places(given: Given) -> list[Place]:
@@ -186,12 +181,3 @@ def offset_of(pose: RigidTransform, given: RigidTransform) -> tuple[Array, Array
 def moved_by(given: RigidTransform, shift: Array, turn: Array) -> RigidTransform:
     """The opposite of `offset_of`."""
     return RigidTransform(rotations_from_vectors(turn[None])[0] @ given.R, given.p + shift)
-
-
-def in_plane(cell: Cell, pose: RigidTransform, given: RigidTransform) -> RigidTransform:
-    """The pose nearest to one that a planar cell may have; of a spatial cell itself."""
-    if cell.plane is None:
-        return pose
-    shift, turn = offset_of(pose, given)
-    normal = plane_normal(cell.plane)
-    return moved_by(given, shift - normal * (normal @ shift), normal * (normal @ turn))

@@ -5,17 +5,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from math import degrees, radians
-from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
 import viser
 
+from mrts.base.arrays import Array
 from mrts.base.errors import MrtsError
-from mrts.base.rigid_transform import RigidTransform, rotations_from_quaternions
+from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell_change import Changed, limit_names
-from mrts.scene.scene import wxyz
-from mrts.viewer.choices import Choices, Given, Place, free_axes, in_plane, moved_by, offset_of, places
+from mrts.viewer.choices import Choices, Place, free_axes, moved_by, offset_of, places
 from mrts.viewer.panel import text_html
 from mrts.viewer.saved_choices import save_choices
 from mrts.viewer.scene import ViewerScene
@@ -31,13 +30,10 @@ SHARES = (5.0, 300.0, 1.0, 100.0)
 """Of a limit on offer [% of the given one]: least, largest, step, first."""
 
 FARTHEST, TURNED = 500.0, 180.0
-"""Largest shift [mm] and turn [°] of a place on the sliders; the gizmo goes farther."""
+"""Largest shift [mm] and turn [°] of a place."""
 
 FASTEST_RATE = 50.0
 """Largest torque rate on offer, a multiple of the torque limit per second [1/s]."""
-
-ARM = 0.3
-"""Length of the gizmo's arrows, as a share of the cell's size."""
 
 NOWHERE, NO_LIMIT = "nothing", "–"
 NO_FILE = "Only a cell file is written anew: this cell is from generated files, or a variant of a study."
@@ -75,69 +71,12 @@ def assign(handle: viser.GuiInputHandle[Any], value: object) -> None:
     handle.value = value  # type: ignore[misc]  # viser defines the setter where mypy does not look
 
 
-class Gizmo:
-    """One gizmo, at the place that is chosen; its rotation is what turned the place from where it was given.
-
-    Attributes:
-        place: What it moves; None hides it.
-        dragged: Whether a user holds it.
-    """
-
-    def __init__(self, server: viser.ViserServer, given: Given, size: float) -> None:
-        axes = free_axes(given.cell)[0]
-        self._given = given
-        self.place: Place | None = None
-        self.dragged = False
-        self._handle = server.scene.add_transform_controls(
-            "/gizmo", scale=ARM * size, line_width=3.0, active_axes=("x" in axes, "y" in axes, "z" in axes),
-            depth_test=False, visible=False,
-        )  # fmt: skip
-        self._held = RigidTransform.identity()
-        self._events: SimpleQueue[tuple[str, RigidTransform]] = SimpleQueue()
-        self._handle.on_update(self._note)
-
-    async def _note(self, event: viser.TransformControlsEvent) -> None:
-        handle = event.target
-        quaternion = np.roll(np.asarray(handle.wxyz, dtype=np.float64), -1)
-        pose = RigidTransform(rotations_from_quaternions(quaternion), np.array(handle.position, dtype=np.float64))
-        self._events.put((event.phase, pose))
-
-    def choose(self, place: Place | None) -> None:
-        """Move another place, or none."""
-        self.place, self.dragged = place, False
-        self._handle.visible = place is not None
-
-    def follow(self, choices: Choices, held: RigidTransform) -> None:
-        """Stand where the place is, unless a user holds it."""
-        if self.place is None or self.dragged:
-            return
-        self._held, given = held, self.place.given(self._given)
-        now = self.place.in_world(choices.poses.get(self.place, given), held)
-        self._handle.position = now.p
-        self._handle.wxyz = wxyz(now.R @ self.place.in_world(given, held).R.T)
-
-    def moved(self, choices: Choices) -> Choices | None:
-        """Choices as the gizmo was moved since the last call; None if it was not."""
-        last = None
-        while not self._events.empty():
-            phase, pose = self._events.get()
-            self.dragged = phase != "end"
-            if phase == "update":
-                last = pose
-        if last is None or self.place is None:
-            return None
-        given = self.place.given(self._given)
-        pose = RigidTransform(last.R @ self.place.in_world(given, self._held).R, last.p)
-        pose = self.place.in_world(pose, self._held.inverse())
-        return choices.with_pose(self.place, in_plane(self._given.cell, pose, given))
-
-
 class ChangeControls:
     """All that changes a workbench's choices, in the container that is open."""
 
-    def __init__(self, server: viser.ViserServer, bench: Workbench, size: float, later: Later) -> None:
-        self._bench, self._given, self._gui = bench, bench.given, server.gui
-        self._gizmo = Gizmo(server, bench.given, size)
+    def __init__(self, gui: viser.GuiApi, bench: Workbench, later: Later) -> None:
+        self._bench, self._given, self._gui = bench, bench.given, gui
+        self._place: Place | None = None
         self._bound: list[BoundControl] = []
         self._gui.add_button("Reset all changes").on_click(lambda _: later(self._reset))
         with self._gui.add_folder("Timing", visible=not bench.given.stands):
@@ -150,36 +89,27 @@ class ChangeControls:
             self._add_places()
         self.show()
 
-    def follow(self, speed_at: Callable[[Choices], float | None], held: RigidTransform) -> None:
+    def follow(self, speed_at: Callable[[Choices], float | None]) -> None:
         """Take over what was changed since the last call, and ask for its answer.
 
         Args:
             speed_at: The speed to play choices at; None is the first one.
-            held: Of the object in the world, at the moment that is shown.
 
         Raises:
             InputError: If a value breaks a rule.
         """
         bench, choices = self._bench, self._bench.choices
-        by_gizmo = self._gizmo.moved(choices)
-        touched, choices = by_gizmo is not None, by_gizmo or choices
-        for control in self._bound:
-            value = control.handle.value
-            if value != control.shown:
-                control.shown = value
-                touched, choices = True, control.apply(choices, value)
-        if touched:
-            if choices is not bench.choices:
-                bench.edit(choices, speed_at(choices))
+        changed = [control for control in self._bound if control.handle.value != control.shown]
+        for control in changed:
+            control.shown = control.handle.value
+            choices = control.apply(choices, control.shown)
+        if choices is not bench.choices:
+            bench.edit(choices, speed_at(choices))
+        if changed:
             self.show()
-            self.follow_gizmo(held)
-
-    def follow_gizmo(self, held: RigidTransform) -> None:
-        """Let the gizmo stand where its place is."""
-        self._gizmo.follow(self._bench.choices, held)
 
     def show(self) -> None:
-        """Show choices that came from elsewhere: those that were given again, or by the gizmo."""
+        """Show choices that came from elsewhere: those that were given, or of another place."""
         choices = self._bench.choices
         for control in self._bound:
             control.show(choices)
@@ -261,13 +191,11 @@ class ChangeControls:
 
     def _add_places(self) -> None:
         found = {str(place): place for place in places(self._given)}
-        menu = self._gui.add_dropdown(
-            "move", (NOWHERE, *found), hint="with the gizmo in the scene, or with the sliders below"
-        )
+        menu = self._gui.add_dropdown("move", (NOWHERE, *found), hint="from where it was given")
         offsets: list[BoundControl] = []
 
         def choose(now: Choices, value: str) -> Choices:
-            self._gizmo.choose(found.get(value))
+            self._place = found.get(value)
             for control in offsets:
                 control.handle.visible = value in found
             return now
@@ -284,23 +212,24 @@ class ChangeControls:
         offsets += self._bound[first:]
 
     def _bind_offset(self, slider: viser.GuiSliderHandle[float], axis: int, *, is_turn: bool) -> None:
-        gizmo, given = self._gizmo, self._given
+        def offset(now: Choices, place: Place) -> tuple[RigidTransform, Array, Array]:
+            """Where a place was given, and how far it is from there."""
+            start = place.given(self._given)
+            return start, *offset_of(now.poses.get(place, start), start)
 
         def read(now: Choices) -> float:
-            if gizmo.place is None:
+            if self._place is None:
                 return 0.0
-            start = gizmo.place.given(given)
-            shift, turn = offset_of(now.poses.get(gizmo.place, start), start)
+            _, shift, turn = offset(now, self._place)
             value = degrees(turn[axis]) if is_turn else 1000 * shift[axis]
             return round(float(np.clip(value, slider.min, slider.max)), DECIMALS)
 
         def apply(now: Choices, value: float) -> Choices:
-            if gizmo.place is None:
+            if self._place is None:
                 return now
-            start = gizmo.place.given(given)
-            shift, turn = offset_of(now.poses.get(gizmo.place, start), start)
+            start, shift, turn = offset(now, self._place)
             (turn if is_turn else shift)[axis] = radians(value) if is_turn else value / 1000
-            return now.with_pose(gizmo.place, moved_by(start, shift, turn))
+            return now.with_pose(self._place, moved_by(start, shift, turn))
 
         self._bind(slider, read, apply)
 

@@ -8,7 +8,6 @@ import viser
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
@@ -233,10 +232,6 @@ class ViewerScene:
             self._nearest.points = points[None].astype(np.float32)
             self._nearest.colors = np.full((1, 2, 3), OVER_LIMIT if near.collides else PATH, dtype=np.uint8)
             name.text, name.position = f"{1e3 * near.distance:.3g} mm at {near.time:.3g} s", np.mean(points, axis=0)
-
-    def held_pose(self, sample: int) -> RigidTransform:
-        """The object in the world at a sample of what is shown."""
-        return RigidTransform(self._course.rotation[sample], self._course.position[sample])
 
     def show_gap(self, held: HeldPoses, sample: int) -> None:
         """Draw how near the arms come to their grasps at one of the samples looked at."""

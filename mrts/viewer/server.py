@@ -34,15 +34,9 @@ LARGEST_MESSAGE = 16_384
 LONGEST_TEXT = 200
 """Of a text field: a name of a file."""
 
-FARTHEST = 1e3
-"""Where a gizmo can be dragged to along an axis [m]."""
-
 CAMERA = {"wxyz": 4, "position": 3, "look_at": 3, "up_direction": 3,
           **dict.fromkeys(("fov", "near", "far", "image_height", "image_width"), 0)}  # fmt: skip
 """What a browser says of where it looks from: how many numbers each, 0 for a single one."""
-
-GIZMO_MOVED = "TransformControlsUpdateMessage"
-GIZMO_HELD = {"TransformControlsDragStartMessage", "TransformControlsDragEndMessage"}
 
 
 def open_server(host: str, port: int, label: str) -> "GuardedServer":
@@ -95,11 +89,8 @@ class GuardedServer(viser.ViserServer):
         self._host, self.token, self._is_guarded = host, secrets.token_urlsafe(16), False
         with self._guarding():
             super().__init__(host, port, label, verbose=False)
-        registers = (
-            getattr(self.gui, "_gui_input_handle_from_uuid", None),
-            getattr(self.scene, "_handle_from_transform_controls_name", None),
-        )
-        if not self._is_guarded or not all(isinstance(register, dict) for register in registers):
+        register = getattr(self.gui, "_gui_input_handle_from_uuid", None)
+        if not self._is_guarded or not isinstance(register, dict):
             self.stop()
             raise InputError(
                 "viser",
@@ -170,22 +161,13 @@ class GuardedServer(viser.ViserServer):
         return None if allowed is None else msgspec.msgpack.encode(allowed)
 
     def _allowed(self, read: Any) -> dict[str, Any] | None:
-        """What of a message a control, a camera or a gizmo can have sent; None for any other."""
+        """What of a message a control or a camera can have sent; None for any other."""
         match read:
             case {"type": "GuiUpdateMessage" as kind, "uuid": str(uuid), "updates": {"value": value}}:
                 possible = _possible(self.controls.get(uuid), value)
                 return None if possible is None else {"type": kind, "uuid": uuid, "updates": {"value": possible}}
             case {"type": "ViewerCameraMessage" as kind} if _are_numbers(read, CAMERA):
                 return {"type": kind, **{name: read[name] for name in CAMERA}}
-            case {"type": str(kind), "name": str(name)} if kind in {GIZMO_MOVED, *GIZMO_HELD} and not read.get("owner"):
-                gizmo = self.scene._handle_from_transform_controls_name.get(name)  # noqa: SLF001 (as `controls`)
-                if gizmo is None or not gizmo.visible:
-                    return None
-                if kind in GIZMO_HELD:
-                    return {"type": kind, "name": name}
-                if _are_numbers(read, {"wxyz": 4, "position": 3}) and any(read["wxyz"]):
-                    near = max(map(abs, read["position"])) <= FARTHEST
-                    return {key: read[key] for key in ("type", "name", "wxyz", "position")} if near else None
         return None
 
 

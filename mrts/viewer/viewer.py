@@ -139,7 +139,6 @@ class Viewer:
         self.bench = bench if isinstance(bench, Workbench) else None
         answer = self._answer = bench.answer if isinstance(bench, Workbench) else Answer(Choices(), bench)
         stands = answer.state is None and not answer.message
-        self._sample = 0
         self._todo: SimpleQueue[Any] = SimpleQueue()
         later, gui = self._todo.put, server.gui
         self._scene = ViewerScene(server, answer.scene, urdfs, warn)
@@ -173,7 +172,7 @@ class Viewer:
                 self.plots = PlotPanel(gui, tab)
         if self.bench is not None:
             with tabs.add_tab("Change"):
-                self._changes = ChangeControls(self.server, self.bench, self._scene.size, later)
+                self._changes = ChangeControls(gui, self.bench, later)
         with tabs.add_tab("View"):
             if not stands:
                 self.playback.add_pace(gui)
@@ -245,7 +244,7 @@ class Viewer:
 
     def _follow_changes(self) -> None:
         if self._changes is not None:
-            self._changes.follow(self._speed_at, self._scene.held_pose(self._sample))
+            self._changes.follow(self._speed_at)
 
     def _speed_at(self, choices: Choices) -> float | None:
         """The speed that other choices are played at: the first one while that is shown, and of another profile."""
@@ -296,18 +295,16 @@ class Viewer:
 
     def _show_moment(self, *, read: bool) -> None:
         answer, at = self._answer, self.playback.time
-        self._sample = int(np.argmin(np.abs(answer.times - at)))
+        sample = int(np.argmin(np.abs(answer.times - at)))
         with self.server.atomic():
             if answer.state is not None:
-                answer.state.sample = self._sample
+                answer.state.sample = sample
                 between = float(np.interp(at, answer.times, np.arange(len(answer.times))))
-                self._scene.show_moment(answer.state, between if self.playback.plays else self._sample)
+                self._scene.show_moment(answer.state, between if self.playback.plays else sample)
                 if self.plots is not None:
                     self.plots.show_moment(answer.state)
             elif answer.held is not None:
-                self._scene.show_gap(answer.held, self._sample)
-        if self._changes is not None:
-            self._changes.follow_gizmo(self._scene.held_pose(self._sample))
+                self._scene.show_gap(answer.held, sample)
         if read:
             self.playback.show()
             self._moment_text.content = moment_html(answer.state)

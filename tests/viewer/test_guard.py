@@ -20,7 +20,6 @@ from websockets.sync.client import connect
 
 import mrts
 from mrts.cli import main
-from mrts.viewer.choices import Choices, Place
 from mrts.viewer.server import LARGEST_MESSAGE, names_this_machine, open_server
 
 
@@ -150,40 +149,6 @@ BAD_VALUES = {
     "torque rate [1/s]": [5.0],  # is hidden
     "cell file": ["../evil.yaml\n", "a" * 201, "\x1b[31m", 3, None],
 }
-GIZMO = {"type": "TransformControlsUpdateMessage", "name": "/gizmo", "wxyz": [1, 0, 0, 0], "position": [0.1, 0, 0]}
-BAD_GIZMO = [
-    {"name": "/object"},
-    {"owner": "3"},
-    {"wxyz": [0, 0, 0, 0]},
-    {"wxyz": [float("nan"), 0, 0, 1]},
-    {"wxyz": [1, 0, 0]},
-    {"position": [float("inf"), 0, 0]},
-    {"position": [1e9, 0, 0]},
-    {"position": "here"},
-]
-
-
-def test_a_gizmo_moves_only_while_it_is_seen_and_to_a_place(viewer):
-    """The base follows it in the plane of the cell."""
-    guard, menu, base = viewer.server, viewer.controls["move"], Place("base", "left")
-    assert guard.checked(pack(GIZMO)) is None  # hidden
-    menu.value = "left base"
-    viewer.shown.settle()
-    for bad in BAD_GIZMO:
-        assert guard.checked(pack(GIZMO | bad)) is None, bad
-    with connected(viewer.url) as opened:
-        opened.send(pack({"type": "TransformControlsDragStartMessage", "name": "/gizmo"}))
-        opened.send(pack(GIZMO | {"position": [-0.02, 0.01, 0.7]}))
-        opened.send(pack({"type": "TransformControlsDragEndMessage", "name": "/gizmo"}))
-        end = time.monotonic() + PATIENCE
-        while not viewer.bench.choices.poses and time.monotonic() < end:
-            assert opened.ping().wait(PATIENCE)
-            viewer.shown.settle()
-    np.testing.assert_allclose(viewer.bench.choices.poses[base].p, [-0.02, 0.01, 0.0], atol=1e-6)
-    viewer.bench.edit(Choices())
-    menu.value = "nothing"
-    viewer.shown.settle()
-    assert not viewer.bench.choices.poses
 
 
 def set_slider(viewer, opened, label, value, shown=None):
