@@ -78,19 +78,14 @@ def write_simulation_report(found: Simulation, path: Path | str) -> None:
 
 
 def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]:
-    done = shown.trajectory
-    if timing is not None:
-        text = timing.sentence()
-        told = [f"{text[0].upper()}{text[1:]}"]
-        if timing.retimed is None:
-            told.append(f"The best constant factor, which is shown below: {shown.sentence()}")
-        elif done is not None:
-            told.append(f"The motors give {done.energy:.4g} J.")
-        return told
     told = [shown.sentence()]
-    if done is not None:
+    if timing is not None:
+        told = [f"{timing.sentence()[0].upper()}{timing.sentence()[1:]}"]
+        if timing.retimed is None:
+            return [*told, f"The best constant factor, which is shown below: {shown.sentence()}"]
+    if shown.trajectory is not None:
         load = "" if shown.load is None else f"The torques below are those of a load of {shown.cell.mass:.4g} kg. "
-        told.append(f"{load}The motors give {done.energy:.4g} J.")
+        told.append(f"{load}The motors give {shown.trajectory.energy:.4g} J.")
     return told
 
 

@@ -63,38 +63,19 @@ def nearest_table(card: Card) -> Table:
 
 def inputs(result: ScalingResult) -> list[tuple[str, str]]:
     """What was asked beside cell and motion, by name."""
-    entries = [("load", "known" if result.load is None else result.load.sentence())]
-    entries.append(("torques", _distribution_text(result)))
+    asked, load = result.options, result.load
+    shares = None if asked.sharing is None else asked.sharing.shares
+    fixed = "equal" if shares is None else ", ".join(f"{share:.4g}" for share in shares)
+    entries = [
+        ("load", "known" if load is None else load.sentence()),
+        ("torques", asked.distribute if asked.sharing is None else f"fixed shares of the load: {fixed}"),
+        ("accuracy", "between the samples not looked at" if result.excess is None else str(result.excess)),
+    ]
     if result.cell.reserve:
         entries.append(("kept in reserve", f"{100 * result.cell.reserve:.4g} % of every limit"))
     if result.reserve is not None:
         entries.append(("reserve", str(result.reserve)))
-    entries.append(("between the samples", _between_text(result)))
     return entries
-
-
-def _between_text(result: ScalingResult) -> str:
-    found = result.excess
-    if found is None:
-        return "not looked at"
-    if found.share > 0:
-        return str(found).removeprefix("between the samples ")
-    return f"all limits are kept to {100 * found.tolerance:.2g} % of them"
-
-
-def _distribution_text(result: ScalingResult) -> str:
-    sharing = result.options.sharing
-    if sharing is None and len(result.cell.robots) == 1:
-        return "those of one arm"
-    if sharing is None:
-        if result.options.distribute == "reserve":
-            return "those that keep most of every limit in reserve, and the least weighted squares among them"
-        if result.options.rates is not None:
-            return "the least weighted squares over the whole motion that keep all limits, and those of rates"
-        return "the least weighted squares that keep all limits"
-    if sharing.shares is None:
-        return "a fixed distribution, equal shares"
-    return f"a fixed distribution, shares {', '.join(f'{share:.4g}' for share in sharing.shares)}"
 
 
 def margins_table(result: ScalingResult, limiting: LimitingRows) -> Table:
