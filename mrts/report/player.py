@@ -87,7 +87,9 @@ def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
         for around in [shape_surface(one, MOST_TRIANGLES)]
     ]
     still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
-    camera = _camera(cell, q, given.position[frames])
+    view = look_at_cell(cell, q, given.position[frames])
+    eyes = {"eye": EYE * view.direction, "up": view.up}
+    camera = {name: dict(zip("xyz", axis.tolist(), strict=True)) for name, axis in eyes.items()}
     clocks = {"given": given.time, "played": time} | ({} if way is None else {"way": way})
     return {
         "data": [*still, path, *obstacles],
@@ -195,18 +197,3 @@ def _layout(cell: Cell, points: Array, camera: dict[str, Any]) -> dict[str, Any]
         "scene": axes | {"aspectmode": "manual", "aspectratio": ratio, "camera": camera},
         "uirevision": "kept",
     }
-
-
-def _camera(cell: Cell, q: Array, position: Array) -> dict[str, Any]:
-    """Square onto the plane of a planar cell; else as pictures and the viewer look at it."""
-    if cell.plane is not None:
-        eye, up = {"xy": ((0, 0, 2), (0, 1, 0)), "xz": ((0, -2, 0), (0, 0, 1)), "yz": ((2, 0, 0), (0, 0, 1))}[
-            cell.plane
-        ]
-        projection = "orthographic"
-    else:
-        view = look_at_cell(cell, q, position)
-        eye, up = tuple((EYE * view.direction).tolist()), tuple(view.up.tolist())
-        projection = "perspective"
-    views = {"eye": dict(zip("xyz", eye, strict=True)), "up": dict(zip("xyz", up, strict=True))}
-    return views | {"projection": {"type": projection}}

@@ -230,13 +230,11 @@
 
   // plotly shows about two units upward, and as many more sideways as the window is wider than high
   function fit({ aspectratio: size, camera }) {
-    const flat = camera.projection.type === "orthographic";
     const axes = Object.keys(size);
     const upward = axes.reduce((best, axis) => (Math.abs(camera.up[axis]) > Math.abs(camera.up[best]) ? axis : best));
-    const level = axes.filter((axis) => axis !== upward);
-    const wide = Math.hypot(...level.filter((axis) => !flat || camera.eye[axis] === 0).map((axis) => size[axis]));
-    const high = size[upward] + (flat ? 0 : wide / 2);
-    const scale = (flat ? 1.5 : 1.4) * Math.min(1 / high, player.place.clientWidth / player.place.clientHeight / wide);
+    const wide = Math.hypot(...axes.filter((axis) => axis !== upward).map((axis) => size[axis]));
+    const high = size[upward] + wide / 2;
+    const scale = 1.4 * Math.min(1 / high, player.place.clientWidth / player.place.clientHeight / wide);
     return Object.fromEntries(axes.map((axis) => [axis, size[axis] * scale]));
   }
 

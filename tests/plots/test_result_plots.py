@@ -86,7 +86,7 @@ def test_both_drawers_draw_the_numbers_of_a_plot():
         x=x, y=y, label="a $ <b>", unit="N", lower=np.full(3, -5.0), upper=np.array([4.0, 5.0, 6.0]), steps=True
     )
     items = [line, Band(x=x, lower=0 * x, upper=x, label="band"), Rule(at=2.0, label="rule"),
-             upright_areas([(0.5, 1.0)], (-6.0, 2.0), "span", "#ddd", "///"),
+             upright_areas([(0.5, 1.0)], (-6.0, 2.0), "span", "#ddd"),
              Points(x=x[:1], y=x[:1], texts=["here"], label="mark")]  # fmt: skip
     bars = Bars(
         place=np.array([0.0, 1.0]), start=np.zeros(2), end=np.array([3.0, -4.0]), texts=["p", "q"], label="bars"
