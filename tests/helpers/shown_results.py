@@ -38,8 +38,8 @@ def renamed(cell, name, robots, joints):
 
 
 def with_awkward_names(cell):
-    """The cell with names that a cell file would refuse."""
-    return renamed(cell, AWKWARD, (AWKWARD, "r$2$"), UGLY_JOINTS)
+    """The cell with names of joints as a URDF may give them."""
+    return renamed(cell, "awkward", ("left", "right"), (AWKWARD, *UGLY_JOINTS[1:]))
 
 
 def random_result(make, seed, folder, arms):
