@@ -2,7 +2,6 @@
 """The cell with its URDFs read: everything that the symbolic layer and the manifest need."""
 
 import hashlib
-import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -40,8 +39,6 @@ from mrts.cell.motors import given_torque_limits
 from mrts.cell.points import ArmPointLimit, ObjectRates, point_names
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
 from mrts.cell.robot import Robot
-
-logger = logging.getLogger("mrts")
 
 
 class BuiltRobot(NamedTuple):
@@ -81,11 +78,8 @@ class CellModel:
 
 
 def read_cell_model(path: Path) -> CellModel:
-    """A cell file with its URDFs; what is worth a remark is logged."""
-    cell = build_cell_model(path, read_cell_description(path))
-    for remark in cell.record.remarks:
-        logger.warning(remark.text)
-    return cell
+    """A cell file with its URDFs."""
+    return build_cell_model(path, read_cell_description(path))
 
 
 def read_cell(path: Path) -> tuple[CellModel | None, tuple[InputError, ...]]:

@@ -6,7 +6,7 @@ Here and in `source_files.py` beside it, and nowhere else, the run time calls th
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
@@ -186,21 +186,7 @@ def emitted(functions: dict[str, Any]) -> str:
 
 
 def cell_model(path: Path) -> Any:
-    """A cell with its URDFs; the last one is not read again while its files are the same."""
-    from mrts_codegen.content_key import is_as_made, text_key  # noqa: PLC0415 (build time, on demand)
-
-    text = text_key(path)
-    model = _model(path, text)
-    if not is_as_made(path, model.record):
-        _model.cache_clear()
-        model = _model(path, text)
-    if text_key(path) != text:
-        _model.cache_clear()
-    return model
-
-
-@lru_cache(maxsize=1)
-def _model(path: Path, _text: str) -> Any:
+    """A cell with its URDFs."""
     from mrts_codegen.cell_model import read_cell_model  # noqa: PLC0415 (build time, on demand)
 
     return read_cell_model(path)

@@ -8,6 +8,7 @@ from typing import Any
 
 from mrts.base.argument_types import is_number
 from mrts.base.errors import did_you_mean
+from mrts.base.load_box import UNITS
 from mrts.cell.motors import PER_JOINT, RATINGS
 from mrts.cell.robot import Robot
 
@@ -45,9 +46,6 @@ BY_KEY = {
     "force": "N",
     "holding_force": "N",
 }
-
-OF_VARIATION = {"m": "kg m", "c": "m"}
-"""Unit of a range of the object's variation by the first letter of its key (mx, com_x); factors have none."""
 
 OF_JOINT = {
     "posture": ("rad", "m"),
@@ -144,8 +142,7 @@ def number_unit(keys: Keys, robots: Sequence[Robot], wrench_units: Sequence[str]
     """Unit of the number at a place; empty if it has none, or its file does not say."""
     words = [key for key in keys if isinstance(key, str)]
     if "variation" in words:
-        key = words[words.index("variation") + 1]
-        return "" if key == "mass" else OF_VARIATION.get(key[0], "")
+        return UNITS.get(words[words.index("variation") + 1], "")
     if words[:2] == ["cell", "robots"] and isinstance(keys[2], int):
         unit = _robot_unit(keys, words[2:], robots[keys[2]], wrench_units)
         if unit is not None:

@@ -8,7 +8,7 @@ from click import argument, option
 from mrts.commands import options
 from mrts.commands.console.exit_codes import FEASIBLE
 from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import say
+from mrts.commands.console.terminal import say, warn
 from mrts.commands.options import Named, Written
 
 EXAMPLES = """\
@@ -27,6 +27,8 @@ def run(cell: Path, output: Path | None = None) -> int:
 
     with working(f"generating {cell}"):
         manifest, source = generate_to(cell, output)
+    for remark in manifest.cell.remarks:
+        warn(remark.text)
     say(f"{manifest.cell.name}: {len(manifest.functions)} functions in {source}")
     for function in manifest.functions.values():
         say(f"  {function.symbol:<40} {function.instructions:>6} instructions")
