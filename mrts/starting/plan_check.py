@@ -51,7 +51,7 @@ NEEDED = {"ddq": "dq", "tau": "F", "F": "tau"}
 """What cannot be looked at without the other: arms that hold one object share its load by both."""
 
 RESIDUAL = 1e-3
-"""Share of a torque limit, and of the largest force or moment, that dynamics may miss: rounding in tables."""
+"""Share of a torque limit, and of the largest force, or moment, that dynamics may miss: rounding in tables."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -317,7 +317,8 @@ def _given_torques(
     B = terms["B"]
     short = terms["P"] + terms["Q"] - np.einsum("nij,nj->ni", B, wrench)
     moved = B.transpose(0, 2, 1) @ np.linalg.solve(B @ B.transpose(0, 2, 1), short[:, :, None])
-    residual = np.abs(tau - torques(wrench)[rows])
+    asked = torques(wrench)[rows]
+    residual = np.abs(tau - asked)
     before, after = travel_directions(motion)[:, rows]
     coulomb = np.concatenate([robot.motors.coulomb for robot in cell.robots])
     residual = np.maximum(residual - coulomb * (1 - np.abs(before + after) / 2), 0.0)  # a joint at rest may take it
@@ -330,14 +331,19 @@ def _given_torques(
         for joint, unit in zip(robot.joints, robot.torque_units, strict=True)
     ]
     limit = np.concatenate([np.maximum(-robot.torque_lower, robot.torque_upper) for robot in cell.robots])
-    limit = RESIDUAL * np.where(np.isfinite(limit), limit, np.max(np.abs(tau), axis=0))
+    limit = RESIDUAL * np.where(np.isfinite(limit), limit, np.max(np.abs([tau, asked]), axis=(0, 1)))
     of_object = [
         RowName("balance residual", "object", part, unit)
         for part, unit in zip(cell.wrench_components, cell.wrench_units, strict=True)
     ]
-    sizes = np.max(np.abs(F).reshape(len(F), len(cell.robots), -1), axis=(0, 1))
-    units = np.array(cell.wrench_units)
-    group = RESIDUAL * np.array([np.max(sizes[units == unit]) for unit in units])
+    carried = (terms["P"] + terms["Q"])[rows]
+    parts = [*np.split(F, len(cell.robots), axis=1), carried, carried - short[rows]]
+    sizes = np.max(np.abs(parts), axis=(0, 1))
+    forces = np.array(cell.wrench_units) == "N"
+    largest = np.max(sizes[forces])
+    arm = max(float(np.linalg.norm(robot.T_object_tip.p)) for robot in cell.robots)
+    moment = max(arm * largest, float(np.max(sizes[~forces])))
+    group = RESIDUAL * np.where(forces, largest, moment)
     return (
         torque,
         wrench,
@@ -394,10 +400,9 @@ def _ends(cell: Cell, time: Array, dq: Array) -> list[LimitUse]:
 
 
 def _uses(names: Sequence[RowName], time: Array, values: Array, limit: Array) -> list[LimitUse]:
-    """Of sizes with a largest value each."""
-    share = np.divide(values, limit, out=np.zeros_like(values), where=values > 0)
-    wide = np.broadcast_to(limit, values.shape)
-    return list(LimitedQuantities(tuple(names), values, np.zeros_like(wide), wide, share, limit).uses(time))
+    """Of sizes with a largest value each, 0 where nothing is to compare with: then 1 is 100 %."""
+    unit, wide = np.where(limit > 0, limit, 1.0), np.broadcast_to(limit, values.shape)
+    return list(LimitedQuantities(tuple(names), values, np.zeros_like(wide), wide, values / unit, unit).uses(time))
 
 
 def _contradictions(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> Iterator[str]:

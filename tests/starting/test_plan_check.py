@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from command_line import mrts_command
 from conftest import UR5
+from gantries import along_x, gantries, uphill_gantries
 from shipped_cells import cell_file, shipped
 
 import mrts
@@ -149,6 +150,14 @@ def test_jumps_of_the_fastest_timing_are_rounded_off_between_the_rows(planar_cel
     assert (found.status, worst.name.kind) == ("impossible", "torque")
     assert "to" in found.place(worst)
     assert worst.share > 1.1
+
+
+@pytest.mark.parametrize("make", [gantries, uphill_gantries])
+def test_sliding_joints_without_gravity_or_with_friction_are_fine(make, tmp_path):
+    """No moment acts on the object, and some joints stand still: there is little to compare rounding with."""
+    cell = make(tmp_path, velocity=0.1) if make is gantries else make(tmp_path)
+    result = mrts.scale(cell, along_x())
+    assert mrts.check_plan(cell, table(tmp_path / "plan.csv", columns(result, tmp_path))).status == "fine"
 
 
 def test_dry_friction_of_joints_at_rest_is_no_residual(lift, tmp_path):
