@@ -45,12 +45,6 @@ def parse_parts(path: Path, content: bytes) -> tuple[dict[str, Link], list[UrdfJ
     return _parsed(path, text_of(path, "URDF", content))
 
 
-def mesh_names(path: Path, content: bytes) -> list[str]:
-    """Files of meshes that a URDF names, each once; arguments as `parse_urdf`, which has read it."""
-    meshes = _parse(path, text_of(path, "URDF", content)).iter("mesh")
-    return list(dict.fromkeys(str(mesh.get("filename") or "") for mesh in meshes))
-
-
 @lru_cache(maxsize=FILES_KEPT)
 def _parsed(path: Path, text: str) -> tuple[dict[str, Link], list[UrdfJoint]]:
     root = _parse(path, text)

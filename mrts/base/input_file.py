@@ -112,7 +112,7 @@ def _check_kind(where: Path | str, data: dict[Any, Any], what: str) -> None:
         for other, keys in KEYS_OF.items():
             if len(keys & data.keys()) >= CLEARLY_OTHER:
                 is_study = other == "study file"
-                taken = "`mrts sweep` and `mrts view --variant N` take it." if is_study else "are two files swapped?"
+                taken = "`mrts sweep` takes it." if is_study else "are two files swapped?"
                 raise InputError(where, f"this is a {other}, and a {what} belongs here: {taken}")
 
 

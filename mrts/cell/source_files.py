@@ -41,14 +41,12 @@ class UrdfReading(NamedTuple):
         urdf: Its links and joints; None if they are none.
         mistakes: All that breaks a rule.
         remarks: What is let pass.
-        meshes: Files of meshes that it names.
     """
 
     path: Path
     urdf: Urdf | None
     mistakes: tuple[InputError, ...]
     remarks: tuple[Remark, ...] = ()
-    meshes: tuple[str, ...] = ()
 
 
 def described(path: Path) -> Any:
@@ -91,7 +89,7 @@ def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> 
     Raises:
         InputError: If it names a package that is nowhere.
     """
-    from mrts_codegen.urdf.urdf_file import mesh_names, parse_parts, parse_urdf  # noqa: PLC0415 (build time, on demand)
+    from mrts_codegen.urdf.urdf_file import parse_parts, parse_urdf  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.urdf.urdf_survey import urdf_mistakes  # noqa: PLC0415
     from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
@@ -102,11 +100,10 @@ def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> 
         mistakes, remarks = urdf_mistakes(path, *parse_parts(path, content))
     except InputError as error:
         return UrdfReading(path, None, error.each())
-    meshes = tuple(mesh_names(path, content))
     try:
-        return UrdfReading(path, parse_urdf(path, content), mistakes, remarks, meshes)
+        return UrdfReading(path, parse_urdf(path, content), mistakes, remarks)
     except InputError as error:
-        return UrdfReading(path, None, (*error.each(), *mistakes), remarks, meshes)
+        return UrdfReading(path, None, (*error.each(), *mistakes), remarks)
 
 
 def arm_of_urdf(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> tuple[Robot, Array]:

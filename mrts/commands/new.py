@@ -3,7 +3,6 @@
 
 import re
 import shlex
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,13 +27,12 @@ EXAMPLES = """\
 examples:
   mrts new pair --robot arm.urdf                  two of a kind
   mrts new lift --robot left.urdf --robot right.urdf --tip tool0 --tip tool0 --mass 5
-  mrts new held --robot arm.urdf --degrees --posture 6,-75,109,-40,11,17 --posture -23,-69,103,-29,-11,57
   mrts new --hold cell.yaml motion.yaml           grasps from the postures of a cell that is there"""
 
 
 def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
-    rule = f"must be {' or '.join(map(str, counts)) or 'some'} numbers with commas between them, such as 0.5,0,-1."
-    return options.listed(where, rule, options.array, counts=counts or options.ANY_COUNT)
+    rule = f"must be {' or '.join(map(str, counts))} numbers with commas between them, such as 0.5,0,-1."
+    return options.listed(where, rule, options.array, counts=counts)
 
 
 @options.command(EXAMPLES)
@@ -48,9 +46,6 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
         "name)")  # fmt: skip
 @option("--base", "bases", multiple=True, type=_vector("bases", 3, 6), metavar="X,Y,Z[,R,P,Y]",
         help="root of the URDF in the world, once for each robot; m, rad (default: proposed)")  # fmt: skip
-@option("--posture", "postures", multiple=True, type=_vector("postures"), metavar="Q,Q,…",
-        help="where the arm holds the object, once for each arm; rad, m (default: searched)")  # fmt: skip
-@option("--degrees", is_flag=True, help="angles of --base and --posture are degrees")
 @option("--mass", type=float, metavar="KG", help="of the object (default: what the arms hold easily)")
 @option(
     "--gravity",
@@ -58,8 +53,6 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
     metavar="X,Y,Z",
     help="in the world (default: 0,0,-9.81)",
 )
-@option("--name", help="of the cell (default: that of the folder)")
-@option("--copy", is_flag=True, help="copy the URDFs into the folder (not their meshes)")
 @option("--force", is_flag=True, help="overwrite files; with --hold, write the grasps into CELL")
 @option("--hold", nargs=2, type=Named(), metavar="CELL MOTION",
         help="the grasps with which the hands hold the object where the motion starts, as the postures of the cell put "
@@ -67,11 +60,9 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
 def run(
     folder: Path | None = None,
     hold: tuple[Path, Path] | None = None,
-    name: str | None = None,
     bases: "tuple[Array, ...]" = (),
     xacro_arg: tuple[str, ...] = (),
     *,
-    copy: bool = False,
     force: bool = False,
     **given: Any,
 ) -> int:
@@ -91,28 +82,25 @@ def run(
             raise InputError(path, "is there already; --force overwrites it, another DIR leaves it.")
     request = request_of(
         folder,
-        name=_name(name, folder),
-        bases=[_base(base, degrees=given.get("degrees", False)) for base in bases],
+        name=_name(folder),
+        bases=[_base(base) for base in bases],
         xacro_args=options.xacro_arguments(xacro_arg),
         **given,
     )
-    return _begin(folder, request, copy=copy, force=force)
+    return _begin(folder, request)
 
 
-def _base(numbers: "Array", *, degrees: bool) -> "RigidTransform":
-    import numpy as np
-
+def _base(numbers: "Array") -> "RigidTransform":
     from mrts.base.rigid_transform import RigidTransform
 
-    rpy = numbers[3:] if numbers.size > 3 else np.zeros(3)  # noqa: PLR2004 (x, y, z)
-    return RigidTransform.from_xyz_rpy(numbers[:3].tolist(), (np.radians(rpy) if degrees else rpy).tolist())
+    x, y, z, *rpy = numbers.tolist()
+    return RigidTransform.from_xyz_rpy([x, y, z], rpy or [0.0, 0.0, 0.0])
 
 
-def _begin(folder: Path, request: "Request", *, copy: bool, force: bool) -> int:
+def _begin(folder: Path, request: "Request") -> int:
     from mrts.cell.remarks import urdf_remarks
-    from mrts.starting.proposal import propose, renamed
+    from mrts.starting.proposal import propose
 
-    copies = _copies(request, folder, force=force) if copy else {}
     _tell_arms(request)
     with working("trying layouts (the first time, compiling)") as progress:
         try:
@@ -122,22 +110,15 @@ def _begin(folder: Path, request: "Request", *, copy: bool, force: bool) -> int:
             for remark in (one for each in request.arms for one in urdf_remarks(each.arm.robot)):
                 say(str(remark), "note")
             return INFEASIBLE
-    if copies:
-        proposal = renamed(proposal, [copies[each.path] for each in request.arms])
-    _write(folder, proposal, copies)
+    _write(folder, proposal)
     _tell_proposal(folder, proposal)
     return FEASIBLE
 
 
-def _name(given: str | None, folder: Path) -> str:
+def _name(folder: Path) -> str:
     """The name of the cell: letters, digits and single underscores, as generated C has it."""
     from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 
-    if given is not None:
-        if not re.fullmatch(IDENTIFIER, given) or len(given) > LONGEST_NAME:
-            rule = f"must be letters, digits and single underscores, at most {LONGEST_NAME}, beginning with a letter."
-            raise InputError("name", rule, value=given)
-        return given
     words = re.findall(r"[A-Za-z0-9]+", folder.absolute().name)
     name = "_".join(words)[:LONGEST_NAME].rstrip("_")
     return name if re.fullmatch(IDENTIFIER, name) else "cell"
@@ -162,34 +143,12 @@ def _tell_arms(request: "Request") -> None:
     say("")
 
 
-def _copies(request: "Request", folder: Path, *, force: bool) -> dict[Path, str]:
-    from mrts.base.formats.package_uri import is_xacro
-
-    names: dict[Path, str] = {}
-    for each in request.arms:
-        if is_xacro(each.path):
-            raise InputError("copy", "does not go with a xacro, which includes other files.", value=each.urdf)
-        if each.path not in names:
-            taken = {"cell.yaml", "motion.yaml", *names.values()}
-            stem, suffix = each.path.stem, each.path.suffix
-            choices = (f"{stem}{number}{suffix}" for number in ("", *range(2, len(request.arms) + 2)))
-            names[each.path] = next(name for name in choices if name not in taken)
-    for name in names.values():
-        if (folder / name).exists() and not force:
-            raise InputError(folder / name, "is there already; --force overwrites it.")
-    return names
-
-
-def _write(folder: Path, proposal: "Proposal", copies: dict[Path, str]) -> None:
-    from mrts.base.atomic_file import Write, text_writer, write_together
+def _write(folder: Path, proposal: "Proposal") -> None:
+    from mrts.base.atomic_file import text_writer, write_together
     from mrts.starting.cell_writing import cell_file, motion_file
 
-    files: dict[Path, Write] = {}
-    for path, name in copies.items():
-        files[folder / name] = lambda copy, path=path: shutil.copyfile(path, copy)  # type: ignore[misc]  # its own path
-    files[folder / "cell.yaml"] = text_writer(cell_file(proposal))
-    files[folder / "motion.yaml"] = text_writer(motion_file(proposal))
-    write_together(files)
+    cell, motion = text_writer(cell_file(proposal)), text_writer(motion_file(proposal))
+    write_together({folder / "cell.yaml": cell, folder / "motion.yaml": motion})
 
 
 def _tell_proposal(folder: Path, proposal: "Proposal") -> None:

@@ -16,7 +16,7 @@ from mrts.commands.options import Named, Written
 EXAMPLES = """\
 examples:
   mrts place study.yaml -o best.yaml
-  mrts place study.yaml -o best.yaml --starts 10 --seconds 60"""
+  mrts place study.yaml -o best.yaml --starts 10 --look 200"""
 
 
 @options.command(EXAMPLES)
@@ -26,7 +26,6 @@ examples:
         help="the cell file of the best layout; Ctrl-C writes the best so far")  # fmt: skip
 @option("--starts", type=int, metavar="N", help="from how many layouts to search for the nearest best one (default: 3)")
 @option("--look", "looked_at", type=int, metavar="N", help="of how many layouts the starts are the best (default: 64)")
-@option("--seconds", type=float, metavar="S", help="end the search after so long (default: no limit)")
 @options.between
 def run(study: Path, output: Path, **given: Any) -> int:
     """Where to put the arms and how to hold the object: the layout that may be played fastest."""
@@ -43,6 +42,6 @@ def run(study: Path, output: Path, **given: Any) -> int:
         warn(f"no layout can be played: {output} not written")
     else:
         outputs.write(output, found.write)
-    if found.stopped:
-        warn(f"{found.stopped} ended the search: a longer one may find a better layout")
+    if found.interrupted:
+        warn("Ctrl-C ended the search: a longer one may find a better layout")
     return outputs.answer(found.lines(), INFEASIBLE if found.after is None else FEASIBLE)

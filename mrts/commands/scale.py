@@ -85,10 +85,6 @@ def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
         "∫ τᵀWτ dt")  # fmt: skip
 @option("--least-energy-in", type=float, metavar="SECONDS",
         help="the smooth profile of least energy that takes at most so long")  # fmt: skip
-@option("--start-torque", multiple=True, metavar="ROBOT=T,T,…",
-        help="torques that hold still at the start of the smooth profile, once for every robot (default: any within "
-        "the limits)")  # fmt: skip
-@option("--end-torque", multiple=True, metavar="ROBOT=T,T,…", help="the same at the end")
 @options.share
 @option("--load", metavar="QUESTION",
         help="of a load that varies: guaranteed (for every load; the default if the cell gives object.variation), "
@@ -235,8 +231,6 @@ def _solved(
 
     if profile == "smooth":
         given.setdefault("rates", True)
-    for name, torques in take(given, ("start_torque", "end_torque")).items():
-        given[name] = _torques(name, torques, cell)
     with working(f"timing {cell.name}") as progress:
         return retime(cell, motion, **given, progress=progress)
 
@@ -269,23 +263,6 @@ def _known_load(cell: "Cell", text: str | None, question: str | None) -> "Array 
         raise InputError("carry", "what is possible chooses no c², so there are no torques.", value=text)
     units = {"mass": ("kg", cell.load_box.mass)}
     return cell.load_box.load_at(options.named_numbers("carry", text, "mass=1.5,izz=0.8 or mass=3kg", units))
-
-
-def _torques(where: str, given: tuple[str, ...], cell: "Cell") -> "Array":
-    """The torques of all joints, Shape (m,) [N m], from ROBOT=T,T,… of each robot."""
-    import numpy as np
-
-    rule = "must be ROBOT=NUMBER,NUMBER,…, one a joint [N m]."
-    pairs = [text.split("=", 1) if "=" in text else (text, "") for text in given]
-    torques = {name: options.numbers(where, listed, rule) for name, listed in pairs}
-    names = [robot.name for robot in cell.robots]
-    if sorted(name for name, _ in pairs) != sorted(names):
-        raise InputError(where, f"must be given once for every robot: {', '.join(names)}.", value=list(given))
-    for robot in cell.robots:
-        if len(torques[robot.name]) != len(robot.joints):
-            rule = f"must be {len(robot.joints)} numbers for the robot '{robot.name}', one a joint."
-            raise InputError(where, rule, value=torques[robot.name])
-    return np.concatenate([torques[name] for name in names])
 
 
 def _write_plan(played: "ScalingResult", form: TrajectoryFormat, rate: float | None, path: Path) -> None:

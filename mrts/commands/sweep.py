@@ -12,7 +12,7 @@ from mrts.commands import options
 from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.console.output_files import Outputs
 from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import say, warn
+from mrts.commands.console.terminal import warn
 from mrts.commands.options import Named, Written
 
 if TYPE_CHECKING:
@@ -22,72 +22,46 @@ if TYPE_CHECKING:
 
 EXAMPLES = """\
 examples:
-  mrts sweep study.yaml --dry-run
   mrts sweep study.yaml -o found --top 3 --plot plots
   mrts sweep study.yaml -o found --scheduler tcp://10.0.0.1:8786"""
 
 
 @options.command(EXAMPLES)
 @argument("study", type=Named(), metavar="STUDY", help="study file")
-@option("-o", "--output", type=Written(folder=True), metavar="DIR",
+@option("-o", "--output", type=Written(folder=True), required=True, metavar="DIR",
         help="folder for the table (Parquet): a new one, or one in which this study goes on")  # fmt: skip
 @option("--workers", type=int, metavar="N", help="processes on this machine (default: one a core)")
 @option("--scheduler", metavar="tcp://HOST:PORT",
         help="workers of this Dask scheduler (needs the extra 'cluster')")  # fmt: skip
 @option("--top", type=IntRange(0), default=0, metavar="K",
-        help="solve the best K again with limits kept between the samples, print them, and write them as cell and "
-        "motion files into DIR")  # fmt: skip
+        help="write the best K as cell and motion files into DIR")  # fmt: skip
 @options.plot("figures")
-@option("--dry-run", is_flag=True, help="say what the study varies and asks, and how long it will take")
 def run(
     study: Path,
     plot_format: str,
-    output: Path | None = None,
+    output: Path,
     workers: int | None = None,
     scheduler: str | None = None,
     top: int = 0,
     plot: Path | None = None,
-    *,
-    dry_run: bool = False,
 ) -> int:
     """Solve all variants of a study: numbers of cell and motion that vary."""
     from mrts.studies.study_file import read_study
 
-    for name, value in (("top", top), ("plot", plot)) if dry_run else ():
-        if value:
-            raise InputError(name, "does not go with --dry-run, which solves a few variants and writes nothing.")
     with working(f"reading {study}"):
         asked = read_study(study)
-    if dry_run:
-        return _estimated(asked, workers)
-    if output is None:
-        raise InputError("output", "is missing: name a folder for the table, or ask for --dry-run.")
     folder, found = _solved(asked, output, workers, scheduler)
     outputs = Outputs()
-    lines = _answer(asked, found)
     admitted = found.statuses["feasible"] + found.statuses["unbounded"]
-    if top and admitted:
-        from mrts.studies.best_variants import write_best
+    if top:
+        from mrts.studies.sweep import write_best
 
-        with working("solving the best again"):
-            outputs.write(folder.path, lambda _: lines.extend(write_best(asked, folder, top)))
+        outputs.write(folder.path, lambda _: write_best(asked, folder, top))
     if plot is not None:
         from mrts.plots import write_study_plots
 
         outputs.write(plot, lambda to: write_study_plots(folder.path, to, plot_format))
-    return outputs.answer(lines, FEASIBLE if admitted else INFEASIBLE)
-
-
-def _estimated(study: "Study", workers: int | None) -> int:
-    from joblib import cpu_count
-
-    from mrts.studies.dry_run import estimate
-
-    with working("trying a few variants"):
-        found = estimate(study)
-    for line in found.lines(workers or cpu_count()):
-        say(line)
-    return FEASIBLE
+    return outputs.answer(_answer(asked, found), FEASIBLE if admitted else INFEASIBLE)
 
 
 def _solved(

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""`mrts view`: a cell and a motion, a variant of a study, or a saved result, in the browser or as pictures."""
+"""`mrts view`: a cell and a motion, or a saved result, in the browser or as pictures."""
 
 import os
 import signal
 import sys
-import tempfile
 import webbrowser
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     from mrts.scaling.result import ScalingResult
     from mrts.scene.arm_meshes import Urdfs
     from mrts.scene.renderer import Clip
-    from mrts.studies.study import Study
     from mrts.viewer.choices import Given
     from mrts.viewer.server import GuardedServer
     from mrts.viewer.viewer import Viewer
@@ -42,8 +40,7 @@ examples:
   mrts view cell.yaml --no-open
   mrts view cell.yaml motion.yaml --port 0 --no-open
   mrts view cell.yaml motion.yaml --png moment.png --at 0.2
-  mrts view cell.yaml motion.yaml --video lift.gif --side-by-side given,fastest,smooth --rates 11.5
-  mrts view study.yaml --variant 3 --png variant.png"""
+  mrts view cell.yaml motion.yaml --video lift.gif --side-by-side given,fastest,smooth --rates 11.5"""
 
 LOCAL = ("127.0.0.1", "localhost", "::1")
 """Where nobody else can reach the viewer."""
@@ -72,14 +69,12 @@ def _sides(text: str) -> list[str]:
 
 @options.command(EXAMPLES)
 @argument("cell", type=Named(), metavar="CELL",
-          help="cell file, folder that `mrts generate` wrote, RESULT.npz of `mrts scale --save`, or, with --variant, a "
-          "study file or the folder of its sweep")  # fmt: skip
+          help="cell file, folder that `mrts generate` wrote, or RESULT.npz of `mrts scale --save`")  # fmt: skip
 @argument("motion", type=Named(), required=False, metavar="[MOTION]",
           help="motion file, CSV table, or ROS 2 bag with joint trajectories; without one the cell stands at its "
           "posture, and no compiler is needed")  # fmt: skip
 @option("--with", "others", type=Named(), multiple=True, metavar="RESULT.npz",
         help="in pictures and films, a saved result beside it; may be given again")  # fmt: skip
-@option("--variant", type=int, metavar="N", help="of the study: its cell and its motion")
 @options.closure
 @options.share
 @options.limits
@@ -99,7 +94,6 @@ def run(
     cell: Path,
     host: str,
     motion: Path | None = None,
-    variant: int | None = None,
     others: tuple[Path, ...] = (),
     png: Path | None = None,
     video: Path | None = None,
@@ -112,24 +106,23 @@ def run(
     of_films = take(given, OF_FILMS)
     _check_films(cell, png, video, of_films | ({"others": others} if others else {}))
     needing = [name for name, value in (("png", png), ("video", video), ("others", others)) if value]
-    with _files(cell, motion, variant, given, needing) as (cell_file, motion_file):
-        if png is None and video is None:
-            require_extra("mrts view", "view", "viser")
-        saved = _played(cell) if _is_saved(cell) else None
-        urdfs = {} if saved else _urdfs(cell_file)
-        if png is None and video is None:
-            cell_path = cell_file if variant is None and urdfs else None
-            source = _start(cell_file, motion_file, cell_path, given) if saved is None else saved
-            return _serve(source, urdfs, host, port, opens=not no_open)
-        clips, within = [_saved_clip(cell.stem, saved)] if saved else [], True
-        if motion_file is not None:
-            limited, played = _read(cell_file, motion_file, given)
-            for side in of_films.get("side_by_side", ["fastest"]):
-                clip, keeps = _side_clip(side, limited, played, urdfs, of_films.get("rates", True), given)
-                clips.append(clip)
-                within &= keeps
-        clips += [_saved_clip(path.stem, _played(path)) for path in others]
-        return _write_films(clips, png, video, of_films.get("at"), within=within)
+    _check_files(cell, motion, given, needing)
+    if png is None and video is None:
+        require_extra("mrts view", "view", "viser")
+    saved = _played(cell) if _is_saved(cell) else None
+    urdfs = {} if saved else _urdfs(cell)
+    if png is None and video is None:
+        source = _start(cell, motion, cell if urdfs else None, given) if saved is None else saved
+        return _serve(source, urdfs, host, port, opens=not no_open)
+    clips, within = [_saved_clip(cell.stem, saved)] if saved else [], True
+    if motion is not None:
+        limited, played = _read(cell, motion, given)
+        for side in of_films.get("side_by_side", ["fastest"]):
+            clip, keeps = _side_clip(side, limited, played, urdfs, of_films.get("rates", True), given)
+            clips.append(clip)
+            within &= keeps
+    clips += [_saved_clip(path.stem, _played(path)) for path in others]
+    return _write_films(clips, png, video, of_films.get("at"), within=within)
 
 
 def _is_saved(path: Path) -> bool:
@@ -155,50 +148,16 @@ def _check_films(cell: Path, png: Path | None, video: Path | None, of_films: dic
     require_renderer()
 
 
-@contextmanager
-def _files(
-    cell: Path, motion: Path | None, variant: int | None, changing: Iterable[str], needing: Iterable[str]
-) -> Iterator[tuple[Path, Path | None]]:
-    """The files of cell and motion, as long as they are shown; `changing` and `needing` are arguments given."""
-    if _is_saved(cell):
-        if motion is not None:
-            raise InputError(cell, "a saved result holds its motion.", key="MOTION")
-        for name in ["variant"] * (variant is not None) + [*changing]:
-            raise InputError(name, f"does not go with {cell}: a saved result is played as it was found.")
-        yield cell, None
-    elif variant is not None:
-        if motion is not None:
-            rule = "does not go with --variant: the study has it."
-            raise InputError(cell, rule, key="MOTION", value=str(motion))
-        study = _study(cell)
-        if not 0 <= variant < study.variants:
-            raise InputError(cell, f"must be from 0 to {study.variants - 1}.", key="--variant", value=variant)
-        with tempfile.TemporaryDirectory(prefix="mrts-variant-") as folder:
-            yield study.write_variant(variant, Path(folder))
-    else:
-        from mrts.studies.study_folder import STUDY_FILE
-
-        if motion is None and (cell / STUDY_FILE).exists():
-            raise InputError(cell, "is needed: which variant of the study?", key="--variant")
+def _check_files(cell: Path, motion: Path | None, changing: Iterable[str], needing: Iterable[str]) -> None:
+    """Check that files go together, and with the arguments given: `changing` and `needing` a motion."""
+    if not _is_saved(cell):
         for name in [*changing, *needing] if motion is None else ():
             raise InputError(name, "needs a motion: mrts view CELL MOTION.")
-        yield cell, motion
-
-
-def _study(path: Path) -> "Study":
-    from mrts.studies.study_file import read_study
-
-    if not is_folder(path):
-        return read_study(path)
-    from mrts.studies.study_folder import read_study_folder
-
-    folder = read_study_folder(path)
-    name = Path(folder.record["study"]["file"]).name
-    for file in dict.fromkeys((place / name).absolute() for place in (path.parent, Path(), path)):
-        if file.is_file() and (study := read_study(file)).digest == folder.digest:
-            return study
-    rule = f"its study file {name} is not beside it, or has changed: name the study file in place of the folder."
-    raise InputError(path, rule)
+        return
+    if motion is not None:
+        raise InputError(cell, "a saved result holds its motion.", key="MOTION")
+    for name in changing:
+        raise InputError(name, f"does not go with {cell}: a saved result is played as it was found.")
 
 
 def _played(path: Path) -> "ScalingResult":

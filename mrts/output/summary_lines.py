@@ -4,13 +4,10 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from mrts.cell.hands import NORMAL_FORCE
-from mrts.limits.rows import TORQUE_SPEED
 from mrts.plots.card import Card
 from mrts.plots.labels import range_text
-from mrts.plots.limit_shares import played
 from mrts.plots.range_plots import ranked_loads
-from mrts.scaling.limit_use import largest_step, limit_tables, limit_uses, rate_uses
+from mrts.scaling.limit_use import TITLES, limit_tables, limit_uses, rate_uses
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:
@@ -30,12 +27,6 @@ INDENT = "  "
 LEAST_NAME_WIDTH = 20
 """Of the column of names [characters]."""
 
-NEXT_SHOWN = 3
-"""Limits that come next, in words."""
-
-AT_LIMIT = 0.9995
-"""Share of a limit from which on the table reads 100 %."""
-
 
 def scaling_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
     """What the command line says of a result, with the nearest limits of its card as bars; without one, all."""
@@ -54,8 +45,6 @@ def _plan_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
     given = result.motion.object.time[-1]
     yield f"chosen c² = {done.c2:.6g}: {given:.4g} s become {done.duration:.4g} s, energy {done.energy:.4g} J"
     yield f"reserve: {result.reserve}"
-    yield from next_limits_line(result) if card is None else ()
-    yield from _step_lines(result)
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
     yield from _limit_lines(result, card)
     for note in result.too_fast():
@@ -86,30 +75,14 @@ def _timing_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
         yield f"between the samples, {loads}limits are overstepped by at most {100 * found.excess.share:.2g} %"
     else:
         yield f"between the samples, {loads}no limit is overstepped"
-    yield from _step_lines(found.retimed)
     effort = "" if found.smooth is None else f", ∫ τᵀWτ dt = {found.effort:.4g}"
     energy = f"{found.retimed.trajectory.energy:.4g} J{effort}"
     yield f"energy {energy}; torques for a load of {found.retimed.cell.mass:.4g} kg\n"
     yield from _limit_lines(found.retimed, card)
 
 
-def _step_lines(result: ScalingResult) -> Iterator[str]:
-    if result.options.distribute == "least-torque":
-        return
-    steps = (largest_step(result, kind) for kind in ("torque", "wrench"))
-    told = ", ".join(
-        f"{step.name.short} by {step.step:.3g} {step.name.unit} ({100 * step.step_share:.3g} % of its limit)"
-        for step in steps
-        if step is not None
-    )
-    yield f"largest step between samples: {told or 'none has a limit'}"
-
-
 def _limit_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
-    yield from limit_table(result) if card is None else card.lines()
-    yield from _rate_lines(result)
-    yield from _motor_lines(result)
-    yield from _contact_lines(result)
+    yield from card.lines() if card is not None else (*limit_table(result), *_other_lines(result))
 
 
 def limit_table(result: ScalingResult) -> Iterator[str]:
@@ -123,54 +96,14 @@ def limit_table(result: ScalingResult) -> Iterator[str]:
             yield f"{INDENT + name:<{names}} {least:>11} {largest:>11} {used:>6}  {limits}"
 
 
-def next_limits_line(result: ScalingResult) -> Iterator[str]:
-    """The limits that are nearest after those that are met, with what is left of them."""
-    kept = (use for use in limit_uses(result) if use.name.kind != "velocity" or result.cell.enforces_velocity_limits)
-    following = [use for use in kept if use.share < AT_LIMIT][:NEXT_SHOWN]
-    if following:
-        told = ", ".join(f"{use.name} has {100 * (1 - use.share):.3g} % left" for use in following)
-        yield f"next limits as distributed here: {told}"
-
-
-def _motor_lines(result: ScalingResult) -> Iterator[str]:
-    """How far motors are used where more than their largest torque is known of them, a line for each thing known."""
-    for use in limit_uses(result):
-        if use.name.kind == TORQUE_SPEED:
-            joint = f"{use.name.robot}/{use.name.element}"
-            used = f"at most {100 * use.share:.3g} % of a line's torque at standstill is used"
-            yield f"torque-speed curves: {used}, by {joint} at t = {use.time:.4g} s"
-            break
-    rated = [
-        (share, f"{robot.name}/{joint} ({rms:.4g} of {most:g} {unit})")
-        for robot, duty in zip(result.cell.robots, played(result).duty.values(), strict=True)
-        for joint, share, rms, most, unit in zip(
-            robot.joints, duty.rated_share, duty.rms_torque, robot.motors.rated, robot.torque_units, strict=True
-        )
-    ]
-    share, worst = max(rated)
-    if share > 0:
-        yield f"root mean square torques: at most {100 * share:.3g} % of what motors bear for ever, by {worst}"
-
-
-def _rate_lines(result: ScalingResult) -> Iterator[str]:
-    told: set[str] = set()
-    for use in rate_uses(result):
-        if use.name.kind not in told:
-            told.add(use.name.kind)
-            numbers = f"{use.size:.4g} of {use.upper:.4g} {use.name.unit}"
-            yield f"most used {use.name.kind}: {use.name}, {100 * use.share:.3g} % ({numbers}) at t = {use.time:.4g} s"
-
-
-def _contact_lines(result: ScalingResult) -> Iterator[str]:
-    """How hard each hand presses, and what it is nearest to giving way in."""
-    uses = limit_uses(result, "contact")
-    for contact in dict.fromkeys(use.name.contact for use in uses):
-        own = [use for use in uses if use.name.contact == contact]
-        pressed = next((use for use in own if use.name.element.endswith(NORMAL_FORCE)), None)
-        presses = "" if pressed is None else f"normal force {pressed.least:.4g} to {pressed.largest:.4g} N, "
-        most = max(own, key=lambda use: use.share)
-        what = most.name.short.removeprefix(contact).strip()
-        yield f"{contact}: {presses}{100 * most.share:.3g} % used by {what} at {most.time:.4g} s"
+def _other_lines(result: ScalingResult) -> Iterator[str]:
+    """The most used limit of each hand, of torque-speed curves, and of each kind of rate, which no table has."""
+    told: set[tuple[str, str]] = set()
+    for use in [*limit_uses(result), *rate_uses(result)]:
+        own = (use.name.kind, use.name.contact)
+        if use.name.kind not in TITLES and own not in told:
+            told.add(own)
+            yield f"most used {use.name.kind}: {use.name.short}, {100 * use.share:.3g} % at t = {use.time:.4g} s"
 
 
 def _load_lines(study: "LoadStudy") -> Iterator[str]:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.program.range_status import RangeStatus
-from mrts.studies.distributions import CHANCES
 from mrts.studies.study_folder import read_study_folder
 from mrts.studies.variant_rows import FAILED, INVALID, LIMIT_SEPARATOR, UNREACHABLE, fastest_first
 
@@ -158,7 +157,7 @@ def read_study_table(folder: Path) -> StudyTable:
     """
     opened = read_study_folder(folder)
     study = opened.record["study"]
-    knobs = [Knob(each["path"], each["unit"], each["kind"] in CHANCES) for each in study["vary"]]
+    knobs = [Knob(each["path"], each["unit"], each["kind"] == "normal") for each in study["vary"]]
     found = opened.table([*READ, *(knob.path for knob in knobs)])
     if not found.num_rows:
         raise InputError(folder, "no variant of this study is solved yet: let mrts sweep go on.")

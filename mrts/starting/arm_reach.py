@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""How far each arm follows a motion, what stops it, and what would let it go on."""
+"""How far each arm follows a motion, what stops it, and from which posture it would go on."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +10,6 @@ from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
 from mrts.following.branches import branches_at_start
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object
-from mrts.following.reach import ArmPlaces, arm_reach, has_closed_form, planar_triangles
 from mrts.following.tracking import POSITION_TOLERANCE, TrackingFailure, follow_from, further_starts, within_limits
 from mrts.motion.object_motion import ObjectMotion
 from mrts.starting.nearest_hold import NearestHold, nearest_hold
@@ -22,23 +20,8 @@ HELD = 1e-5
 MOST_TRACKS = 16
 """Ways to hold the grasp that are followed, nearest to the posture first: an arm of six joints has no more."""
 
-FEW_TRACKS = 4
-"""The same of an arm that was moved to see whether it follows."""
-
 STARTS = 48
 """Random ones for an arm without a closed form: ways that few of them lead to are not near any posture."""
-
-MOST_SHIFTS = 6
-"""Times that a base is moved by what is missing, until nothing is."""
-
-SPARES = (0.01, 0.05)
-"""Metres that a base is then moved further, one after the other: an arm at full stretch is singular."""
-
-LOOKED_AT = 5
-"""Samples at which is looked whether something is missing."""
-
-SHIFT_DIGITS = 3
-"""A move of a base is rounded to millimetres before it is tried out."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,14 +29,12 @@ class ArmMargin:
     """What an arm that follows keeps free.
 
     Attributes:
-        stretch: Least distance to full stretch along the motion [m]; None where it is not known.
         joint: That comes nearest to a position limit; None where none has one.
         to_limit: How near [rad or m].
         unit: Of that.
         time: When [s].
     """
 
-    stretch: float | None
     joint: str | None
     to_limit: float
     unit: str
@@ -72,9 +53,6 @@ class ArmReach:
         failure: Why it does not follow from its posture; empty if it does.
         ways: Number of ways to hold the grasp at t = 0 that were followed.
         nearest: How near its hand comes to the first sample that it does not follow; None if it follows.
-        shift: A move of its base, and with it of its machine's other arms, with which they follow, tried out, world
-            axes, Shape (3,) [m]; None where none was found.
-        machine: The other arms of its machine, whose bases stay beside its own.
         posture: The one nearest to its own from which it follows; None where there is none, or where it is its own.
         margin: What it keeps free; None if it does not follow.
     """
@@ -86,8 +64,6 @@ class ArmReach:
     failure: str = ""
     ways: int = 0
     nearest: NearestHold | None = None
-    shift: Array | None = None
-    machine: tuple[str, ...] = ()
     posture: Array | None = None
     margin: ArmMargin | None = None
 
@@ -97,15 +73,15 @@ class ArmReach:
         return not self.failure
 
 
-def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
-    """How far an arm follows the object, and what would help where it does not."""
+def reach_of(arm: Cell, motion: ObjectMotion) -> ArmReach:
+    """How far an arm follows the object, and from which posture it does where it does not from its own."""
     try:
         return following(arm, follow_object(arm, motion))
     except MotionError as error:
         failure = str(error)
     (robot,) = arm.robots
     count = len(motion.time)
-    starts, failures = _ways(arm, motion, MOST_TRACKS)
+    starts, failures = _ways(arm, motion)
     good = [start for start, ended in zip(starts, failures, strict=True) if ended is None]
     reached = [count if ended is None else ended.sample or 0 for ended in failures]
     followed = max(reached, default=0)
@@ -120,16 +96,7 @@ def reach_of(arm: Cell, motion: ObjectMotion, *, seek: bool = True) -> ArmReach:
     if good:
         return replace(found, posture=good[0])
     around = [further_starts(robot, robot.posture), *([starts] if len(starts) else [])]
-    nearest = nearest_hold(arm, motion, followed, np.concatenate(around))
-    return replace(found, nearest=nearest, shift=_shift(arm, motion, nearest) if seek else None)
-
-
-def of_machine(reach: ArmReach, fellows: Sequence[Cell], motion: ObjectMotion) -> ArmReach:
-    """The same of an arm whose base others share: it moves only where they still follow."""
-    shift = reach.shift
-    if shift is not None and not all(follows(_moved(fellow, shift), motion) for fellow in fellows):
-        shift = None
-    return replace(reach, shift=shift, machine=tuple(fellow.robots[0].name for fellow in fellows))
+    return replace(found, nearest=nearest_hold(arm, motion, followed, np.concatenate(around)))
 
 
 def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:
@@ -138,7 +105,6 @@ def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:
     room = np.minimum(motion.q - robot.position_lower, robot.position_upper - motion.q)
     sample, joint = np.unravel_index(int(np.argmin(room)), room.shape)
     margin = ArmMargin(
-        stretch=_stretch(arm, motion.object),
         joint=robot.joints[joint] if np.isfinite(room[sample, joint]) else None,
         to_limit=float(room[sample, joint]),
         unit=robot.position_units[joint],
@@ -148,27 +114,8 @@ def following(arm: Cell, motion: CoordinatedMotion) -> ArmReach:
     return ArmReach(robot=robot.name, samples=motion.samples, followed=motion.samples, time=time, margin=margin)
 
 
-def _stretch(arm: Cell, motion: ObjectMotion) -> float | None:
-    """Least distance of an arm to full stretch along a motion [m]; None where its links do not tell."""
-    (robot,) = arm.robots
-    base, grasp = robot.T_world_base, robot.T_object_tip
-    places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
-    if has_closed_form(arm, robot):
-        triangles = planar_triangles(arm, robot, places, motion.position, motion.rotation)
-        return float(np.sum(triangles.lengths) - np.max(np.linalg.norm(triangles.wrist, axis=-1)))
-    reach = arm_reach(robot)
-    if reach is None:
-        return None
-    return reach.longest - float(np.max(reach.distance(places, motion.position, motion.rotation)))
-
-
-def follows(arm: Cell, motion: ObjectMotion) -> bool:
-    """Whether an arm follows the object from some way to hold the grasp at t = 0."""
-    return None in _ways(arm, motion, FEW_TRACKS)[1]
-
-
-def _ways(arm: Cell, motion: ObjectMotion, most: int) -> tuple[Array, list[TrackingFailure | None]]:
-    """Ways of an arm to hold its grasp at t = 0, as many at most, and why they end.
+def _ways(arm: Cell, motion: ObjectMotion) -> tuple[Array, list[TrackingFailure | None]]:
+    """Ways of an arm to hold its grasp at t = 0, `MOST_TRACKS` at most, and why they end.
 
     Returns:
         Joint positions, Shape (count, n_i) [rad or m], nearest to the posture first, and their failures.
@@ -181,7 +128,7 @@ def _ways(arm: Cell, motion: ObjectMotion, most: int) -> tuple[Array, list[Track
     if not len(found):
         return found, []
     order = np.argsort(np.max(np.abs(found - robot.posture), axis=1), kind="stable")
-    found = found[order][:most]
+    found = found[order][:MOST_TRACKS]
     tracks = follow_from(arm, motion, found)
     return found, [_first_failure(arm, q, tracks.of_arm(way, 0)) for way, q in enumerate(tracks.q)]
 
@@ -195,29 +142,3 @@ def _first_failure(arm: Cell, q: Array, failure: TrackingFailure | None) -> Trac
     if not np.any(beyond) or (failure is not None and sample >= (failure.sample or 0)):
         return failure
     return TrackingFailure("past a position limit", "", sample)
-
-
-def _shift(arm: Cell, motion: ObjectMotion, nearest: NearestHold) -> Array | None:
-    """A move of the base that lets the arm follow; None where moving it by what is missing does not lead to one."""
-    if nearest.gap <= HELD:
-        return None
-    (robot,) = arm.robots
-    total = nearest.off
-    starts = further_starts(robot, robot.posture)
-    samples = np.linspace(0, len(motion.time) - 1, LOOKED_AT).astype(int)
-    for _ in range(MOST_SHIFTS):
-        moved = _moved(arm, total)
-        worst = max((nearest_hold(moved, motion, int(k), starts) for k in samples), key=lambda hold: hold.gap)
-        if worst.gap <= HELD:
-            break
-        total = total + worst.off
-    for spare in SPARES:
-        further: Array = np.round(total * (1 + spare / float(np.linalg.norm(total))), SHIFT_DIGITS)
-        if follows(_moved(arm, further), motion):
-            return further
-    return None
-
-
-def _moved(arm: Cell, shift: Array) -> Cell:
-    (robot,) = arm.robots
-    return arm.with_values({"robots[0].base.xyz": robot.T_world_base.p + shift})

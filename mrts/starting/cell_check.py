@@ -13,13 +13,12 @@ from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError
 from mrts.base.formats.record import dumped
 from mrts.base.json_output import JsonOutput
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
 from mrts.cell.remarks import friction_sources, torque_source
 from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.collisions.clearance import Clearance
-from mrts.starting.arm_reach import HELD, ArmMargin, ArmReach
+from mrts.starting.arm_reach import HELD, ArmReach
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
 """What came of a check: "impossible" is a motion that an arm does not follow from its posture."""
@@ -33,8 +32,8 @@ ANGLE_SHOWN = 0.01
 """[rad]: an angle that is missed beside a distance is named from here on."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class CellCheck(InNotebooks, JsonOutput):
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CellCheck(JsonOutput):
     """What `mrts.check` found, or `mrts check` of a URDF by itself.
 
     Attributes:
@@ -82,23 +81,8 @@ class CellCheck(InNotebooks, JsonOutput):
             return "wrong-input"
         return "impossible" if self.problem or not all(arm.follows for arm in self.arms) else "fine"
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         return printable("\n".join(self.lines()), lines=True)
-
-    def notebook_words(self) -> list[str]:
-        """The outcome, what is wrong, and hints."""
-        said = [*map(str, self.mistakes), *([self.problem] if self.problem else [])]
-        return [self.outcome(), *said, *(f"hint: {hint.text}" for hint in self.hints), *map(str, self.warnings)]
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """How far every arm follows, what is known of its joints, and what is assumed."""
-        if self.arms:
-            rows = [(arm.robot, " ".join(map(str.strip, arm_lines(arm)))) for arm in self.arms]
-            yield NotebookTable(("arm", "reach"), rows)
-        if self.robots:
-            head, *joints = joint_rows(self.robots)
-            yield NotebookTable(head, joints)
-            yield NotebookTable(("assumed",), [(remark.text,) for remark in self.assumed])
 
     def lines(self) -> Iterator[str]:
         """The answer for people, the outcome first."""
@@ -165,7 +149,10 @@ def is_urdf(path: Path) -> bool:
 def arm_lines(arm: ArmReach) -> Iterator[str]:
     """How far one arm follows, for people."""
     if arm.follows:
-        yield f"robot '{arm.robot}' follows the whole motion: {_margin(arm.margin)}."
+        margin, near = arm.margin, "no joint has a position limit"
+        if margin is not None and margin.joint is not None:
+            near = f"{margin.to_limit:.3g} {margin.unit} from the limit of '{margin.joint}' at t = {margin.time:.3g} s"
+        yield f"robot '{arm.robot}' follows the whole motion: {near}."
         return
     share = f"{arm.followed} of {arm.samples} samples, to t = {arm.time:.4g} s"
     yield arm.failure
@@ -186,16 +173,6 @@ def arm_lines(arm: ArmReach) -> Iterator[str]:
             yield f"  There its hand can be, but turned by {np.degrees(arm.nearest.turn):.3g}°."
         else:
             yield "  There it could hold the grasp, but not on a way that leads there from the start."
-    others = ", ".join(f"'{name}'" for name in arm.machine)
-    if arm.shift is not None and arm.machine:
-        yield (
-            f"  Move the base of the machine, of {others} too, {direction(arm.shift)}, or the path the other way: then "
-            "its arms follow."
-        )
-    elif arm.shift is not None:
-        yield f"  Move its base {direction(arm.shift)}, or the path and the grasp the other way: then it follows."
-    elif arm.machine:
-        yield f"  Its base is fixed to that of {others}: change its grasp, the path, or where the whole machine stands."
 
 
 def direction(move: Array) -> str:
@@ -214,33 +191,14 @@ def length(size: float) -> str:
     return f"{1e3 * size:.3g} mm" if size < 1 else f"{size:.4g} m"
 
 
-def _margin(margin: ArmMargin | None) -> str:
-    if margin is None:
-        return ""
-    parts = []
-    if margin.stretch is not None:
-        parts.append(f"at least {length(margin.stretch)} from full stretch")
-    if margin.joint is not None:
-        parts.append(
-            f"{margin.to_limit:.3g} {margin.unit} from the limit of '{margin.joint}' at t = {margin.time:.3g} s"
-        )
-    return ", ".join(parts) or "no joint has a position limit"
-
-
-def joint_rows(robots: Sequence[Robot]) -> list[tuple[str, ...]]:
-    """What is known of every joint, the titles of the columns first."""
+def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
+    """What is known of every joint, as aligned lines."""
     rows: list[tuple[str, ...]] = [("arm", "joint", *JOINT_HEAD, "torque from", "friction", "armature")]
     for robot in robots:
         armature = ["none given" if inertia == 0 else f"{inertia:.4g}" for inertia in robot.motors.armature]
         sources = zip(friction_sources(robot), armature, strict=True)
         known = zip(robot.joint_rows(), sources, strict=True)
         rows += [(robot.name, *joint, torque_source(robot), *motor) for joint, motor in known]
-    return rows
-
-
-def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
-    """What is known of every joint, as aligned lines."""
-    rows = joint_rows(robots)
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()

@@ -78,8 +78,7 @@ def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Itera
     whose = "where the URDF has it" if machine else "as asked for" if standing else "proposed"
     yield _line(f"    base: {flow(robot['base'])}", f"base link in the world, {whose}")
     yield _line(f"    grasp: {flow(robot['grasp'])}", "tip in the object, whose frame is in its centre of mass")
-    start = "as asked for" if each.posture is not None else "proposed"
-    yield f"    # at the start, {start}: {printable(', '.join(chain.joints))}"
+    yield f"    # at the start, proposed: {printable(', '.join(chain.joints))}"
     yield f"    posture: {flow(robot['posture'])}"
     yield from _limits(each.arm, robot)
 

@@ -9,10 +9,7 @@ from typing import Any
 
 from mrts.base.argument_types import Progress, as_path, check_callable
 from mrts.base.errors import InputError, Mistakes, MotionError
-from mrts.base.formats.pose import Pose
-from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.cell import Cell
-from mrts.cell.cell_change import machine_of
 from mrts.cell.loading import uncompiled_cell
 from mrts.cell.remarks import COLLISIONS_UNKNOWN
 from mrts.cell.source_files import is_generated, read_without_generating
@@ -22,15 +19,9 @@ from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.starting.arm_reach import ArmReach, of_machine, reach_of
+from mrts.starting.arm_reach import ArmReach, reach_of
 from mrts.starting.cell_check import CellCheck
-from mrts.starting.hints import motion_units, posture_hints, swapped_columns, what_would_work
-
-OF_PLACES = frozenset(
-    {"base-millimetres", "grasp-millimetres", "motion-millimetres", "urdf-millimetres", "posture-degrees"}
-    | {"rpy-degrees", "limits-equal", "limits-degrees"}
-)
-"""Codes of remarks that explain why an arm does not follow: nothing else is looked for then."""
+from mrts.starting.hints import motion_units, swapped_columns
 
 OBJECTS = (Mapping, ObjectMotion, JointTable, CoordinatedMotion)
 """Of a motion that is no file."""
@@ -100,21 +91,14 @@ def _with_reach(
         return replace(found, problem=str(error), remarks=(*found.remarks, *swapped))
     arms = [uncompiled_cell(alone, cell.folder or Path()) for alone in model.arms_alone()]
     reaches: list[ArmReach] = []
-    remarks = [*found.remarks]
-    explained = any(remark.code in OF_PLACES for remark in remarks)
     for number, arm in enumerate(arms):
         progress(number, len(arms))
-        reach = reach_of(arm, motion, seek=not explained)
-        fellows = [arms[index] for index in _fellows(cell, number)]
-        reaches.append(of_machine(reach, fellows, motion) if fellows else reach)
-    lost = [index for index, reach in enumerate(reaches) if not reach.follows and reach.posture is None]
-    if lost and not explained:
-        remarks += what_would_work(arms, lost, motion, _other_orders(model), cell.machines)
-    if len(remarks) == len(found.remarks) and not explained and any(not reach.follows for reach in reaches):
-        remarks += posture_hints(arms, motion)
+        reaches.append(reach_of(arm, motion))
     progress(len(arms), len(arms))
-    found = replace(found, arms=tuple(reaches), remarks=tuple(remarks))
-    return found if explained or found.status != "fine" else _with_clearance(found, cell, motion)
+    found = replace(found, arms=tuple(reaches))
+    if found.status != "fine" or found.hints:  # collisions of a cell that is likely mistyped say little
+        return found
+    return _with_clearance(found, cell, motion)
 
 
 def _with_clearance(found: CellCheck, cell: Cell, motion: ObjectMotion | CoordinatedMotion) -> CellCheck:
@@ -122,22 +106,3 @@ def _with_clearance(found: CellCheck, cell: Cell, motion: ObjectMotion | Coordin
     near, said = clearance_remarks(cell, motion)
     others = [remark for remark in found.remarks if remark.code != COLLISIONS_UNKNOWN]
     return replace(found, clearance=near, remarks=(*others, *said))
-
-
-def _fellows(cell: Cell, index: int) -> list[int]:
-    names = [robot.name for robot in cell.robots]
-    return [names.index(name) for name in machine_of(cell, names[index]) if name != names[index]]
-
-
-def _other_orders(model: Any) -> dict[int, dict[str, RigidTransform]]:
-    """By arm, its poses whose quaternion is written so that it may be meant in the other order."""
-    other = {"quaternion_wxyz": "quaternion_xyzw", "quaternion_xyzw": "quaternion_wxyz"}
-    found: dict[int, dict[str, RigidTransform]] = {}
-    for index, robot in enumerate(model.description.robots):
-        for key in ("base", "grasp"):
-            pose = getattr(robot, key)
-            if pose.rotation_key in other:
-                given = getattr(pose, pose.rotation_key)
-                meant = Pose(xyz=pose.xyz, **{other[pose.rotation_key]: given})
-                found.setdefault(index, {})[key] = meant.transform
-    return found

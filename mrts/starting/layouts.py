@@ -3,7 +3,6 @@
 
 from collections.abc import Sequence
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,25 +45,22 @@ _clean = partial(snap_rotation, within=ROUNDING)
 def layouts(request: Request, mass: float, share: float = 1.0) -> list[Layout]:
     """Layouts in which every arm can hold the box and lift it, the best first."""
     lift, force = request.length(share * LIFT) * request.up, request.force(mass)
-    if all(each.posture is not None for each in request.arms):
-        return [_held_here(request, lift)]
     standing = all(each.base is not None for each in request.arms)
     found = _between_standing(request, lift, force) if standing else _around(request, lift, force)
     if not found:
         raise MotionError(
-            "no posture was found in which every arm holds one box and lifts it. Give the postures that you know "
-            f"(--posture){' or' if request.one_machine else ','} other tips (--tip)"
+            "no posture was found in which every arm holds one box and lifts it. Give other tips (--tip)"
             f"{'' if request.one_machine else ' or other bases (--base)'}."
         )
     return sorted(found, key=lambda layout: -layout.score)[:KEPT_LAYOUTS]
 
 
-def _sides(request: Request, out: Array, width: float) -> Array:
+def _sides(request: Request, out: Array) -> Array:
     high = int(np.argmax(np.abs(request.up)))
     along = int(np.argmax(np.abs(np.where(np.arange(3) == high, 0, out))))
     across = 3 - high - along
     sides = np.empty(3)
-    sides[[along, across, high]] = [float(f"{width * share:.2g}") for share in FLATNESS]
+    sides[[along, across, high]] = [float(f"{request.width * share:.2g}") for share in FLATNESS]
     return sides
 
 
@@ -113,7 +109,7 @@ def _placed_around(request: Request, spots: Sequence[Spot], out: Array, lift: Ar
         base = np.round(position + request.width / 2 * direction - turn @ spot.p, METRES) + 0.0
         tip = RigidTransform(_clean(turn @ spot.R), position + request.width / 2 * direction)
         stands.append(Stand(RigidTransform(_clean(turn), base), tip, spot.q))
-    sides = _sides(request, out[0], request.width)
+    sides = _sides(request, out[0])
     score = min(spot.score for spot in spots)
     in_floor = floor and (position - sides / 2) @ request.up < 0
     return Layout(position, sides, lift, tuple(stands), score * (IN_FLOOR if in_floor else 1.0))
@@ -149,7 +145,7 @@ def _between_standing(request: Request, lift: Array, force: Array) -> list[Layou
         )
         position = np.round(middle + request.grid * (key[1] * forward + key[2] * request.up), METRES)
         worth = DIRECTIONS[key[0] // 2][1] * min(spot.score for spot in spots)
-        made.append(Layout(position, _sides(request, out[0], request.width), lift, stands, worth))
+        made.append(Layout(position, _sides(request, out[0]), lift, stands, worth))
     return made
 
 
@@ -251,42 +247,3 @@ def _rolls(request: Request, arm: Arm, facing: Array, up: Array) -> list[Array]:
     side = side / np.linalg.norm(side)
     sides = (side, np.cross(facing, side), -side, -np.cross(facing, side))
     return [np.stack([facing, axis, np.cross(facing, axis)], axis=1) @ own.T for axis in sides]
-
-
-def _held_here(request: Request, lift: Array) -> Layout:
-    tips, facings = [], []
-    for each in request.arms:
-        assert each.posture is not None  # noqa: S101 (all are given)
-        state = each.arm.at(each.posture[None])
-        tips.append(RigidTransform(state.R[0], state.p[0]))
-        facings.append(state.R[0] @ each.arm.approach)
-    standing = all(each.base is not None for each in request.arms)
-    out, width = _out(request), request.width
-    bases = []
-    for each, tip, facing, direction in zip(request.arms, tips, facings, out, strict=True):
-        bases.append(each.base or _base_around(request, tip, facing, width / 2 * direction))
-    held = [T @ tip for T, tip in zip(bases, tips, strict=True)]
-    position = np.array([T.p for T in held]).mean(axis=0)
-    if standing:
-        width = max(float(np.linalg.norm(b.p - a.p)) for a, b in pairwise(held))
-        out = np.array([held[0].p - position])
-    stands = [
-        Stand(T, tip, each.posture)
-        for T, tip, each in zip(bases, held, request.arms, strict=True)
-        if each.posture is not None
-    ]
-    sides = _sides(request, out[0], max(width, request.width / 10))
-    return Layout(np.round(position, METRES), sides, lift, tuple(stands), 0.0)
-
-
-def _base_around(request: Request, tip: RigidTransform, facing: Array, place: Array) -> RigidTransform:
-    """A base on the floor that puts a hand beside the object, facing it."""
-    turn = np.eye(3)
-    level = facing - (facing @ request.up) * request.up
-    if request.plane is None:
-        if np.linalg.norm(level) < STEEPEST:
-            level = tip.p - (tip.p @ request.up) * request.up
-        level = level / max(float(np.linalg.norm(level)), ROUNDING)
-        turn = _clean(_turn(request.up, level, -place))
-    ahead = place - turn @ tip.p
-    return RigidTransform(turn, np.round(ahead - (ahead @ request.up) * request.up, METRES) + 0.0)

@@ -2,7 +2,7 @@
 """A first cell and a first motion that were tried: layouts, loads and durations until the range of c² has room."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, floor, isfinite, log10
 from typing import Any
 
@@ -129,9 +129,8 @@ def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
         duration = FIRST_DURATION if not isfinite(c2) else _longer(FIRST_DURATION * SPARE / c2**0.5)
         if duration > LONGEST:
             return f"the motion would take {duration:.3g} s: the arms can hardly hold {mass:g} kg"
-        for each, robot, joints in zip(request.arms, keys["robots"], first.cell.joint_slices.values(), strict=True):
-            if each.posture is None:
-                robot["posture"] = (np.round(first.motion.q[0, joints], DIGITS) + 0.0).tolist()
+        for robot, joints in zip(keys["robots"], first.cell.joint_slices.values(), strict=True):
+            robot["posture"] = (np.round(first.motion.q[0, joints], DIGITS) + 0.0).tolist()
         motion = _motion_keys(layout, duration)
         result = _played(request, keys, motion, BETWEEN)
     except MrtsError as error:
@@ -211,9 +210,3 @@ def short_pose(T: RigidTransform) -> dict[str, list[float]]:
     if np.array_equal(T.R, np.eye(3)):
         del keys["rpy"]
     return keys
-
-
-def renamed(proposal: Proposal, urdfs: list[str]) -> Proposal:
-    """The same with other names of the URDFs in the cell file."""
-    robots = [robot | {"urdf": urdf} for robot, urdf in zip(proposal.cell["robots"], urdfs, strict=True)]
-    return replace(proposal, cell=proposal.cell | {"robots": robots})

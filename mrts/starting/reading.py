@@ -17,7 +17,6 @@ from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.remarks import urdf_remarks
-from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.cell.source_files import arm_of_urdf, read_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.starting.arm import Arm, plane_of, twist_rows
@@ -38,7 +37,7 @@ HOPELESS = ("urdf-millimetres", "limits-equal")
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
 """World axes [m/s²]."""
 
-ROBOT, TIP, BASE, POSTURE, XACRO_ARG = "--robot", "--tip", "--base", "--posture", "--xacro-arg"
+ROBOT, TIP, BASE, XACRO_ARG = "--robot", "--tip", "--base", "--xacro-arg"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,10 +59,8 @@ def request_of(
     robots: Sequence[str],
     tips: Sequence[str] = (),
     bases: Sequence[RigidTransform] = (),
-    postures: Sequence[Array] = (),
     mass: float | None = None,
     gravity: Array = STANDARD_GRAVITY,
-    degrees: bool = False,
     xacro_args: Mapping[str, str] | None = None,
 ) -> Request:
     """The request that a user's words are.
@@ -74,10 +71,8 @@ def request_of(
         robots: URDFs, as in a cell file or relative to the current folder.
         tips: Of each robot, or several of a single one; none where they are to be found.
         bases: Of each robot: where the root of its URDF is in the world; none where they are to be proposed.
-        postures: Of each arm [rad or m]; none where they are to be found.
         mass: Of the object [kg].
         gravity: World, Shape (3,) [m/s²].
-        degrees: Whether the postures of joints that turn are in degrees.
         xacro_args: Of all robots that are xacros, by name.
 
     Raises:
@@ -90,9 +85,6 @@ def request_of(
     if bases and len(bases) != standing:
         rule = f"give it once for each robot, in their order: {standing} times, or not at all."
         raise InputError(BASE, rule, value=len(bases))
-    if postures and len(postures) != len(chosen):
-        rule = f"give it once for each arm, in their order: {len(chosen)} times, or not at all."
-        raise InputError(POSTURE, rule, value=len(postures))
     machines = {arm.path: fellows for arm in chosen if len(fellows := _machine(chosen, arm)) > 1}
     alone = len(machines) == 1 and all(arm.path in machines for arm in chosen)
     if machines and not alone and not bases:
@@ -103,7 +95,7 @@ def request_of(
         raise InputError(BASE, rule)
     arm_of = cache(arm_of_urdf)  # two of a kind have one chain
     arms = []
-    for index, (arm, called) in enumerate(zip(chosen, _names([arm.tip for arm in chosen]), strict=True)):
+    for arm, called in zip(chosen, _names([arm.tip for arm in chosen]), strict=True):
         fellows = _machine(chosen, arm)
         chain, com = arm_of(arm.path, arm.tree, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
         T_root_base = chain.source.T_base_root.inverse()
@@ -115,7 +107,6 @@ def request_of(
                 path=arm.path.absolute(),
                 why=arm.why,
                 base=bases[arm.robot] @ T_root_base if bases else in_place,
-                posture=_posture(postures[index], chain, degrees=degrees) if postures else None,
                 xacro_args=xacro_args or {} if is_xacro(arm.path) else {},
             )
         )
@@ -199,24 +190,6 @@ def _names(tips: list[str]) -> list[str]:
     if len(tips) > len(SIDES):
         return [f"arm_{index + 1}" for index in range(len(tips))]
     return sides if {*sides} == {*SIDES} else list(SIDES)[: len(tips)]
-
-
-def _posture(posture: Array, chain: Robot, *, degrees: bool) -> Array:
-    if len(posture) != len(chain.joints):
-        rule = f"must have {len(chain.joints)} values, one for each of {', '.join(chain.joints)}."
-        raise InputError(POSTURE, rule, value=posture.tolist())
-    if degrees:
-        posture = np.where(chain.turns, np.radians(posture), posture)
-    elif np.any(np.abs(posture[chain.turns]) > DEGREES_SUSPECTED):
-        rule = "is more than two turns: these seem to be degrees. Say --degrees, or give radians."
-        raise InputError(POSTURE, rule, value=posture.tolist())
-    for name, position, lower, upper in zip(
-        chain.joints, posture, chain.position_lower, chain.position_upper, strict=True
-    ):
-        if not lower <= position <= upper:
-            rule = f"joint '{name}' must be within its limits, [{lower:.6g}, {upper:.6g}]."
-            raise InputError(POSTURE, rule, value=float(position))
-    return posture
 
 
 def _reference(given: str, path: Path, folder: Path) -> str:

@@ -26,7 +26,6 @@ class ArmRequest:
         path: Where that is, absolute.
         why: Why its tip was chosen, to stand behind the name; empty where the user chose it.
         base: Of its base link in the world, where the user gave it.
-        posture: Where the user gave it, Shape (n,) [rad or m].
         xacro_args: Of a xacro, by name.
     """
 
@@ -35,7 +34,6 @@ class ArmRequest:
     path: Path
     why: str = ""
     base: RigidTransform | None = None
-    posture: Array | None = None
     xacro_args: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -117,7 +115,7 @@ class Layout:
         sides: Of the box that the object is taken for, Shape (3,) [m].
         lift: From the start to the end, Shape (3,) [m].
         stands: By arm.
-        score: From 0 to 1; the larger, the farther from limits. 0 where the user gave the postures.
+        score: From 0 to 1; the larger, the farther from limits.
     """
 
     position: Array

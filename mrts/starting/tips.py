@@ -89,10 +89,7 @@ def hands(tree: Urdf) -> list[Hand]:
         link = max(
             (link for link, rank in named if link in limb and rank == best), key=lambda at: len(tree.joints_to(at))
         )
-        why = "named as a hand or tool"
-        if fingers := _hangs_on(tree, link):
-            why += f"; {fingers} hangs on it, so a link between fingers may be the better one"
-        found.append(_hand(tree, link, why))
+        found.append(_hand(tree, link, "named as a hand or tool"))
     return found or _ends(tree)
 
 
@@ -154,13 +151,3 @@ def _limbs(tree: Urdf, links: list[str]) -> list[list[str]]:
 def _hand(tree: Urdf, link: str, why: str) -> Hand:
     side = next((side for side, names in SIDES.items() if {*names} & {*words(link)}), "")
     return Hand(link, why, len(moved_by(tree, link)), side)
-
-
-def _hangs_on(tree: Urdf, link: str) -> str:
-    """The first link of what is fixed to a link and has motors of its own; empty where there is none."""
-    count = len(tree.joints_to(link))
-    for end in tree.links:
-        beyond = tree.joints_to(end)[count:]
-        if beyond and beyond[0].parent == link and any(joint.moves for joint in beyond):
-            return beyond[0].child
-    return ""

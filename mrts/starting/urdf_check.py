@@ -7,10 +7,8 @@ from pathlib import Path
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.package_uri import is_xacro
 from mrts.base.remark import Remark
-from mrts.base.words import first_names
-from mrts.cell.remarks import NAMES_SHOWN, joint_assumptions, missing_masses, urdf_remarks
+from mrts.cell.remarks import joint_assumptions, missing_masses, urdf_remarks
 from mrts.cell.source_files import UrdfReading, arm_of_urdf, read_urdf
-from mrts.collisions.bodies import mesh_file
 from mrts.starting.arm import Arm, plane_of
 from mrts.starting.cell_check import CellCheck
 from mrts.starting.reading import check_movable
@@ -18,7 +16,7 @@ from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
 
 
 def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
-    """Check one URDF: its XML, joints and masses, the chains to its hands, and whether its meshes are there."""
+    """Check one URDF: its XML, joints and masses, and the chains to its hands."""
     if args and not is_xacro(path):
         raise InputError("--xacro-arg", f"{path.name} is no xacro, whose name ends in .xacro.")
     read = read_urdf(path, Path(), str(path), args)
@@ -26,7 +24,7 @@ def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
     arms = _arms(read, mistakes)
     robots = tuple(arm.robot for arm in arms)
     remarks = [hint for arm in arms for hint in _hints(arm, path)]
-    remarks += [*read.remarks, *missing_masses(robots), *joint_assumptions(robots), *_missing_meshes(read)]
+    remarks += [*read.remarks, *missing_masses(robots), *joint_assumptions(robots)]
     return CellCheck(cell=path, mistakes=tuple(mistakes.found), robots=robots, remarks=tuple(remarks))
 
 
@@ -53,16 +51,3 @@ def _hints(arm: Arm, path: Path) -> Iterator[Remark]:
     except InputError as error:
         if error.rule not in {hint.text for hint in likely}:
             yield Remark.hint("cannot-hold", f"{arm.robot.source.tip_link}: {error.rule}")
-
-
-def _missing_meshes(read: UrdfReading) -> Iterator[Remark]:
-    gone, why = [], ""
-    for name in read.meshes:
-        try:
-            mesh_file(read.path, name)
-        except InputError as error:
-            gone.append(name)
-            why = why or error.rule
-    if gone:
-        also = "" if len(gone) == 1 else f" So are {len(gone) - 1} more: {first_names(gone[1:], NAMES_SHOWN)}."
-        yield Remark("missing-mesh", f"{read.path.name}: {why}{also} Only pictures need meshes.")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""How a parameter of a study is distributed: over levels, evenly over a range, or by chance."""
+"""How a parameter of a study is distributed: over levels, evenly over a range, or normally."""
 
 from dataclasses import dataclass
 
@@ -13,28 +13,16 @@ NEAREST_TO_CERTAIN = 1e-16
 VALUES_SHOWN = 6
 """Of a list."""
 
-WORDS = {
-    "normal": "normal, around {0}, standard deviation {1}{2}",
-    "lognormal": "lognormal, around {0}{2}, standard deviation {1} of the logarithm",
-    "triangular": "triangular, from {0} to {2}, likeliest {1}{3}",
-    "uniform": "from {0} to {1}{2}",
-}
-"""What shapes each kind of distribution, its unit last."""
-
-
-CHANCES = ("normal", "lognormal", "triangular")
-"""Kinds of numbers that happen, and are not for a designer to choose."""
-
 
 @dataclass(frozen=True)
 class Distribution:
     """The values of a parameter.
 
     Attributes:
-        kind: "values" and "steps" (of a range) are levels, one as likely as another; "uniform", "normal", "lognormal",
-            "triangular".
+        kind: "values" and "steps" (of a range) are levels, one as likely as another; "uniform"; "normal", of numbers
+            that happen and are not for a designer to choose.
         numbers: The levels, in the order in which a grid takes them; least and largest value; mean and standard
-            deviation; median and standard deviation of the logarithm; least, likeliest and largest value.
+            deviation.
     """
 
     kind: str
@@ -45,30 +33,18 @@ class Distribution:
         """The values where they can be counted; None where they cannot."""
         return self.numbers if self.kind in {"values", "steps"} else None
 
-    @property
-    def bounds(self) -> tuple[float, float] | None:
-        """Least and largest value; None where there are none."""
-        return None if self.kind in {"normal", "lognormal"} else (min(self.numbers), max(self.numbers))
-
     def at(self, probability: Array) -> Array:
         """The values that probabilities from 0 to 1 stand for, of the same Shape."""
         if self.levels is not None:
             places = (probability * len(self.levels)).astype(np.intp)
             return np.array(self.levels)[np.minimum(places, len(self.levels) - 1)]
+        first, second = self.numbers
         if self.kind == "uniform":
-            low, high = self.numbers
-            return low + probability * (high - low)
-        from scipy import stats  # noqa: PLC0415 (slow to import, and most studies have no such number)
+            return first + probability * (second - first)
+        from scipy.special import ndtri  # noqa: PLC0415 (slow to import, and most studies have no such number)
 
-        p = np.clip(probability, NEAREST_TO_CERTAIN, 1 - NEAREST_TO_CERTAIN)
-        match self.numbers:
-            case low, peak, high:
-                found = stats.triang.ppf(p, (peak - low) / (high - low), low, high - low)
-            case mean, std if self.kind == "normal":
-                found = stats.norm.ppf(p, mean, std)
-            case median, log_std:
-                found = stats.lognorm.ppf(p, log_std, scale=median)
-        return np.asarray(found, dtype=np.float64)
+        quantile: Array = ndtri(np.clip(probability, NEAREST_TO_CERTAIN, 1 - NEAREST_TO_CERTAIN))
+        return first + second * quantile
 
     def text(self, unit: str) -> str:
         """The distribution for people, with the unit of its values, which may be empty."""
@@ -78,4 +54,6 @@ class Distribution:
         if self.kind == "values":
             more = f", … ({len(shown)} values)" if len(shown) > VALUES_SHOWN else ""
             return f"{', '.join(shown[:VALUES_SHOWN])}{more}{spaced}"
-        return WORDS[self.kind].format(*shown, spaced)
+        if self.kind == "normal":
+            return f"normal, around {shown[0]}, standard deviation {shown[1]}{spaced}"
+        return f"from {shown[0]} to {shown[1]}{spaced}"

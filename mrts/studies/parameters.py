@@ -32,23 +32,13 @@ ANSWERS = dict.fromkeys(("status", "reason", "lower_limit", "upper_limit"), "str
 ANSWERS |= dict.fromkeys(("c2_lower", "c2_upper", "lower_time", "upper_time", "duration"), "float64")
 """Columns of every study behind the number of a variant and what varies, and their types."""
 
-RESERVED_NAMES = ("variant", *ANSWERS, "clearance", "energy")
+RESERVED_NAMES = ("variant", *ANSWERS, "clearance")
 """Columns of a study's table beside those of its parameters."""
 
 MOVES = ("sets", "shifts", "scales")
 """What a parameter can do to a number: be it, be added to it, multiply it."""
 
 FORMS = "a list such as [1, 2, 3], a range such as {from: 1, to: 3, steps: 5}, or {normal: {mean: 2, std: 0.1}}"
-
-SHAPES = {
-    "normal": ("mean", "std"),
-    "lognormal": ("median", "log_std"),
-    "uniform": ("from", "to"),
-    "triangular": ("from", "peak", "to"),
-}
-"""Of distributions, each a key of its own, and what it takes."""
-
-POSITIVE, MAX_LOG_STD = ("std", "median", "log_std"), 10.0
 
 PATHS_SHOWN = 3
 """Of what a parameter moves."""
@@ -103,32 +93,15 @@ class Parameter:
         return f"{self.path}{moved}: {self.distribution.text(self.unit)}"
 
 
-def _reversed(low: float, high: float) -> str:
-    return "" if low < high else f"'from' must be below 'to'; here are {low:g} and {high:g}"
+class NormalDescription(Record):
+    """Mean and standard deviation of a normal distribution."""
 
-
-def _shape_problem(kind: str, given: dict[str, float]) -> str:
-    names = SHAPES[kind]
-    if given.keys() != set(names):
-        return f"{kind} takes {', '.join(names)}; here are {', '.join(given) or 'none of them'}"
-    if wrong := [name for name in POSITIVE if given.get(name, 1.0) <= 0]:
-        return f"{kind}.{wrong[0]} must be > 0; here is {given[wrong[0]]:g}"
-    if given.get("log_std", 0.0) > MAX_LOG_STD:
-        return f"{kind}.log_std must be <= {MAX_LOG_STD:g}; here is {given['log_std']:g}"
-    if "peak" in given and not given["from"] <= given["peak"] <= given["to"]:
-        return f"'peak', {given['peak']:g}, must lie between 'from' and 'to'"
-    return _reversed(given["from"], given["to"]) if "from" in given else ""
-
-
-class AffineDescription(Record):
-    """What a parameter sets a number to: offset + factor × its own value."""
-
-    factor: Finite = 1.0
-    offset: Finite = 0.0
+    mean: Finite
+    std: Annotated[float, Rule(gt=0)]
 
 
 Paths = Annotated[list[str], Rule(min_length=1)]
-Factors = Annotated[dict[str, Finite | AffineDescription], Rule(min_length=1)]
+Factors = Annotated[dict[str, Finite], Rule(min_length=1)]
 
 
 class ParameterDescription(Record):
@@ -139,7 +112,7 @@ class ParameterDescription(Record):
         to: Where it ends.
         steps: Of a range, in a grid.
         values: Some values.
-        normal, lognormal, uniform, triangular: Distributions.
+        normal: A distribution.
         sets, shifts, scales: Numbers that it moves; an entry without them is itself the path to one.
     """
 
@@ -147,10 +120,7 @@ class ParameterDescription(Record):
     to: Finite | None = None
     steps: Annotated[int, Rule(ge=2, le=MAX_STEPS)] | None = None
     values: Annotated[list[Finite], Rule(min_length=1)] | None = None
-    normal: dict[str, Finite] | None = None
-    lognormal: dict[str, Finite] | None = None
-    uniform: dict[str, Finite] | None = None
-    triangular: dict[str, Finite] | None = None
+    normal: NormalDescription | None = None
     sets: Paths | Factors | None = None
     shifts: Paths | Factors | None = None
     scales: Paths | None = None
@@ -159,13 +129,12 @@ class ParameterDescription(Record):
         """The rule that its keys break with each other; empty if none."""
         ends = [name for name, value in (("from", self.from_), ("to", self.to)) if value is not None]
         forms = ["a range"] if ends or self.steps is not None else []
-        forms += [name for name in ("values", *SHAPES) if getattr(self, name) is not None]
+        forms += [name for name in ("values", "normal") if getattr(self, name) is not None]
         if len(forms) != 1:
             return f"one way to vary it belongs here: {FORMS}; here are {', '.join(forms) or 'none of them'}"
         if self.from_ is not None and self.to is not None:
-            return _reversed(self.from_, self.to)
-        if forms[0] in SHAPES:
-            return _shape_problem(forms[0], getattr(self, forms[0]))
+            ends_given = f"here are {self.from_:g} and {self.to:g}"
+            return "" if self.from_ < self.to else f"'from' must be below 'to'; {ends_given}"
         if forms == ["a range"]:
             return f"a range needs 'from' and 'to'; here is {ends[0] if ends else 'steps alone'}"
         repeated = [value for value, count in Counter(self.values or []).items() if count > 1]
@@ -184,14 +153,14 @@ class ParameterDescription(Record):
             return Distribution("values", tuple(self.values))
         if self.steps is not None:
             return Distribution("steps", tuple(np.linspace(self.from_ or 0, self.to or 0, self.steps).tolist()))
-        kind = next((name for name in SHAPES if getattr(self, name) is not None), "uniform")
-        shape = getattr(self, kind) or {"from": self.from_ or 0.0, "to": self.to or 0.0}
         if sample == "grid":
             rule = "a grid needs to know in how many steps, such as steps: 5"
-            if kind != "uniform":
-                rule = f"a {kind} distribution has no steps to make a grid of"
-            raise InputError("", f"{rule}. Take sample: sobol or lhs with a count.")
-        return Distribution(kind, tuple(shape[name] for name in SHAPES[kind]))
+            if self.normal is not None:
+                rule = "a normal distribution has no steps to make a grid of"
+            raise InputError("", f"{rule}. Take sample: sobol with a count.")
+        if self.normal is not None:
+            return Distribution("normal", (self.normal.mean, self.normal.std))
+        return Distribution("uniform", (self.from_ or 0.0, self.to or 0.0))
 
 
 def read_parameters(
@@ -274,16 +243,15 @@ def _check_name(name: str) -> None:
         raise InputError("", f"{rule}.")
 
 
-def _targets(move: str, listed: list[str] | dict[str, Any], files: dict[str, Any], cell: Cell) -> Iterator[Target]:
-    for path, given in listed.items() if isinstance(listed, dict) else [(path, 1.0) for path in listed]:
+def _targets(move: str, listed: list[str] | dict[str, float], files: dict[str, Any], cell: Cell) -> Iterator[Target]:
+    for path, factor in listed.items() if isinstance(listed, dict) else [(path, 1.0) for path in listed]:
         try:
-            line = given if isinstance(given, AffineDescription) else AffineDescription(factor=given)
-            if line.factor == 0 or (move == "shifts" and line.offset != 0):
-                raise InputError("", "a factor is not 0, and an offset belongs to 'sets'.", value=given)  # noqa: TRY301
+            if factor == 0:
+                raise InputError("", "a factor is not 0.", value=factor)  # noqa: TRY301
             if move == "sets":
-                yield _target(files, cell, path, line.factor, line.offset)
+                yield _target(files, cell, path, factor)
             else:
-                yield from _moved(move, path, line.factor, files, cell)
+                yield from _moved(move, path, factor, files, cell)
         except InputError as error:
             raise error.inside("", f"{move}.{path}") from None
 

@@ -39,7 +39,6 @@ class StudyQuestion(Record):
     Attributes:
         profile: "constant" asks for the range of c², "optimal" for the fastest timing too.
         load: The question of an uncertain load, as in `mrts.scale`.
-        torques: Whether energy and root mean square torques are wanted.
         reserve: Share of every limit that is kept free; None is the cell's own.
         between: Share of a limit by which it may be overstepped between the samples; None looks at the samples alone.
         clearance: Whether the least distance between bodies is wanted (`mrts.clearance`).
@@ -47,7 +46,6 @@ class StudyQuestion(Record):
 
     profile: Literal["constant", "optimal"] = "constant"
     load: Annotated[str, Rule(pattern=r"^(auto|nominal|guaranteed|possible|grid(:[0-9]{1,9})?)$")] = "auto"
-    torques: bool = False
     reserve: Annotated[float, Rule(ge=0, lt=1)] | None = None
     between: Finite | None = None
     clearance: bool = False
@@ -86,7 +84,7 @@ class Study:
         path: The study file.
         folder: That the cell's URDFs are relative to.
         parameters: What varies, P of them.
-        sample: "grid", "lhs" or "sobol".
+        sample: "grid" or "sobol".
         variants: Number of variants.
         seed: Of what is drawn.
         question: What is asked of each variant.
@@ -94,7 +92,6 @@ class Study:
         motion: Keys and values of the motion file, likewise; a table's are where it is.
         table: The motion, where it is a table: no number of it varies.
         files: URDFs and mesh that the cell file names.
-        joints: Names of each robot's joints, base to tip, by robot.
         digest: Hash of all that the answers depend on.
         limits: Further limits of the cell, as `mrts.Cell.with_limits` takes them.
     """
@@ -110,7 +107,6 @@ class Study:
     motion: dict[str, Any]
     table: ObjectMotion | JointTable | None
     files: tuple[StudyFile, ...]
-    joints: dict[str, tuple[str, ...]]
     digest: str
     limits: tuple[Callable[..., Any], ...] = ()
 
@@ -158,7 +154,7 @@ class Study:
         distributions = [parameter.distribution for parameter in self.parameters]
         if first == last:
             return np.empty((0, len(distributions)))
-        return sample_points(distributions, self.sample, self.variants, self.seed, (int(first), int(last)))
+        return sample_points(distributions, self.sample, self.seed, (int(first), int(last)))
 
     def descriptions(self, point: Array) -> tuple[dict[str, Any], dict[str, Any]]:
         """Keys and values of the cell file and the motion file of one variant.

@@ -32,7 +32,7 @@ from mrts.motion.ros_messages import is_bag
 from mrts.scaling.loads import mass_grid
 from mrts.scaling.options import Options
 from mrts.studies.parameters import Parameter, read_parameters
-from mrts.studies.sampling import MAX_HYPERCUBE_NUMBERS, MAX_VARIANTS, SampleName, grid_size
+from mrts.studies.sampling import MAX_VARIANTS, SampleName, grid_size
 from mrts.studies.study import Study, StudyFile, StudyQuestion
 
 
@@ -104,7 +104,6 @@ def read_study(path: Path | str) -> Study:
         motion=given["motion"],
         table=None if poses else motion,
         files=files,
-        joints={robot.name: robot.joints for robot in cell.robots},
         digest=hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in content)).hexdigest(),
     )
 
@@ -200,9 +199,6 @@ def _table_content(table: ObjectMotion | JointTable) -> list[bytes]:
 
 def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None:
     load = described.load
-    if load == "possible" and described.torques:
-        rule = "what is possible leaves open which load it is, so there are no torques. Leave one of the two out."
-        raise InputError(path, rule, key="torques", value=True)
     if described.profile == "optimal" and load not in {"auto", "nominal", "guaranteed"}:
         rule = "must be guaranteed or nominal where the speed varies (profile: optimal)."
         raise InputError(path, rule, key="load", value=load)
@@ -225,15 +221,9 @@ def _variants(path: Path, described: StudyDescription, parameters: tuple[Paramet
         size = grid_size([parameter.distribution for parameter in parameters])
         if size > MAX_VARIANTS:
             rule = f"this grid has {size} variants, at most {MAX_VARIANTS} are allowed. Take fewer steps, or a sample: "
-            raise InputError(path, rule + "sobol or lhs with a count.", key="vary")
+            raise InputError(path, rule + "sobol with a count.", key="vary")
         return size
     if described.count is None:
-        rule = f"this key is required with sample: {described.sample}: how many variants are drawn, such as 1024."
+        rule = "this key is required with sample: sobol: how many variants are drawn, such as 1024."
         raise InputError(path, rule, key="count")
-    if described.sample == "lhs" and described.count * len(parameters) > MAX_HYPERCUBE_NUMBERS:
-        rule = (
-            f"a Latin hypercube is drawn as a whole, at most {MAX_HYPERCUBE_NUMBERS} numbers; this one has "
-            f"{described.count} times {len(parameters)}. Take sample: sobol, which has no such bound."
-        )
-        raise InputError(path, rule, key="count", value=described.count)
     return described.count

@@ -46,8 +46,8 @@ TEMPORARY_FILE = re.compile(r"\.(?:study|part-\d{8})\..*\.(?:json|parquet)")
 MAX_RECORD_BYTES = 10**8
 """Of study.json: many more than lists of values take."""
 
-UNITS = {"lower_time": "s", "upper_time": "s", "duration": "s", "clearance": "m", "energy": "J"}
-"""Of columns that are not parameters; c² has none, and torques have that of their joint."""
+UNITS = {"lower_time": "s", "upper_time": "s", "duration": "s", "clearance": "m"}
+"""Of columns that are not parameters; c² has none."""
 
 DIGEST_KEY = b"study"
 """In the metadata of a part: the digest of its study."""
@@ -292,13 +292,8 @@ def _locked(path: Path) -> Iterator[None]:
 def _check_same(folder: StudyFolder, content: Mapping[str, Any]) -> None:
     if folder.digest == content["digest"]:
         return
-    before, now = folder.record, content
-    if before["mrts"] != now["mrts"]:
-        rule = (
-            f"was begun by mrts {before['mrts']}, this is {now['mrts']}: end it with that one, or name another folder."
-        )
-        raise InputError(folder.path, rule)
-    changed = [name for name, value in now["study"].items() if before["study"].get(name) != value]
+    before, now = ({"version of mrts": each["mrts"], **each["study"]} for each in (folder.record, content))
+    changed = [name for name, value in now.items() if before.get(name) != value]
     what = ", ".join(changed) or "the table of its motion"
     rule = f"holds another study, which differs in {what}. Name another folder, or take back what was changed."
     raise InputError(folder.path, rule)

@@ -6,8 +6,9 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import closing, nullcontext
 from dataclasses import dataclass, field, replace
+from datetime import timedelta
 from os import PathLike
 from pathlib import Path
 from types import NoneType
@@ -17,12 +18,11 @@ import numpy as np
 
 from mrts.base.argument_types import as_path, check_callable, check_type, require_extra
 from mrts.base.errors import InputError
-from mrts.studies.best_variants import write_best
 from mrts.studies.chunks import solved_chunks
-from mrts.studies.dry_run import estimate, time_text
 from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder
+from mrts.studies.variant_rows import fastest_first, solve_variants
 from mrts.studies.worker_pools import check_workers
 
 if TYPE_CHECKING:
@@ -37,6 +37,14 @@ MAX_CHUNK_SIZE = 20_000
 ROUND_NUMBERS = (1, 2, 5)
 """Sizes of chunks, times a power of ten."""
 
+ENOUGH = 0.5
+"""Time that the variants take by which the others are judged [s], unless the whole study takes less."""
+
+GROWTH = 4
+"""How many times as many variants are tried next."""
+
+GOLDEN = 0.6180339887498949
+"""Share of the study by which these lie further on: all parts of it are met alike."""
 
 TALLIED = ("variant", "status", "duration")
 """Columns that are counted."""
@@ -74,7 +82,7 @@ class SweepProgress:
 
     def __str__(self) -> str:
         left = self.remaining
-        rate = "" if left is None else f"{self.rate:.3g} a second, {time_text(left)} left"
+        rate = "" if left is None else f"{self.rate:.3g} a second, {timedelta(seconds=round(left))} left"
         best = "" if self.best is None else f"best {self.best:.4g} s"
         return "; ".join(part for part in (rate, best) if part)
 
@@ -118,8 +126,7 @@ def sweep(
         workers: Number of processes on this machine; None for one a core.
         scheduler: Address of a Dask scheduler whose workers solve the study, such as tcp://HOST:8786; None for
             processes of this machine.
-        top: How many of the best variants are solved again as `mrts.scale` does, with the limits kept between the
-            samples, and written as files into folders best-1, best-2, … of the folder.
+        top: How many of the best variants are written as files into folders best-1, best-2, … of the folder.
         progress: Told how far it is, after each chunk.
 
     Returns:
@@ -134,14 +141,11 @@ def sweep(
     if top < 0 or (top > 0 and folder is None):
         raise InputError("top", "must be at least 0, and takes a folder where it is more.", value=top)
     wanted = study if isinstance(study, Study) else read_study(as_path("study", study))
-    if folder is None:
-        with tempfile.TemporaryDirectory(prefix="mrts-study-") as temporary:
-            solved, _ = solve_study(wanted, Path(temporary), workers, scheduler, progress)
-            return solved.table()
-    solved, _ = solve_study(wanted, as_path("folder", folder), workers, scheduler, progress)
-    if top:
-        write_best(wanted, solved, top)
-    return solved.table()
+    with nullcontext(folder) if folder is not None else tempfile.TemporaryDirectory(prefix="mrts-study-") as path:
+        solved, _ = solve_study(wanted, as_path("folder", path), workers, scheduler, progress)
+        if top:
+            write_best(wanted, solved, top)
+        return solved.table()
 
 
 def solve_study(
@@ -180,8 +184,35 @@ def solve_study(
         return folder, so_far
 
 
+def write_best(study: Study, folder: StudyFolder, count: int) -> None:
+    """Write the best variants as files into folders best-1, best-2 and so on.
+
+    Raises:
+        InputError: If a file cannot be written.
+    """
+    rows = folder.table(["variant", "duration"])
+    variants, durations = np.asarray(rows["variant"], dtype=int), np.asarray(rows["duration"], dtype=np.float64)
+    for rank, variant in enumerate(variants[fastest_first(variants, durations)[:count]].tolist(), start=1):
+        study.write_variant(variant, folder.path / f"best-{rank}")
+
+
 def chunk_size(study: Study) -> int:
     """Variants that one worker solves in about `CHUNK_TIME`: a round number, at least one."""
-    fitting = min(CHUNK_TIME / estimate(study).seconds_each, study.variants, MAX_CHUNK_SIZE)
+    fitting = min(CHUNK_TIME / _time_each(study), study.variants, MAX_CHUNK_SIZE)
     power = int(10 ** max(0, math.floor(math.log10(fitting))))
     return max([1, *(step * power for step in ROUND_NUMBERS if step * power <= fitting)])
+
+
+def _time_each(study: Study) -> float:
+    """Time that a variant takes [s]: a few are solved, more until it can be told."""
+    size, place = 1, 0.0
+    while True:
+        first = int((study.variants - size) * place)
+        start = time.perf_counter()
+        solve_variants(study, first, first + size)
+        taken = time.perf_counter() - start
+        warm = size > 1 or study.variants == 1  # the first one reads, and perhaps compiles
+        if warm and (taken >= ENOUGH or size == study.variants):
+            return taken / size
+        size = min(size * GROWTH, study.variants)
+        place = (place + GOLDEN) % 1

@@ -21,7 +21,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.scaling.options import Options
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.scale import SelectionError, admissible_range, scale
+from mrts.scaling.scale import admissible_range
 from mrts.studies.parameters import ANSWERS
 from mrts.studies.study import Study
 from mrts.timing.result import RetimingResult, RetimingStatus
@@ -41,8 +41,7 @@ Columns = dict[str, Any]
 def column_types(study: Study) -> dict[str, str]:
     """Names and types ("int64", "float64", "string") of the columns of a study's table, in order."""
     types = {"variant": "int64"} | {parameter.path: "float64" for parameter in study.parameters}
-    asked = ["clearance"] * study.question.clearance + _torque_columns(study)
-    return types | ANSWERS | dict.fromkeys(asked, "float64")
+    return types | ANSWERS | dict.fromkeys(["clearance"] * study.question.clearance, "float64")
 
 
 def solve_variants(study: Study, first: int, last: int) -> Columns:
@@ -145,15 +144,7 @@ def _answer(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> Row:
     question = study.question
     asked: dict[str, Any] = {"load": question.load, "reserve": question.reserve, "between": question.between}
     if question.profile == "optimal":
-        return _timed_row(study, retime(cell, motion, **asked))
-    if question.torques:
-        try:
-            result = scale(cell, motion, **asked)
-        except SelectionError as error:
-            if error.result is None:
-                raise
-            return _range_row(error.result) | {"reason": str(error)}
-        return _range_row(result) | _torques(study, result)
+        return _timed_row(retime(cell, motion, **asked))
     cell = cell if question.reserve is None else cell.with_reserve(question.reserve)
     options = Options(load=question.load, between=question.between).checked(cell)
     return _range_row(admissible_range(cell, coordinate(cell, motion, None), options)[0])
@@ -166,11 +157,11 @@ def _clearance(study: Study, cell: Cell, motion: ObjectMotion | JointTable) -> R
     return {"clearance": near.distance if near.pair else None}
 
 
-def _timed_row(study: Study, found: RetimingResult) -> Row:
+def _timed_row(found: RetimingResult) -> Row:
     """The range is that of a constant factor."""
     row = _range_row(found.factor) | {"duration": found.duration, "status": RangeStatus.FEASIBLE.value, "reason": None}
     if found.status.admits_motion:
-        return row | ({} if found.retimed is None else _torques(study, found.retimed))
+        return row
     unbounded = found.status is RetimingStatus.UNBOUNDED
     status = RangeStatus.UNBOUNDED if unbounded else RangeStatus.INFEASIBLE
     return row | {"status": status.value, "reason": found.explanation or found.status.value}
@@ -184,18 +175,3 @@ def _range_row(result: ScalingResult) -> Row:
     if not found.status.admits_motion or found.lower is None or found.upper is None:
         return row
     return row | ends_row(found.lower, found.upper, float(result.motion.object.time[-1]))
-
-
-def _torques(study: Study, result: ScalingResult) -> Row:
-    done = result.trajectory
-    if not study.question.torques or done is None or result.status is not RangeStatus.FEASIBLE:
-        return {}
-    rms = [value for duty in done.duty.values() for value in duty.rms_torque.tolist()]
-    return dict(zip(_torque_columns(study), [done.energy, *rms], strict=True))
-
-
-def _torque_columns(study: Study) -> list[str]:
-    if not study.question.torques:
-        return []
-    rms = [f"rms.{robot}.{joint}" for robot, joints in study.joints.items() for joint in joints]
-    return ["energy", *rms]

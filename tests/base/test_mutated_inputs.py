@@ -19,7 +19,6 @@ from mutations import mutated
 import mrts
 from mrts.cell.record import read_generated
 from mrts.cli import main
-from mrts.studies.dry_run import study_lines
 from mrts.studies.variant_rows import solve_variants
 
 CASES = int(os.environ.get("FUZZ_CASES", "600"))
@@ -40,8 +39,9 @@ vary:
   distance:
     sets:
       robots.left.base.xyz[0]: -1
-      robots.right.base.xyz[0]: {factor: 1, offset: 2.5}
-    uniform: {from: -0.1, to: 0.1}
+      robots.right.base.xyz[0]: 2
+    from: -0.1
+    to: 0.1
   strength: {scales: [robots.left.torque, robots.right.torque], values: [1, 1.1]}
 sample: sobol
 count: 16
@@ -65,7 +65,7 @@ def read_motion(path):
 def read_study(path):
     """The first variants of a study that can be read are solved, and the last one."""
     study = mrts.read_study(path)
-    "".join(study_lines(study)).encode()
+    "".join(map(str, study.parameters)).encode()
     solve_variants(study, 0, min(study.variants, 2))
     solve_variants(study, study.variants - 1, study.variants)
 

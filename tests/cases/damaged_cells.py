@@ -25,16 +25,6 @@ def _scale(block, key, factor):
     block[key] = [value * factor for value in block[key]]
 
 
-def _swap(cell, key):
-    left, right = cell["robots"]
-    left[key], right[key] = right[key], left[key]
-
-
-def _other_side(cell, arm):
-    cell["robots"][arm]["grasp"]["rpy"][1] *= -1
-    cell["robots"][arm]["base"]["xyz"][0] = -0.95 * (-1) ** arm
-
-
 DEGREES = 180 / np.pi
 
 HINTS = {
@@ -48,12 +38,6 @@ HINTS = {
     "gravity upward": ("gravity-upward", lambda cell, *_: cell.update(gravity=[0, 0, 9.81])),
     "mass in grams": ("mass-grams", lambda cell, *_: cell["object"].update(mass=8000.0)),
     "inertia in kg mm²": ("inertia-unit", lambda cell, *_: _scale(cell["object"], "inertia", 1e6)),
-    "bases swapped": ("swapped-bases", lambda cell, *_: _swap(cell, "base")),
-    "grasps swapped": ("swapped-grasps", lambda cell, *_: _swap(cell, "grasp")),
-    "other side": ("other-side", lambda cell, _, arm: _other_side(cell, arm)),
-    # half a turn about z with the real part last, read as half a turn about y: the arm hangs upside down
-    "quaternion in the other order": ("quaternion-order", lambda cell, *_: cell["robots"][1].update(
-        base={"xyz": [0.97, 0, 0], "quaternion_wxyz": [0.0, 0.0, 1.0, 0.0]})),
 }  # fmt: skip
 """The hint that each mistake must lead to, and the mistake."""
 

@@ -1,6 +1,4 @@
-"""`mrts view` without a page: pictures of motions, saved results and variants."""
-
-import shutil
+"""`mrts view` without a page: pictures of motions and saved results."""
 
 import numpy as np
 import pytest
@@ -12,13 +10,6 @@ from mrts.cli import main
 from mrts.scene import film
 
 CELL, LIFT = str(DATA / "cell.yaml"), str(DATA / "lift.yaml")
-
-STUDY = """\
-cell: cell.yaml
-motion: lift.yaml
-vary:
-  object.mass: [1.0, 2.0, 4.0]
-"""
 
 
 def drawn(monkeypatch):
@@ -64,24 +55,3 @@ def test_a_saved_result_clips_no_compiler(lifted, monkeypatch, tmp_path):
     first, second = asked[0][0]
     assert first.title == second.title == "fast"
     np.testing.assert_array_equal(first.trajectory.torque, lifted.trajectory.torque)
-
-
-@pytest.mark.parametrize("named", ["study.yaml", "swept"])
-def test_a_variant_is_that_of_the_study(named, monkeypatch, tmp_path, capsys):
-    for name in ("cell.yaml", "lift.yaml", "planar_arm.urdf"):
-        shutil.copy(DATA / name, tmp_path)
-    (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
-    if named == "swept":
-        assert main(["sweep", str(tmp_path / "study.yaml"), "-o", str(tmp_path / "swept"), "-q"]) == 0
-    asked = drawn(monkeypatch)
-    path = str(tmp_path / named)
-    assert main(["view", path, "--variant", "2", "--png", str(tmp_path / "x.png")]) == 0
-    ((clip,), _, _) = asked[0]
-    assert clip.trajectory.cell.mass == 4.0
-    capsys.readouterr()
-    assert main(["view", path, "--variant", "3", "--png", str(tmp_path / "x.png")]) == 2
-    assert f"{path}: --variant = 3" in capsys.readouterr().err
-    if named == "swept":
-        assert main(["view", path, "--png", str(tmp_path / "x.png")]) == 2
-        (tmp_path / "study.yaml").write_text(STUDY.replace("4.0", "5.0"), encoding="utf-8")
-        assert main(["view", path, "--variant", "2", "--png", str(tmp_path / "x.png")]) == 2

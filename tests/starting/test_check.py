@@ -2,7 +2,6 @@
 
 import json
 import re
-from dataclasses import replace
 
 import damaged_cells
 import numpy as np
@@ -10,16 +9,14 @@ import pytest
 from conftest import DATA, UR5
 from damaged_cells import HINTS, MISTAKES, damaged, sound, written
 from draws import draws
-from motion_tables import columns_of, write_motion, write_table
+from motion_tables import columns_of, write_table
 from published_robots import single_arm_cell
 from shipped_cells import changed_cell, shipped, shipped_motion
 
 import mrts
 from mrts.base.errors import InputError
-from mrts.base.rigid_transform import RigidTransform
 from mrts.cell.loading import cell_to_compile
 from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS
-from mrts.cli import main
 from mrts.starting.reading import HOPELESS, request_of
 
 SHIPPED = [
@@ -124,21 +121,6 @@ def _uncompiled(path):
     return uncompiled_cell(read_without_generating(path)[0], path.parent)
 
 
-def test_a_proposed_move_lets_the_compiled_cell_follow(dual_ur5, tmp_path):
-    cell, motion = sound()
-    cell["robots"][0]["base"]["xyz"] = [-1.1, -0.1, 0.1]
-    paths = written(tmp_path, cell, motion)
-    left, right = mrts.check(*paths).arms
-    assert right.follows
-    assert left.shift is not None
-    far = dual_ur5.with_values({"robots.left.base.xyz": [-1.1, -0.1, 0.1]})
-    path = mrts.load_motion(paths[1])
-    with pytest.raises(mrts.MotionError) as caught:
-        mrts.follow_object(far, path)
-    assert str(caught.value) == left.failure
-    mrts.follow_object(dual_ur5.with_values({"robots.left.base.xyz": np.add(left.shift, [-1.1, -0.1, 0.1])}), path)
-
-
 def test_a_posture_that_works_is_named_where_the_given_one_does_not(dual_ur5, tmp_path):
     """A long way with a turn, which the arm's other elbow does not reach."""
     cell, motion = sound()
@@ -201,34 +183,6 @@ def test_swapped_columns_are_tried(files, tmp_path):
     rng = np.random.default_rng(3)
     wrong = columns | {names[0]: columns[names[0]] + rng.uniform(0.1, 0.2)}
     assert mrts.check(files[0], write_table(tmp_path / "wrong.csv", wrong)).hints == ()
-
-
-def moved(folder, by):
-    """The shipped machine's motion, elsewhere."""
-    motion = shipped_motion("upper_body", samples=21)
-    for key in ("start", "end"):
-        motion[key]["xyz"] = (np.array(motion[key]["xyz"]) + by).tolist()
-    return write_motion(folder, **motion)
-
-
-def test_arms_of_one_machine_are_moved_together(tmp_path, capsys):
-    """The move that is proposed lets both arms follow; where it lets one alone, none is proposed."""
-    motion = moved(tmp_path, [0.3, 0, 0])
-    found = mrts.check(UPPER_BODY / "cell.yaml", motion)
-    assert [arm.machine for arm in found.arms] == [("right",), ("left",)]
-    assert "Move its base" not in str(found)
-    cell = mrts.load_cell(UPPER_BODY / "cell.yaml")
-    for arm in found.arms:
-        assert arm.shift is not None
-        bases = [RigidTransform(robot.T_world_base.R, robot.T_world_base.p + arm.shift) for robot in cell.robots]
-        robots = [replace(robot, T_world_base=base) for robot, base in zip(cell.robots, bases, strict=True)]
-        mrts.follow_object(replace(cell, robots=tuple(robots)), mrts.load_motion(motion))
-    apart = mrts.check(UPPER_BODY / "cell.yaml", moved(tmp_path, [0, 0.45, 0]))
-    lost = [arm for arm in apart.arms if not arm.follows]
-    assert lost
-    assert all(arm.machine for arm in lost)
-    assert main(["check", str(UPPER_BODY / "cell.yaml"), str(motion), "-q", "--json", "-"]) == 1
-    assert [arm["machine"] for arm in json.loads(capsys.readouterr().out)["arms"]] == [["right"], ["left"]]
 
 
 Y, Z = "0 1 0", "0 0 1"

@@ -93,17 +93,6 @@ def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
     assert sides[0] == -sides[1] != 0
 
 
-def test_postures_that_are_given_are_kept_and_held(dual_ur5):
-    """'Hold it here, now': the hands are at their grasps without a step of inverse kinematics."""
-    assert dual_ur5.library
-    postures = [np.array([0.1, -1.3, 1.9, -0.7, 0.2, 0.3]), np.array([-0.4, -1.2, 1.8, -0.5, -0.2, 1.0])]
-    proposal = propose(requested(UR5, postures=postures))
-    for robot, posture in zip(proposal.cell["robots"], postures, strict=True):
-        assert robot["posture"] == posture.tolist()
-    assert proposal.result.motion.q[0] == pytest.approx(np.concatenate(postures), abs=1e-7)
-    assert max(abs(pose.p[2]) for pose in (stand.T_world_base for stand in proposal.layout.stands)) == 0
-
-
 def test_arms_of_one_machine_hold_in_front_of_it():
     """Without a compiler: the layout alone. Left is left, and the bases are the URDF's."""
     request = requested(BAXTER)
@@ -150,8 +139,6 @@ def test_bases_that_are_given_stay():
         ([UR5], {"bases": [RigidTransform.identity()]}, "--base = 1: give it once for each robot, in their order: 2"),
         ([BAXTER, UR5], {}, "--base: is needed for each robot where one has several arms"),
         ([PLANAR] * 3, {}, "--base: is needed for each of more than two arms that move in one plane"),
-        ([UR5], {"postures": [np.zeros(5)] * 2}, "must have 6 values, one for each of shoulder_pan"),
-        ([UR5], {"postures": [np.full(6, 90.0)] * 2}, "these seem to be degrees. Say --degrees"),
         ([ROBOTS / "a1_description" / "urdf" / "a1.urdf"], {}, "seems to have 4 hands: choose with --tip"),
         ([ROBOTS / "hector_description" / "robots" / "quadrotor_base.urdf"], {}, "it is no arm"),
     ],

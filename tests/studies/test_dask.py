@@ -16,7 +16,7 @@ from mrts.studies.variant_rows import solve_variants
 
 STUDY = """
 vary: {object.mass: {from: 1, to: 30}, "robots.left.base.xyz[0]": {from: -1.5, to: 0.5}}
-torques: true
+between: 0.001
 sample: sobol
 count: 24
 """

@@ -117,7 +117,7 @@ CASES = (dual_ur5, planar, squeeze, with_motors, uncertain_load, redundant)
 )
 def test_the_slope_is_that_of_scale(case, tmp_path):
     layouts = Layouts.of(case(tmp_path))
-    bounds = np.array([parameter.distribution.bounds for parameter in layouts.study.parameters])
+    bounds = np.array([parameter.distribution.numbers for parameter in layouts.study.parameters])
     rng = np.random.default_rng(5)
     slopes = []
     while len(slopes) < draws(1):

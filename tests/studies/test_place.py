@@ -35,10 +35,8 @@ PLANAR_VARY = {
 
 def looked_at(study, count):
     """The layouts that `place` looks at first."""
-    bounds = [parameter.distribution.bounds for parameter in study.parameters]
-    return np.round(
-        sample_points([Distribution("uniform", pair) for pair in bounds], "sobol", count, SEED, (0, count)), 5
-    )
+    bounds = [parameter.distribution.numbers for parameter in study.parameters]
+    return np.round(sample_points([Distribution("uniform", pair) for pair in bounds], "sobol", SEED, (0, count)), 5)
 
 
 @pytest.mark.quick
@@ -62,7 +60,7 @@ def test_no_other_search_finds_better_on_the_planar_cell(tmp_path):
     path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
     layouts = Layouts.of(path)
     found = mrts.place(path, between=None)
-    bounds = np.array([parameter.distribution.bounds for parameter in layouts.study.parameters])
+    bounds = np.array([parameter.distribution.numbers for parameter in layouts.study.parameters])
     rng = np.random.default_rng(7)
     starts = [found.after.values, *(rng.uniform(*bounds.T) for _ in range(draws(1)))]
     for start in starts:
@@ -98,7 +96,7 @@ def test_it_is_never_worse_than_its_best_start(seed, arms, tmp_path):
     assert found.after.c2 >= best * (1 - SAME)
     assert found.after.c2 >= found.before.c2 * (1 - SAME) if found.before else True
     assert layouts.c2(found.after.values) <= found.after.c2 * (1 + SAME)
-    low, high = np.array([parameter.distribution.bounds for parameter in layouts.study.parameters]).T
+    low, high = np.array([parameter.distribution.numbers for parameter in layouts.study.parameters]).T
     assert np.all((low <= found.after.values) & (found.after.values <= high))
 
 
@@ -143,12 +141,8 @@ def test_arms_of_one_machine_move_together(tmp_path):
     assert max(line) <= found.after.c2 * (1 + SAME) <= max(line) * 1.01
 
 
-def test_time_that_is_up_and_ctrl_c_keep_the_best_so_far(tmp_path):
+def test_ctrl_c_keeps_the_best_so_far(tmp_path):
     path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
-    found = mrts.place(path, seconds=0)
-    assert (found.stopped, found.looked_at, found.searches) == ("the time limit", 0, 0)
-    assert found.after.c2 == found.before.c2
-    assert "no layout was found that is better" in found.sentence()
 
     def press(done, _total):
         if done == 65 and not pressed:
@@ -159,7 +153,7 @@ def test_time_that_is_up_and_ctrl_c_keep_the_best_so_far(tmp_path):
     before = signal.getsignal(signal.SIGINT)
     found = mrts.place(path, starts=1000, looked_at=64, progress=press)
     assert pressed
-    assert found.stopped == "Ctrl-C"
+    assert found.interrupted
     assert found.searches < 1000
     assert found.after.c2 > found.before.c2
     assert signal.getsignal(signal.SIGINT) is before
@@ -177,7 +171,7 @@ def test_what_is_no_layout_and_wrong_arguments_are_refused_by_name(tmp_path):
             mrts.place(path)
         assert all(word in str(error.value) for word in [str(path), *words])
     path = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, PLANAR_VARY)
-    for argument, value in (("starts", 0), ("looked_at", 1.5), ("seconds", -1), ("progress", 3)):
+    for argument, value in (("starts", 0), ("looked_at", 1.5), ("progress", 3)):
         with pytest.raises(mrts.InputError, match=argument):
             mrts.place(path, **{argument: value})
 

@@ -82,7 +82,7 @@ def test_a_damaged_part_is_dropped_and_said(damage, complete, study, caplog):
 
 
 def test_a_changed_study_is_refused_with_what_differs(complete, tmp_path):
-    for changed, said in ((VARY.replace("24", "24.000001"), "vary"), (f"{VARY}\ntorques: true", "question")):
+    for changed, said in ((VARY.replace("24", "24.000001"), "vary"), (f"{VARY}\nreserve: 0.1", "question")):
         with pytest.raises(mrts.InputError, match=rf"out: holds another study, which differs in {said}"):
             opened(complete.path, planar_study(tmp_path, changed))
     assert len(complete.parts()) == 3

@@ -38,7 +38,7 @@ def wide_study(folder, cell, motion, *, spread, count, seed=1, limits=0.2, mass=
     vary = {name: {"from": value - width, "to": value + width} for name, value, width in numbers}
     vary["object.mass"] = {"from": mass[0] * given["object"]["mass"], "to": mass[1] * given["object"]["mass"]}
     file = folder / "study.yaml"
-    named = {"cell": str(cell), "motion": str(motion), "vary": vary, "sample": "lhs", "count": count, "seed": seed}
+    named = {"cell": str(cell), "motion": str(motion), "vary": vary, "sample": "sobol", "count": count, "seed": seed}
     file.write_text(yaml.safe_dump(named, sort_keys=False), encoding="utf-8")
     return mrts.read_study(file)
 

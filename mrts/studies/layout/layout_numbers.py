@@ -125,8 +125,8 @@ class LayoutNumbers:
 
 def _bounds(study: Study, parameter: Parameter) -> tuple[float, float]:
     distribution = parameter.distribution
-    if distribution.kind in {"uniform", "steps"} and distribution.bounds is not None:
-        return distribution.bounds
+    if distribution.kind in {"uniform", "steps"}:
+        return distribution.numbers[0], distribution.numbers[-1]
     raise InputError(
         study.path,
         "must be given by 'from' and 'to', between which the best layout is searched.",

@@ -7,13 +7,12 @@ What a program promises counts only as far as the cell then does it.
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.argument_types import Progress, check_callable, check_type, is_number
+from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
 from mrts.base.held_interrupt import held_interrupt
@@ -32,7 +31,6 @@ from mrts.studies.layout.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.studies.sampling import sample_points
 from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
-from mrts.timing.retime import retime
 
 STARTS = 3
 """Layouts from which IPOPT searches, the best of those that were looked at."""
@@ -66,7 +64,6 @@ def place(
     *,
     starts: int = STARTS,
     looked_at: int = LOOKED_AT,
-    seconds: float | None = None,
     between: float | None = BETWEEN,
     progress: Progress = lambda _done, _total: None,
 ) -> Placement:
@@ -75,13 +72,12 @@ def place(
     The layouts looked at first are points of a Sobol sequence between the bounds, and the layout that the cell file
     gives. From the best of them IPOPT searches the nearest local optimum (`mrts.studies.layout.layout_program`);
     what it finds counts only as `mrts.scale` confirms it, so the answer is never worse than the best start. Layouts in
-    which bodies collide (`mrts.clearance`) are no answer. Ctrl-C and the time limit keep the best so far.
+    which bodies collide (`mrts.clearance`) are no answer. Ctrl-C keeps the best so far.
 
     Args:
         study: The study, or its file; `vary` names numbers of base, grasp or posture, each `from` and `to`.
         starts: From how many layouts to search.
         looked_at: Of how many.
-        seconds: Time after which no search begins, and those that run end; None is no limit.
         between: Share of a limit by which it may be overstepped between the samples, as in `mrts.scale`, before and
             after; the search itself looks at samples alone.
         progress: Told how many of how many pieces of work are done.
@@ -99,19 +95,16 @@ def place(
         check_type(name, value, int)
         if not 1 <= value <= MAX_LAYOUTS:
             raise InputError(name, f"must be at least 1, and at most {MAX_LAYOUTS}.", value=value)
-    if seconds is not None and not is_number(seconds, 0):
-        raise InputError("seconds", "must be a number of seconds, 0 or more, or None for no limit.", value=seconds)
     check_callable("progress", progress)
     tolerance = checked_tolerance(between)
     if study.question.load == "possible":
         rule = "the best layout is one for loads that are known, or for every load of a box: nominal or guaranteed."
         raise InputError(study.path, rule, key="load", value="possible")
-    until = None if seconds is None else monotonic() + seconds
     search = LayoutSearch(study, tolerance)
     with held_interrupt() as pressed:
-        search.over = lambda: bool(pressed) or (until is not None and monotonic() >= until)
+        search.over = lambda: bool(pressed)
         counts = search.run(starts, looked_at, progress)
-        stopped = "Ctrl-C" if pressed else "the time limit" if search.over() else ""
+        interrupted = search.over()
         pressed.clear()
     progress(looked_at + starts, looked_at + starts)
     after = search.best_played()
@@ -121,7 +114,7 @@ def place(
         before=None if search.given is None else search.played(search.given),
         after=after,
         reason=search.failures[-1] if search.failures else "",
-        stopped=stopped,
+        interrupted=interrupted,
         colliding=search.colliding,
         **counts,
     )
@@ -162,9 +155,7 @@ class LayoutSearch:
         """Look at layouts, and search from the best; counts those looked at, those playable, and the searches."""
         counts = {"looked_at": 0, "playable": 0, "searches": 0}
         bounds = zip(self.numbers.lower, self.numbers.upper, strict=True)
-        points = sample_points(
-            [Distribution("uniform", pair) for pair in bounds], "sobol", looked_at, SEED, (0, looked_at)
-        )
+        points = sample_points([Distribution("uniform", pair) for pair in bounds], "sobol", SEED, (0, looked_at))
         for values in self.numbers.rounded(points):
             if self.over():
                 break
@@ -208,7 +199,7 @@ class LayoutSearch:
         except MrtsError as error:
             self.failures.append(str(error))
             return None
-        return PlayedLayout(keys, values, None, result, None, postures)
+        return PlayedLayout(keys, values, None, result, postures)
 
     def improve(self, start: PlayedLayout) -> None:
         """Search from a layout; whatever the cell can play on the way joins those that were found."""
@@ -282,11 +273,7 @@ class LayoutSearch:
         except MrtsError as error:
             self.failures.append(str(error))
             return None
-        try:
-            fastest = retime(cell, self.motion, load=load, between=self.between).duration
-        except MrtsError:
-            fastest = None
-        return replace(layout, result=result, fastest=fastest)
+        return replace(layout, result=result)
 
 
 def _with_trajectory(result: ScalingResult) -> ScalingResult:

@@ -41,7 +41,6 @@ class PlayedLayout:
         values: Of the numbers of the study, Shape (P,): those of the cell file, where no values give that, the nearest.
         slope: ∂ ln c²⁺/∂values, Shape (P,), where a search ended there; else None.
         result: What `mrts.scale` finds, between the samples too.
-        fastest: Duration at a speed that varies [s]; None if nothing limits it, or no timing was found.
         postures: By robot, where they are not the study's [rad or m]; None where they are.
         collisions: What is to say of them.
     """
@@ -50,7 +49,6 @@ class PlayedLayout:
     values: Array
     slope: Array | None
     result: ScalingResult
-    fastest: float | None
     postures: dict[str, list[float]] | None = None
     collisions: tuple[Remark, ...] = ()
 
@@ -78,7 +76,7 @@ class Placement:
         looked_at: Number of layouts that were looked at.
         playable: How many of them can be played.
         searches: Number of layouts from which IPOPT searched.
-        stopped: What ended the search early: "Ctrl-C", "the time limit"; empty if nothing did.
+        interrupted: Whether Ctrl-C ended the search early.
         colliding: Number of faster layouts that were passed over because bodies collide.
     """
 
@@ -90,7 +88,7 @@ class Placement:
     looked_at: int
     playable: int
     searches: int
-    stopped: str
+    interrupted: bool
     colliding: int
 
     def __repr__(self) -> str:
@@ -126,9 +124,6 @@ class Placement:
         after, before = self.after, self.before
         if after is None:
             return
-        if after.fastest is not None:
-            instead = "" if before is None or before.fastest is None else f" instead of {before.fastest:.4g} s"
-            yield f"at a speed that varies {after.fastest:.4g} s{instead}"
         for word, layout in (("limited", after), ("before", before)):
             end = None if layout is None else layout.result.range.upper
             if end is not None and end.time is not None:
@@ -136,7 +131,7 @@ class Placement:
         yield ""
         yield from self._moved()
         yield from self._bounds()
-        ended = f"; ended by {self.stopped}" if self.stopped else ""
+        ended = "; ended by Ctrl-C" if self.interrupted else ""
         yield (
             f"searched from the best {self.searches} of {self.looked_at} layouts, of which "
             f"{self.playable} can be played{ended}"
