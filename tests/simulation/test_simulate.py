@@ -57,6 +57,7 @@ def test_the_exact_cell_does_what_was_planned(slow):
     assert found.saturated == 0
 
 
+@pytest.mark.quick
 def test_motors_follow_held_and_late_commands(lifted):
     """Without feedback: a chain of exact steps of a first-order lag, one a period and delay."""
     rate, delay, lag = 400.0, 1.3e-3, 4e-3
