@@ -241,6 +241,17 @@ def _without_sides(found: LimitedQuantities) -> LimitedQuantities:
     return replace(found, values=values, lower=lower).only(~np.isin(np.arange(len(found.rows)), others))
 
 
+def power_uses(done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
+    """Powers that are limited, of joints and of all motors together: products of torque and speed, so no rows."""
+    cell, power = done.cell, np.column_stack([done.power, np.sum(done.power, axis=1)])
+    names = [RowName("power", robot.name, joint, "W") for robot in cell.robots for joint in robot.joints]
+    rows = (*names, RowName("power", "", "all motors together", "W"))
+    unit = np.concatenate([*(robot.motors.power for robot in cell.robots), [cell.power_limit or np.inf]])
+    limit = np.broadcast_to(unit, power.shape)
+    found = LimitedQuantities(rows, power, -limit, limit, np.abs(power) / limit, unit)
+    return found.only(found.limited).uses(done.time)
+
+
 def limited_rates(result: "ScalingResult") -> LimitedQuantities | None:
     """Torque rates, wrench rates and jerks that are limited, kept or not: differences of neighbouring samples.
 

@@ -38,7 +38,7 @@ from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, motion_ran
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.program.widening import motion_widening
-from mrts.scaling.limit_use import rate_uses
+from mrts.scaling.limit_use import power_uses, rate_uses
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Options, Selection, limited_cell
@@ -479,20 +479,14 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
 
 def _above_power(done: ScaledTrajectory) -> tuple[Remark, ...]:
     """Power is a product of torque and speed, so no linear row: the limits are reported against, and not kept."""
-    cell, power = done.cell, np.column_stack([done.power, np.sum(done.power, axis=1)])
-    limit = np.concatenate([*(robot.motors.power for robot in cell.robots), [cell.power_limit or np.inf]])
-    share = np.max(np.abs(power), axis=0) / limit
-    order = np.argsort(-share, kind="stable")
-    names = [(*cell.joint_names, "all motors together")[place] for place in order.tolist() if share[place] > 1]
-    if not names:
+    passed = sorted((use for use in power_uses(done) if use.share > 1), key=lambda use: -use.share)
+    if not passed:
         return ()
-    worst = int(order[0])
-    time = float(done.time[np.argmax(np.abs(power[:, worst]))])
+    worst, names = passed[0], ["/".join(filter(None, (use.name.robot, use.name.element))) for use in passed]
     also = f"; above theirs too: {first_names(names[1:], NAMED)}" if names[1:] else ""
     text = (
-        f"{names[0]}: power reaches {np.max(np.abs(power[:, worst])):.4g} W at t = {time:.4g} s, "
-        f"{100 * share[worst]:.0f} % of its limit of {limit[worst]:.4g} W{also}. Power is reported only: a slower "
-        "motion takes less."
+        f"{names[0]}: power reaches {worst.size:.4g} W at t = {worst.time:.4g} s, {100 * worst.share:.0f} % of its "
+        f"limit of {worst.upper:.4g} W{also}. Power is reported only: a slower motion takes less."
     )
     return (Remark(EXCEEDS_POWER, text),)
 

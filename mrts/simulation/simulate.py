@@ -19,7 +19,7 @@ from mrts.base.printable import printable
 from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName
 from mrts.motion.rows_at_rest import REST
-from mrts.scaling.limit_use import LimitUse, all_quantities
+from mrts.scaling.limit_use import LimitUse, all_quantities, power_uses
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.simulation.controller import Controller, PlantErrors
@@ -314,10 +314,10 @@ def simulate(
 
 
 def limit_uses(done: ScaledTrajectory) -> list[LimitUse]:
-    """Of all limits that a cell keeps, in the order of its rows."""
+    """Of all limits that a cell keeps, and of power, in the order of its rows."""
     kept = done.cell.enforces_velocity_limits
     uses = all_quantities(done, driven=True).uses(done.time)
-    return [use for use in uses if use.limited and (kept or use.name.kind != "velocity")]
+    return [*(use for use in uses if use.limited and (kept or use.name.kind != "velocity")), *power_uses(done)]
 
 
 def course(plan: ScaledTrajectory) -> Any:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cell_bank import drawn_until, random_spatial_cell
 from random_motors import equipped
 from shipped_cells import DATA, changed_cell
 
@@ -80,6 +81,16 @@ def test_inertias_are_those_that_lenient_cells_take(tmp_path):
 
     cell = mrts.load_cell(changed_cell(tmp_path, lenient))
     compare(cell, mrts.load_motion(DATA / "planar_dual_arm" / "lift.yaml"))
+
+
+def test_sliding_joints_and_random_placements_are_those_of_the_plan(tmp_path):
+    def done(case):
+        return True if mrts.scale(case.cell, case.motion).trajectory else None
+
+    rng = np.random.default_rng(3)
+    case, _ = drawn_until(done, lambda: random_spatial_cell(rng, tmp_path, 2))
+    assert "prismatic" in case.cell.robots[0].joint_types
+    compare(mrts.load_cell(case.cell_file), case.motion)
 
 
 def test_a_load_with_first_moments_is_carried(dual_ur5):

@@ -192,6 +192,15 @@ def test_wrong_numbers_are_named(given, key):
     assert error.value.key == key
 
 
+def test_power_above_its_limit_is_told(planar_cell, lift):
+    cell = replace(equipped(planar_cell, power=1e6), power_limit=50.0)
+    found = mrts.simulate(mrts.scale(cell, lift), PROMPT, EXACT)
+    (use,) = [use for use in found.passed if use.name.kind == "power"]
+    total = np.abs(found.played.power.sum(axis=1))
+    assert use.share == pytest.approx(np.max(total) / 50.0)
+    assert use.time == found.played.time[np.argmax(total)]
+
+
 def test_gains_of_other_cells_are_refused(lifted):
     with pytest.raises(mrts.InputError) as error:
         mrts.simulate(lifted, mrts.Controller(velocity_gain=np.ones(5)))
