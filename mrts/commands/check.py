@@ -88,6 +88,8 @@ def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "Cell
         if motion is not None:
             raise InputError("MOTION", "does not go with a URDF, which is checked by itself.", value=str(motion))
         return check_urdf(cell, xacro_args)
+    if cell.suffix.lower() == ".csv":
+        raise InputError(cell, "is a table: of a plan, name the cell that plays it by --cell.")
     if xacro_args:
         raise InputError("xacro_arg", "a cell file gives its own: 'xacro_args' of each robot.")
     with working(f"checking {cell}") as progress:

@@ -20,6 +20,12 @@ from mrts.motion.rows_at_rest import moving_rows
 UNTIMED = "untimed"
 """Code of the remark on a path of joints without times."""
 
+NO_SPEED = (
+    "has no times, so there is no speed to scale: ask for a timing (--profile optimal or smooth, in Python "
+    "mrts.retime), or give a column 't' in s."
+)
+"""What is said where such a path is asked for a constant factor."""
+
 PER_WAYPOINT = 4
 """Samples on a path from waypoint to waypoint, at least: a cubic spline bends once in each."""
 
@@ -93,6 +99,11 @@ class JointTable:
     def __repr__(self) -> str:
         joints = ", ".join(self.positions)
         return f"<JointTable from {self.path.name}: {len(self.time)} samples in {self.time[-1]:.4g} s of {joints}>"
+
+    @property
+    def untimed(self) -> bool:
+        """Whether it is a path through waypoints, whose time is its length."""
+        return any(remark.code == UNTIMED for remark in self.remarks)
 
     def renamed(self, names: Mapping[str, str]) -> "JointTable":
         """The same table with other names of some columns.

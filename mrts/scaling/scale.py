@@ -22,7 +22,7 @@ from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
 from mrts.limits import Limit
 from mrts.limits.rows import rows_text
-from mrts.motion.joint_table import JointTable
+from mrts.motion.joint_table import NO_SPEED, JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.rows_at_rest import pushing_ends
 from mrts.program.between_samples import Refinement, refine
@@ -156,11 +156,7 @@ def scale(
     ).checked(cell)
     given = coordinate(cell, motion, closure)
     if given.untimed:
-        rule = (
-            "has no times, so there is no speed to scale: ask for a timing (--profile optimal or smooth, in Python "
-            "mrts.retime), or give a column 't' in s."
-        )
-        raise InputError("motion", rule)
+        raise InputError("motion", NO_SPEED)
     chosen, rows = chosen_factor(cell, given, options, progress)
     return with_torques(chosen, rows=rows)
 

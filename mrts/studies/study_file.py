@@ -25,7 +25,7 @@ from mrts.cell.loading import load_cell
 from mrts.cell.number_paths import ONE_FOR_ALL, Keys, value_at
 from mrts.cell.source_files import described, urdf_files
 from mrts.collisions.clearance import CollisionModel
-from mrts.motion.joint_table import JointTable
+from mrts.motion.joint_table import NO_SPEED, JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.motion.ros_messages import is_bag
@@ -73,6 +73,8 @@ def read_study(path: Path | str) -> Study:
         raise InputError(path, "must be a cell file: a study varies its numbers.", key="cell", value=described.cell)
     cell = load_cell(cell_path)
     motion = load_motion(motion_path)
+    if isinstance(motion, JointTable) and motion.untimed:
+        raise InputError(motion_path, NO_SPEED)
     _check_question(path, described, cell)
     given = {"cell": _given_keys(cell_path, "cell file"), "motion": _given_motion(motion_path, motion)}
     _angles_for_quaternions(given["cell"]["robots"], given["motion"])

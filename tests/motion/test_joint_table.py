@@ -42,6 +42,10 @@ def test_rows_without_times_are_timed(dual_ur5, exact, waypoints, tmp_path):
     with pytest.raises(mrts.InputError) as refused:
         mrts.scale(dual_ur5, table)
     assert refused.value.where == "motion"
+    (tmp_path / "study.yaml").write_text(f"cell: {UR5 / 'cell.yaml'}\nmotion: way.csv\nvary: {{object.mass: [1, 2]}}\n")
+    with pytest.raises(mrts.InputError) as refused:
+        mrts.read_study(tmp_path / "study.yaml")
+    assert refused.value.where == str(tmp_path / "way.csv")
 
 
 def test_what_is_no_table_of_waypoints_is_refused(waypoints, tmp_path):

@@ -198,5 +198,6 @@ def test_the_command_line_tells_it(plan, tmp_path):
     assert told["limits"][0]["share"] > 1
     every, some = (mrts_command("check", sound, "--cell", cell, *more).stdout for more in (["-v"], []))
     assert every.count("\n") > some.count("\n")
-    for wrong in (["--cell", cell, "--closure", "1"], [cell, "--cell", cell], ["--closure", "0.001"]):
+    assert "--cell" in mrts_command("check", sound).stderr
+    for wrong in ([], ["--cell", cell, "--closure", "1"], [cell, "--cell", cell], ["--closure", "0.001"]):
         assert mrts_command("check", sound, *wrong).returncode == 2
