@@ -2,7 +2,7 @@
 """A cell ready to be asked: its data and its bound functions."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
-from mrts.base.formats.record import Rule
+from mrts.base.formats.record import MadeAgain, Rule
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import LOAD_ENTRIES, WRENCH_COMPONENTS, WRENCH_UNITS
@@ -26,7 +26,7 @@ from mrts.kernel.cell_library import CellLibrary
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Cell(InNotebooks, CellRecord):
+class Cell(InNotebooks, MadeAgain, CellRecord):
     """A record of n arms and the object that they hold, ready to be asked; m joints in all.
 
     Attributes:
@@ -85,9 +85,6 @@ class Cell(InNotebooks, CellRecord):
         from mrts.cell.cell_keys import cell_text  # noqa: PLC0415 (it reads cells)
 
         return cell_text(self, path)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Cell, tuple(getattr(self, entry.name) for entry in fields(self))  # checked again where it arrives
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """The joints of all arms with their limits."""

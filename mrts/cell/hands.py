@@ -3,7 +3,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard
@@ -14,7 +14,7 @@ from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.pose import Finite
-from mrts.base.formats.record import Record, Rule, Shape, check_attributes
+from mrts.base.formats.record import MadeAgain, Record, Rule, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER, plain
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.rigid_transform import multiply
@@ -34,7 +34,7 @@ NOT_IN_PLANE = (
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Contact:
+class Contact(MadeAgain):
     """r rows lower <= A F <= upper over the wrench F that a hand exerts **on the object** at its contact point.
 
     The contact point is the tip frame's origin: moments are about it in every frame. Several contacts of one robot
@@ -84,9 +84,6 @@ class Contact:
                 "limits, lower <= upper."
             )
             raise InputError(where, rule, key="lower, upper", value=[float(self.lower[row]), float(self.upper[row])])
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Contact, tuple(getattr(self, entry.name) for entry in fields(self))  # arrays come back validated, frozen
 
     def __repr__(self) -> str:
         return f"<Contact '{self.name}': {len(self.rows)} rows in {self.frame} axes>"

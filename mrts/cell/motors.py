@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.pose import Finite, Positive
-from mrts.base.formats.record import Record, Rule, Shape, check_attributes
+from mrts.base.formats.record import MadeAgain, Record, Rule, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 
 ROUNDED_SLOPE = 1e-9
@@ -34,7 +34,7 @@ PerJoint = Annotated[Array, Shape("n")]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class JointMotors:
+class JointMotors(MadeAgain):
     """The motors of n joints, on the joint side of their gears; of a prismatic joint read kg, N, N s/m, m/s.
 
     Attributes:
@@ -75,9 +75,6 @@ class JointMotors:
                 raise InputError("motors", rule, key=f"{name}[{int(np.argmax(wrong))}]", value=value[wrong][0])
         curves = tuple(None if curve is None else _checked_curve(j, curve) for j, curve in enumerate(self.torque_speed))
         object.__setattr__(self, "torque_speed", curves)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return partial(JointMotors, **{entry.name: getattr(self, entry.name) for entry in fields(self)}), ()
 
     @classmethod
     def unknown(cls, joints: int) -> Self:

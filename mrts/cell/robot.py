@@ -2,15 +2,15 @@
 """One arm of a cell."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
-from typing import Annotated, Any, Literal
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError, as_array
-from mrts.base.formats.record import Rule, Shape, check_attributes
+from mrts.base.formats.record import MadeAgain, Rule, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.manifest import MOST
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
@@ -65,7 +65,7 @@ class RobotSource:
 
 
 @dataclass(frozen=True, repr=False)
-class Robot(InNotebooks):
+class Robot(InNotebooks, MadeAgain):
     """One arm; n_i joints, w wrench components (3 in a planar cell, else 6).
 
     Attributes:
@@ -157,9 +157,6 @@ class Robot(InNotebooks):
             if contact.A.shape[1] != len(self.wrench_lower):
                 rule = f"must have rows over the {len(self.wrench_lower)} components of its wrench."
                 raise InputError(where, rule, key=f"contacts: {contact.name}", value=contact.A.shape)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Robot, tuple(getattr(self, entry.name) for entry in fields(self))  # arrays come back validated, frozen
 
     def __repr__(self) -> str:
         return f"<Robot '{self.name}': {', '.join(self.joints)}>"

@@ -7,7 +7,7 @@ import operator
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
-from functools import cache
+from functools import cache, partial
 from inspect import get_annotations
 from pathlib import Path
 from types import NoneType, UnionType
@@ -71,29 +71,31 @@ class Shape:
     def __init__(self, *sizes: str | int, finite: bool = False) -> None:
         self.sizes, self.finite = sizes, finite
 
-    def check(self, value: Any, letters: dict[str, int]) -> None:
+    def check(self, value: Any, letters: dict[str | int, int]) -> None:
         """Check a value beside those before it, and note what its own letters stand for."""
         is_tuple = isinstance(value, tuple)
         given = (len(value),) if is_tuple else value.shape
-        wanted = tuple(letters.get(size, size) if isinstance(size, str) else size for size in self.sizes)
-        if given != wanted:
-            letters |= {size: of for size, of in zip(wanted, given, strict=False) if isinstance(size, str)}
-            wanted = tuple(letters.get(size, size) if isinstance(size, str) else size for size in self.sizes)
-        if given != wanted or not (is_tuple or (np.isfinite(value) if self.finite else ~np.isnan(value)).all()):
-            numbers = "values" if is_tuple else "finite numbers" if self.finite else "numbers (infinity is no limit)"
-            sizes = f"({', '.join(map(str, wanted))}{',' if len(wanted) == 1 else ''})"
-            raise _broken(f"must be {numbers} with Shape {sizes}", value if is_tuple else value.tolist())
+        if len(given) == len(self.sizes):
+            for size, found in zip(self.sizes, given, strict=True):
+                letters.setdefault(size, found if isinstance(size, str) else size)
+        sizes = tuple(letters.get(size, size) for size in self.sizes)
+        sound = is_tuple or bool((np.isfinite(value) if self.finite else ~np.isnan(value)).all())
+        if given != sizes or not sound:
+            what = "values" if is_tuple else "finite numbers" if self.finite else "numbers (infinity is no limit)"
+            shape = f"({sizes[0]},)" if len(sizes) == 1 else f"({', '.join(map(str, sizes))})"
+            raise _broken(f"must be {what} with Shape {shape}", value if is_tuple else value.tolist())
 
 
-def check_attributes(owner: Any, of: type, where: str, **letters: int) -> dict[str, int]:
+def check_attributes(owner: Any, of: type, where: str, **known: int) -> dict[str | int, int]:
     """Check the attributes of a frozen dataclass against their kinds, see `Record`; nobody can write to its arrays.
 
     Returns:
-        What the letters of shapes stand for, those besides that are given.
+        What the letters of shapes stand for, those that are known besides.
 
     Raises:
         InputError: If one is of another kind, or has another shape.
     """
+    letters: dict[str | int, int] = dict(known.items())
     for name, kind, shape, is_array in _attributes(of):
         try:
             given = getattr(owner, name)
@@ -106,6 +108,14 @@ def check_attributes(owner: Any, of: type, where: str, **letters: int) -> dict[s
             value.setflags(write=False)
         object.__setattr__(owner, name, value)
     return letters
+
+
+class MadeAgain:
+    """A dataclass that is made anew where it is unpickled: checked, and with arrays that nobody can write to."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        own: type = type(self)
+        return partial(own, **{name: getattr(self, name) for name, *_ in _attributes(own)}), ()
 
 
 @cache
