@@ -171,20 +171,6 @@ def test_what_is_let_pass(mass, moments, code, tmp_path):
     assert model.models[0].joints[2].body.mass == mass
 
 
-@pytest.mark.parametrize(
-    ("mass", "moments", "message"),
-    [
-        (0.5, (0.001, 0.001, 0.0025), r"'hand' inertia: breaks the triangle inequality"),  # 25 %
-        (0.5, (1e-3, 4.3e-3, 7.3e-3), r"breaks the triangle inequality"),
-        (0.5, (-0.001, 0.001, 0.001), r"is not positive definite"),
-        (-0.5, (0.001, 0.001, 0.001), r"'hand' mass = -0.5: must be >= 0 kg"),
-    ],
-)
-def test_what_no_body_has_is_refused(mass, moments, message, tmp_path):
-    with pytest.raises(mrts.InputError, match=message):
-        read(arm_cell(tmp_path, hand(mass, *moments)))
-
-
 SAME = 1e-15
 """Largest difference of a rotation that two products of sines round differently."""
 

@@ -13,7 +13,7 @@ from motion_tables import (
     write_motion,
     write_table,
 )
-from ros_bags import PARTS, message, trajectory, write_bag
+from ros_bags import message, trajectory, write_bag
 from scipy.interpolate import CubicSpline
 
 import mrts
@@ -80,20 +80,6 @@ def test_a_joint_that_rounding_puts_past_its_limit(tmp_path, dual_ur5, exact):
         else:
             with pytest.raises(mrts.MotionError, match="passes a position limit"):
                 read(cell, path)
-
-
-@pytest.mark.parametrize(("kept", "tolerance"), [(PARTS, 1e-6), (PARTS[:2], 1e-6), (PARTS[:1], 1e-4)])
-@pytest.mark.parametrize("name", ["lift"])
-def test_bags_with_and_without_accelerations(tmp_path, dual_ur5, exact, name, kept, tolerance):
-    """Stamps of whole nanoseconds leave noise of 1e-8 rad in the orientation of a lift."""
-    followed, c2 = exact[name, 101]
-    slices = dual_ur5.joint_slices
-    messages = [
-        (f"/{robot.name}/joint_trajectory", message(*trajectory(robot, followed, slices[robot.name], kept)))
-        for robot in dual_ur5.robots
-    ]
-    bag = write_bag(tmp_path / "bag", messages)
-    assert read(dual_ur5, bag).range.upper.c2 == pytest.approx(c2, rel=tolerance)
 
 
 def test_velocities_are_taken_where_they_are(tmp_path, dual_ur5, exact):

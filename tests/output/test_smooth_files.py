@@ -1,7 +1,5 @@
 """Files of smooth timing: what a table, a bag and a saved result carry keeps its rates, and is the same again."""
 
-import csv
-
 import numpy as np
 import pytest
 from conftest import UR5
@@ -9,9 +7,6 @@ from shown_results import with_all_rates
 
 import mrts
 from mrts.output.trajectory_table import played_rows
-
-LIMITS = {"shoulder": 1100, "elbow": 880, "wrist": 550}
-"""11 times the torque limits of a planar arm [N m/s]."""
 
 ROUNDING = 1e-6
 """Share by which a difference of two rows may pass a rate: rounding and what programs are solved to."""
@@ -42,25 +37,6 @@ def check_rates(result, kept):
     steps = np.diff(rows["t"])[:, None]
     for values, limits in ((rows["tau"], kept.torque), (rows["F"], kept.wrench)):
         assert np.max(np.abs(np.diff(values, axis=0)) / steps / limits) <= 1 + ROUNDING
-
-
-def test_a_table_has_the_nodes_and_nothing_more_and_keeps_the_rates(smooth, tmp_path):
-    mrts.write_trajectory_csv(smooth.retimed, tmp_path / "trajectory.csv")
-    head, *rows = csv.reader((tmp_path / "trajectory.csv").read_text().splitlines())
-    table = dict(zip(head, np.array(rows, dtype=float).T, strict=True))
-    assert len(table["t"]) == smooth.retimed.motion.samples  # at both ends it holds still already
-    assert table["t"][-1] == smooth.duration
-    steps = np.diff(table["t"])
-    assert np.min(steps) > 0
-    assert np.max(steps) > 1.1 * np.min(steps)  # they are not even in time
-    for arm in ("left", "right"):
-        for joint, limit in LIMITS.items():
-            assert np.max(np.abs(np.diff(table[f"tau.{arm}/{joint}"]) / steps)) <= limit * (1 + ROUNDING)
-            for row in (0, -1):
-                assert table[f"dq.{arm}/{joint}"][row] == 0
-                assert table[f"ddq.{arm}/{joint}"][row] == pytest.approx(0, abs=EXACT)
-        for part in ("fx", "fy", "nz"):
-            assert np.max(np.abs(np.diff(table[f"F.{arm}/{part}"]) / steps)) <= 20 * (1 + ROUNDING)
 
 
 @pytest.mark.parametrize("cell", ["planar", "spatial"])

@@ -9,7 +9,6 @@ import yaml
 from cell_bank import random_planar_cell
 from draws import draws
 from layouts import DATA, Layouts, write_study
-from machines import TURN, machine_cell
 from scipy.optimize import minimize
 from shipped_cells import shipped
 
@@ -119,26 +118,6 @@ def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):
     assert mrts.scale(cell, layouts.motion, between=None).range.upper.c2 == best.c2
     turned = [robot.posture for robot in cell.robots]
     assert max(map(np.max, np.abs(np.subtract(turned, list(other.postures().values()))))) < 1
-
-
-def test_arms_of_one_machine_move_together(tmp_path):
-    def hold(robots):
-        for robot in robots:
-            robot["fixed"] = {"turn": TURN, "lift": 0.4}
-            del robot["wrench"]  # what it leaves of c² depends on no base
-
-    cell = machine_cell(tmp_path, hold)
-    alone = {"robots.left.base.xyz[1]": {"from": -0.3, "to": -0.1}}
-    found = mrts.place(write_study(tmp_path, cell, LIFT, alone), looked_at=4)
-    assert found.after is None
-    assert "'left' and 'right' are arms of one machine: their bases move together" in found.sentence()
-    together = {"height": {"shifts": ["robots.left.base.xyz[1]", "robots.right.base.xyz[1]"], "from": 0.1, "to": 0.5}}
-    path = write_study(tmp_path, cell, LIFT, together)
-    found = mrts.place(path, looked_at=4, between=None)
-    layouts = Layouts.of(path)
-    line = [layouts.c2(np.array([height])) for height in np.linspace(0.1, 0.5, 61)]
-    assert max(line) > 1.01 * min(line)
-    assert max(line) <= found.after.c2 * (1 + SAME) <= max(line) * 1.01
 
 
 def test_ctrl_c_keeps_the_best_so_far(tmp_path):
