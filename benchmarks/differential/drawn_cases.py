@@ -316,7 +316,8 @@ class Draw:
         kind = str(rng.choice(list(some)))
         asked[kind] = some[kind]
         if self.chance(0.2):
-            asked["smooth, rates"] = {"call": "retime", "rates": float(rng.choice([3, 11.5, 50]))}
+            rates = float(rng.choice([3, 11.5, 50]))
+            asked["smooth, rates"] = {"call": "retime", "rates": rates, "distribute": "least-torque"}
         return asked
 
     def write(self, folder: Path) -> None:

@@ -94,7 +94,7 @@ def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
         "nominal)")  # fmt: skip
 @option("--distribute", type=Choice(DISTRIBUTIONS),
         help="of redundant torques: the least ones, or those that keep most of every limit in reserve (default: "
-        "least-torque)")  # fmt: skip
+        "least-torque; of the smooth profile reserve)")  # fmt: skip
 @options.weights
 @options.between
 @options.closure

@@ -33,12 +33,13 @@ SAME_ROW = 1e-12
 class _Rows:
     """Rows of one load, some of them limited in how fast they change, as they are put together for `SmoothProgram`."""
 
-    def __init__(self, problem: SampleProblem) -> None:
+    def __init__(self, problem: SampleProblem, sizes: Array | None) -> None:
         n, r = problem.lower.shape
         self.map, self.unit = problem.A, problem.unit
         self.root = np.zeros((n, r)) if problem.speed is None else problem.speed
         self.lower, self.upper, self.offset = problem.lower.copy(), problem.upper.copy(), np.zeros((n, r))
         self.change, self.weight = np.full(r, np.inf), np.zeros(r)
+        self.sizes = np.zeros((2, r)) if sizes is None else sizes
         self.names = [str(name) for name in problem.names]
 
     def _place_of(self, column: Array) -> int | None:
@@ -79,7 +80,7 @@ class _Rows:
         self.offset = np.column_stack([self.offset, nothing])
         self.lower, self.upper = np.column_stack([self.lower, nothing - np.inf]), np.column_stack([self.upper, upper])
         self.unit, self.change = np.append(self.unit, unit), np.append(self.change, np.inf)
-        self.weight = np.append(self.weight, 0.0)
+        self.weight, self.sizes = np.append(self.weight, 0.0), np.pad(self.sizes, ((0, 0), (0, 1)))
         self.names.append(name)
 
     def stay_below(self, step: Array, problem: SampleProblem) -> None:
@@ -127,6 +128,7 @@ def path_program(
     ends: tuple[float | None, float | None] = (None, None),
     end_free: tuple[Array | None, Array | None] = (None, None),
     third: Array | None = None,
+    sizes: Array | None = None,
 ) -> SmoothProgram:
     """One program over all nodes of a path, for all loads at once: x and u in common, wrenches for each.
 
@@ -143,8 +145,9 @@ def path_program(
         end_free: [F] of all loads there, likewise. There the cell is at rest, so that rows have one value: whether it
             keeps its limits is the caller's question.
         third: q''' at both ends of every segment, Shape (n - 1, 2, m); None takes it from q' and q'' at the nodes.
+        sizes: `counted_sizes` of the rows of a problem, Shape (2, r); None where nothing is to be kept in reserve.
     """
-    parts = [_rows(cell, path, problem, rates, weights) for problem in problems]
+    parts = [_rows(cell, path, problem, rates, weights, sizes) for problem in problems]
     parts[0].start_gently(path.object.time, (ends[0] is None, ends[1] is None))
     parts[0].stay_below(np.diff(path.object.time), problems[0])
     for rows, problem in zip(parts[1:], problems[1:], strict=True):  # they bound x alone, whatever the load
@@ -177,6 +180,7 @@ def path_program(
         upper=upper,
         change=joined("change"),
         weight=joined("weight"),
+        sizes=joined("sizes"),
         q1=path.dq[:, limited],
         q2=path.ddq[:, limited],
         q3=(third_derivatives(step, path.dq, path.ddq) if third is None else third)[..., limited],
@@ -222,9 +226,14 @@ def third_derivatives(step: Array, dq: Array, ddq: Array) -> Array:
 
 
 def _rows(
-    cell: Cell, path: CoordinatedMotion, problem: SampleProblem, rates: RateLimits, weights: Array | None
+    cell: Cell,
+    path: CoordinatedMotion,
+    problem: SampleProblem,
+    rates: RateLimits,
+    weights: Array | None,
+    sizes: Array | None,
 ) -> _Rows:
-    rows = _Rows(problem)
+    rows = _Rows(problem, sizes)
     torques = (problem.torque_map, problem.torque_speed, problem.torque_offset)
     motors = motor_terms(cell, path)
     without_dry = torques if motors is None else (*torques[:2], torques[2] - motors.dry)

@@ -3,9 +3,11 @@
 
 The quadratic program (31)-(34) asks for the least torques within the limits, so it puts wrenches at theirs even where
 something else binds. Here the largest share of any limit that is used is made as small as can be, sample by sample, by
-a linear program over the free wrenches and that share; the least torques are chosen among what is left.
+a linear program over the free wrenches and that share; the least torques are chosen among what is left. Where rates
+join the samples, it is one quadratic program over the shares of all of them.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,15 +17,30 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.load_box import LoadPoint
 from mrts.base.words import first_names
-from mrts.limits.rows import ActiveRow, LimitRows, side_size
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.limits import limit_rows
+from mrts.limits.rows import ActiveRow, LimitRows, RowName, side_size
 from mrts.program.motion_rows import MotionRows
+from mrts.program.path_solver import KernelSolver
 from mrts.program.range_ends import BINDING_TOLERANCE
 from mrts.program.sample_problem import BLOCK, SampleProblem, build_sample_problem
+from mrts.program.smooth_program import SmoothProgram
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.widening import least_widening
 
 LEAST_SHARE = 0.01
 """Share of a limit that torques may always use: they are not asked to keep more than 99 % of it free."""
+
+SHARE_MARGIN = 1e-5
+"""Share of a limit beyond the least that torques within rates may use: the least shares of a whole motion are met by
+hardly more than one distribution, in which an interior point finds no inside."""
+
+SHARE = "share of the limits"
+"""Name of the row of s."""
+
+OF_SPEED = ("square", "rate", "root", "offset")
+"""What of the rows of a path does not depend on the distribution."""
 
 ROWS_NAMED = 2
 """Most rows that the text names."""
@@ -41,7 +58,7 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
     Rows that no distribution moves do not count. Where both sides are one number, a row is kept and does not count.
     """
     lower, upper = problem.limits_at(c2)
-    moved = _moved(problem)
+    moved, sizes = _moved(problem.free), _counted_sizes(problem)
     return least_widening(
         problem.free,
         np.where(moved, lower, -np.inf),
@@ -50,7 +67,7 @@ def least_shares(problem: SampleProblem, c2: float, solver: str) -> tuple[Array,
         np.full(problem.unknowns - 1, -np.inf),
         solver,
         f"the reserve at c² = {c2:g}",
-        sizes=_side_sizes(problem),
+        sizes=(sizes[0], sizes[1]),
         least=-1.0,
     )
 
@@ -64,15 +81,89 @@ def reserved(problem: SampleProblem, c2: float, solver: str) -> tuple[SampleProb
         return problem, 0
     found, _, fallbacks = least_shares(problem, c2, solver)
     share = np.maximum(1 + found, LEAST_SHARE)
-    inward = (1 - share)[:, None] * (_moved(problem) & _counts(problem))
-    low, high = _side_sizes(problem)
-    kept = replace(problem, lower=problem.lower + inward * low, upper=problem.upper - inward * high)
-    return kept, fallbacks
+    low, high = (1 - share)[:, None] * whole_sides(problem.free, _counted_sizes(problem))
+    return replace(problem, lower=problem.lower + low, upper=problem.upper - high), fallbacks
+
+
+def counted_sizes(lower: Array, upper: Array, units: Array) -> Array:
+    """What 100 % of the lower and of the upper side of each row is, as a share of its unit, Shape (2, r).
+
+    It is 0 where both sides are one number: such a row is kept and does not count.
+    """
+    return np.stack([side_size(limit, units) / units for limit in (lower, upper)]) * (lower < upper)
+
+
+def given_sizes(cell: Cell, motion: CoordinatedMotion, names: Sequence[RowName]) -> Array:
+    """`counted_sizes` of the limits with some names as they are given, whatever reserve the cell keeps."""
+    rows, wanted = limit_rows(cell.with_reserve(0.0), motion), set(names)
+    rows = rows.only(np.array([name in wanted for name in rows.names]))
+    return counted_sizes(rows.lower, rows.upper, rows.units())
+
+
+def whole_sides(free: Array, sizes: Array) -> Array:
+    """By how much limits move inward of which nothing may be used, Shape (2, N, r); 0 for rows no distribution moves.
+
+    Args:
+        free: The columns of what a distribution chooses, Shape (N, r, f).
+        sizes: `counted_sizes`, Shape (2, r).
+    """
+    return sizes[:, None] * _moved(free)
+
+
+def of_shares(program: SmoothProgram) -> SmoothProgram:
+    """The program with the largest share s of any limit at each node as the last free unknown, and ∫ s² dt as effort.
+
+    Each node has an s of its own, so that a place that needs all of a limit loosens no other; the square lets a tall
+    one count more than a wide one. Each row stands three times: with the limits that do not count and its rate, and
+    with each side that counts, of which it may use s. The last row is s itself.
+    """
+    n, r, _ = program.free.shape
+    low, high = whole_sides(program.free, program.sizes)
+    least, most, any_rate = np.full((n, r), -np.inf), np.full((n, r), np.inf), np.full(r, np.inf)
+    parts = (
+        (np.where(low > 0, least, program.lower), np.where(high > 0, most, program.upper), 0 * low, program.change),
+        (np.where(low > 0, program.lower + low, least), most, low, any_rate),
+        (least, np.where(high > 0, program.upper - high, most), -high, any_rate),
+        (np.full((n, 1), LEAST_SHARE), np.ones((n, 1)), np.ones((n, 1)), any_rate[:1]),
+    )
+    lower, upper, share, change = (np.concatenate(of, axis=-1) for of in zip(*parts, strict=True))
+    given: dict[str, Any] = {name: np.pad(np.tile(getattr(program, name), 3), ((0, 0), (0, 1))) for name in OF_SPEED}
+    free = np.pad(np.tile(program.free, (1, 3, 1)), ((0, 0), (0, 1), (0, 1)))
+    free[:, :, -1] = share
+    start, end = (None if held is None else np.append(held, 1.0) for held in program.end_free)
+    whole = replace(
+        program,
+        **given,
+        free=free,
+        lower=lower,
+        upper=upper,
+        change=change,
+        weight=np.append(np.zeros(3 * r), 1.0),
+        sizes=np.zeros((2, len(change))),
+        names=(*program.names[:r] * 3, SHARE, *program.names[r:]),
+        end_free=(start, end),
+    )
+    return whole.only(np.isfinite(change) | np.any(np.isfinite(lower) | np.isfinite(upper), axis=0))
+
+
+def reserved_torques(program: SmoothProgram, x: Array, u: Array, solver: KernelSolver) -> Array | None:
+    """F of the least effort at a given timing among those with the least ∫ s² dt of `of_shares`, Shape (n, f).
+
+    Where no rates join the nodes these are the torques of `reserved`. None where none keep the limits and the rates.
+    """
+    if program.free.shape[2] == 0:
+        return solver.torques(program, x, u)
+    found = solver.torques(of_shares(program), x, u)
+    if found is None:
+        return None
+    low, high = (1 - np.minimum(found[:, -1:] + SHARE_MARGIN, 1.0)) * whole_sides(program.free, program.sizes)
+    least = solver.torques(replace(program, lower=program.lower + low, upper=program.upper - high), x, u)
+    return found[:, :-1] if least is None else least
 
 
 def without_unmoved(problem: SampleProblem) -> SampleProblem:
     """The same problem without the limits that no distribution moves, for a motion that passes some of these."""
-    moved = _moved(problem)
+    moved = _moved(problem.free)
     lower, upper = np.where(moved, problem.lower, -np.inf), np.where(moved, problem.upper, np.inf)
     return replace(problem, lower=lower, upper=upper)
 
@@ -159,7 +250,8 @@ def _shares_moved(share: Array, row_dual: Array) -> Array:
 
 def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Array:
     """Shares of rows that no distribution moves, minus infinity elsewhere, Shape (2, b, r); r limits."""
-    low, high = _side_sizes(problem)
+    stays = ~_moved(problem.free) & _counts(problem)
+    low, high = np.where(_counts(problem), _counted_sizes(problem), 1.0)
     lower, upper = problem.limits_at(c2)
     shares = np.stack([1 + lower / low, 1 - upper / high])
     of_speed = given.is_of_speed
@@ -169,13 +261,12 @@ def _shares_unmoved(problem: SampleProblem, given: LimitRows, c2: float) -> Arra
         size = given.side_sizes()
         at = np.stack([1 - (value - given.lower) / size[0], 1 - (given.upper - value) / size[1]])
         shares[:, :, of_speed] = at[:, :, of_speed]
-    stays = ~_moved(problem) & _counts(problem)
     return np.where(stays, shares, -np.inf)
 
 
-def _moved(problem: SampleProblem) -> NDArray[np.bool_]:
-    """Rows that some distribution moves, at each sample, Shape (N, r)."""
-    size = np.max(np.abs(problem.free), axis=2, initial=0.0)
+def _moved(free: Array) -> NDArray[np.bool_]:
+    """Rows that some distribution moves, at each sample, Shape (N, r); their free columns have Shape (N, r, f)."""
+    size = np.max(np.abs(free), axis=2, initial=0.0)
     return np.asarray(size > MOVED * np.max(size, axis=1, keepdims=True, initial=0.0))
 
 
@@ -183,7 +274,5 @@ def _counts(problem: SampleProblem) -> NDArray[np.bool_]:
     return np.asarray(problem.limit_lower < problem.limit_upper)
 
 
-def _side_sizes(problem: SampleProblem) -> tuple[Array, Array]:
-    """What 100 % of the lower and of the upper side is, in units of the row, each Shape (r,)."""
-    low, high = (side_size(limit, problem.unit) / problem.unit for limit in (problem.limit_lower, problem.limit_upper))
-    return low, high
+def _counted_sizes(problem: SampleProblem) -> Array:
+    return counted_sizes(problem.limit_lower, problem.limit_upper, problem.unit)

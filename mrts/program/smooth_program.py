@@ -39,6 +39,8 @@ class SmoothProgram:
         change: Infinity where there is none, Shape (r,) [1/s].
         weight: Weight of v² in the effort ∫ τᵀWτ dt = Σ_k ω_k Σ_j weight v² / √x_k, with ω the trapezoidal rule,
             Shape (r,).
+        sizes: What 100 % of the lower and of the upper side of each row is where its share counts in a reserve, 0
+            where it does not, Shape (2, r).
         q1: q' of the joints whose jerk is limited, Shape (n, J).
         q2: q'' of them, Shape (n, J).
         q3: q''' of them at the start and at the end of every segment, Shape (n - 1, 2, J).
@@ -61,6 +63,7 @@ class SmoothProgram:
     upper: Array
     change: Array
     weight: Array
+    sizes: Array
     q1: Array
     q2: Array
     q3: Array
@@ -121,7 +124,7 @@ class SmoothProgram:
         rows, cones = np.flatnonzero(chosen), self.names[len(chosen) :]
         names = (name for name, kept in zip(self.names, chosen.tolist(), strict=False) if kept)
         some: dict[str, Any] = {name: getattr(self, name)[:, rows] for name in OF_NODES}
-        some |= {name: getattr(self, name)[rows] for name in ("change", "weight")}
+        some |= {name: getattr(self, name)[..., rows] for name in ("change", "weight", "sizes")}
         return replace(self, **some, names=(*names, *cones))
 
     def values(self, x: Array, u: Array, free: Array) -> Array:
@@ -203,17 +206,21 @@ class SmoothProgram:
 class Goal:
     """What a timing is to be: the least of time · duration + effort · effort + uneven · Σ (Δu)² / h, within a duration.
 
+    With a room it is one that takes by that share longer at most, with the least ∫ s² dt of `of_shares`.
+
     Attributes:
         time: Weight of the duration [1/s].
         effort: Weight of the effort; 0 leaves it out.
         longest: Largest duration, None for any [s].
         uneven: Weight of the jumps of u between nodes: without any, u may jump to and fro where x stands at a limit.
+        room: Share of the least duration.
     """
 
     time: float = 1.0
     effort: float = 0.0
     longest: float | None = None
     uneven: float = 0.0
+    room: float = 0.0
 
 
 @dataclass(frozen=True)

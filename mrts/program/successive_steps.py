@@ -8,6 +8,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.program.path_solver import KEPT, KernelSolver
+from mrts.program.reserve import of_shares
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 
 CONVERGED = 1e-4
@@ -38,11 +39,13 @@ class StepsTaken:
 
     Attributes:
         profile: The last profile.
+        best: The last that is the best one, before any room was given: what binds there limits the speed.
         costs: Cost of every profile in turn, falling.
         gain: Share of the cost by which the last step lowered it, 0 where it did not; None where no solver took it.
     """
 
     profile: SmoothProfile
+    best: SmoothProfile
     costs: tuple[float, ...]
     gain: float | None
 
@@ -84,9 +87,25 @@ def successive_steps(
             return NoProfile(duration=duration)
         found = solver.step(program, fast.profile.x, goal) or fast.profile
     best = _descent(program, found, goal, solver, told)
+    spacious = _with_room(program, best.profile, goal.room, solver)
+    if spacious is not None:
+        return replace(best, profile=spacious)
     uneven = EVEN * best.costs[-1] / max(_jumps(program, best.profile), np.finfo(float).tiny)
     even = _descent(program, best.profile, replace(goal, uneven=uneven), solver, told)
-    return StepsTaken(even.profile, (*best.costs, *even.costs[1:]), best.gain)
+    return StepsTaken(even.profile, even.profile, (*best.costs, *even.costs[1:]), best.gain)
+
+
+def _with_room(program: SmoothProgram, best: SmoothProfile, room: float, solver: KernelSolver) -> SmoothProfile | None:
+    """The profile of a step from the best one towards the least ∫ s² dt, which takes by a share `room` longer at most.
+
+    A second step would lower ∫ s² dt by less than a hundredth. None where there is no room, nothing to choose, or none
+    is found.
+    """
+    if not room or not program.free.shape[2]:
+        return None
+    longest = (1 + room) * float(np.sum(program.times(best.x)))
+    found = solver.step(of_shares(program), best.x, Goal(0.0, 1.0, longest))
+    return None if found is None else replace(found, free=found.free[:, :-1])
 
 
 def _descent(
@@ -103,13 +122,13 @@ def _descent(
     while len(costs) < MOST_STEPS and costs[-1] > enough and gain >= CONVERGED:
         better = solver.step(program, found.x, goal)
         if better is None:
-            return StepsTaken(found, tuple(costs), None)
+            return StepsTaken(found, found, tuple(costs), None)
         gain = max(1 - cost(program, better, goal) / costs[-1], 0.0)
         if gain > 0:
             found = better
             costs.append(cost(program, found, goal))
             told(len(costs), costs[-1])
-    return StepsTaken(found, tuple(costs), gain)
+    return StepsTaken(found, found, tuple(costs), gain)
 
 
 def _first(program: SmoothProgram, likely: Array, goal: Goal, solver: KernelSolver) -> SmoothProfile | NoProfile:

@@ -25,12 +25,14 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.convex_program import HIGHS_TOLERANCE
+from mrts.program.formulation import DistributionName
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.motion_rows import motion_rows
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.path_program import OF_PATH, path_program
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits, rate_names
+from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.torque_distribution import TORQUE_WIDENING
@@ -308,17 +310,24 @@ class RatedFactors:
 
 
 def torques_within_rates(
-    cell: Cell, motion: CoordinatedMotion, sharing: LoadSharing | None, rates: RateLimits, c2: float, weights: Array
+    rows: MotionRows, rates: RateLimits, c2: float, weights: Array, distribute: DistributionName
 ) -> tuple[Array, Array]:
-    """Torques, Shape (N, m), and wrenches, (N, n w), of least ∫ τᵀWτ dt within limits and rates at a constant factor.
+    """Torques, Shape (N, m), and wrenches, (N, n w), within limits and rates at a constant factor.
+
+    They have the least ∫ τᵀWτ dt, of all or of those of `reserved_torques`.
 
     Raises:
         SolverError: If there are none.
     """
-    problem = build_sample_problem(motion_rows(cell, motion, sharing), varying=True)
-    program = _with_margins(path_program(cell, motion, [problem], rates, weights))
+    cell, motion, problem = rows.cell, rows.motion, build_sample_problem(rows, varying=True)
+    sizes = given_sizes(cell, motion, problem.names)
+    program = _with_margins(path_program(cell, motion, [problem], rates, weights, sizes=sizes))
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
-    free = KernelSolver().torques(program, square, nothing)
+    solver = KernelSolver()
+    if distribute == "reserve":
+        free = reserved_torques(program, square, nothing, solver)
+    else:
+        free = solver.torques(program, square, nothing)
     if free is None:
         raise SolverError(f"no torques within the limits and the rates were found at c² = {c2:.6g}.")
     x = np.column_stack([free, nothing, square])

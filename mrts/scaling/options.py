@@ -85,13 +85,9 @@ class Options(EqualByNumbers):
         load = self._question(cell)
         torque_weights(self.weights, cell)
         if self.rates is not None:
-            for name, value, only in (
-                ("distribute", self.distribute, "least-torque"),
-                ("formulation", self.formulation, "wrench"),
-            ):
-                if value != only:
-                    rule = f"with rates it must be '{only}': torques are chosen for the whole motion."
-                    raise InputError(name, rule, value=value)
+            if self.formulation != "wrench":
+                rule = "with rates it must be 'wrench': torques are chosen for the whole motion."
+                raise InputError("formulation", rule, value=self.formulation)
             if load == "possible":
                 raise InputError("load", "what is possible leaves no torques whose rates could be kept.", value=load)
         return replace(self, load=load, between=checked_tolerance(self.between))

@@ -396,7 +396,7 @@ def with_torques(
         from mrts.scaling.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
         W = torque_weights(options.weights, cell)
-        torque, wrench, fallbacks = *torques_within_rates(cell, motion, options.sharing, options.rates, c2, W), 0
+        torque, wrench, fallbacks = *torques_within_rates(rows, options.rates, c2, W, options.distribute), 0
     holding, unheld = _holding(options, rows)
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)

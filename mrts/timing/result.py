@@ -90,6 +90,7 @@ class SmoothAnswer:
             both; None if nothing bounds it [s].
         steps: Convex programs solved, for all pieces and in all rounds of refinement.
         gain: Share by which the last of them lowered the cost; None where no solver took a last one.
+        room: Share of the duration of the local optimum that it takes longer, to keep most of every limit in reserve.
         fastest: The path with its fastest timing without limits of rates; empty if nothing bounds it.
     """
 
@@ -99,11 +100,13 @@ class SmoothAnswer:
     bound: float | None
     steps: int
     gain: float | None
+    room: float = 0.0
     fastest: tuple[FastestPiece, ...] = ()
 
     def __str__(self) -> str:
         count = "1 step" if self.steps == 1 else f"{self.steps} steps"
-        text = f"It is a local optimum, found in {count}, of which the last gained {100 * (self.gain or 0.0):.2g} %"
+        verb = f"takes {100 * self.room:.2g} % longer than" if self.room else "is"
+        text = f"It {verb} a local optimum, found in {count}, of which the last gained {100 * (self.gain or 0.0):.2g} %"
         if self.gain is None:
             text = f"It was found in {count}, after which no solver took another: a better one may be near"
         elif self.gain >= CONVERGED:
@@ -130,6 +133,7 @@ class SmoothAnswer:
             "bound": self.bound,
             "steps": self.steps,
             "last_gain": self.gain,
+            "room": self.room,
         }
 
 

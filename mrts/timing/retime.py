@@ -38,6 +38,10 @@ from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus, S
 from mrts.timing.retimed_motion import fastest_pieces, retimed_motion, smooth_pieces
 from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
 
+ROOM = 0.01
+"""Share of the least duration that a timing which keeps a reserve may add: near the fastest are many that need far less
+of the limits. On the shipped cells the mean of the largest shares falls from 86 to 34, 98 to 43 and 100 to 72 %."""
+
 WEIGHTS = ("time", "energy")
 """What `weigh` may weigh."""
 
@@ -49,7 +53,7 @@ def retime(
     sharing: LoadSharing | None = None,
     weights: Array | float | None = None,
     load: str = "auto",
-    distribute: DistributionName = "least-torque",
+    distribute: DistributionName | None = None,
     reserve: float | None = None,
     limits: Sequence[Limit] | None = None,
     closure: ClosureBound | None = None,
@@ -77,7 +81,8 @@ def retime(
         sharing: A fixed distribution of the load; None leaves it free.
         weights: W of the quadratic program, as in `mrts.scale`.
         load: "guaranteed" (for every load of the box) or "nominal"; "auto" is "guaranteed" if the cell has a load box.
-        distribute: As in `mrts.scale`; with rates "least-torque" alone.
+        distribute: As in `mrts.scale`. With rates "reserve" may also add a hundredth to the duration; it is the default
+            there where there is something to distribute and no energy is to be least.
         reserve: Likewise.
         limits: Likewise.
         closure: Likewise.
@@ -107,11 +112,16 @@ def retime(
     check_callable("progress", progress)
     cell = limited_cell(cell, reserve, limits)
     kept = None if rates is False else rate_limits(cell, rates)
+    goal = _smooth_goal(weigh, least_energy_in)
+    if distribute is None:
+        chosen = kept is not None and goal.effort == 0 and sharing is None and len(cell.robots) > 1
+        distribute = "reserve" if chosen else "least-torque"
     options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between, rates=kept)
     options = options.checked(cell)
     of_rates = {"weigh": weigh, "least_energy_in": least_energy_in}
     _check_timing(options, start_speed, end_speed, start_torque=start_torque, end_torque=end_torque, **of_rates)
-    goal = _smooth_goal(weigh, least_energy_in)
+    if options.distribute == "reserve" and goal.effort == 0:
+        goal = replace(goal, room=ROOM)
     start = _holding_torque(cell, options, "start_torque", start_torque)
     end = _holding_torque(cell, options, "end_torque", end_torque)
     given, end_speeds = coordinate(cell, motion, closure), (start_speed, end_speed)
@@ -150,6 +160,7 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     found = refined_timing(coarse, again, bare.options.between)
     pieces = smooth_pieces(found.pieces)
     gains = [part.steps.gain for part in pieces]
+    least = sum(float(np.sum(part.program.times(part.steps.best.x))) for part in pieces)
     answer = SmoothAnswer(
         rates=question.rates,
         goal=question.goal,
@@ -157,6 +168,7 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
         bound=bare.duration,
         steps=question.solver.steps,
         gain=None if None in gains else max((gain for gain in gains if gain is not None), default=0.0),
+        room=found.duration / least - 1 if found.duration is not None and question.goal.room else 0.0,
         fastest=fastest_pieces(bare.pieces),
     )
     found = replace(found, smooth=answer)

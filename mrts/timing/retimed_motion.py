@@ -146,7 +146,7 @@ class SmoothPiece(TimedPiece):
     @property
     def binding(self) -> list[set[str]]:
         """Names of the limits that bind on every segment."""
-        profile = self.steps.profile
+        profile = self.steps.best
         return self.program.binding(profile.x, profile.u, profile.free, BINDING)
 
 

@@ -18,6 +18,7 @@ from mrts.program.path_program import path_program, with_circles, without_polygo
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
+from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.program.smooth_program import Goal, SmoothProgram
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -98,13 +99,22 @@ class SmoothQuestion:
             return given if self.bare.duration is None else self.bare.duration
         return best.duration
 
+    @property
+    def keeps_reserve(self) -> bool:
+        """Whether torques are chosen to keep most of every limit free."""
+        return self.bare.options.distribute == "reserve"
+
     @cached_property
     def weights(self) -> Array:
         """W of the effort, Shape (m, m)."""
         return torque_weights(self.bare.options.weights, self.bare.cell)
 
     def program(
-        self, piece: SmoothPath, problems: Sequence[SampleProblem], held: Held, weights: Array | None
+        self,
+        piece: SmoothPath,
+        problems: Sequence[SampleProblem],
+        held: Held,
+        weights: Array | None,
     ) -> SmoothProgram:
         """Limits of a piece for some loads, with the wrenches that are given at its ends."""
         start, end = (
@@ -113,7 +123,9 @@ class SmoothQuestion:
         )
         third = np.stack([piece.third[::STRIDE, 0], piece.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
         rows = [without_polygons(problem) for problem in problems]
-        program = path_program(self.bare.cell, piece.path, rows, self.rates, weights, (start, end), held, third)
+        cell, path = self.bare.cell, piece.path
+        sizes = given_sizes(cell, path, rows[0].names) if self.keeps_reserve else None
+        program = path_program(cell, path, rows, self.rates, weights, (start, end), held, third, sizes)
         return with_circles(program, problems[0])  # they are the same for all loads
 
     def held(self, problems: Sequence[SampleProblem], before: Held | None, *, last: bool) -> Held:
@@ -175,7 +187,8 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
             if why is not None:
                 return why
         held = question.held(problems, held, last=number == len(paths) - 1)
-        program = question.program(piece, problems, held, question.weights if question.goal.effort > 0 else None)
+        weights = question.weights if question.goal.effort > 0 else None
+        program = question.program(piece, problems, held, weights)
         likely = _likely(question, piece, program, before[number] if before else None)
         own = problems[0] if len(problems) == 1 else build_sample_problem(rows, varying=True)
         parts.append((piece, own, program.narrowed(NARROWING), likely))
@@ -268,7 +281,11 @@ def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothP
     for number, (piece, problem, program, steps) in enumerate(timed):
         x, u = steps.profile.x, steps.profile.u
         held = question.held([problem], held, last=number == len(timed) - 1)
-        plan = question.solver.torques(question.program(piece, [problem], held, question.weights), x, u)
+        limits = question.program(piece, [problem], held, question.weights)
+        if question.keeps_reserve:
+            plan = reserved_torques(limits, x, u, question.solver)
+        else:
+            plan = question.solver.torques(limits, x, u)
         if plan is None:
             raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
         unknowns = np.column_stack([plan, u, x])

@@ -54,7 +54,7 @@ def smooth_path(rng, n, *, rows, free=0, blocks=1, changes=True, roots=False, jo
     program = SmoothProgram(
         step=step, square=square, rate=rate, root=root, offset=waves(rng, s, (r,)), free=entry,
         lower=np.full((n, r), -np.inf), upper=np.full((n, r), np.inf), change=np.full(r, np.inf),
-        weight=rng.uniform(0.2, 2, r), q1=waves(rng, s, (joints,)), q2=waves(rng, s, (joints,)),
+        weight=rng.uniform(0.2, 2, r), sizes=np.zeros((2, r)), q1=waves(rng, s, (joints,)), q2=waves(rng, s, (joints,)),
         q3=waves(rng, np.linspace(0, 1, 2 * (n - 1)), (joints,)).reshape(n - 1, 2, joints), jerk=np.ones(joints),
     )  # fmt: skip
     values = program.values(x, u, force)

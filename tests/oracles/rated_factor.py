@@ -30,7 +30,56 @@ class RatedFactor:
     def excess(self, c):
         """The least share by which all limits and rates must give way at a factor; negative if none has to."""
         worst, constraints = cp.Variable(), []
-        low, high, push, pull, fastest = self.limits
+        for torques, F, time in self.loads(c, constraints):
+            for torque, one in zip(torques, F, strict=True):
+                constraints += self.limits_of(torque, one, worst)
+            constraints += self.changes(torques, F, time, 1 + worst)
+        constraints.append(worst >= np.max(np.abs(self.motion.dq) * c / self.limits[-1]) - 1)
+        solved(cp.Problem(cp.Minimize(worst), constraints))
+        return float(worst.value)
+
+    def shares(self, c):
+        """The largest share of any limit at each sample, of all torques within rates those of the least Σ ω share²."""
+        share, constraints = cp.Variable(self.motion.samples), []
+        ((torques, F, time),) = self.loads(c, constraints)
+        constraints += [*self.changes(torques, F, time, 1), share >= 0.01]
+        for k, (torque, one) in enumerate(zip(torques, F, strict=True)):
+            constraints += self.limits_of(torque, one, share[k] - 1)
+        solved(cp.Problem(cp.Minimize(cp.sum(cp.multiply(spacing(time), cp.square(share)))), constraints))
+        return share.value
+
+    def effort(self, c, shares, weights):
+        """The least Σ ω τᵀWτ of torques within rates and a share of all limits at each sample."""
+        constraints = []
+        ((torques, F, time),) = self.loads(c, constraints)
+        constraints += self.changes(torques, F, time, 1)
+        for torque, one, share in zip(torques, F, shares.tolist(), strict=True):
+            constraints += self.limits_of(torque, one, share - 1)
+        root, total = np.linalg.cholesky(weights).T, 0
+        for (torque, dry), wide in zip(torques, spacing(time).tolist(), strict=True):
+            total = total + wide * cp.sum_squares(root @ (torque + dry))
+        solved(program := cp.Problem(cp.Minimize(total), constraints))
+        return float(program.value)
+
+    def limits_of(self, torque, F, worst):
+        """Limits of one sample that give way by a share; a torque is one without dry friction, and what that adds."""
+        low, high, push, pull, _ = self.limits
+        return within(torque[0] + torque[1], low, high, worst) + within(F, push, pull, worst)
+
+    def changes(self, torques, F, time, most_share):
+        """Changes of torques and wrenches from sample to sample, within a share of what their rates allow."""
+        constraints = []
+        for values, most in (([torque for torque, _ in torques], self.rates.torque), (F, self.rates.wrench)):
+            kept = np.isfinite(most)
+            for (before, after), step in zip(pairwise(values), np.diff(time), strict=True):
+                if np.any(kept):
+                    change = cp.multiply(1 / (step * most[kept]), (after - before)[kept])
+                    constraints += [change <= most_share, change >= -most_share]
+        return constraints
+
+    def loads(self, c, constraints):
+        """Torques, wrenches and times of each load; the balance of the object is added to the constraints."""
+        push = self.limits[2]
         dq, time = self.motion.dq, self.motion.object.time / c
         ddq = self.motion.ddq
         rest, still = (1e-9 * np.max(np.abs(one)) for one in (dq, ddq))
@@ -40,7 +89,7 @@ class RatedFactor:
         for terms in self.terms:
             unit = np.abs(terms["Q"]).max() + np.abs(terms["P"]).max() * c**2  # of wrenches, for Clarabel
             F = [unit * cp.Variable(len(push)) for _ in time]
-            torques = []  # without dry friction, which steps where a joint turns back or leaves rest
+            torques = []  # rates are without dry friction, which steps where a joint turns back or leaves rest
             for k, one in enumerate(F):
                 of_arms = [
                     terms["J"][k][:, joints].T @ one[self.cell.wrench_slices[name]]
@@ -51,26 +100,8 @@ class RatedFactor:
                 torque = own + cp.hstack(of_arms)
                 balance = sum(terms["B"][k][:, part] @ one[part] for part in self.cell.wrench_slices.values())
                 constraints.append(balance / unit == (terms["P"][k] * c**2 + terms["Q"][k]) / unit)
-                dry = self.motors["coulomb"] * travel[k]
-                constraints += within(torque + dry, low, high, worst) + within(one, push, pull, worst)
-                torques.append(torque)
-            for values, most in ((torques, self.rates.torque), (F, self.rates.wrench)):
-                kept = np.isfinite(most)
-                for (before, after), step in zip(pairwise(values), np.diff(time), strict=True):
-                    if np.any(kept):
-                        change = cp.multiply(1 / (step * most[kept]), (after - before)[kept])
-                        constraints += [change <= 1 + worst, change >= -1 - worst]
-        constraints.append(worst >= np.max(np.abs(dq) * c / fastest) - 1)
-        program = cp.Problem(cp.Minimize(worst), constraints)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of what Clarabel calls inaccurate
-            try:
-                program.solve(solver=cp.CLARABEL)
-            except cp.error.SolverError:
-                program.solve(solver=cp.HIGHS)
-        if program.status != cp.OPTIMAL:
-            program.solve(solver=cp.HIGHS)
-        return float(worst.value)
+                torques.append((torque, self.motors["coulomb"] * travel[k]))
+            yield torques, F, time
 
     def fastest(self, low, high, share=1e-6):
         """The largest admissible factor between one that is and one that is not, by bisection."""
@@ -78,6 +109,24 @@ class RatedFactor:
             middle = (low + high) / 2
             low, high = (middle, high) if self.excess(middle) <= 0 else (low, middle)
         return low
+
+
+def solved(program):
+    """Solve by Clarabel, where it fails by HiGHS."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of what Clarabel calls inaccurate
+        try:
+            program.solve(solver=cp.CLARABEL)
+        except cp.error.SolverError:
+            program.solve(solver=cp.HIGHS)
+    if program.status != cp.OPTIMAL:
+        program.solve(solver=cp.HIGHS)
+
+
+def spacing(time):
+    """Weights ω of the trapezoidal rule."""
+    step = np.diff(time)
+    return (np.append(step, 0) + np.append(0, step)) / 2
 
 
 def within(value, lower, upper, worst):

@@ -23,7 +23,7 @@ there are, the timing was found for by an interior point that comes near its lim
 @pytest.fixture(scope="module")
 def spatial(dual_ur5):
     motion = mrts.load_motion(UR5 / "lift_and_turn.yaml")
-    return mrts.retime(dual_ur5, motion, rates=11.0, between=None)
+    return mrts.retime(dual_ur5, motion, rates=11.0, between=None, distribute="least-torque")  # rates set its speed
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,7 @@ def shipped(name):
 @pytest.mark.parametrize("name", ["planar_dual_arm", pytest.param("dual_ur5", marks=pytest.mark.slow)])
 def test_torque_rates_on_the_shipped_cells(name):
     cell, description, rates = shipped(name)
-    ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None)
+    ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None, distribute="least-torque")
     theirs = smooth_timing(cell, quintic_path(cell, description, description.samples), Rates(torque=rates))
     assert ours.duration == pytest.approx(theirs.duration, rel=SAME)
 
@@ -37,7 +37,7 @@ def test_jerk_and_wrench_rates_together():
     cell, description, rates = shipped("planar_dual_arm")
     jerk, wrench = np.full(6, 3e3), np.tile([60.0, 60.0, 30.0], 2)
     limited = with_robots(equipped(cell, jerk=3e3), contact_rate=wrench[:3])
-    ours = mrts.retime(limited, mrts.sample_motion(description), rates=RATE, between=None)
+    ours = mrts.retime(limited, mrts.sample_motion(description), rates=RATE, between=None, distribute="least-torque")
     path = with_third(ours.pieces[0].piece.path)
     theirs = smooth_timing(cell, path, Rates(torque=rates, jerk=jerk, wrench=wrench))
     assert ours.duration == pytest.approx(theirs.duration, rel=SAME)
@@ -49,7 +49,7 @@ def test_every_load_of_a_box_is_carried():
     """One timing for all corners of the box, each with torques of its own."""
     cell, description, rates = shipped("planar_dual_arm")
     cell = cell.with_variation(mass=(0.5, 2.0), izz=(0.5, 3.0))
-    ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None)
+    ours = mrts.retime(cell, mrts.sample_motion(description), rates=RATE, between=None, distribute="least-torque")
     loads = [cell.load_box.load_at({"mass": k, "izz": 1.0}) for k in (0.5, 2.0)]  # the bar does not turn
     theirs = smooth_timing(cell, with_third(ours.pieces[0].piece.path), Rates(torque=rates), loads=loads)
     alone = smooth_timing(cell, with_third(ours.pieces[0].piece.path), Rates(torque=rates))
@@ -60,7 +60,7 @@ def test_every_load_of_a_box_is_carried():
 def test_friction_presses_and_helps(tmp_path):
     cell = uphill_gantries(tmp_path, viscous=12.0, coulomb=np.array([1.0, 0.0, 0.0]))
     rates = np.concatenate([3.0 * robot.torque_upper for robot in cell.robots])
-    ours = mrts.retime(cell, along_x(81, profile="quintic"), rates=3.0, between=None)
+    ours = mrts.retime(cell, along_x(81, profile="quintic"), rates=3.0, between=None, distribute="least-torque")
     path = with_third(ours.pieces[0].piece.path)
     theirs = smooth_timing(cell, path, Rates(torque=rates))
     ideal = smooth_timing(gantries(tmp_path, gravity=(-UPHILL, 0, 0)), path, Rates(torque=rates))
@@ -72,10 +72,10 @@ def test_torques_given_at_the_ends(planar_cell):
     """With other torques that hold still at the end than the best ones the motion takes longer."""
     _, description, rates = shipped("planar_dual_arm")
     motion = mrts.sample_motion(description)
-    free = mrts.retime(planar_cell, motion, rates=RATE, between=None)
+    free = mrts.retime(planar_cell, motion, rates=RATE, between=None, distribute="least-torque")
     path = with_third(free.pieces[0].piece.path)
     held = holding_torque(planar_cell, path.motion, squeeze=1.5)
-    ours = mrts.retime(planar_cell, motion, rates=RATE, between=None, end_torque=held)
+    ours = mrts.retime(planar_cell, motion, rates=RATE, between=None, distribute="least-torque", end_torque=held)
     theirs = smooth_timing(planar_cell, path, Rates(torque=rates), end_torque=(None, held))
     assert ours.duration == pytest.approx(theirs.duration, rel=SAME)
     assert theirs.duration >= (1 - SAME) * free.duration
@@ -139,7 +139,7 @@ def test_the_s_curve_of_this_page_is_right():
 def test_jerk_with_force_and_speed_limits(tmp_path, jerk, acceleration, speed):
     force = STRONG if np.isinf(acceleration) else acceleration * MOVED / 2
     cell = gantry_cell(tmp_path, jerk=jerk, force=force, speed=speed)
-    found = mrts.retime(cell, along_x(NODES), rates=True, between=None)
+    found = mrts.retime(cell, along_x(NODES), rates=True, between=None, distribute="least-torque")
     assert -SHORTER < found.duration / s_curve(jerk, acceleration, speed) - 1 < LONGER
 
 
@@ -148,5 +148,5 @@ def test_force_rates_are_a_jerk_of_what_is_moved(tmp_path, force):
     """Both arms push with all their rate: 2 R / 11 kg, however the object's share is split."""
     rate = 60.0  # N/s
     cell = gantry_cell(tmp_path, rate=rate, force=force)
-    found = mrts.retime(cell, along_x(NODES), rates=True, between=None)
+    found = mrts.retime(cell, along_x(NODES), rates=True, between=None, distribute="least-torque")
     assert -SHORTER < found.duration / s_curve(2 * rate / MOVED, 2 * force / MOVED) - 1 < LONGER

@@ -4,17 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cell_bank import random_planar_cell, random_spatial_cell
+from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from changed_robots import with_robots
 from draws import seeds
 from gantries import along_x, gantries, straight
 from random_motors import equipped
-from rated_factor import RatedFactor
+from rated_factor import RatedFactor, spacing
 from shipped_cells import still_motion
 
 import mrts
 from mrts.cell.motors import JointMotors
+from mrts.limits import limit_rows
 from mrts.program.rate_limits import rate_limits
+from mrts.program.reserve import SHARE_MARGIN
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.constant_rates import RatedFactors
 from mrts.scaling.limit_use import rate_uses
@@ -36,6 +38,12 @@ BISECTED = 1e-5
 
 GAP = 1e-7
 """Share of the least effort by which an interior point may miss it, which torques miss by its root."""
+
+SHARES = 1e-4
+"""Share of ∫ s² dt, s the largest share of any limit, by which Clarabel and a margin of 1e-5 of each s differ."""
+
+EFFORT = 1e-5
+"""Share of the least effort by which Clarabel may miss it in a set as thin as the least shares leave."""
 
 KEPT = 1e-12
 """Share of a rate by which torques may pass it: rounding; a margin of 1e-8 is left for Clarabel."""
@@ -232,3 +240,48 @@ def test_random_cells_against_an_independent_program(seed, tmp_path):
     assert result.range.upper.rows
     residuals = result.residuals()
     assert max(residuals.arms, residuals.object) < 1e-7 * np.max(np.abs(result.trajectory.torque))
+
+
+@pytest.mark.parametrize("seed", seeds(2, 4))
+def test_least_shares_within_rates_against_an_independent_program(seed, tmp_path):
+    rng = np.random.default_rng([32, seed])
+    draw = random_planar_cell if seed % 2 == 0 else random_spatial_cell
+
+    def moving(case):
+        cell = rated(case, rng, tight=float(rng.uniform(0.3, 0.7)))
+        found = None if cell is None else mrts.scale(cell, case.motion, rates=True, between=None)
+        return found if found is not None and found.trajectory is not None else None
+
+    case, fastest = drawn_until(moving, lambda: draw(rng, tmp_path, 2 + seed % 2 * (seed % 4 == 0)))
+    cell, c = fastest.cell, 0.95 * fastest.trajectory.c
+    asked = {"between": None, "distribute": "reserve"}
+    kept, by_sample = (mrts.scale(cell, case.motion, c * c, **asked, **rates) for rates in ({"rates": True}, {}))
+    oracle = RatedFactor(cell, kept.motion, rate_limits(cell, rates=True))
+    weights, wide = torque_weights(None, cell), spacing(kept.trajectory.time)
+    least, used = oracle.shares(c), largest_shares(kept)
+    assert wide @ used**2 == pytest.approx(wide @ least**2, rel=SHARES)
+    assert np.all(used >= largest_shares(by_sample) - ROUNDED)
+    torque = kept.trajectory.torque
+    assert wide @ np.sum((torque @ weights) * torque, axis=1) == pytest.approx(
+        oracle.effort(c, used, weights), rel=EFFORT
+    )
+    assert all(use.share <= 1 + KEPT for use in rate_uses(kept))
+    print("∫ s² dt", wide @ used**2, "without rates", wide @ largest_shares(by_sample) ** 2)
+
+
+def largest_shares(result):
+    """Of the limits of torques and wrenches at each sample, Shape (N,)."""
+    rows = limit_rows(result.cell, result.motion)
+    value = rows.value(result.trajectory.torque, result.trajectory.wrench, 0.0, result.trajectory.c)
+    return np.max(rows.share(value)[:, ~rows.is_of_speed], axis=1)
+
+
+@pytest.mark.parametrize("motors", [{}, {"viscous": 0.05, "coulomb": 0.02, "armature": 0.01}])
+def test_where_rates_do_not_bind_the_least_shares_are_those_of_each_sample(planar_cell, lift, motors):
+    cell = equipped(planar_cell, **{name: value * planar_cell.robots[0].torque_upper for name, value in motors.items()})
+    for of, load in ((cell, "nominal"), (cell.with_variation(mass=(0.8, 1.2)), "guaranteed")):
+        asked = {"load": load, "distribute": "reserve", "between": None}
+        by_sample, whole = (mrts.scale(of, lift, 0.5, **asked, **rates) for rates in ({}, {"rates": 1e4}))
+        np.testing.assert_allclose(largest_shares(whole), largest_shares(by_sample), atol=SHARE_MARGIN * (1 + ROUNDED))
+        off = (whole.trajectory.torque - by_sample.trajectory.torque) / of.robots[0].torque_upper.max()
+        assert np.max(np.abs(off)) < 100 * SHARE_MARGIN

@@ -141,6 +141,21 @@ def test_smooth_plans_survive_better_than_the_fastest(dual_ur5, ur5_smooth):
     assert smooth.saturated == 0
 
 
+def largest_of_wrenches(found):
+    return max(used.share for _, used in found.uses if "contact wrench" in str(used.name))
+
+
+def test_with_a_reserve_no_wrench_of_the_smooth_plan_passes_its_limit(dual_ur5, ur5_smooth):
+    motion = mrts.load_motion(DATA / "dual_ur5" / "lift_and_turn.yaml")
+    least = mrts.retime(dual_ur5, motion, rates=10.0, distribute="least-torque")
+    errors = mrts.PlantErrors(mass=0.05, friction_error=0.0)
+    without, found = (mrts.simulate(plan, errors=errors) for plan in (least, ur5_smooth))
+    assert largest_of_wrenches(without) > 1.1
+    assert largest_of_wrenches(found) < 0.9
+    assert found.saturated == 0
+    assert ur5_smooth.duration < 1.05 * least.duration
+
+
 @pytest.mark.slow
 def test_a_tenth_of_the_step_says_the_same(ur5_smooth, monkeypatch):
     coarse = mrts.simulate(ur5_smooth)

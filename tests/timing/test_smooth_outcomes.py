@@ -11,10 +11,14 @@ from random_motors import equipped
 from shipped_cells import sampled, shipped_motion
 
 import mrts
+from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import START
+from mrts.program.reserve import SHARE_MARGIN
 from mrts.program.sample_problem import build_sample_problem
+from mrts.program.successive_steps import CONVERGED
 from mrts.timing.result import RetimingStatus
+from mrts.timing.retime import ROOM
 
 RATES = 11.5
 KEPT = 1e-6
@@ -64,7 +68,8 @@ def test_a_plan_keeps_all_limits_and_starts_and_ends_holding_still(planar_cell, 
 def test_more_rate_is_faster_down_to_the_fastest_timing(planar_cell, lift, smooth):
     fastest = mrts.retime(planar_cell, lift).duration
     assert smooth.smooth.bound == pytest.approx(fastest)
-    durations = [mrts.retime(planar_cell, lift, rates=rates).duration for rates in (1e-3, RATES, 1e6)]
+    asked = {"distribute": "least-torque"}
+    durations = [mrts.retime(planar_cell, lift, rates=rates, **asked).duration for rates in (1e-3, RATES, 1e6)]
     assert durations == sorted(durations, reverse=True)
     assert durations[-1] == pytest.approx(fastest, rel=NEAR_FASTEST)
     assert durations[0] > 60  # s, of 5 cm: a minute, not an error
@@ -99,7 +104,7 @@ def test_too_short_a_duration_is_an_outcome_with_the_least(planar_cell, lift, sm
     found = mrts.retime(planar_cell, lift, rates=RATES, least_energy_in=0.1)
     assert found.status.value == "duration too short"
     assert (found.retimed, found.pieces, found.duration) == (None, (), None)
-    assert f"takes {smooth.duration:.4g}"[:-1] in found.explanation
+    assert f"takes {smooth.duration / (1 + smooth.smooth.room):.4g}"[:-1] in found.explanation
     assert json.loads(found.json_text())["status"] == "duration too short"
     assert any(warning.code == "step-at-ends" for warning in found.constant.warnings)
     assert found.warnings == ()  # it is no step of a timing that there is not
@@ -170,7 +175,6 @@ WRONG = (
     ({"rates": 1, "weigh": {"energy": 1}}, "weigh: time = 0.0: must be > 0: with the energy alone"),
     ({"rates": 1, "least_energy_in": 0}, "least_energy_in = 0: must be a duration > 0 [s]."),
     ({"rates": 1, "least_energy_in": 1, "weigh": {"time": 1}}, "weigh: does not go with least_energy_in"),
-    ({"rates": 1, "distribute": "reserve"}, "distribute = 'reserve': with rates it must be"),
     ({"rates": 1, "start_torque": [1, 2]}, "start_torque = [1, 2]: must be finite with Shape (6,), one a joint."),
     ({"rates": 1, "start_speed": 1.0}, "start_speed = 1.0: the given motion is at rest there"),
 )
@@ -240,7 +244,8 @@ def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, plana
 def rounded():
     """A timing whose samples are too close for their rounding once limits of jerk ask for more nodes."""
     cell = equipped(mrts.load_cell(DATA.parent / "squeeze" / "cell.yaml"), jerk=950.0)
-    return mrts.retime(cell, sampled(shipped_motion("squeeze", samples=58, duration=2.4)), rates=11.5, between=1e-5)
+    motion = sampled(shipped_motion("squeeze", samples=58, duration=2.4))
+    return mrts.retime(cell, motion, rates=11.5, between=1e-5, distribute="least-torque")
 
 
 def test_the_timing_with_the_least_excess_is_kept_and_said(rounded):
@@ -250,3 +255,49 @@ def test_the_timing_with_the_least_excess_is_kept_and_said(rounded):
     assert 1e-5 < rounded.excess.share < 1e-4
     (told,) = [warning for warning in rounded.to_json()["warnings"] if warning["code"] == "search-stopped"]
     assert f"{rounded.motion.samples} nodes" in told["text"]
+
+
+def largest_shares(found):
+    """Of the limits of torques and wrenches at each row of a plan, Shape (N,)."""
+    done = found.retimed.trajectory
+    rows = limit_rows(found.cell, done.motion)
+    return np.max(rows.share(rows.value(done.torque, done.wrench, 0.0, 1.0))[:, ~rows.is_of_speed], axis=1)
+
+
+def mean_square(found):
+    """(1/T) ∫ s² dt, s the largest share of any limit."""
+    return np.trapezoid(largest_shares(found) ** 2, found.retimed.trajectory.time) / found.duration
+
+
+@pytest.mark.parametrize("variation", [None, {"mass": (0.9, 1.1)}])
+def test_with_rates_a_hundredth_of_the_duration_leaves_most_of_the_limits(dual_ur5, variation):
+    cell = dual_ur5 if variation is None else dual_ur5.with_variation(**variation)
+    motion = sampled(shipped_motion("dual_ur5"))
+    least, kept = (mrts.retime(cell, motion, rates=10.0, **asked) for asked in ({"distribute": "least-torque"}, {}))
+    assert (least.smooth.room, kept.options.distribute) == (0.0, "reserve")
+    assert kept.smooth.room == pytest.approx(ROOM, rel=1e-6)
+    assert kept.duration <= least.duration * (1 + ROOM) * (1 + CONVERGED)
+    assert mean_square(kept) < 0.25 * mean_square(least)
+    assert np.max(largest_shares(kept)) < 0.8
+    assert np.max(largest_shares(least)) > 1 - KEPT
+    assert np.max(np.abs(rates_of(kept)) / kept.smooth.rates.torque) <= 1 + KEPT
+    assert not kept.excess.passes
+    assert {name for name, _ in least.limits[:5]} == {
+        name for name, _ in kept.limits[:5]
+    }  # what sets the speed is told, though the plan stays away from it
+
+
+def test_a_reserve_at_a_timing_that_something_else_sets(planar_cell, lift):
+    """Of least energy, where rates do not bind: no row of the plan is nearer to its limits than by least torques."""
+    asked = {"rates": 1e3, "least_energy_in": 0.5, "between": None}
+    least, kept = (mrts.retime(planar_cell, lift, **asked, **how) for how in ({}, {"distribute": "reserve"}))
+    assert least.options.distribute == "least-torque"
+    assert kept.duration == pytest.approx(least.duration, rel=1e-12)
+    assert kept.effort > least.effort
+    assert np.all(largest_shares(kept) <= largest_shares(least) + 2 * SHARE_MARGIN)
+    assert mean_square(kept) < 0.5 * mean_square(least)
+
+
+def test_least_torque_stays_where_there_is_nothing_to_distribute(planar_cell, lift):
+    shared = mrts.retime(planar_cell, lift, rates=RATES, sharing=mrts.LoadSharing())
+    assert (shared.options.distribute, shared.smooth.room) == ("least-torque", 0.0)
