@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import is_number
+from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array
 
@@ -68,9 +68,11 @@ class Controller(EqualByNumbers):
 
     def __post_init__(self) -> None:
         _check_bounds(self, "controller")
+        check_type("controller: friction", self.friction, bool)
         for name in ("position_gain", "velocity_gain"):
             gain = getattr(self, name)
-            if gain is not None and not np.all((given := as_array(name, gain)) >= 0) | (given.ndim > 1):
+            given = as_array(name, 0.0 if gain is None else gain)
+            if given.ndim > 1 or not np.all((given >= 0) & np.isfinite(given)):
                 raise InputError("controller", "must be numbers >= 0: one, or one a joint.", key=name, value=gain)
 
     def gains(self, inertia: Array) -> tuple[Array, Array]:
@@ -119,9 +121,10 @@ class PlantErrors(EqualByNumbers):
 
     def __post_init__(self) -> None:
         _check_bounds(self, "errors")
-        for name, low, high, columns in (("com", -1.0, 1.0, 3), ("stiffness", 1.0, 1e9, 2)):
+        for name, low, high, columns, most in (("com", -1.0, 1.0, 3, 1), ("stiffness", 1.0, 1e9, 2, 2)):
             given = as_array(name, getattr(self, name))
-            if given.shape[-1:] != (columns,) or not np.all((given >= low) & (given <= high)):
+            inside = np.all((given >= low) & (given <= high))
+            if given.shape[-1:] != (columns,) or given.ndim > most or not inside:
                 rule = f"must be {columns} numbers from {low:g} to {high:g}."
                 raise InputError("errors", rule, key=name, value=given.tolist())
             given.setflags(write=False)

@@ -38,13 +38,15 @@ class Plant:
         step: Of the simulation [s].
 
     Raises:
-        InputError: If the cell's URDFs are not there as they were.
+        InputError: If the cell's URDFs are not there as they were, or it has another number of grasps.
     """
 
     def __init__(self, cell: Cell, errors: PlantErrors, lag: float, step: float) -> None:
         if cell.folder is None:
             rule = "its URDFs are needed, and a generated cell does not say where they are: name the cell file."
             raise InputError(cell.name, rule)
+        if errors.stiffness.shape not in {(2,), (len(cell.robots), 2)}:
+            raise InputError("errors", f"must be one, or one for each of {len(cell.robots)} grasps.", key="stiffness")
         self.cell = cell
         self._spec, self._masses = mujoco.MjSpec(), list[tuple[str, float, Array]]()
         option = self._spec.option

@@ -294,7 +294,11 @@ def simulate(
         raise InputError("seed", "must be a whole number >= 0.", value=seed)
     controller, errors = controller or Controller(), errors or PlantErrors()
     planned = _trajectory(plan)
+    check_type("cell", cell, Cell, NoneType)
     counts = (planned.cell if cell is None else cell).with_reserve(0.0)
+    if counts.joint_names != planned.cell.joint_names:
+        rule = f"has the joints {', '.join(counts.joint_names)}, not those of the plan."
+        raise InputError("cell", rule)
     planned = ScaledTrajectory(counts, planned.motion, planned.c2, planned.torque, planned.wrench, planned.holding)
     rng = np.random.default_rng(seed)
     played, saturated = _played(planned, controller, errors, rng)

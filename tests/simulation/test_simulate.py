@@ -195,8 +195,10 @@ def test_noise_and_resolution_are_felt(lifted):
         ({"rate": 0.0}, "rate"),
         ({"delay": np.nan}, "delay"),
         ({"position_gain": [-1.0, 1.0]}, "position_gain"),
+        ({"velocity_gain": np.ones((6, 2))}, "velocity_gain"),
         ({"mass": "heavy"}, "mass"),
         ({"com": [0.0, 0.0]}, "com"),
+        ({"com": np.zeros((2, 3))}, "com"),
         ({"stiffness": [np.inf, 1.0]}, "stiffness"),
         ({"wrong": 1.0}, ""),
     ],
@@ -216,10 +218,15 @@ def test_power_above_its_limit_is_told(planar_cell, lift):
     assert use.time == found.played.time[np.argmax(total)]
 
 
-def test_gains_of_other_cells_are_refused(lifted):
-    with pytest.raises(mrts.InputError) as error:
-        mrts.simulate(lifted, mrts.Controller(velocity_gain=np.ones(5)))
-    assert error.value.key == "velocity_gain"
+def test_what_is_of_other_cells_is_refused(lifted, dual_ur5):
+    for given, place in (
+        ({"controller": mrts.Controller(velocity_gain=np.ones(5))}, "velocity_gain"),
+        ({"errors": mrts.PlantErrors(stiffness=np.ones((3, 2)))}, "stiffness"),
+        ({"cell": dual_ur5}, "cell"),
+    ):
+        with pytest.raises(mrts.InputError) as error:
+            mrts.simulate(lifted, **given)
+        assert place in {error.value.key, error.value.where}
 
 
 def test_what_runs_away_is_an_error_and_leaves_no_file(lifted, tmp_path, monkeypatch):
