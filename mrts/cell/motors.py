@@ -30,7 +30,8 @@ NONE_GIVEN = dict.fromkeys(EFFECTS, 0.0) | dict.fromkeys(RATINGS, np.inf)
 """What they are where nothing is known: no effect, no limit."""
 
 
-PerJoint = Annotated[Array, Shape("n")]
+Effect = Annotated[Array, Shape("n", finite=True, least=0.0, most=LARGEST_NUMBER)]
+Rating = Annotated[Array, Shape("n", least=SMALLEST_NUMBER)]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,27 +53,17 @@ class JointMotors(MadeAgain):
         InputError: If a number is negative or a curve rises, bends upward or does not start at standstill.
     """
 
-    armature: PerJoint
-    coulomb: PerJoint
-    viscous: PerJoint
+    armature: Effect
+    coulomb: Effect
+    viscous: Effect
     torque_speed: Annotated[tuple[Array | None, ...], Shape("n")]
-    torque_rate: PerJoint
-    jerk: PerJoint
-    rated: PerJoint
-    power: PerJoint
+    torque_rate: Rating
+    jerk: Rating
+    rated: Rating
+    power: Rating
 
     def __post_init__(self) -> None:
         check_attributes(self, JointMotors, "motors", n=len(self.torque_speed))
-        for name in PER_JOINT:
-            value, unlimited = getattr(self, name), NONE_GIVEN[name] == np.inf
-            wrong = ~((value >= SMALLEST_NUMBER) if unlimited else (value >= 0) & (value <= LARGEST_NUMBER))
-            if np.any(wrong):
-                rule = (
-                    f"must be > 0, at least {SMALLEST_NUMBER:g}."
-                    if unlimited
-                    else f"must be >= 0 and at most {LARGEST_NUMBER:.0e}."
-                )
-                raise InputError("motors", rule, key=f"{name}[{int(np.argmax(wrong))}]", value=value[wrong][0])
         curves = tuple(None if curve is None else _checked_curve(j, curve) for j, curve in enumerate(self.torque_speed))
         object.__setattr__(self, "torque_speed", curves)
 

@@ -8,14 +8,12 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-import numpy as np
-
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Name, Positive
 from mrts.base.formats.record import Record, Rule, Shape, check_attributes, read_json
 from mrts.base.formats.surface_text import unpacked_surface
-from mrts.base.input_file import IDENTIFIER, LONGEST_NAME, read_text
+from mrts.base.input_file import IDENTIFIER, LONGEST_NAME, SMALLEST_NUMBER, read_text
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import (
     ALWAYS_GENERATED,
@@ -136,8 +134,8 @@ class CellRecord:
     load: Annotated[Array, Shape(len(LOAD_ENTRIES), finite=True)]
     load_box: LoadBox | None
     power_limit: Positive | None
-    object_velocity_limit: Annotated[Array, Shape(2)]
-    object_acceleration_limit: Annotated[Array, Shape(2)]
+    object_velocity_limit: Annotated[Array, Shape(2, least=SMALLEST_NUMBER)]
+    object_acceleration_limit: Annotated[Array, Shape(2, least=SMALLEST_NUMBER)]
     object_points: Annotated[tuple[PointLimit, ...], Rule(max_length=MOST)]
     carried: Annotated[tuple[CarriedThing, ...], Rule(max_length=MOST)]
     object_shape: ShapeRecord | None
@@ -148,10 +146,6 @@ class CellRecord:
 
     def __post_init__(self) -> None:
         check_attributes(self, type(self), "cell")
-        for key in ("object_velocity_limit", "object_acceleration_limit"):
-            if np.any(getattr(self, key) <= 0):
-                rule = "must be > 0; infinity where there is none."
-                raise InputError("cell", rule, key=key, value=getattr(self, key).tolist())
         if not self.load[0] > 0:
             raise InputError("cell", "its mass must be > 0.", key="load", value=self.load.tolist())
         for robot in self.robots:

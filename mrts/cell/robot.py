@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.record import MadeAgain, Rule, Shape, check_attributes
-from mrts.base.input_file import LARGEST_NUMBER
+from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 from mrts.base.manifest import MOST
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.rigid_transform import RigidTransform, is_rotation
@@ -108,9 +108,9 @@ class Robot(InNotebooks, MadeAgain):
     T_base_tip: RigidTransform
     position_lower: PerJoint
     position_upper: PerJoint
-    velocity_limit: PerJoint
-    acceleration_lower: PerJoint
-    acceleration_upper: PerJoint
+    velocity_limit: Annotated[Array, Shape("n", least=SMALLEST_NUMBER)]
+    acceleration_lower: Annotated[Array, Shape("n", most=-SMALLEST_NUMBER)]
+    acceleration_upper: Annotated[Array, Shape("n", least=SMALLEST_NUMBER)]
     T_world_base: RigidTransform
     T_object_tip: RigidTransform
     posture: Annotated[Array, Shape("n", finite=True)]
@@ -123,7 +123,7 @@ class Robot(InNotebooks, MadeAgain):
     held_numbers: Annotated[Array, Shape("h", finite=True)]
     motors: JointMotors
     contacts: tuple[Contact, ...]
-    contact_rate: OfWrench
+    contact_rate: Annotated[Array, Shape("w", least=SMALLEST_NUMBER)]
     point_limits: tuple[ArmPointLimit, ...]
 
     def __post_init__(self) -> None:
@@ -139,12 +139,6 @@ class Robot(InNotebooks, MadeAgain):
         self._check_parts(where, n)
 
     def _check_parts(self, where: str, n: int) -> None:
-        for key in ("velocity_limit", "contact_rate"):
-            if np.any(getattr(self, key) <= 0):
-                rule = "must be > 0; infinity where there is none."
-                raise InputError(where, rule, key=key, value=getattr(self, key).tolist())
-        if np.any(self.acceleration_lower >= 0) or np.any(self.acceleration_upper <= 0):
-            raise InputError(where, "must be below 0, and acceleration_upper above.", key="acceleration_lower")
         if len(self.motors.torque_speed) != n:
             raise InputError(where, f"must be those of its {n} joints.", key="motors")
         contradiction = self.motors.problem_with(self.torque_lower, self.torque_upper, self.joints)

@@ -43,12 +43,12 @@ def with_motors(files, motors, **urdf):
 
 
 MISTAKES = [
-    ({"armature": -0.1}, "(left).motors.armature[0] = -0.1: must be >= 0"),
+    ({"armature": -0.1}, "(left).motors.armature[0] = -0.1: must be at least 0"),
     ({"friction": {"coulomb": [1, 2]}}, "(left).motors.friction.coulomb = [1.0, 2.0]: must be one number for all"),
-    ({"friction": {"coulomb": [1, -2, 0]}}, "(left).motors.friction.coulomb[1] = -2.0: must be >= 0"),
+    ({"friction": {"coulomb": [1, -2, 0]}}, "(left).motors.friction.coulomb[1] = -2.0: must be at least 0"),
     ({"friction": [1, 2, 3]}, "robots[0].motors.friction = [1, 2, 3]: must be "),
     ({"friction": {"coulomb": [1, 1, 28]}}, "friction.coulomb[2]: Coulomb friction of joint 'wrist' is 28"),
-    ({"torque_rate": [5, -5, 5]}, "(left).motors.torque_rate[1] = -5.0: must be > 0"),
+    ({"torque_rate": [5, -5, 5]}, "(left).motors.torque_rate[1] = -5.0: must be at least"),
     (
         {"torque_speed": [[0, 200], [2, 220]]},
         "(left).motors.torque_speed[0] = [[0.0, 200.0], [2.0, 220.0]]: its torques",

@@ -66,10 +66,15 @@ class Shape:
     Attributes:
         sizes: Such as ("n", 3), those of one letter alike in all attributes.
         finite: Whether its numbers are; else infinity is no limit.
+        least: Of each number.
+        most: Likewise.
     """
 
-    def __init__(self, *sizes: str | int, finite: bool = False) -> None:
-        self.sizes, self.finite = sizes, finite
+    def __init__(
+        self, *sizes: str | int, finite: bool = False, least: float = -math.inf, most: float = math.inf
+    ) -> None:
+        self.sizes, self.finite, self.least, self.most = sizes, finite, least, most
+        self._ends = {side: end for side, end in (("at least", least), ("at most", most)) if math.isfinite(end)}
 
     def check(self, value: Any, letters: dict[str | int, int]) -> None:
         """Check a value beside those before it, and note what its own letters stand for."""
@@ -84,6 +89,10 @@ class Shape:
             what = "values" if is_tuple else "finite numbers" if self.finite else "numbers (infinity is no limit)"
             shape = f"({sizes[0]},)" if len(sizes) == 1 else f"({', '.join(map(str, sizes))})"
             raise _broken(f"must be {what} with Shape {shape}", value if is_tuple else value.tolist())
+        if self._ends and (wrong := np.argwhere((value < self.least) | (value > self.most))).size:
+            rule = " and ".join(f"{side} {end:g}" for side, end in self._ends.items())
+            place = wrong[0].tolist()
+            raise _broken(f"must be {rule}", float(value[*place])).inside("", "".join(f"[{at}]" for at in place))
 
 
 def check_attributes(owner: Any, of: type, where: str, **known: int) -> dict[str | int, int]:
