@@ -9,7 +9,7 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_type
+from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.record import MadeAgain, Rule
@@ -253,7 +253,7 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
         Raises:
             InputError: If it is something else.
         """
-        return self if reserve == self.reserve else replace(self, reserve=reserve)
+        return self if is_number(reserve) and reserve == self.reserve else replace(self, reserve=reserve)
 
     def with_limits(self, *limits: Callable[..., Any]) -> Self:
         """The same cell with further limits beside those of its file, in the place of any that it was given before.
