@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cell_bank import drawn_until, random_planar_cell, random_spatial_cell
 from changed_robots import with_robots
+from conftest import DATA
 from draws import seeds
 from gantries import along_x, gantries, straight
 from random_motors import equipped
@@ -270,8 +271,8 @@ def test_least_shares_within_rates_against_an_independent_program(seed, tmp_path
 
 
 def largest_shares(result):
-    """Of the limits of torques and wrenches at each sample, Shape (N,)."""
-    rows = limit_rows(result.cell, result.motion)
+    """Of the limits of torques and wrenches as they are given at each sample, Shape (N,)."""
+    rows = limit_rows(result.cell.with_reserve(0.0), result.motion)
     value = rows.value(result.trajectory.torque, result.trajectory.wrench, 0.0, result.trajectory.c)
     return np.max(rows.share(value)[:, ~rows.is_of_speed], axis=1)
 
@@ -285,3 +286,14 @@ def test_where_rates_do_not_bind_the_least_shares_are_those_of_each_sample(plana
         np.testing.assert_allclose(largest_shares(whole), largest_shares(by_sample), atol=SHARE_MARGIN * (1 + ROUNDED))
         off = (whole.trajectory.torque - by_sample.trajectory.torque) / of.robots[0].torque_upper.max()
         assert np.max(np.abs(off)) < 100 * SHARE_MARGIN
+
+
+def test_a_limit_of_zero_counts_alike_whatever_reserve_is_kept():
+    """A pad's cone has limits of 0, which a reserve moves: its size stays that of the pad's force."""
+    folder = DATA.parent / "squeeze"
+    cell, motion = mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml")
+    asked = {"distribute": "reserve", "between": None}
+    by_sample = largest_shares(mrts.scale(cell, motion, 0.5, **asked))
+    for reserve in (0.0, 1e-6, 0.1):
+        whole = mrts.scale(cell, motion, 0.5, reserve=reserve, rates=1e3, **asked)
+        np.testing.assert_allclose(largest_shares(whole), by_sample, atol=SHARE_MARGIN * (1 + ROUNDED))
