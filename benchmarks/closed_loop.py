@@ -30,6 +30,7 @@ PLANS: dict[str, Callable[..., mrts.ScalingResult | mrts.RetimingResult]] = {
     "optimal": mrts.retime,
     "smooth, `--distribute least-torque`": partial(mrts.retime, rates=RATES, distribute="least-torque"),
     "smooth": partial(mrts.retime, rates=RATES),
+    "smooth, `--distribute least-torque`": partial(mrts.retime, rates=RATES, distribute="least-torque"),
 }
 
 HEAD = ("cell", "profile", "duration", "largest use", "95 % of trials", "worst", "keep all limits", "object")
