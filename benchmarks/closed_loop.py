@@ -28,7 +28,6 @@ PLANS: dict[str, Callable[..., mrts.ScalingResult | mrts.RetimingResult]] = {
     "constant": mrts.scale,
     "constant, `--distribute reserve`": partial(mrts.scale, distribute="reserve"),
     "optimal": mrts.retime,
-    "smooth, `--distribute least-torque`": partial(mrts.retime, rates=RATES, distribute="least-torque"),
     "smooth": partial(mrts.retime, rates=RATES),
     "smooth, `--distribute least-torque`": partial(mrts.retime, rates=RATES, distribute="least-torque"),
 }
