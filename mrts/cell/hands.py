@@ -200,8 +200,6 @@ def in_tip_axes(rows: Array, axes: Array) -> Array:
 SMALLEST = 1e-6
 """Of a coefficient of friction, of a half width [m] and of a force [N]: what is smaller is a misprint, or zero."""
 
-NORMAL_FORCE = "normal force"
-
 INTERIOR = 1e-6
 """Least radius of a ball in a polytope, as a share of how far its rows are from the origin: HiGHS is right to 1e-7."""
 
@@ -545,7 +543,7 @@ def _surface_contact(
     return Contact(
         name=name,
         frame="tip",
-        rows=(NORMAL_FORCE, *needed),
+        rows=("normal force", *needed),
         units=("N",) * len(rows),
         A=in_tip_axes(rows, axes),
         lower=np.array([normal_force[0], *(-np.inf for _ in needed)]),
