@@ -13,7 +13,7 @@ from mrts.collisions.clearance import Clearance
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import contact_forces, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
-from mrts.scene.held_body import Surface, held_body, object_edges, shape_surface
+from mrts.scene.held_body import held_body, object_edges, shape_surface
 from mrts.scene.scene import (
     FORCE,
     MOMENT,
@@ -34,8 +34,8 @@ from mrts.scene.scene import (
 from mrts.viewer.held_poses import HeldPoses
 from mrts.viewer.player_state import PlayerState
 
-THICKNESS = 0.02
-"""That hands, arrows and the path are drawn by, as a share of the cell's size."""
+THICKNESS, HAND = 0.02, 1.7
+"""That arrows and the path are drawn by, as a share of the cell's size; and radius of a hand by that."""
 
 ARROW = 0.5
 """Longest arrow at the first choice of speed, as a share of the cell's size."""
@@ -64,60 +64,6 @@ MOVED_AWAY = 0.02
 """How far a camera is from where it was put, as a share of its distance, once somebody moved it."""
 
 
-class DrawnCell:
-    """Arms, a frame for each body that carries its meshes, the object that they carry, and what stands around them.
-
-    Attributes:
-        carried: The object's frame.
-        ends: By robot, the name of its last body.
-    """
-
-    def __init__(self, scene: viser.SceneApi, cell: Cell, urdfs: Urdfs, warn: Warn) -> None:
-        self._scene = scene
-        self._frames, self._parts, self.ends = [], [], dict[str, str]()
-        for robot, parts in zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True):
-            names = [f"/arms/{robot.name}/body{body}" for body in range(len(robot.joints) + 1)]
-            self.ends[robot.name] = names[-1]
-            self._frames.append([scene.add_frame(of, show_axes=False) for of in names])
-            for number, part in enumerate(parts):
-                mesh, at = part.mesh, f"{names[part.body]}/mesh{number}"
-                drawn = scene.add_mesh_simple(at, mesh.vertices, mesh.faces, color=part.own, flat_shading=False)
-                self._parts.append((robot, part, drawn))
-        for number, one in enumerate(cell.surroundings):
-            surface = shape_surface(one)
-            scene.add_mesh_simple(
-                f"/surroundings/{number}", surface.vertices.astype(np.float32), surface.faces.astype(np.uint32),
-                color=SURROUNDINGS, opacity=SEE_THROUGH, flat_shading=True, side="double", cast_shadow=False,
-            )  # fmt: skip
-        self.carried = scene.add_frame("/carried", show_axes=False)
-        self._body_key = b""
-        self.show_body(cell)
-
-    def show_body(self, cell: Cell) -> Surface | None:
-        """Draw the object where its shape is another one; None where it is as it was."""
-        body = held_body(cell)
-        if body.vertices.tobytes() == self._body_key:
-            return None
-        self._body_key = body.vertices.tobytes()
-        self._scene.add_mesh_simple(
-            "/carried/object", body.vertices.astype(np.float32), body.faces.astype(np.uint32),
-            color=OBJECT, opacity=OPACITY, flat_shading=True,
-        )  # fmt: skip
-        return body
-
-    def move(self, moment: Moment) -> None:
-        """Move all that moves."""
-        for frames, (R, p) in zip(self._frames, moment.bodies, strict=True):
-            for frame, at, turn in zip(frames, p, wxyz(R), strict=True):
-                frame.position, frame.wxyz = at, turn
-        self.carried.position, self.carried.wxyz = moment.position, wxyz(moment.rotation)
-
-    def mark(self, deciding: DecidingLimit | None) -> None:
-        """Let the body stand out that decides how fast the motion may be played, or none."""
-        for robot, part, drawn in self._parts:
-            drawn.color = part.colour(None if deciding is None else deciding.body(robot))
-
-
 class ViewerScene:
     """Draws answers and moments.
 
@@ -128,7 +74,6 @@ class ViewerScene:
         warn: Told which arm is drawn without its meshes, and why.
 
     Attributes:
-        colours: Of the arms, by name.
         size: Radius of a ball that holds all parts at all times [m].
         metres_per_newton: Length of a force's arrow for 1 N, 1, 2 or 5 times a power of ten [m].
         metres_per_newton_metre: Likewise of a moment's.
@@ -140,19 +85,16 @@ class ViewerScene:
         cell = self._course.cell
         self._view = look_at_cell(cell, self._course.q, self._course.position)
         self.size = self._view.size
-        self.colours = {robot.name: arm_colour(index) for index, robot in enumerate(cell.robots)}
         self.metres_per_newton = self.metres_per_newton_metre = 1.0
         self._look()
         self._scene.configure_default_lights(enabled=True, cast_shadow=False)  # shadows cost most of the frames
         self._draw_surroundings()
         radius = THICKNESS * self.size
-        drawn = self._drawn = DrawnCell(self._scene, cell, urdfs, warn)
+        self._draw_cell(cell, urdfs, warn)
+        self._body_key = b""
         self._names = [
             self._scene.add_label(f"/names/{robot.name}", robot.name, anchor="top-center") for robot in cell.robots
         ]
-        for robot in cell.robots:
-            hand, at = f"{drawn.ends[robot.name]}/hand", robot.T_base_tip.p
-            self._scene.add_icosphere(hand, 1.7 * radius, self.colours[robot.name], position=at)
         thin = 0.4 * radius
         self._forces, self._moments = (
             self._scene.add_arrows(
@@ -178,15 +120,13 @@ class ViewerScene:
             self._scene.add_label("/start_name", "start", anchor="top-left"),
             self._scene.add_label("/goal_name", "goal", anchor="bottom-right"),
         ]
-        self._draw_outlines(held_body(cell))
         self._fitted: dict[int, tuple[float, Camera]] = {}
         self.show(shown)
 
     def show(self, course: Scene) -> None:
         """Draw what does not move along the motion: the body that is held, its path, its ends, where arms stand."""
         self._course = course
-        if (body := self._drawn.show_body(course.cell)) is not None:
-            self._draw_outlines(body)
+        self._draw_body(course.cell)
         for name, robot in zip(self._names, course.cell.robots, strict=True):
             name.position = name_place(course.cell, robot)
         poses = np.hstack([course.position, course.rotation.reshape(-1, 9)])
@@ -201,8 +141,9 @@ class ViewerScene:
         self._path.points, self._path.colors = steps, colours
 
     def mark(self, deciding: DecidingLimit | None) -> None:
-        """Let the joint or the hand stand out whose limit decides how fast the motion may be played."""
-        self._drawn.mark(deciding)
+        """Let the joint or the hand stand out whose limit decides how fast the motion may be played, or none."""
+        for robot, part, drawn in self._parts:
+            drawn.color = part.colour(None if deciding is None else deciding.body(robot))
 
     def rescale(self, state: PlayerState) -> None:
         """Choose the arrows' lengths for a trajectory as it is now."""
@@ -216,7 +157,7 @@ class ViewerScene:
     def show_moment(self, state: PlayerState, place: float) -> None:
         """Draw a state at one of its samples, or between two while it plays."""
         moment = self._course.moment(place)
-        self._drawn.move(moment)
+        self._move(moment)
         wrench = blended(state.trajectory.wrench, place)
         point, force, turning = contact_forces(moment.cell, moment.position, moment.rotation, wrench)
         points = (point - moment.position) @ moment.rotation
@@ -236,7 +177,7 @@ class ViewerScene:
     def show_gap(self, held: HeldPoses, sample: int) -> None:
         """Draw how near the arms come to their grasps at one of the samples looked at."""
         moment, self._forces.points, self._moments.points = self._course.moment(sample), NO_LINES, NO_LINES
-        self._drawn.move(moment)
+        self._move(moment)
         lines: dict[int, tuple[Array, Array]] = {}
         for index in np.flatnonzero(~held.reached[sample]).tolist():
             tip, robot = moment.lines[index][-1], moment.cell.robots[index]
@@ -284,7 +225,43 @@ class ViewerScene:
         for index, label in enumerate(self._gap_names):
             label.visible = index in lines
 
-    def _draw_outlines(self, body: Surface) -> None:
+    def _move(self, moment: Moment) -> None:
+        for frames, (R, p) in zip(self._frames, moment.bodies, strict=True):
+            for frame, at, turn in zip(frames, p, wxyz(R), strict=True):
+                frame.position, frame.wxyz = at, turn
+        self._carried.position, self._carried.wxyz = moment.position, wxyz(moment.rotation)
+
+    def _draw_cell(self, cell: Cell, urdfs: Urdfs, warn: Warn) -> None:
+        """Arms, a frame for each body that carries its meshes, that of the object, and what stands around them."""
+        scene = self._scene
+        self._frames, self._parts = [], []
+        for index, (robot, parts) in enumerate(zip(cell.robots, drawn_arms(cell, urdfs, warn), strict=True)):
+            names = [f"/arms/{robot.name}/body{body}" for body in range(len(robot.joints) + 1)]
+            self._frames.append([scene.add_frame(of, show_axes=False) for of in names])
+            for number, part in enumerate(parts):
+                mesh, at = part.mesh, f"{names[part.body]}/mesh{number}"
+                drawn = scene.add_mesh_simple(at, mesh.vertices, mesh.faces, color=part.own, flat_shading=False)
+                self._parts.append((robot, part, drawn))
+            hand, radius = f"{names[-1]}/hand", HAND * THICKNESS * self.size
+            scene.add_icosphere(hand, radius, arm_colour(index), position=robot.T_base_tip.p)
+        for number, one in enumerate(cell.surroundings):
+            surface = shape_surface(one)
+            scene.add_mesh_simple(
+                f"/surroundings/{number}", surface.vertices.astype(np.float32), surface.faces.astype(np.uint32),
+                color=SURROUNDINGS, opacity=SEE_THROUGH, flat_shading=True, side="double", cast_shadow=False,
+            )  # fmt: skip
+        self._carried = scene.add_frame("/carried", show_axes=False)
+
+    def _draw_body(self, cell: Cell) -> None:
+        """The object where its shape is another one, and its edges at the start and the goal."""
+        body = held_body(cell)
+        if body.vertices.tobytes() == self._body_key:
+            return
+        self._body_key = body.vertices.tobytes()
+        self._scene.add_mesh_simple(
+            "/carried/object", body.vertices.astype(np.float32), body.faces.astype(np.uint32),
+            color=OBJECT, opacity=OPACITY, flat_shading=True,
+        )  # fmt: skip
         edges = object_edges(body.vertices, body.faces)
         lines = body.vertices[edges if len(edges) else body.faces[:, :2]]  # a ball has no edges
         self._outlines = [
