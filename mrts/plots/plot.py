@@ -99,27 +99,24 @@ class Bars:
     label: str = ""
     color: str = COLOURS[0]
     upright: bool = False
-    texts: Sequence[str] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HeatMap:
     """Cells whose colours are values, NaN where one is empty, Shape (rows, columns); edges `x` and `y` have one more.
 
-    `low` and `high` have the first and the last colour, which values beyond have too. `texts` are told in place of a
-    value and its unit. With `names` a value is the number of a name, which has a colour of its own; the legend has
-    those that some cell has.
+    `low` and `high` have the first and the last colour, which values beyond have too. With `names` a value is the
+    number of a name, which has a colour of its own; the legend has those that some cell has.
     """
 
     x: Array
     y: Array
     z: Array | NDArray[np.int_]
     colors: Sequence[str]
+    texts: Sequence[Sequence[str]]
     low: float = 0.0
     high: float = 1.0
     title: str = ""
-    unit: str = ""
-    texts: Sequence[Sequence[str]] = ()
     names: Sequence[str] = ()
 
     @property

@@ -208,19 +208,15 @@ def _bars(bars: Bars) -> dict[str, Any]:
         across: numbers(np.asarray(bars.place, dtype=np.float64)),
         "width": numbers(np.broadcast_to(np.asarray(bars.thickness, dtype=np.float64), np.shape(bars.place))),
         "marker": {"color": bars.color, "line": {"width": 0}},
-        "textposition": "none",
+        "hoverinfo": "skip",
     }
-    hover = {"text": [plot_text(text) for text in bars.texts], "hovertemplate": "%{text}<extra></extra>"}
-    return own | _named(bars.label) | (hover if bars.texts else {"hoverinfo": "skip"})
+    return own | _named(bars.label)
 
 
 def _heat_map(heat: HeatMap) -> list[dict[str, Any]]:
+    texts = [[plot_text(text).replace("\n", "<br>") for text in row] for row in heat.texts]
     own: dict[str, Any] = {"type": "heatmap", "x": numbers(heat.x), "y": numbers(heat.y), "hoverongaps": False}
-    own["hovertemplate"] = (
-        "%{text}<extra></extra>" if heat.texts else f"%{{z:.3g}} {heat.unit}<br>%{{x:.4g}}<extra></extra>"
-    )
-    if heat.texts:
-        own["text"] = [[plot_text(text).replace("\n", "<br>") for text in row] for row in heat.texts]
+    own |= {"text": texts, "hovertemplate": "%{text}<extra></extra>"}
     if not heat.names:
         scale = list(zip(np.linspace(0, 1, len(heat.colors)).tolist(), heat.colors, strict=True))
         bar = {"title": {"text": plot_text(heat.title), "side": "right"}, "thickness": 14}

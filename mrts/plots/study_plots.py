@@ -81,7 +81,7 @@ def _map_panels(table: StudyTable, drawn: StudyMap) -> list[Panel]:
     duration: list[Item] = []
     if len(table.ranked):
         low, high = duration_ends(table)
-        duration = [HeatMap(**grid, z=best_values(drawn, table.duration), colors=FASTER, low=low, high=high, unit="s",
+        duration = [HeatMap(**grid, z=best_values(drawn, table.duration), colors=FASTER, low=low, high=high,
                             title="shortest duration [s]")]  # fmt: skip
     limit: list[Item] = (
         [HeatMap(**grid, z=binding, names=limits, colors=LIMIT_COLOURS[: len(limits)])] if limits else []

@@ -59,7 +59,6 @@ def study_html(found: StudyTable) -> str:
         maps=[one_panel(name, panel) for name, panel in zip(names, panels, strict=False)],
         outcomes_table=_outcomes_table,
         reasons_table=_reasons_table,
-        varied_table=_varied_table,
         weights_table=_weights_table,
     )
 
@@ -98,12 +97,3 @@ def _reasons_table(found: StudyTable) -> Table:
     rows = [(outcome, Styled(reason, "prose"), str(count)) for outcome, reason, count in reasons[:MOST_REASONS]]
     head = ("outcome", "reason of the first", "variants alike")
     return Table(head, rows, more(len(reasons) - MOST_REASONS, "reasons"))
-
-
-def _varied_table(found: StudyTable) -> Table:
-    rows = []
-    for number, knob in enumerate(found.knobs):
-        column = found.values[:, number]
-        low, high = study_words.span_texts(float(np.min(column)), float(np.max(column)))
-        rows.append((knob.path, low, high, knob.unit, str(len(np.unique(column)))))
-    return Table(("number", "from", "to", "unit", "different values"), rows)

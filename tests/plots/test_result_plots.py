@@ -88,9 +88,7 @@ def test_both_drawers_draw_the_numbers_of_a_plot():
     items = [line, Band(x=x, lower=0 * x, upper=x, label="band"), Rule(at=2.0, label="rule"),
              upright_areas([(0.5, 1.0)], (-6.0, 2.0), "span", "#ddd"),
              Points(x=x[:1], y=x[:1], texts=["here"], label="mark")]  # fmt: skip
-    bars = Bars(
-        place=np.array([0.0, 1.0]), start=np.zeros(2), end=np.array([3.0, -4.0]), texts=["p", "q"], label="bars"
-    )
+    bars = Bars(place=np.array([0.0, 1.0]), start=np.zeros(2), end=np.array([3.0, -4.0]), label="bars")
     above, below = Axis(label="force", ends=(-6.0, 2.0)), Axis(names=["one", "two"], strong=[True, False])
     panels = [Panel(x=Axis(label="time"), y=above, items=items), Panel(x=Axis(label="time"), y=below, items=[bars])]
     plot = Plot(name="p", title="t", rows=[[panel] for panel in panels], shared=True, clock="played")

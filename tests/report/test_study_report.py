@@ -47,7 +47,7 @@ def test_a_folder_of_a_study_is_reported(tmp_path, capsys):
     assert "planar_dual_arm: 2 of 3 variants may be played (66.6 %); 1 infeasible" in capsys.readouterr().out
     text = target.read_text(encoding="utf-8")
     assert f"{found.duration.min():.4g} s" in text
-    assert "<td>object.mass</td><td>0.5</td><td>300</td><td>kg</td>" in text
+    assert "object.mass: 0.5, 3, 300 kg" in text
     for part in (tmp_path / "found").glob("rows/*.parquet"):
         part.unlink()
     assert main(["report", str(tmp_path / "found")]) == 2
