@@ -54,7 +54,6 @@ class Target:
         unit: Of the number; empty if it has none.
         factor: Of the parameter's value.
         offset: Added to it.
-        whole: Whether it is a whole number.
     """
 
     path: str
@@ -62,12 +61,10 @@ class Target:
     unit: str
     factor: float = 1.0
     offset: float = 0.0
-    whole: bool = False
 
-    def value(self, at: float) -> float | int:
+    def value(self, at: float) -> float:
         """The number where the parameter has a value."""
-        number = self.offset + self.factor * at
-        return round(number) if self.whole else number
+        return self.offset + self.factor * at
 
 
 @dataclass(frozen=True)
@@ -224,11 +221,6 @@ def _parameter(name: str, value: object, sample: SampleName, files: dict[str, An
         targets = tuple(target for move, listed in moves.items() for target in _targets(move, listed, files, cell))
     else:
         targets = (_target(files, cell, name),)
-    for target in targets:
-        if target.whole and not (
-            distribution.levels and all((target.offset + target.factor * at).is_integer() for at in distribution.levels)
-        ):
-            raise InputError("", f"{target.path} is a whole number: list the values that it takes.")
     units = {target.unit for target in targets}
     unit = units.pop() if len(units) == 1 and "scales" not in moves else ""  # a factor has none
     return Parameter(name if moves else targets[0].path, unit, distribution, targets)
@@ -285,5 +277,6 @@ def _target(files: dict[str, Any], cell: Cell, place: str | Keys, factor: float 
         raise InputError("", f"{text} is no number{advice}.")
     if isinstance(value, str | bool):
         raise InputError("", f"{text} is '{value}', which is no number; numbers vary.")
-    unit = number_unit(keys, cell.robots, cell.wrench_units)
-    return Target(text, keys, unit, factor, offset, whole=keys == ("motion", "samples"))
+    if keys == ("motion", "samples"):
+        raise InputError("", f"{text} says how finely the motion is looked at, and does not vary.")
+    return Target(text, keys, number_unit(keys, cell.robots, cell.wrench_units), factor, offset)
