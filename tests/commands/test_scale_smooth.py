@@ -63,13 +63,3 @@ def test_energy_is_weighed_or_least_within_a_duration(capsys):
     assert within["duration"] == pytest.approx(0.4, rel=1e-6)
     assert main([*SMOOTH, "--least-energy-in", "0.1"]) == 1
     assert capsys.readouterr().out.startswith("planar_dual_arm: duration too short: the motion cannot be done in 0.1 s")
-
-
-def test_torques_at_an_end_are_given_by_robot(planar_cell, lift, capsys):
-    torque = mrts.retime(planar_cell, lift, rates=11.5).retimed.torque
-    given = [f"{name}={','.join(map(str, torque[name][-1].tolist()))}" for name in ("right", "left")]
-    output = answered(capsys, *SMOOTH, "--end-torque", given[0], "--end-torque", given[1])
-    for name in torque:
-        np.testing.assert_allclose(output["torque"][name][-1], torque[name][-1], atol=1e-3)
-    assert main([*SMOOTH, "--start-torque", "left=0,0,0", "--start-torque", "right=0,0,0"]) == 1
-    assert "infeasible holding torque: the torques given for the start" in capsys.readouterr().out
