@@ -4,7 +4,6 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from mrts.cell.hands import NORMAL_FORCE
 from mrts.plots.card import Card
 from mrts.plots.labels import range_text
 from mrts.plots.range_plots import ranked_loads
@@ -84,7 +83,6 @@ def _timing_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
 
 def _limit_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
     yield from card.lines() if card is not None else (*limit_table(result), *_other_lines(result))
-    yield from _contact_lines(result)
 
 
 def limit_table(result: ScalingResult) -> Iterator[str]:
@@ -99,24 +97,13 @@ def limit_table(result: ScalingResult) -> Iterator[str]:
 
 
 def _other_lines(result: ScalingResult) -> Iterator[str]:
-    """The most used limit of each other kind, such as torque-speed curves and rates, which no table has."""
-    told = {"contact", *TITLES}
+    """The most used limit of each hand, of torque-speed curves, and of each kind of rate, which no table has."""
+    told: set[tuple[str, str]] = set()
     for use in [*limit_uses(result), *rate_uses(result)]:
-        if use.name.kind not in told:
-            told.add(use.name.kind)
+        own = (use.name.kind, use.name.contact)
+        if use.name.kind not in TITLES and own not in told:
+            told.add(own)
             yield f"most used {use.name.kind}: {use.name.short}, {100 * use.share:.3g} % at t = {use.time:.4g} s"
-
-
-def _contact_lines(result: ScalingResult) -> Iterator[str]:
-    """How hard each hand presses, and what it is nearest to giving way in."""
-    uses = limit_uses(result, "contact")
-    for contact in dict.fromkeys(use.name.contact for use in uses):
-        own = [use for use in uses if use.name.contact == contact]
-        pressed = next((use for use in own if use.name.element.endswith(NORMAL_FORCE)), None)
-        presses = "" if pressed is None else f"normal force {pressed.least:.4g} to {pressed.largest:.4g} N, "
-        most = max(own, key=lambda use: use.share)
-        what = most.name.short.removeprefix(contact).strip()
-        yield f"{contact}: {presses}{100 * most.share:.3g} % used by {what} at {most.time:.4g} s"
 
 
 def _load_lines(study: "LoadStudy") -> Iterator[str]:
