@@ -94,13 +94,10 @@ def least_reserve(
         InputError: As `solve` and `mrts.simulate`.
     """
     check_callable("solve", solve)
+    check_callable("progress", progress)
     tried, best = list[TriedReserve](), None
-    low, edge, reserve, proportional = (
-        0.0,
-        1.0,
-        0.0,
-        0.5,
-    )  # limits are passed at `low`; at `edge` they are kept, or there is no plan
+    low, edge = 0.0, 1.0  # limits are passed at `low`; at `edge` they are kept, or there is no plan
+    reserve, proportional = 0.0, 0.5
     while edge - low > WITHIN and len(tried) < MOST_PLANS:
         plan = solve(reserve)
         last = _tried(plan, reserve, controller, errors)

@@ -4,6 +4,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import NoneType
 from typing import Any, Literal
 
 import numpy as np
@@ -210,14 +211,14 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
     Raises:
         InputError: If the file is malformed, does not fit the cell, or gives some joint less than others.
     """
-    path, bound = as_path("plan", plan), closure or ClosureBound()
-    check_type("closure", bound, ClosureBound)
+    path = as_path("plan", plan)
+    check_type("closure", closure, ClosureBound, NoneType)
     time, given = read_plan(cell, path)
     for part, others in NEEDED.items():
         if part in given and others not in given:
             raise InputError(path, f"gives '{part}.…' without '{others}.…': give both, or leave '{part}.…' out.")
     at, course, rows = _course(time, given)
-    motion, gaps = _carried(cell, at, course, bound)
+    motion, gaps = _carried(cell, at, course, closure or ClosureBound())
     residuals: list[LimitUse] = []
     if "tau" in given:
         torque, wrench, residuals = _given_torques(cell, motion, rows, time, given["tau"], given["F"])

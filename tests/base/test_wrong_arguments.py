@@ -54,6 +54,7 @@ def good(planar_cell):
     whole = result.motion
     box = planar_cell.with_variation(mass=(0.5, 2.0)).load_box
     mrts.save_result(result, "good.npz")
+    mrts.write_trajectory_csv(result, "good.csv")
     search = {"cell": planar_cell, "motion": motion, "sharing": None, "between": None}
     search |= {"progress": lambda _done, _total: None}
     recorded = exact_recording(planar_cell, random_motors(6), seconds=8.0, rate=200.0)
@@ -83,11 +84,16 @@ def good(planar_cell):
         "check": {"cell": DATA / "cell.yaml", "motion": DATA / "lift.yaml", "progress": lambda _done, _total: None},
         "follow_object": {"cell": planar_cell, "motion": motion},
         "load_cell": {"path": DATA / "cell.yaml"},
-        "load_motion": {"path": DATA / "lift.yaml"},
+        "load_motion": {"motion": DATA / "lift.yaml", "smooth": None},
+        "check_plan": {"cell": planar_cell, "plan": "good.csv", "closure": None},
+        "simulate": {"plan": result, "controller": None, "errors": None, "cell": None, "trials": 0, "seed": 0}
+        | {"progress": lambda _done, _total: None},
+        "least_reserve": {"solve": lambda reserve: mrts.scale(planar_cell, motion, reserve=reserve)}
+        | {"controller": None, "errors": None, "progress": lambda _done, _total: None},
         "load_result": {"path": "good.npz", "cell": planar_cell},
         "rank_configurations": search | with_solver | {"clearance": False},
-        "place": {"study": study, "starts": 1, "looked_at": 2, "seconds": None}
-        | {"between": None, "progress": lambda _done, _total: None},
+        "place": {"study": study, "starts": 1, "looked_at": 2, "between": None}
+        | {"progress": lambda _done, _total: None},
         "read_study": {"path": UR5 / "study.yaml"},
         "read_study_folder": {"path": "swept"},
         "retime": search | plan | smooth,
@@ -100,7 +106,7 @@ def good(planar_cell):
         "write_report": {"result": result, "path": "report.html"},
         "write_plot": {"plot": range_plot(result), "path": "figure.png"},
         "write_result_plots": {"result": result, "folder": "figures", "form": "png"},
-        "write_ros_bag": {"result": result, "folder": "bag"},
+        "write_ros_bag": {"result": result, "folder": "bag", "merged": False},
         "write_trajectory_csv": {"result": result, "path": "trajectory.csv"},
         "ClosureBound": {"position": 1e-3, "rotation": None},
         "CoordinatedMotion": joints | {"remarks": ()},

@@ -43,6 +43,7 @@ def held(planar_cell, lift, lifted, tmp_path_factory):
         mrts.load_cell(DATA.parent / "squeeze" / "cell.yaml"),
         mrts.check(DATA / "cell.yaml", DATA / "lift.yaml"),
         mrts.check_plan(planar_cell, plan),
+        mrts.simulate(lifted),
     ]  # fmt: skip
     found, seen = {}, {}
     while roots:
