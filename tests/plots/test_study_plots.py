@@ -20,7 +20,7 @@ from mrts.plots.study_map import (
     weights,
 )
 from mrts.plots.study_table import OUTCOMES
-from mrts.plots.study_words import managed
+from mrts.plots.study_words import best_rows, managed, span_texts
 
 KINDS = kinds()
 
@@ -162,3 +162,14 @@ def test_limits_beyond_the_colours_share_the_last():
             (name,), shown = table.limits(row), names[codes[place]]
             assert shown == name or (shown == names[-1] and name not in names)
     assert np.all((codes < 0) == (drawn.best < 0))
+
+
+def test_the_best_table_holds_the_numbers_of_the_best():
+    table = grid_study()
+    head, rows = best_rows(table, 3)
+    by_title = dict(zip(head, zip(*rows, strict=True), strict=True))
+    assert by_title["variant"] == ("from … to", *(str(row) for row in table.ranked[:3]))
+    assert by_title["duration [s]"][1:] == tuple(f"{value:.4g}" for value in np.sort(table.duration)[:3])
+    assert by_title["knob 1 [m]"] == ("2 … 3", "2 (end)", "2 (end)", "2 (end)")
+    assert by_title["limited by"][1] == FORCE
+    assert [span_texts(*ends) for ends in ((2.0, 2.0), (1e-9, 1.0))] == [("2", "2"), ("0", "1")]
