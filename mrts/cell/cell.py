@@ -128,7 +128,7 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
         """What was compiled of it, and the kernel with it; see `CellFunctions.library`."""
         return self.functions.library
 
-    @property
+    @cached_property
     def joint_names(self) -> tuple[str, ...]:
         """`left/elbow`, one a joint of all robots, m of them."""
         return tuple(f"{robot.name}/{joint}" for robot in self.robots for joint in robot.joints)
@@ -138,22 +138,22 @@ class Cell(InNotebooks, MadeAgain, CellRecord):
         """Of all robots, Shape (m,) [rad or m]."""
         return np.concatenate([robot.posture for robot in self.robots])
 
-    @property
+    @cached_property
     def joint_slices(self) -> dict[str, slice]:
         """Where each robot's joints stand in a vector over all joints, Shape (m,)."""
         return _slices({robot.name: len(robot.joints) for robot in self.robots})
 
-    @property
+    @cached_property
     def wrench_slices(self) -> dict[str, slice]:
         """Where each robot's wrench stands in the stacked wrenches F, Shape (n w,)."""
         return _slices({robot.name: len(self.wrench_components) for robot in self.robots})
 
-    @property
+    @cached_property
     def wrench_rows(self) -> list[int]:
         """Rows of a six-component wrench or twist that this cell uses, in the order of its components."""
         return [WRENCH_COMPONENTS.index(component) for component in self.wrench_components]
 
-    @property
+    @cached_property
     def wrench_units(self) -> tuple[str, ...]:
         """Unit of each component of a contact wrench: "N" of a force, "N m" of a moment."""
         return tuple(WRENCH_UNITS[component] for component in self.wrench_components)

@@ -3,6 +3,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Literal
 
 import numpy as np
@@ -192,12 +193,12 @@ class Robot(InNotebooks, MadeAgain):
         """Which joints are revolute, Shape (n_i,)."""
         return np.array([kind == "revolute" for kind in self.joint_types])
 
-    @property
+    @cached_property
     def position_units(self) -> tuple[str, ...]:
         """Unit of each joint's position: "rad" for a revolute joint, "m" for a prismatic one."""
         return tuple("m" if kind == "prismatic" else "rad" for kind in self.joint_types)
 
-    @property
+    @cached_property
     def torque_units(self) -> tuple[str, ...]:
         """Unit of each joint's torque: "N m" for a revolute joint, "N" for a prismatic one."""
         return tuple("N" if kind == "prismatic" else "N m" for kind in self.joint_types)

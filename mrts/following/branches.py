@@ -4,11 +4,9 @@
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import MotionError
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
 from mrts.following.null_space import is_redundant
-from mrts.following.reach import ArmPlaces, has_closed_form, planar_triangles
 from mrts.following.tracking import (
     POSITION_TOLERANCE,
     SETTLED_PREFERENCE,
@@ -22,7 +20,7 @@ from mrts.following.tracking import (
 from mrts.motion.object_motion import ObjectMotion
 
 MULTI_STARTS = 400
-"""Seeded random starts for an arm without a closed form: each of up to 16 branches is then found many times."""
+"""Seeded random starts: each of up to 16 branches is then found many times."""
 
 SEED = 20
 SAME_BRANCH = 1e-6
@@ -30,26 +28,12 @@ SAME_BRANCH = 1e-6
 
 
 def branches_at_start(cell: Cell, index: int, motion: ObjectMotion, starts: int = MULTI_STARTS) -> Array:
-    """Joint positions of one arm that hold its grasp at t = 0 inside its limits, each branch once, Shape (count, n_i).
-
-    Raises:
-        MotionError: If a planar arm of three joints cannot reach its grasp.
-    """
+    """Joint positions of one arm that hold its grasp at t = 0 inside its limits, each branch once, Shape (k, n_i)."""
     robot = cell.robots[index]
     joints = cell.joint_slices[robot.name]
-    posture = cell.posture
     redundant = is_redundant(cell, robot)
-    if has_closed_form(cell, robot):
-        base, grasp = robot.T_world_base, robot.T_object_tip
-        places = ArmPlaces(base.R, base.p, grasp.R, grasp.p)
-        found = planar_triangles(cell, robot, places, motion.position[:1], motion.rotation[:1])
-        if found.out_of_reach():
-            raise MotionError(found.failure(robot, motion.time))
-        guesses = np.concatenate(found.branches())
-    else:
-        guesses = _random_starts(robot, starts)
-    start = np.tile(posture, (len(guesses), 1))
-    start[:, joints] = guesses
+    start = np.tile(cell.posture, (starts, 1))
+    start[:, joints] = _random_starts(robot, starts)
     held = solve_grasps(cell, motion, 0, start, STARTING_STEPS, near=starting_reference(cell))
     settled = reached(held) & (held.drift <= SETTLED_PREFERENCE)
     distinct: list[Array] = []

@@ -18,7 +18,7 @@ from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
 from mrts.following.null_space import FOLD, LIMIT_PUSH, limit_zone
-from mrts.following.reach import ArmPlaces, arm_reach, has_closed_form, planar_triangles
+from mrts.following.reach import ArmPlaces, Reach, arm_reach
 from mrts.kernel import tracking
 from mrts.kernel.tracking import PATH, HeldGrasps, follow_variants, hold_grasps
 from mrts.motion.object_motion import ObjectMotion
@@ -264,7 +264,7 @@ def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVarian
     """
     path = {name: getattr(motion, name)[None] for name in PATH}
     nothing = np.zeros((1, 0, start.shape[1]))
-    given = {**path, "geometry": cell.geometry[None], "posture": start, "seed": start, "further": nothing}
+    given = {**path, "geometry": cell.geometry[None], "posture": start, "further": nothing}
     rule = tracking_rule(cell)
     rule.start_steps = 0
     found = follow_variants(cell.functions.motion_library, rule, np.zeros(len(start), dtype=bool), given)
@@ -285,9 +285,12 @@ def track_variants(
         posture: Of all joints, Shape (V or 1, m) [rad or m].
         refused: Variants that are passed over, Shape (V,); they end as `REFUSED`.
     """
-    seed, beyond = _seeds(cell, path, geometry, posture, several=len(refused) > 1)
     library, rule = cell.functions.motion_library, tracking_rule(cell)
-    given = {**path, "geometry": geometry, "posture": posture, "seed": seed}
+    given, beyond = {**path, "geometry": geometry, "posture": posture}, np.zeros(1, dtype=bool)
+    if len(refused) > 1:  # one is searched in less time
+        start = {name: path[name][:, :1] for name in ("position", "rotation")}
+        for _, reach, distance in _stretches(cell, start, geometry):
+            beyond = beyond | reach.beyond(distance[0])
     nothing = np.zeros((1, 0, posture.shape[1]))
     found = follow_variants(library, rule, refused | beyond, {**given, "further": nothing})
     tracked = TrackedVariants(cell.robots, path["time"], *found, {})
@@ -307,52 +310,29 @@ def track_variants(
     return tracked
 
 
-def _seeds(
-    cell: Cell, path: Mapping[str, Array], geometry: Array, posture: Array, *, several: bool
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Where the search for each start begins, Shape (V or 1, m), and which are surely out of reach at t = 0."""
-    position, rotation = path["position"][:, :1], path["rotation"][:, :1]
-    beyond, seed = np.zeros(1, dtype=bool), posture
-    for robot, joints, places in _arms(cell, geometry):
-        if has_closed_form(cell, robot):
-            found = planar_triangles(cell, robot, places, position, rotation)
-            branches = (branch[:, 0] for branch in found.branches())
-            near = np.stack([nearest_turns(robot, branch, posture[:, joints]) for branch in branches])
-            chosen = np.argmin(np.max(np.abs(near - posture[:, joints]), axis=2), axis=0)
-            at = near[chosen, np.arange(near.shape[1])]
-            seed = np.repeat(seed, len(at) // len(seed), axis=0) if len(seed) < len(at) else seed.copy()
-            seed[:, joints] = at
-            beyond = beyond | found.out_of_reach()
-        elif several and (reach := arm_reach(robot)) is not None:  # one is searched in less time
-            beyond = beyond | reach.beyond(reach.distance(places, position[:, 0], rotation[:, 0]))
-    return seed, beyond
-
-
 def _reasons(cell: Cell, path: Mapping[str, Array], geometry: Array, failed: NDArray[np.intp]) -> dict[int, str]:
     """By variant of those that failed, why it is surely out of reach: of the first arm that is."""
     reasons: dict[int, str] = {}
-    position, rotation = (_some(path[name], failed) for name in ("position", "rotation"))
-    for robot, _, places in _arms(cell, _some(geometry, failed)) if failed.size else ():
-        reach = arm_reach(robot)
-        if has_closed_form(cell, robot):
-            found = planar_triangles(cell, robot, places, position, rotation)
-            for place in np.flatnonzero(np.broadcast_to(found.out_of_reach(), len(failed))).tolist():
-                variant, which = int(failed[place]), (place if len(found.wrist) > 1 else 0,)
-                reasons.setdefault(variant, found.failure(robot, _of(path["time"], variant), which))
-        elif reach is not None:
-            distance = np.broadcast_to(reach.distance(places, position[:, 0], rotation[:, 0]), len(failed))
-            for place in np.flatnonzero(reach.beyond(distance)).tolist():
-                variant = int(failed[place])
-                failure = reach.failure(robot, _of(path["time"], variant), float(distance[place]))
-                reasons.setdefault(variant, failure)
+    if not failed.size:
+        return reasons
+    some = {name: _some(path[name], failed) for name in ("position", "rotation")}
+    for robot, reach, distance in _stretches(cell, some, _some(geometry, failed)):
+        for variant, own in zip(
+            failed.tolist(), np.broadcast_to(distance, (len(distance), len(failed))).T, strict=True
+        ):
+            if np.any(reach.beyond(own)):
+                reasons.setdefault(variant, reach.failure(robot, _of(path["time"], variant), own))
     return reasons
 
 
-def _arms(cell: Cell, geometry: Array) -> Iterator[tuple[Robot, slice, ArmPlaces]]:
-    for index, (robot, joints) in enumerate(zip(cell.robots, cell.joint_slices.values(), strict=True)):
-        of = geometry[:, GRAVITY_SIZE + ROBOT_SIZE * index :]
-        base, tip = of[:, :9].reshape(-1, 3, 3), of[:, 12:21].reshape(-1, 3, 3)
-        yield robot, joints, ArmPlaces(base, of[:, 9:12], tip, of[:, 21:24])
+def _stretches(cell: Cell, path: Mapping[str, Array], geometry: Array) -> Iterator[tuple[Robot, Reach, Array]]:
+    """How far the wrist of each arm whose links tell its reach would be from its shoulder, Shape (N, V or 1) [m]."""
+    for index, robot in enumerate(cell.robots):
+        if (reach := arm_reach(robot)) is not None:
+            of = geometry[:, GRAVITY_SIZE + ROBOT_SIZE * index :]
+            base, tip = of[:, :9].reshape(-1, 3, 3), of[:, 12:21].reshape(-1, 3, 3)
+            position, rotation = (path[name].swapaxes(0, 1) for name in ("position", "rotation"))
+            yield robot, reach, reach.distance(ArmPlaces(base, of[:, 9:12], tip, of[:, 21:24]), position, rotation)
 
 
 def starting_reference(cell: Cell) -> Array:

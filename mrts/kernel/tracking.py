@@ -36,11 +36,11 @@ def follow_variants(
 
     Args:
         library: Of the cell, m joints in all.
-        rule: How they start and follow, of `FOLLOWING`; without steps to a start, the seeds hold the grasps.
+        rule: How they start and follow, of `FOLLOWING`; without steps to a start, the postures hold the grasps.
         refused: Variants that are passed over, Shape (V,).
         given: By name, with V first, or 1 where all share one: the path's `PATH`, with N before the shape of each,
-            "geometry", Shape (V, 3 + 24 n + h), "posture" and "seed" (where the search for a start begins), Shape
-            (V, m), and "further" (the starts tried after it), Shape (V, F, m).
+            "geometry", Shape (V, 3 + 24 n + h), "posture", where the search for a start begins, Shape (V, m), and
+            "further" (the starts tried after it), Shape (V, F, m).
 
     Returns:
         q, q' and q'', each Shape (V, N, m) [rad or m], of an arm that fails what was found before; and how each ends
@@ -50,7 +50,6 @@ def follow_variants(
     shapes = {name: (samples, *shape) for name, shape in PATH.items()} | {
         "geometry": given["geometry"].shape[-1:],
         "posture": (m,),
-        "seed": (m,),
         "further": given["further"].shape[-2:],
     }
     arrays, strides = strided(variants, shapes, given)

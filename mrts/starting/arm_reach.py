@@ -21,7 +21,7 @@ MOST_TRACKS = 16
 """Ways to hold the grasp that are followed, nearest to the posture first: an arm of six joints has no more."""
 
 STARTS = 48
-"""Random ones for an arm without a closed form: ways that few of them lead to are not near any posture."""
+"""Random ones of an arm: ways that few of them lead to are not near any posture."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,10 +121,7 @@ def _ways(arm: Cell, motion: ObjectMotion) -> tuple[Array, list[TrackingFailure 
         Joint positions, Shape (count, n_i) [rad or m], nearest to the posture first, and their failures.
     """
     (robot,) = arm.robots
-    try:
-        found = branches_at_start(arm, 0, motion, STARTS)
-    except MotionError:  # of a planar arm with a closed form: out of reach
-        found = np.empty((0, len(robot.joints)))
+    found = branches_at_start(arm, 0, motion, STARTS)
     if not len(found):
         return found, []
     order = np.argsort(np.max(np.abs(found - robot.posture), axis=1), kind="stable")

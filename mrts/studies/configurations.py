@@ -155,9 +155,9 @@ def rank_configurations(
 ) -> ConfigurationStudy:
     """Evaluate every combination of inverse-kinematics branches.
 
-    Branches come from the planar closed form, or else from seeded random starts; for a redundant arm these settle
-    where they come locally nearest to its posture. Positions outside the joint limits do not count. Ranges of an
-    uncertain load are the guaranteed ones.
+    Branches come from seeded random starts; for a redundant arm these settle where they come locally
+    nearest to its posture. Positions outside the joint limits do not count. Ranges of an uncertain load are the
+    guaranteed ones.
 
     Args:
         cell: The cell.

@@ -104,10 +104,10 @@ static void mrts_take_start(const mrts_following *rule, int robot, const double 
     for (int i = 0; i < joints; ++i) start->q[i] = given ? found[first + i] : q[i];
 }
 
-/* Joints that hold the grasps at the first sample, near the posture; 0 where an arm has none. `seed` is where the first
- * search begins; `further` are the starts that follow where that leads to nothing, (further, joints). */
-static int mrts_find_start(const mrts_following *rule, const mrts_path *at, const double *posture, const double *seed,
-                           const double *further, double *q, mrts_outcome *outcome) {
+/* Joints that hold the grasps at the first sample, near the posture; 0 where an arm has none. The first search begins at
+ * the posture; `further` are the starts that follow where that leads to nothing, (further, joints). */
+static int mrts_find_start(const mrts_following *rule, const mrts_path *at, const double *posture, const double *further,
+                           double *q, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
     double now[M], reference[M], gap[R], turn[R], drift[R], found[M];
     unsigned char done[R] = {0};
@@ -120,7 +120,7 @@ static int mrts_find_start(const mrts_following *rule, const mrts_path *at, cons
     }
     for (int i = 0; i < M; ++i) reference[i] = fmin(fmax(posture[i], task.wish.lower[i]), task.wish.upper[i]);
     for (int attempt = 0; attempt <= rule->further && lost; ++attempt) {
-        for (int i = 0; i < M; ++i) now[i] = attempt ? further[(attempt - 1) * M + i] : seed[i];
+        for (int i = 0; i < M; ++i) now[i] = attempt ? further[(attempt - 1) * M + i] : posture[i];
         task.steps = attempt ? rule->further_steps : rule->start_steps;
         mrts_hold_grasps(&task, at->position, at->rotation, reference, done, now, found, gap, turn, drift);
         for (int robot = 0; robot < R; ++robot) {
@@ -205,7 +205,7 @@ static void mrts_follow_one(const mrts_following *rule, long long samples, const
 MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_following *rule, const double *const *given,
                              const long long *stride, double *q, double *dq, double *ddq, mrts_outcome *outcome) {
     enum { M = MRTS_JOINTS, R = MRTS_ROBOTS };
-    enum { TIME, POSITION, ROTATION, TWIST, ACCELERATION, GEOMETRY, POSTURE, SEED, FURTHER, GIVEN };
+    enum { TIME, POSITION, ROTATION, TWIST, ACCELERATION, GEOMETRY, POSTURE, FURTHER, GIVEN };
     mrts_following here = *rule;
     for (long long v = 0; v < count; ++v, outcome += R) {
         const double *of[GIVEN];
@@ -214,8 +214,8 @@ MRTS_EXPORT void mrts_follow(long long count, long long samples, const mrts_foll
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] + v * stride[i];
         const mrts_path path = {of[POSITION], of[ROTATION], of[TWIST], of[ACCELERATION]};
         here.task.geometry = of[GEOMETRY];
-        for (int i = 0; i < M; ++i) q[first + i] = of[SEED][i];
-        if (rule->start_steps == 0 || mrts_find_start(&here, &path, of[POSTURE], of[SEED], of[FURTHER], q + first, outcome)) {
+        for (int i = 0; i < M; ++i) q[first + i] = of[POSTURE][i];
+        if (rule->start_steps == 0 || mrts_find_start(&here, &path, of[POSTURE], of[FURTHER], q + first, outcome)) {
             mrts_follow_one(&here, samples, of[TIME], &path, q + first, dq + first, ddq + first, outcome);
         }
     }

@@ -10,8 +10,8 @@
 /* How variants start and follow. */
 typedef struct {
     mrts_tracking task;         /* of the steps at a sample; the geometry is each variant's */
-    int start_steps;            /* most Newton steps from the seed to the grasp at the first sample; 0: it holds it */
-    int further;                /* starts that are tried where the seed leads to nothing */
+    int start_steps;            /* most Newton steps from the posture to the grasp at the first sample; 0: it holds it */
+    int further;                /* starts that are tried where the posture leads to nothing */
     int further_steps;          /* most steps from each of them */
     double past;                /* how far a joint may pass its limit [rad or m] */
     const unsigned char *turns; /* whether whole turns of a joint are the same position, (joints) */
@@ -34,7 +34,7 @@ enum {
 /* Of one arm of a variant. */
 typedef struct {
     int code, sample, joint; /* the joint counted in its arm */
-    int start;               /* which led to the grasp: 0 the seed, then the further ones */
+    int start;               /* which led to the grasp: 0 the posture, then the further ones */
     double amount[2];
 } mrts_outcome;
 
