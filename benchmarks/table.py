@@ -58,24 +58,24 @@ def questions(samples: int) -> dict[str, Callable[[], Any]]:
 
     import mrts  # noqa: PLC0415 (of the state that this worker is of)
     from mrts.program.excess import BETWEEN  # noqa: PLC0415 (likewise)
-    from mrts.scaling.loads import range_at_samples  # noqa: PLC0415 (likewise)
     from mrts.scaling.options import Options  # noqa: PLC0415 (likewise)
+    from mrts.scaling.scale import admissible_range  # noqa: PLC0415 (likewise)
     from mrts.timing.between_samples import excess_by_segment  # noqa: PLC0415 (likewise)
 
     with tempfile.TemporaryDirectory() as folder:
         arm = one_arm(Path(folder))
     alone = along(arm, one_arm_path(arm), samples)
     cell, motion = shipped("dual_ur5", samples)
-    timed, nominal = mrts.retime(cell, motion), Options(load="nominal")
+    timed, nominal = mrts.retime(cell, motion), Options(load="nominal", between=None)
     return {
-        "range of c², one arm": lambda: range_at_samples(arm, alone, nominal),
+        "range of c², one arm": lambda: admissible_range(arm, alone, nominal),
         "mrts.retime, one arm": lambda: mrts.retime(arm, alone),
         "mrts.retime, two arms": lambda: mrts.retime(cell, motion),
         # older states have found it by then
         "the same and its factor, one arm": lambda: getattr(mrts.retime(arm, alone), "factor", None),
         "the same and its factor, two arms": lambda: getattr(mrts.retime(cell, motion), "factor", None),
         "check between samples, two arms": lambda: excess_by_segment(timed, BETWEEN),
-        "range of c², two arms": lambda: range_at_samples(cell, motion, nominal),
+        "range of c², two arms": lambda: admissible_range(cell, motion, nominal),
     }
 
 

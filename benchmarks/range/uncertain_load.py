@@ -37,7 +37,9 @@ def compare(name: str, samples: int, drawn: int, repeats: int) -> None:
 
     def asked(question: str, names: tuple[str, ...], sharing: mrts.LoadSharing | None = None) -> tuple[float, int]:
         cell = known.with_variation(**{name: RANGES[name] for name in names})
-        found, study = range_at_samples(cell, motion, mrts.Options(load=question, sharing=sharing))
+        found, study = range_at_samples(
+            motion_rows(cell, motion, sharing), mrts.Options(load=question, sharing=sharing)
+        )
         return found.upper.c2 if found.upper else float("nan"), len(study.points) if study else 0
 
     def sampled() -> tuple[float, int]:

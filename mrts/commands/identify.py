@@ -56,5 +56,5 @@ def run(
         from mrts.plots import write_motor_plots
 
         outputs.write(plot, lambda folder: write_motor_plots(found, folder, plot_format))
-    lines = [f"{compiled.name}: {found.sentence()}", *map(str, found.remarks), f"\n{found.table()}"]
+    lines = [f"{compiled.name}: {found.sentence()}", *map(str, found.remarks), f"\n{found.to_yaml()}"]
     return outputs.answer(lines, INFEASIBLE if found.empty else FEASIBLE)

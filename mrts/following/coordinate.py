@@ -41,9 +41,9 @@ def coordinate(
     check_type("cell", cell, Cell)
     check_type("motion", motion, ObjectMotion, JointTable, CoordinatedMotion)
     check_type("closure", closure, ClosureBound, NoneType)
-    bound = closure or ClosureBound()
     if isinstance(motion, ObjectMotion):
         return follow_object(cell, motion)
+    bound = closure or ClosureBound()
     if isinstance(motion, JointTable):
         return _follow_joints(cell, motion, bound)
     joints = len(cell.joint_names)

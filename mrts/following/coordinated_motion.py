@@ -129,7 +129,7 @@ class CoordinatedMotion:
         of = self.object
         some = unchecked_object_motion(
             np.arange(len(chosen), dtype=np.float64),
-            *(values[chosen] for values in (of.position, of.rotation, of.twist, of.acceleration)),
+            *[values[chosen] for values in (of.position, of.rotation, of.twist, of.acceleration)],
         )
         travel = None if self.travel is None else self.travel[:, chosen]
         return unchecked_coordinated_motion(some, self.q[chosen], self.dq[chosen], self.ddq[chosen], travel)

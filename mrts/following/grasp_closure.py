@@ -287,8 +287,8 @@ def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
 def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     """Joint positions on the grasps near the given ones, Shape (N, m)."""
     held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
-    gaps = GraspGaps(held.gap.T, held.turn.T)
-    if gaps.largest > POSE_TOLERANCE:
+    if max(np.max(held.gap), np.max(held.turn)) > POSE_TOLERANCE:
+        gaps = GraspGaps(held.gap.T, held.turn.T)
         robot, sample, _ = gaps.worst(ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
         amounts = [gaps.distance[robot, sample], gaps.angle[robot, sample]]
         raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)

@@ -23,9 +23,6 @@ from mrts.cell.robot import Robot
 DIGITS = 5
 """Significant digits in the YAML: more than any recording tells."""
 
-NAME_WIDTH = 28
-"""Of the column of joints, unless a name is longer [characters]."""
-
 UNITS = {
     "armature": ("kg m²", "kg"),
     "coulomb": ("N m", "N"),
@@ -40,15 +37,13 @@ class MotorParameter:
 
     Attributes:
         value: Shape (n,), 0 where it is not identified.
-        standard_error: Shape (n,), infinity where it is not identified.
-        half_width: Half the interval of 95 % confidence, Shape (n,), likewise.
+        half_width: Half the interval of 95 % confidence, Shape (n,), infinity where it is not identified.
         reasons: Why the motion does not show it, "" where it does, one a joint.
         bounded: Whether it is 0 because it must not be negative, Shape (n,).
         free: What it would be if it might, Shape (n,).
     """
 
     value: Array
-    standard_error: Array
     half_width: Array
     reasons: tuple[str, ...]
     bounded: NDArray[np.bool_]
@@ -152,21 +147,6 @@ class MotorIdentification:
         arms = ", ".join(arm.robot.name for arm in self.arms)
         return f"{known} of {every} parameters of the motors of {arms} identified"
 
-    def table(self) -> str:
-        """Every joint with its parameters and half their intervals of 95 % confidence."""
-        units = {name: ", ".join(dict.fromkeys(_units(name, self.arms))) for name in UNITS}
-        rows = [("joint", *(f"{name} [{unit}]" for name, unit in units.items()), "residual rms")]
-        for arm in self.arms:
-            for place, unit in enumerate(arm.robot.torque_units):
-                residual = f"{arm.residual_rms[place]:.3g} {unit}" if arm.used[:, place].any() else "-"
-                cells = (_cell(found, place) for found in arm.estimates.values())
-                rows.append((printable(f"{arm.robot.name}/{arm.robot.joints[place]}"), *cells, residual))
-        width = max(NAME_WIDTH, *(len(row[0]) + 2 for row in rows))
-        return "\n".join(
-            f"{joint:<{width}}{''.join(f'{cell:>24}' for cell in cells)}{residual:>18}"
-            for joint, *cells, residual in rows
-        )
-
     def to_yaml(self) -> str:
         """The `motors` block of each recorded robot, as it stands in a cell file, with what is known of its numbers.
 
@@ -190,18 +170,11 @@ class MotorIdentification:
         write_text_atomically(as_path("path", path), self.to_yaml())
 
 
-def _cell(found: MotorParameter, place: int) -> str:
-    if not found.identified[place]:
-        return "not shown"
-    return f"{found.value[place]:.4g} ± {found.half_width[place]:.2g}"
-
-
 def _block(arm: ArmMotors) -> list[str]:
     rms = ", ".join(f"{value:.3g} {unit}" for value, unit in zip(arm.residual_rms, arm.robot.torque_units, strict=True))
     told = [f"{arm.time[-1] - arm.time[0]:.3g} s, filter {arm.cutoff:.4g} Hz; residual rms {rms}"]
     motors: dict[str, Any] = {}
     for name, found in arm.estimates.items():
-        joints = zip(arm.robot.joints, found.reasons, strict=True)
         if all(found.identified):
             block = motors if name == "armature" else motors.setdefault("friction", {})
             block[name] = [float(f"{value:.{DIGITS}g}") for value in found.value]
@@ -211,7 +184,8 @@ def _block(arm: ArmMotors) -> list[str]:
             told.append(f"{name} in {units} ± {widths}{f'; held at 0: {zero}' if zero else ''}")
         else:
             told.append(f"{name} is not known of every joint, so it is left out:")
-            told += [f"  {joint}: {why or _cell(found, place)}" for place, (joint, why) in enumerate(joints)]
+            joints = zip(arm.robot.joints, found.reasons, found.value, found.half_width, strict=True)
+            told += [f"  {joint}: {why or f'{value:.4g} ± {width:.2g}'}" for joint, why, value, width in joints]
     block_text = yaml_text({"motors": motors}) if motors else ""
     return [f"    # {printable(line)}" for line in told] + indent(block_text, "    ").splitlines()
 

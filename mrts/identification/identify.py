@@ -19,7 +19,7 @@ from mrts.identification.motor_regression import PARAMETERS, fit_joint
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
 
-FITTED = ("value", "standard_error", "half_width", "bounded", "free")
+FITTED = ("value", "half_width", "bounded", "free")
 """What is known of a parameter of each joint."""
 
 CHUNK = 4096

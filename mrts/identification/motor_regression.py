@@ -52,8 +52,8 @@ def fit_joint(
     full = np.column_stack([columns, np.ones(len(columns))])
     X, y = full[used], left_over[used]
     if len(y) <= X.shape[1]:
-        nothing, unsure, why = np.zeros(3), np.full(3, np.inf), "it hardly moves in the recording"
-        unknown = MotorParameter(nothing, unsure, unsure.copy(), (why,) * 3, np.zeros(3, bool), nothing.copy())
+        nothing, why = np.zeros(3), "it hardly moves in the recording"
+        unknown = MotorParameter(nothing, np.full(3, np.inf), (why,) * 3, np.zeros(3, bool), nothing)
         return unknown, 0.0, np.zeros(len(columns)), 0.0
     scale = np.sqrt(np.mean(X**2, axis=0))
     scale[scale == 0] = 1.0
@@ -64,15 +64,14 @@ def fit_joint(
     error = _standard_errors(full / scale, left_over, used, theta, ~held)
     error[held] = _standard_errors(full / scale, left_over, used, free, np.ones(len(free), bool))[held]
     theta, error, free = theta / scale, error / scale, free / scale
-    half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error
-    doubt = half[:3] * np.array([fastest / REFERENCE_RAMP, fastest, 1.0])
+    half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error[:3]
+    doubt = half * np.array([fastest / REFERENCE_RAMP, fastest, 1.0])
     reasons = _reasons(columns[used], independent, doubt, torque_limit)
     known = np.array([not reason for reason in reasons])
     fitted = full @ theta
     found = MotorParameter(
         value=np.where(known, theta[:3], 0.0),
-        standard_error=np.where(known, error[:3], np.inf),
-        half_width=np.where(known, half[:3], np.inf),
+        half_width=np.where(known, half, np.inf),
         reasons=reasons,
         bounded=held[:3] & known,
         free=np.where(known, free[:3], 0.0),

@@ -69,7 +69,7 @@ class SparseLimits:
         ]
         if base is not None:
             self._arrays += [np.ascontiguousarray(base), np.array(axes, dtype=np.int32)]
-        self.structure = LIMITS(self.rows, *(array.ctypes.data for array in self._arrays))
+        self.structure = LIMITS(self.rows, *[array.ctypes.data for array in self._arrays])
 
 
 class MotionLibrary:
@@ -112,7 +112,7 @@ class MotionLibrary:
             strides,
             len(outputs),
             pointers(list(outputs.values())),
-            (ctypes.c_longlong * len(outputs))(*(item.shape[0] * item.shape[1] for item in record.outputs)),
+            (ctypes.c_longlong * len(outputs))(*[item.shape[0] * item.shape[1] for item in record.outputs]),
         )
         return {name: _by_rows(value) for name, value in outputs.items()}
 
@@ -200,4 +200,4 @@ def _by_rows(value: Array) -> Array:
 
 def pointers(arrays: list[Array]) -> Any:
     """An array of pointers."""
-    return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))
+    return (ctypes.c_void_p * len(arrays))(*[array.ctypes.data for array in arrays])

@@ -50,5 +50,5 @@ class SampleTerms:
 
     def structure(self) -> Any:
         """What C takes; valid while these terms live."""
-        given = (getattr(self, name) for name in FIELDS)
-        return TERMS(*(None if terms is None else terms.ctypes.data for terms in given))
+        given = [getattr(self, name) for name in FIELDS]
+        return TERMS(*[None if terms is None else terms.ctypes.data for terms in given])

@@ -29,8 +29,8 @@ def rows_by_limit(cell: Cell, motion: CoordinatedMotion) -> list[tuple[Callable[
     Raises:
         InputError: If a limit that the cell was given gives no rows of this cell along this motion; it names the limit.
     """
-    given = ((limit, limit(cell, motion)) for limit in CELL_LIMITS)
-    own = ((limit, checked_rows(limit, cell, motion)) for limit in cell.limits)
+    given = [(limit, limit(cell, motion)) for limit in CELL_LIMITS]
+    own = [(limit, checked_rows(limit, cell, motion)) for limit in cell.limits]
     return [(limit, rows) for limit, rows in (*given, *own) if rows is not None]
 
 
@@ -42,7 +42,7 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    rows = stack_rows([rows for _, rows in rows_by_limit(cell, motion)]).bounded()
+    rows = stack_rows([rows.bounded() for _, rows in rows_by_limit(cell, motion)])
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 

@@ -76,15 +76,13 @@ def velocity_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     """-v <= q' ṙ <= v, one row a joint, and the sizes of the object's velocity; no rows if they are not enforced."""
     if not cell.enforces_velocity_limits:
         return LimitRows.of(cell, names=(), lower=NONE, upper=NONE)
-    names = row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s"))
-    for robot in reversed(cell.robots):
-        units = tuple(f"{unit}/s" for unit in robot.position_units)
-        names = row_names("velocity", robot.name, robot.joints, units) + names
+    names = [row_names("velocity", robot.name, robot.joints, robot.position_units, "/s") for robot in cell.robots]
+    names.append(row_names("velocity", "object", ("linear", "angular"), ("m/s", "rad/s")))
     x, y, z = motion.object.twist.reshape(-1, 2, 3).transpose(2, 0, 1)
     limit = np.concatenate([*(robot.velocity_limit for robot in cell.robots), cell.object_velocity_limit])
     return LimitRows.of(
         cell,
-        names=names,
+        names=sum(names, ()),
         lower=np.append(-limit[:-2], [-np.inf, -np.inf]),  # the object's are sizes
         upper=limit,
         speed=np.column_stack([motion.dq, np.sqrt(x**2 + y**2 + z**2)]),

@@ -26,11 +26,11 @@ def acceleration_limits(cell: Cell, motion: CoordinatedMotion) -> LimitRows | No
         return None
     lower = np.concatenate([robot.acceleration_lower for robot in cell.robots])
     upper = np.concatenate([robot.acceleration_upper for robot in cell.robots])
-    names = tuple[RowName, ...]()
-    for robot in cell.robots:
-        units = tuple(f"{unit}/s²" for unit in robot.position_units)
-        names += row_names("acceleration", robot.name, robot.joints, units)
-    joints = LimitRows.of(cell, names=names, lower=lower, upper=upper, rate=motion.dq, square=motion.ddq).bounded()
+    of_arms = [
+        row_names("acceleration", robot.name, robot.joints, robot.position_units, "/s²") for robot in cell.robots
+    ]
+    columns = {"rate": motion.dq, "square": motion.ddq}
+    joints = LimitRows.of(cell, names=sum(of_arms, ()), lower=lower, upper=upper, **columns).bounded()
     names = row_names("acceleration", "object", ("linear", "angular"), ("m/s²", "rad/s²"))
     rates, given = motion.object.twist.reshape(-1, 2, 3), motion.object.acceleration.reshape(-1, 2, 3)
     norms = [

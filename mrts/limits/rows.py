@@ -4,6 +4,7 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from itertools import chain, compress
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -86,7 +87,7 @@ class RowName:
         spoken = {"torque", "wrench", "contact"}
         return f"{self.robot}/{self.element}" + ("" if self.kind in spoken else f" {self.kind}")
 
-    @property
+    @cached_property
     def group(self) -> str:
         """Key of the rows whose largest limit is 100 % of a zero limit among them: the unit, of a contact its own."""
         return self.unit if self.kind != "contact" else f"{self.contact} {self.unit}"
@@ -109,9 +110,11 @@ class RowName:
 
 
 @lru_cache(maxsize=256)
-def row_names(kind: str, robot: str, elements: tuple[str, ...], units: tuple[str, ...]) -> tuple[RowName, ...]:
-    """Names of rows of one kind and one robot; the same are made once."""
-    return tuple(RowName(kind, robot, element, unit) for element, unit in zip(elements, units, strict=True))
+def row_names(
+    kind: str, robot: str, elements: tuple[str, ...], units: tuple[str, ...], per: str = ""
+) -> tuple[RowName, ...]:
+    """Names of rows of one kind and one robot, in these units `per` another; the same are made once."""
+    return tuple(RowName(kind, robot, element, unit + per) for element, unit in zip(elements, units, strict=True))
 
 
 STANDSTILL = RowName("c2")
@@ -131,6 +134,12 @@ class ActiveRow:
     name: RowName
     side: Side
     limit: float
+
+    @classmethod
+    def of(cls, name: RowName, lower: float, upper: float, *, at_upper: bool) -> Self:
+        """A row of two limits at one of them; a speed that is limited alike in both directions is at its upper one."""
+        above = at_upper or (name.kind in SPEEDS and lower == -upper)
+        return cls(name, "upper" if above else "lower", float(upper if above else lower))
 
     @property
     def arrow(self) -> str:
@@ -258,11 +267,12 @@ class LimitRows:
     def of(cls, cell: Cell, *, names: Sequence[RowName], lower: Array, upper: Array, **terms: Any) -> Self:
         """Rows of a cell, with zeros for the matrices that are not given; `terms` are the other attributes."""
         matrices = {
-            "torque_matrix": np.zeros((len(names), sum(len(robot.joints) for robot in cell.robots))),
+            "torque_matrix": np.zeros((len(names), len(cell.joint_names))),
             "wrench_matrix": np.zeros((len(names), len(cell.robots) * len(cell.wrench_components))),
         }
         return cls(names=tuple(names), lower=lower, upper=upper, **matrices | terms)
 
+    @cached_property
     def units(self) -> Array:
         """What 100 % of each limit is, Shape (r,): its larger side; for a zero, the largest of its group, or 1."""
         if self.size is not None:
@@ -279,8 +289,7 @@ class LimitRows:
 
     def side_sizes(self) -> tuple[Array, Array]:
         """What 100 % of the lower and of the upper side is, each Shape (r,): its own size; of a zero, `units`."""
-        units = self.units()
-        return side_size(self.lower, units), side_size(self.upper, units)
+        return side_size(self.lower, self.units), side_size(self.upper, self.units)
 
     def shrunk(self, reserve: float) -> "LimitRows":
         """The same rows with each side moved inward by a share of its size; where both are one number, it stays.
@@ -290,8 +299,7 @@ class LimitRows:
         """
         low, high = self.side_sizes()
         moves = reserve * (self.lower < self.upper)
-        size = self.units()
-        return replace(self, lower=self.lower + moves * low, upper=self.upper - moves * high, size=size)
+        return replace(self, lower=self.lower + moves * low, upper=self.upper - moves * high, size=self.units)
 
     def value(self, torque: Array, wrench: Array, rate: Array | float, speed: Array | float) -> Array:
         """What each row is of its quantity at all samples, Shape (N, r).
@@ -312,16 +320,6 @@ class LimitRows:
                 value += column * factor
         return value if self.offset is None else value + self.offset
 
-    def moving(self, speed: Array | float) -> Array:
-        """What a speed ṙ adds to torque-speed lines, Shape (N, r) or (1, r); 0 in other rows.
-
-        Value and limits less it are the torque and what the motor gives at that speed.
-        """
-        lines = np.array([name.kind == TORQUE_SPEED for name in self.names], dtype=bool)
-        if self.speed is None or not np.any(lines):
-            return np.zeros((1, len(self.names)))
-        return np.where(lines, self.speed * np.reshape(np.asarray(speed, dtype=np.float64), (-1, 1)), 0.0)
-
     def share(self, value: Array) -> Array:
         """The share of its limit that each value uses, Shape (N, r): 1 is at the limit, the nearer of both sides."""
         (above, below), (low, high) = self._beyond(value), self.side_sizes()
@@ -329,7 +327,7 @@ class LimitRows:
 
     def excess(self, value: Array) -> Array:
         """How far each value is beyond its limits in `units`, below 0 within them, Shape (N, r)."""
-        return np.asarray(np.maximum(*self._beyond(value)) / self.units(), dtype=np.float64)
+        return np.asarray(np.maximum(*self._beyond(value)) / self.units, dtype=np.float64)
 
     def _beyond(self, value: Array) -> tuple[Array, Array]:
         """By what each value passes its upper and its lower limit, sides of a polygon their circle."""
@@ -337,26 +335,16 @@ class LimitRows:
         in_circles(self.names, above, below)
         return above, below
 
-    @property
-    def alike_speeds(self) -> NDArray[np.bool_]:
-        """Speeds, and accelerations, limited alike in both directions: always at their upper limit, Shape (r,)."""
-        of_motion = np.array([name.kind in SPEEDS for name in self.names], dtype=bool)
-        of_motion |= moved(self.speed, len(self.names))
-        return np.asarray((self.lower == -self.upper) & of_motion & ~self.of_forces)
-
     def active(self, row: int, *, upper: bool) -> ActiveRow:
-        """A row at one of its limits; a speed that is limited alike in both directions is at its upper one."""
-        alike = bool(self.alike_speeds[row])
-        limit = self.upper[row] if upper or alike else self.lower[row]
-        return ActiveRow(self.names[row], "upper" if upper or alike else "lower", float(limit))
+        """A row at one of its limits."""
+        return ActiveRow.of(self.names[row], float(self.lower[row]), float(self.upper[row]), at_upper=upper)
 
     def at(self, samples: NDArray[np.int_] | slice) -> "LimitRows":
         """The same rows at some samples only."""
-        if not self.along_motion:
-            return self
-        columns: dict[str, Any] = {name: None if c is None else c[samples] for name, c in self.columns.items()}
-        object_axes = None if self.object_axes is None else self.object_axes.at(samples)
-        return replace(self, object_axes=object_axes, **columns)
+        some: dict[str, Any] = {name: column[samples] for name, column in self.columns.items()}
+        if self.object_axes is not None:
+            some["object_axes"] = self.object_axes.at(samples)
+        return replace(self, **some)
 
     def sparse(self) -> SparseLimits:
         """The rows as C reads them."""
@@ -379,13 +367,11 @@ class LimitRows:
         if np.all(kept):
             return self
         places = np.flatnonzero(kept)
-        columns = {
-            name: None if c is None or not np.any(c[:, places]) else c[:, places] for name, c in self.columns.items()
-        }
+        columns = {name: part for name, column in self.columns.items() if np.any(part := column[:, places])}
         in_object = None if self.object_matrix is None else self.object_matrix[places]
         turns = in_object is not None and bool(np.any(in_object))
         return LimitRows(
-            names=tuple(self.names[place] for place in places.tolist()),
+            names=tuple(compress(self.names, kept)),
             lower=self.lower[places],
             upper=self.upper[places],
             torque_matrix=self.torque_matrix[places],
@@ -400,15 +386,10 @@ class LimitRows:
         """Only the rows that have a limit on some side."""
         return self.only(np.isfinite(self.lower) | np.isfinite(self.upper))
 
-    @property
-    def along_motion(self) -> bool:
-        """Whether some row has a number for each sample of a motion."""
-        return any(column is not None for column in (self.object_axes, *self.columns.values()))
-
-    @property
-    def columns(self) -> dict[str, Array | None]:
-        """The terms that are there at each sample, by name, each Shape (N, r)."""
-        return {name: getattr(self, name) for name in COLUMNS}
+    @cached_property
+    def columns(self) -> dict[str, Array]:
+        """The terms that some row has at each sample, by name, each Shape (N, r)."""
+        return {name: column for name in COLUMNS if (column := getattr(self, name)) is not None}
 
     @property
     def is_of_speed(self) -> NDArray[np.bool_]:
@@ -449,19 +430,15 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
     """All rows of several limits along one motion, in order."""
     pieces = [piece for piece in given if piece.names] or given[:1]
 
-    def column(parts: list[Array | None]) -> Array | None:
-        samples = [len(part) for part in parts if part is not None]
-        if not samples:
-            return None
-        whole = np.zeros((len(names), samples[0]))  # row by row in memory: rows without the term cost nothing
-        start = 0
-        for piece, part in zip(pieces, parts, strict=True):
-            if part is not None:
-                whole[start : start + len(piece.names)] = part.T
-            start += len(piece.names)
-        return whole.T
-
-    names = tuple(name for piece in pieces for name in piece.names)
+    names = tuple(chain.from_iterable([piece.names for piece in pieces]))
+    columns: dict[str, Array] = {}
+    start = 0
+    for piece in pieces:
+        for name, part in piece.columns.items():
+            if name not in columns:  # row by row in memory: rows without the term cost nothing
+                columns[name] = np.zeros((len(names), len(part))).T
+            columns[name][:, start : start + len(piece.names)] = part
+        start += len(piece.names)
     turned = [piece for piece in pieces if piece.object_matrix is not None]
     sized = any(piece.size is not None for piece in pieces)
     return LimitRows(
@@ -472,8 +449,8 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
         wrench_matrix=np.concatenate([piece.wrench_matrix for piece in pieces]),
         object_matrix=np.concatenate([piece.in_object_axes for piece in pieces]) if turned else None,
         object_axes=turned[0].object_axes if turned else None,
-        **{name: column([getattr(piece, name) for piece in pieces]) for name in COLUMNS},
-        size=np.concatenate([piece.units() for piece in pieces]) if sized else None,
+        **columns,
+        size=np.concatenate([piece.units for piece in pieces]) if sized else None,
     )
 
 

@@ -47,8 +47,6 @@ def _plan_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
     yield f"reserve: {result.reserve}"
     yield f"torques for a load of {result.cell.mass:.4g} kg\n" if result.load is not None else ""
     yield from _limit_lines(result, card)
-    for note in result.too_fast():
-        yield f"note: {note}"
 
 
 def retiming_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Where between the samples a range of c² would be narrower, and which samples must be added for that."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples, denser
 from mrts.limits.rows import Side
 from mrts.program.excess import Excess
-from mrts.program.motion_rows import MotionRows, motion_rows
+from mrts.program.motion_rows import MotionRows
 from mrts.program.sample_ranges import SIDES, SampleRanges, joined
 from mrts.program.widening import motion_widening
 
@@ -86,7 +86,7 @@ def refine(
     Raises:
         MotionError: If the arms cannot hold the object between the samples.
     """
-    cell, motion = given.cell, given.motion
+    motion = given.motion
     known, none = found, Excess(0.0, tolerance)
     if whole[1] <= 0:
         return Refinement(motion, None, none, whole)
@@ -102,13 +102,13 @@ def refine(
             left = _left(known, allowed, none)
             break
         at = (known.time[gaps][:, None] + np.diff(known.time)[gaps][:, None] * inside).ravel()
-        there = between_samples(cell, motion, at)
-        rows = motion_rows(cell, there, given.sharing, given.formulation)
+        there = between_samples(given.cell, motion, at)
+        rows = given.along(there)
         inner = np.arange(1, there.samples - 1, dtype=np.intp)
         new = ranges(rows).at(inner)
         known = joined(known, new)
         if looked is not None:
-            rows = motion_rows(cell, denser(looked[0].motion, there, inner), given.sharing, given.formulation)
+            rows = given.along(denser(looked[0].motion, there, inner))
             new = joined(looked[1], new)
         looked = rows, new
         if not np.all(new.upper > 0):
@@ -169,20 +169,25 @@ def _doubtful(known: SampleRanges, allowed: tuple[float, float] | None, *, every
         return np.arange(len(known.time) - 1)
     if allowed is None:
         return np.zeros(0, dtype=np.intp)
-    both = (doubtful_gaps(known.time, of, most) for of, most in zip(_rising(known), allowed, strict=True))
-    return _distinct(gap for gaps in both for gap in gaps.tolist())
+    beyond = [above > most for above, most in zip(_possible_rises(known), allowed, strict=True)]
+    return np.flatnonzero(np.any(beyond, axis=0) & (np.diff(known.time) > RESOLUTION * known.time[-1]))
 
 
-def _rising(known: SampleRanges) -> tuple[Array, Array]:
-    """What is largest where the range ends: 1 / c²⁺ and c²⁻, each Shape (N,)."""
+def _possible_rises(known: SampleRanges) -> list[Array]:
+    """By how much 1 / c²⁺ and c²⁻ may exceed their largest sample in each gap between N >= 2, each Shape (N - 1,).
+
+    A quantity that turns inside a gap, smoothly or at a corner, lies above its samples by at most a quarter of the gap
+    times the change of slope around it.
+    """
     with np.errstate(divide="ignore"):
-        return 1 / known.upper, known.lower
+        both = 1 / known.upper, known.lower
+    step = np.diff(known.time)
+    return [np.maximum(of[:-1], of[1:]) + turning(step, of) - np.max(of) for of in both]
 
 
 def _left(known: SampleRanges, allowed: tuple[float, float] | None, worst: Excess) -> Excess:
     step = np.diff(known.time)
-    for of, most in zip(_rising(known), allowed or (np.inf, np.inf), strict=True):
-        above = np.maximum(of[:-1], of[1:]) + turning(step, of) - np.max(of)
+    for above, most in zip(_possible_rises(known), allowed or (np.inf, np.inf), strict=True):
         gap = int(np.argmax(above))
         share = float(worst.tolerance * above[gap] / most)
         if share > worst.share:
@@ -205,18 +210,7 @@ def _needed(looked: Looked, whole: tuple[float, float], left: Excess) -> tuple[N
                 added.append(places[np.argmax(share)])
         else:
             left = _worse(left, known, places, share, side)
-    return _distinct(map(int, added)), left
-
-
-def doubtful_gaps(time: Array, value: Array, allowed: float) -> NDArray[np.intp]:
-    """Gaps between N >= 2 samples in which a quantity may exceed its largest sample by more than is allowed.
-
-    A quantity that turns inside a gap, smoothly or at a corner, lies above its samples by at most a quarter of the gap
-    times the change of slope around it.
-    """
-    step = np.diff(time)
-    above = np.maximum(value[:-1], value[1:]) + turning(step, value) > np.max(value) + allowed
-    return np.flatnonzero(above & (step > RESOLUTION * time[-1]))
+    return np.array(sorted(set(map(int, added))), dtype=np.intp), left
 
 
 def turning(step: Array, value: Array) -> Array:
@@ -228,7 +222,3 @@ def turning(step: Array, value: Array) -> Array:
     before, after = np.concatenate([change[:1], change]), np.concatenate([change, change[-1:]])
     bump: Array = step * (before + after) / 4
     return bump
-
-
-def _distinct(places: Iterable[int]) -> NDArray[np.intp]:
-    return np.array(sorted(set(places)), dtype=np.intp)

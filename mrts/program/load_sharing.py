@@ -5,12 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.program.formulation import DISTRIBUTIONS
 
 SHARE_TOLERANCE = 1e-9
 """How far the shares may sum from 1: they are typed with few digits."""
@@ -43,6 +41,11 @@ class LoadSharing(EqualByNumbers):
                 own = as_array(name, value)
                 own.setflags(write=False)
                 object.__setattr__(self, name, own)
+
+    @property
+    def varies(self) -> bool:
+        """Whether the internal wrench is given for each sample, so that it is not known at others."""
+        return self.internal_wrench is not None and np.ndim(self.internal_wrench) > 1
 
     def inputs(self, cell: Cell, motion: CoordinatedMotion) -> dict[str, Array]:
         """Inputs of the generated fixed distribution.
@@ -85,20 +88,3 @@ class LoadSharing(EqualByNumbers):
             rule = f"must sum to 1; they sum to {np.sum(shares):.12g}."
             raise InputError("sharing", rule, key="shares", value=shares.tolist())
         return shares
-
-
-def check_distribution(distribute: str, sharing: LoadSharing | None) -> None:
-    """Check that there is such a distribution, and something to distribute.
-
-    Raises:
-        InputError: If not.
-    """
-    check_type("distribute", distribute, str)
-    if distribute not in DISTRIBUTIONS:
-        raise InputError("distribute", f"must be {' or '.join(map(repr, DISTRIBUTIONS))}.", value=distribute)
-    if distribute != "least-torque" and sharing is not None:
-        raise InputError(
-            "distribute",
-            "a fixed distribution of the load leaves no torques to choose; leave one out.",
-            value=distribute,
-        )

@@ -2,6 +2,7 @@
 """A cell along a motion as the programs take it: its limits, with what bounds the speed alone in ṙ², and its motors."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +67,7 @@ class MotionRows:
     sparse: SparseLimits | None
     motors: MotorTerms | None
 
-    @property
+    @cached_property
     def most(self) -> Array:
         """Largest ṙ² that keeps all caps, Shape (N,)."""
         return largest_square(self.cap_share)
@@ -80,6 +81,10 @@ class MotionRows:
     def has_speed_terms(self) -> bool:
         """Whether a row has a term in ṙ beside others."""
         return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
+
+    def along(self, motion: CoordinatedMotion) -> "MotionRows":
+        """The rows of the same cell and the same programs along another motion."""
+        return motion_rows(self.cell, motion, self.sharing, self.formulation)
 
     def at_rest(self, still: CoordinatedMotion, sharing: LoadSharing | None, samples: NDArray[np.intp]) -> "MotionRows":
         """The rows at some samples with the joints at rest, without terms in the speed.
@@ -96,18 +101,16 @@ class MotionRows:
         Args:
             speed: ṙ, one for all samples, or Shape (N, 1); None where it is to be found.
         """
-        kept, motors = self.kept, self.motors
-        if kept.speed is None or speed is None:
-            of_rows = SampleTerms(square=kept.square, speed=kept.speed, offset=kept.offset)
-        else:
+        kept, motors, by_speed, offset = self.kept, self.motors, self.kept.speed, self.kept.offset
+        if kept.speed is not None and speed is not None:
             of_speed = kept.speed * speed
-            of_rows = SampleTerms(
-                square=kept.square, offset=of_speed if kept.offset is None else of_speed + kept.offset
-            )
+            by_speed, offset = None, of_speed if offset is None else of_speed + offset
         if motors is None:
-            return of_rows
-        return replace(
-            of_rows,
+            return SampleTerms(square=kept.square, speed=by_speed, offset=offset)
+        return SampleTerms(
+            square=kept.square,
+            speed=by_speed,
+            offset=offset,
             torque_square=motors.square,
             torque_offset=motors.friction(0.0 if speed is None else speed),
             torque_speed=motors.speed if speed is None else None,
@@ -157,7 +160,7 @@ def motion_rows(
     """
     given, samples, motors = limit_rows(cell, motion), motion.samples, motor_terms(cell, motion)
     given = given.only(few_sides(given.names)) if circles else given
-    size = given.units()
+    size = given.units
     rows, unit, is_cap, square = given, size, np.zeros(len(size), dtype=bool), np.zeros((samples, 0))
     if given.speed is not None or given.square is not None:
         alone, by_speed = given.is_of_speed, moved(given.speed, len(size))

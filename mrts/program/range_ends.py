@@ -126,9 +126,8 @@ def _codes_of_bases(rows: MotionRows, basis: NDArray[np.int16], dual: NDArray[np
     sides, size = np.take_along_axis(basis, order, axis=2).astype(np.int32), np.take_along_axis(size, order, axis=2)
     strong = (size > BINDING_TOLERANCE * size[:, :, :1]) & (sides != 0)
     row, of_c2 = np.abs(sides) - 1, np.abs(sides) > len(kept)
-    alike = np.append(given.alike_speeds, False)
     place = np.append(kept, len(given.names))[np.where(of_c2 | (sides == 0), len(kept), row)]
-    code = np.where((sides > 0) | alike[place], 1 + place, -1 - place)
+    code = np.where(sides > 0, 1 + place, -1 - place)
     return np.where(strong & ~(of_c2 & (sides > 0)), code, 0).astype(np.int32)
 
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """How fast torques, contact wrenches and accelerations of a cell may change."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -12,7 +11,7 @@ from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.limits.rows import RowName
+from mrts.limits.rows import RowName, row_names
 
 Rates = bool | float
 """What a user says of rates: True for those of the cell, or a multiple of torque limits per second [1/s]."""
@@ -53,20 +52,12 @@ class RateLimits(EqualByNumbers):
 
 def rate_names(cell: Cell) -> tuple[tuple[RowName, ...], tuple[RowName, ...], tuple[RowName, ...]]:
     """Names of torque rates, wrench rates and jerks, in the order of `RateLimits`."""
-
-    def each(kind: str, per: str, parts: Sequence[tuple[str, Sequence[str], Sequence[str]]]) -> tuple[RowName, ...]:
-        return tuple(
-            RowName(kind, robot, element, f"{unit}/{per}")
-            for robot, elements, units in parts
-            for element, unit in zip(elements, units, strict=True)
-        )
-
-    robots = cell.robots
-    return (
-        each("torque rate", "s", [(robot.name, robot.joints, robot.torque_units) for robot in robots]),
-        each("wrench rate", "s", [(robot.name, cell.wrench_components, cell.wrench_units) for robot in robots]),
-        each("jerk", "s³", [(robot.name, robot.joints, robot.position_units) for robot in robots]),
-    )
+    torque, wrench, jerk = tuple[RowName, ...](), tuple[RowName, ...](), tuple[RowName, ...]()
+    for robot in cell.robots:
+        torque += row_names("torque rate", robot.name, robot.joints, robot.torque_units, "/s")
+        wrench += row_names("wrench rate", robot.name, cell.wrench_components, cell.wrench_units, "/s")
+        jerk += row_names("jerk", robot.name, robot.joints, robot.position_units, "/s³")
+    return torque, wrench, jerk
 
 
 def given_rate_limits(cell: Cell) -> RateLimits:

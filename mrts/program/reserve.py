@@ -97,7 +97,7 @@ def given_sizes(cell: Cell, motion: CoordinatedMotion, names: Sequence[RowName])
     """`counted_sizes` of the limits with some names as they are given, whatever reserve the cell keeps."""
     rows, wanted = limit_rows(cell.with_reserve(0.0), motion), set(names)
     rows = rows.only(np.array([name in wanted for name in rows.names]))
-    return counted_sizes(rows.lower, rows.upper, rows.units())
+    return counted_sizes(rows.lower, rows.upper, rows.units)
 
 
 def whole_sides(free: Array, sizes: Array) -> Array:

@@ -12,7 +12,7 @@ from mrts.base.arrays import Array, apply
 from mrts.base.errors import InputError, MotionError
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import SPEEDS, ActiveRow, LimitRows, RowName
+from mrts.limits.rows import ActiveRow, LimitRows, RowName
 from mrts.program.formulation import FORMULATIONS
 from mrts.program.motion_rows import MotionRows, largest_square, side_share
 from mrts.program.motor_terms import MotorTerms
@@ -146,9 +146,8 @@ class SampleProblem:
 
     def active_row(self, row: int, *, upper: bool) -> ActiveRow:
         """One row at one of its limits, in its own unit."""
-        alike = self.names[row].kind in SPEEDS and self.limit_lower[row] == -self.limit_upper[row]
-        limit = self.limit_upper[row] if upper or alike else self.limit_lower[row]
-        return ActiveRow(self.names[row], "upper" if upper or alike else "lower", float(limit))
+        limits = float(self.limit_lower[row]), float(self.limit_upper[row])
+        return ActiveRow.of(self.names[row], *limits, at_upper=upper)
 
     def at(self, samples: NDArray[np.int_]) -> "SampleProblem":
         """The same problem at some samples only (indices or a mask)."""
@@ -172,7 +171,7 @@ class SampleProblem:
         for name in OF_SAMPLES:
             of = getattr(self, name)
             some[name] = None if of is None else of[:, rows]
-        return replace(self, names=tuple(self.names[row] for row in rows.tolist()), **some)
+        return replace(self, names=tuple([self.names[row] for row in rows.tolist()]), **some)
 
 
 def build_sample_problem(

@@ -45,6 +45,9 @@ that sets the end, so that it does not depend on the solver."""
 
 SIDES: tuple[Side, Side] = ("lower", "upper")
 
+OfSample = Callable[[int, Array | None], SampleProblem]
+"""Gives the rows of one sample, with a load if the load is uncertain."""
+
 AT_SAMPLES = ("time", "lower", "upper", "gaps")
 """Arrays of `SampleRanges` with one number a sample."""
 
@@ -79,7 +82,7 @@ class SampleRanges:
     fallbacks: int = 0
     lower_loads: Sequence[LoadPoint] | None = None
     upper_loads: Sequence[LoadPoint] | None = None
-    problem: Callable[[int, Array | None], SampleProblem] | None = field(default=None, repr=False, compare=False)
+    problem: OfSample | None = field(default=None, repr=False, compare=False)
 
     @cached_property
     def status(self) -> tuple[RangeStatus, ...]:
@@ -115,7 +118,7 @@ class SampleRanges:
             if row == len(self.names):
                 found.append(ActiveRow(STANDSTILL, "lower", 0.0))
             elif code:
-                found.append(ActiveRow(self.names[row], SIDES[upper], float(self.limits[int(upper), row])))
+                found.append(ActiveRow.of(self.names[row], *self.limits[:, row].tolist(), at_upper=upper))
         return tuple(dict.fromkeys(found))
 
     def all_binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
@@ -147,7 +150,7 @@ def motion_ranges(
     """
     time, of_sample = rows.motion.object.time, partial(_problem_of_sample, rows.cell, rows.motion, rows.sharing, load)
     if not takes_kernel(rows, solver):
-        return replace(sample_ranges(build_sample_problem(rows, load=load), time, solver, high), problem=of_sample)
+        return sample_ranges(build_sample_problem(rows, load=load), time, solver, high, of_sample)
     find = partial(kernel_ends, rows.cell.library, rows.inputs(load), rows)
     ends = intervals_below(find, rows.most, high) if rows.has_speed_terms else find(rows.most)
     ends.lower, ends.upper = ends.lower + 0.0, ends.upper + 0.0  # 0 has no sign
@@ -160,8 +163,7 @@ def motion_ranges(
         block = suspects[start : start + BLOCK]
         problem = without_speed_at_rest(build_sample_problem(rows, load=load, samples=block), effect)
         conflicts += decide(ends, block, problem, time, solver, high)
-    found = ranges_of_ends(time, ends, conflicts, rows.given.names, (rows.given.lower, rows.given.upper))
-    return replace(found, problem=of_sample)
+    return _ranges(time, ends, conflicts, rows.given.names, (rows.given.lower, rows.given.upper), of_sample)
 
 
 def _problem_of_sample(
@@ -177,18 +179,25 @@ def _problem_of_sample(
     return build_sample_problem(motion_rows(cell, motion, sharing), load=given, samples=np.array([sample]))
 
 
-def sample_ranges(problem: SampleProblem, time: Array, solver: str, high: float = np.inf) -> SampleRanges:
+def sample_ranges(
+    problem: SampleProblem, time: Array, solver: str, high: float = np.inf, of_sample: OfSample | None = None
+) -> SampleRanges:
     """Step 1 of MMTSF for rows along a motion: min and max of c² at every sample; see `motion_ranges`."""
     still = without_speed_at_rest(problem)
     ends = ends_of_problem(still, solver, high, alone=True)
     conflicts = decide(ends, ends.undecided, still, time, solver, high)
-    return ranges_of_ends(time, ends, conflicts, problem.names, (problem.limit_lower, problem.limit_upper))
+    limits = problem.limit_lower, problem.limit_upper
+    return _ranges(time, ends, conflicts, problem.names, limits, of_sample)
 
 
-def ranges_of_ends(
-    time: Array, ends: RangeEnds, conflicts: Sequence[Conflict], names: tuple[RowName, ...], limits: tuple[Array, Array]
+def _ranges(
+    time: Array,
+    ends: RangeEnds,
+    conflicts: Sequence[Conflict],
+    names: tuple[RowName, ...],
+    limits: tuple[Array, Array],
+    problem: OfSample | None,
 ) -> SampleRanges:
-    """The ranges with these ends."""
     return SampleRanges(
         time=time,
         lower=ends.lower,
@@ -199,6 +208,7 @@ def ranges_of_ends(
         gaps=ends.several,
         conflicts=tuple(conflicts),
         fallbacks=ends.fallbacks,
+        problem=problem,
     )
 
 

@@ -90,7 +90,7 @@ def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]
 
 
 def _notes(result: ScalingResult) -> list[str]:
-    notes = [warning.text for warning in result.warnings] + result.too_fast()
+    notes = [warning.text for warning in result.warnings]
     if result.fallbacks:
         notes.append(fallbacks_text(result.fallbacks))
     if result.load is not None and result.load.not_converged:

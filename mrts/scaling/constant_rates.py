@@ -21,13 +21,10 @@ from scipy.optimize import OptimizeResult, linprog
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
-from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import ActiveRow, RowName
 from mrts.program.convex_program import HIGHS_TOLERANCE
 from mrts.program.formulation import DistributionName
-from mrts.program.load_sharing import LoadSharing
-from mrts.program.motion_rows import MotionRows, motion_rows
+from mrts.program.motion_rows import MotionRows
 from mrts.program.path_program import OF_PATH, path_program
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
@@ -114,24 +111,15 @@ class RatedFactors:
     """Constant factors of a motion within limits of rates, for all of some loads at once.
 
     Args:
-        cell: The cell.
-        motion: Its motion.
+        rows: Limits of a cell along its motion.
         loads: The loads; None for the cell's.
-        sharing: A fixed distribution of the load.
-        rates: The limits.
+        rates: The limits of rates.
     """
 
-    def __init__(
-        self,
-        cell: Cell,
-        motion: CoordinatedMotion,
-        loads: Sequence[LoadPoint | None],
-        sharing: LoadSharing | None,
-        rates: RateLimits,
-    ) -> None:
+    def __init__(self, rows: MotionRows, loads: Sequence[LoadPoint | None], rates: RateLimits) -> None:
+        cell, motion = rows.cell, rows.motion
         self.cell, self.rates, self.loads, self.time = cell, rates, loads, motion.object.time
         self.stands = float(np.max(np.ptp(motion.q, axis=0))) < STILL
-        rows = motion_rows(cell, motion, sharing)
         vectors = [None if point is None else point.load for point in loads]
         self.problems = [build_sample_problem(rows, load=load, varying=True) for load in vectors]
         self.program = path_program(cell, motion, self.problems, rates)
@@ -278,7 +266,7 @@ class RatedFactors:
         segment, end, place = (int(one) for one in np.unravel_index(np.argmax(share), share.shape))
         names = rate_names(self.cell)[2]
         name = names[np.flatnonzero(np.isfinite(self.rates.jerk))[place]]
-        row = _at_limit(name, most[place], rises=bool(third[segment, end, place] > 0))
+        row = ActiveRow.of(name, -most[place], most[place], at_upper=bool(third[segment, end, place] > 0))
         at = segment + end
         return RangeEnd(float(share[segment, end, place] ** (-2 / 3)), at, float(self.time[at]), (row,))
 
@@ -306,7 +294,7 @@ class RatedFactors:
         known = {str(name): (name, limit) for name, limit in zip((*torques, *wrenches), limits, strict=True)}
         text = f"{self.program.names[row]} rate"  # a contact in base axes may stand for a wrench component
         name, limit = known.get(text, (RowName(text, unit="/s"), float(self.program.change[row])))
-        return _at_limit(name, limit, rises=rises)
+        return ActiveRow.of(name, -limit, limit, at_upper=rises)
 
 
 def torques_within_rates(
@@ -344,7 +332,3 @@ def _with_margins(program: SmoothProgram) -> SmoothProgram:
         change=program.change * (1 - RATE_MARGIN / 2),
         jerk=program.jerk * (1 + RATE_MARGIN),
     )
-
-
-def _at_limit(name: RowName, limit: float, *, rises: bool) -> ActiveRow:
-    return ActiveRow(name, "upper" if rises else "lower", float(limit if rises else -limit))

@@ -30,8 +30,7 @@ def at_rate(result: ScalingResult, rate: float) -> ScalingResult:
     if not is_number(rate, 1 / done.duration, MOST_ROWS / done.duration):
         rule = f"must be a number of rows per second, at least one and at most {MOST_ROWS} in {done.duration:.4g} s."
         raise InputError("rate", rule, value=rate)
-    sharing = result.options.sharing
-    if sharing is not None and np.ndim(sharing.internal_wrench if sharing.internal_wrench is not None else 0.0) > 1:
+    if result.options.sharing is not None and result.options.sharing.varies:
         raise InputError("rate", "an internal wrench that is given for each sample is not known at others.", value=rate)
     options = replace(result.options, load="nominal", select=1.0, rates=None)
     steps, refused = int(np.ceil(done.duration * rate * (1 - WHOLE))), MrtsError("")

@@ -57,8 +57,6 @@ class LimitUse:
         share: The largest share of a limit that is used; 1 is at the limit. Of a limit of zero, what 100 % is says
             `LimitRows.units`; without a limit it is 0.
         time: When that is, of a rate at the first of the two samples [s].
-        step: The largest change from one sample to the next.
-        step_share: The same as a share of the limit, of its larger side.
         limited: Whether there is a limit on some side.
     """
 
@@ -69,8 +67,6 @@ class LimitUse:
     largest: float
     share: float
     time: float
-    step: float
-    step_share: float
     limited: bool
 
     @property
@@ -140,7 +136,6 @@ class LimitedQuantities:
             time: Of the samples, Shape (N,) [s].
         """
         at, limited = np.argmax(self.share, axis=0), self.limited
-        steps = np.max(np.abs(np.diff(self.values, axis=0)), axis=0, initial=0.0)
         values = np.where(np.abs(self.values) < NOTHING * self.unit, 0.0, self.values)
         return tuple(
             LimitUse(
@@ -151,8 +146,6 @@ class LimitedQuantities:
                 largest=float(np.max(values[:, row])),
                 share=max(0.0, float(self.share[at[row], row])),
                 time=float(time[at[row]]),
-                step=float(steps[row]),
-                step_share=float(steps[row] / self.unit[row]),
                 limited=bool(limited[row]),
             )
             for row, name in enumerate(self.rows)
@@ -176,12 +169,6 @@ def rate_uses(result: "ScalingResult") -> list[LimitUse]:
     if result.trajectory is None or rates is None:
         return []
     return sorted(rates.uses(result.trajectory.time), key=lambda use: -use.share)
-
-
-def largest_step(result: "ScalingResult", kind: str) -> LimitUse | None:
-    """The row of one kind that changes most from one sample to the next, as a share of its limit; None without one."""
-    bounded = [use for use in limit_uses(result) if use.name.kind == kind]
-    return max(bounded, key=lambda use: use.step_share, default=None)
 
 
 def used_shares(done: "ScaledTrajectory") -> tuple[tuple[RowName, ...], Array]:
@@ -221,11 +208,12 @@ def all_quantities(done: "ScaledTrajectory", *, driven: bool = False) -> Limited
     """
     rows = all_rows(done.cell, done.motion)
     values = rows.value(done.torque, done.wrench, 0.0, done.c)
-    moving = np.broadcast_to(rows.moving(done.c), values.shape)
+    lines = np.array([name.kind == TORQUE_SPEED for name in rows.names], dtype=bool)
+    moving = np.zeros_like(values) if rows.speed is None else np.where(lines, rows.speed * done.c, 0.0)
     lower, upper = rows.lower - moving, rows.upper - moving
     if driven:
         lower, upper = np.where(moving > 0, -np.inf, lower), np.where(moving < 0, np.inf, upper)
-    found = LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), rows.units())
+    found = LimitedQuantities(rows.names, values - moving, lower, upper, rows.share(values), rows.units)
     return _without_sides(found)
 
 

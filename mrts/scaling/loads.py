@@ -26,7 +26,7 @@ from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.rows import Side
 from mrts.program.infeasibility import Conflict
-from mrts.program.motion_rows import MotionRows, motion_rows
+from mrts.program.motion_rows import MotionRows
 from mrts.program.range_ends import UNBOUNDED, same_width
 from mrts.program.sample_problem import NO_EFFECT, SampleProblem, build_sample_problem
 from mrts.program.sample_ranges import SIDES, SampleRanges, first_least, motion_ranges, sample_ranges
@@ -108,12 +108,10 @@ class LoadStudy:
 
 
 def range_at_samples(
-    cell: Cell,
-    motion: CoordinatedMotion,
+    rows: MotionRows,
     options: Options,
     progress: Progress = lambda _done, _total: None,
     high: float = np.inf,
-    rows: MotionRows | None = None,
 ) -> tuple[ScalingRange, LoadStudy | None]:
     """The range of c² at the samples of a motion (steps 1 and 2 of MMTSF), and what was found of an uncertain load.
 
@@ -123,14 +121,13 @@ def range_at_samples(
         InputError: If there is no box, or the question does not fit it.
         SolverError: If no solver answers.
     """
-    rows = motion_rows(cell, motion, options.sharing, options.formulation) if rows is None else rows
     if options.load == "nominal":
         return common_range(partial(motion_ranges, rows, options.solver, None), high), None
-    box = load_box(cell, options.load)
+    box = load_box(rows.cell, options.load)
     if options.load == "possible":
         return possible_range(rows, options, box, progress, high)
     if options.load == "guaranteed":
-        points = box.corners(effective_parameters(cell, motion, box))
+        points = box.corners(effective_parameters(rows.cell, rows.motion, box))
     else:
         points = mass_grid(box, options.load)
     of_points = ranges_of_loads(rows, options, points, progress, high)

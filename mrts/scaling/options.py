@@ -13,10 +13,12 @@ from mrts.base.arrays import Array, EqualByNumbers
 from mrts.base.errors import InputError, as_array
 from mrts.base.load_box import LoadBox
 from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import Limit
 from mrts.program.excess import BETWEEN, checked_tolerance
-from mrts.program.formulation import DistributionName, FormulationName
-from mrts.program.load_sharing import LoadSharing, check_distribution
+from mrts.program.formulation import DISTRIBUTIONS, DistributionName, FormulationName
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import MotionRows, motion_rows
 from mrts.program.rate_limits import RateLimits
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import torque_weights
@@ -63,6 +65,10 @@ class Options(EqualByNumbers):
             weights.setflags(write=False)
             object.__setattr__(self, "weights", weights)
 
+    def rows(self, cell: Cell, motion: CoordinatedMotion) -> MotionRows:
+        """The limits of a cell along a motion, as the programs that are asked for take them."""
+        return motion_rows(cell, motion, self.sharing, self.formulation)
+
     def to_json(self, cell: Cell) -> dict[str, Any]:
         """Entries of the JSON result: how torques are distributed, and what is kept free of limits."""
         weights = None if self.weights is None else np.asarray(self.weights).tolist()
@@ -79,7 +85,13 @@ class Options(EqualByNumbers):
         if not known or isinstance(self.select, bool):
             raise InputError("select", "must be 'auto', 'fastest', 'nominal' or a number.", value=self.select)
         check_type("sharing", self.sharing, LoadSharing, NoneType)
-        check_distribution(self.distribute, self.sharing)
+        check_type("distribute", self.distribute, str)
+        if self.distribute not in DISTRIBUTIONS:
+            rule = f"must be {' or '.join(map(repr, DISTRIBUTIONS))}."
+            raise InputError("distribute", rule, value=self.distribute)
+        if self.distribute != "least-torque" and self.sharing is not None:
+            rule = "a fixed distribution of the load leaves no torques to choose; leave one out."
+            raise InputError("distribute", rule, value=self.distribute)
         check_type("formulation", self.formulation, str)
         check_solver(self.solver)
         load = self._question(cell)

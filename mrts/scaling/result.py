@@ -5,13 +5,13 @@ from abc import abstractmethod
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, SolverError
+from mrts.base.errors import InputError
 from mrts.base.json_output import JsonOutput
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
@@ -23,13 +23,12 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
 from mrts.limits.rows import LimitRows
 from mrts.program.excess import Excess
-from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import motor_terms
 from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.scaling.limit_use import LimitUse, all_quantities, largest_step, limit_tables, limit_uses, rate_uses
+from mrts.scaling.limit_use import LimitUse, all_quantities, limit_tables, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
@@ -134,7 +133,7 @@ class ScalingResult(Result):
         Raises:
             SolverError: If no solver answers.
         """
-        return self.found or range_at_samples(self.cell, self.motion, self.options)[0]
+        return self.found or range_at_samples(self.options.rows(self.cell, self.motion), self.options)[0]
 
     def __repr__(self) -> str:
         done = self.trajectory
@@ -198,12 +197,10 @@ class ScalingResult(Result):
         Raises:
             SolverError: If no solver answers.
         """
-        done, options = self.trajectory, self.options
-        if done is None:
+        if self.trajectory is None:
             return None
-        given = self.cell.with_reserve(0.0)
-        rows = motion_rows(given, self.motion, options.sharing, options.formulation)
-        return plan_reserve(rows, done.c2, self.loads)
+        rows = self.options.rows(self.cell.with_reserve(0.0), self.motion)
+        return plan_reserve(rows, self.trajectory.c2, self.loads)
 
     def at_rate(self, rate: float) -> "ScalingResult":
         """The plan at the rate of a controller: the same motion at equal steps, with torques found there.
@@ -259,20 +256,6 @@ class ScalingResult(Result):
         check_own_limits(self.warnings)
         return what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), solver, progress)
 
-    def too_fast(self) -> list[str]:
-        """Velocities that pass their limit at the chosen speed, a sentence each.
-
-        There are none unless the limits are not enforced (`Cell.without_velocity_limits`).
-        """
-        if self.trajectory is None or self.cell.enforces_velocity_limits:
-            return []
-        return [
-            f"{use.name.robot}/{use.name.element} reaches {use.share * use.upper:.3g} {use.name.unit}, its limit is "
-            f"{use.upper:.3g} {use.name.unit}: for that, c² may be at most {self.trajectory.c2 / use.share**2:.4g}"
-            for use in limit_uses(self, "velocity")
-            if use.share > 1 + LIMIT_TOLERANCE
-        ]
-
     def sentence(self) -> str:
         """The outcome alone."""
         rated = "" if self.options.rates is None else "rates apart, " if self.origin else "within the rates, "
@@ -325,21 +308,7 @@ class ScalingResult(Result):
                 rest[:, joints] -= np.einsum("nwj,nw->nj", J, F)
             balance = np.einsum("nij,nj->ni", terms["B"], wrench) - terms["P"] * done.c2 - terms["Q"]
             arms, carried = max(arms, float(np.max(np.abs(rest)))), max(carried, float(np.max(np.abs(balance))))
-        return Residuals(_largest_excess(cell, done), arms, carried)
-
-    def checked(self, rows: LimitRows | None = None) -> Self:
-        """This result, if its trajectory keeps every limit; rows are those of `limit_rows`, where they are at hand.
-
-        Raises:
-            SolverError: If it oversteps one by more than `LIMIT_TOLERANCE`.
-        """
-        excess = 0.0 if self.trajectory is None else _largest_excess(self.cell, self.trajectory, rows)
-        if not excess <= LIMIT_TOLERANCE:
-            raise SolverError(
-                f"the torques found overstep a limit by {excess:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the "
-                "limits or the masses of this cell are too unlike in size to be solved."
-            )
-        return self
+        return Residuals(largest_excess(limit_rows(cell, self.motion), done), arms, carried)
 
     def to_json(self) -> dict[str, Any]:
         """The result as JSON values; null stands for an unbounded end."""
@@ -359,7 +328,6 @@ class ScalingResult(Result):
             load = LoadPoint({}, self.trajectory.cell.load).to_json()["load"]
             output |= {
                 "selected": {"c2": self.c2, "duration": self.duration, "load": load},
-                "velocity_limits_passed": self.too_fast(),
                 "reserve": self.reserve and self.reserve.to_json(),
                 "excess": self.excess and self.excess.to_json(),
                 **self.played_json(self.trajectory),
@@ -367,21 +335,12 @@ class ScalingResult(Result):
         return output
 
     def played_json(self, done: ScaledTrajectory) -> dict[str, Any]:
-        """Entries of the JSON result of a trajectory of this cell, and how far all goes from sample to sample."""
-        found = {kind: largest_step(self, kind) for kind in ("torque", "wrench")}
-        steps = {
-            kind: use and {**use.name.to_json(), "step": use.step, "share": use.step_share}
-            for kind, use in found.items()
-        }
+        """Entries of the JSON result of a trajectory of this cell."""
         rates = [
             use.name.to_json() | {"limit": use.upper, "largest": use.size, "share": use.share, "time": use.time}
             for use in rate_uses(self)
         ]
-        return {
-            **done.to_json(),
-            "largest_step": steps,
-            "rates": rates,
-        }
+        return done.to_json() | {"rates": rates}
 
 
 def fallbacks_text(count: int) -> str:
@@ -400,8 +359,9 @@ def kept_text(reserve: float, warnings: Iterable[Remark] = ()) -> str:
     return f"{text}with {100 * reserve:.4g} % of every limit in reserve, " if reserve else text
 
 
-def _largest_excess(cell: Cell, done: ScaledTrajectory, rows: LimitRows | None = None) -> float:
-    rows, worst = limit_rows(cell, done.motion) if rows is None else rows, 0.0
+def largest_excess(rows: LimitRows, done: ScaledTrajectory) -> float:
+    """Largest excess over limits along a trajectory, in `LimitRows.units`; 0 within them all."""
+    worst = 0.0
     for start in range(0, len(done.torque), BLOCK):
         part = slice(start, start + BLOCK)
         here = rows.at(part)

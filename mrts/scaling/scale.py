@@ -30,7 +30,7 @@ from mrts.program.excess import BETWEEN
 from mrts.program.formulation import DistributionName, FormulationName
 from mrts.program.infeasibility import Conflict, conflicts_at
 from mrts.program.load_sharing import LoadSharing
-from mrts.program.motion_rows import MotionRows, motion_rows
+from mrts.program.motion_rows import MotionRows
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import Rates, rate_limits
 from mrts.program.sample_problem import build_sample_problem
@@ -43,7 +43,7 @@ from mrts.scaling.loads import range_at_samples
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Options, Selection, limited_cell
 from mrts.scaling.range import ScalingRange
-from mrts.scaling.result import END_TOLERANCE, ScalingResult, kept_text
+from mrts.scaling.result import END_TOLERANCE, LIMIT_TOLERANCE, ScalingResult, kept_text, largest_excess
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
 if TYPE_CHECKING:
@@ -175,9 +175,7 @@ def chosen_factor(
         SolverError: If no solver answers.
     """
     result, rows, refinement = admissible_range(cell, motion, options, progress)
-    factors = None
-    if options.rates is not None:
-        result, factors = within_rate_limits(result)
+    result, factors = within_rate_limits(result, rows)
     found = result.range
     remarks, own = motion_remarks(cell, motion, found), motion.object.time
     remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(result.motion.object.time, own))
@@ -210,21 +208,27 @@ def admissible_range(
     Raises:
         InputError, MotionError, SolverError: As `scale`.
     """
-    sharing, tolerance = options.sharing, options.between
-    rows = motion_rows(cell, motion, sharing, options.formulation)
-    found, study = range_at_samples(cell, motion, options, progress, rows=rows)
-    path, refined, warnings = motion, None, tuple[Remark, ...]()
-    prescribed = sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1
-    if tolerance is not None and options.load != "possible" and not prescribed and found.status.admits_motion:
-        refined = _between_samples(options, tolerance, found, rows)
-        path = refined.motion
-        if path is not motion:
-            given, rows = found, motion_rows(cell, path, sharing, options.formulation)
-            found, study = range_at_samples(cell, path, options, progress, rows=rows)
+    rows = options.rows(cell, motion)
+    found, study = range_at_samples(rows, options, progress)
+    refined, warnings = None, tuple[Remark, ...]()
+    prescribed = options.sharing is not None and options.sharing.varies
+    if options.between is not None and options.load != "possible" and not prescribed and found.status.admits_motion:
+        assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
+        ends = found.lower.c2, found.upper.c2
+
+        def ranges(there: MotionRows) -> SampleRanges:
+            if options.load == "nominal":
+                return motion_ranges(there, options.solver, None, ends[1])
+            return range_at_samples(there, options, high=ends[1])[0].samples
+
+        refined = refine(rows, found.samples, ends, ranges, options.between)
+        if refined.motion is not motion:
+            given, rows = found, rows.along(refined.motion)
+            found, study = range_at_samples(rows, options, progress)
             warnings = interpolated(motion, given, found)
     result = ScalingResult(
         cell=cell,
-        motion=path,
+        motion=rows.motion,
         found=found,
         c2=None,
         trajectory=None,
@@ -236,29 +240,20 @@ def admissible_range(
     return result, rows, refined
 
 
-def _between_samples(options: Options, tolerance: float, given: ScalingRange, rows: MotionRows) -> Refinement:
-    assert given.lower is not None and given.upper is not None  # noqa: S101, PT018 (the range admits motion)
-    high = given.upper.c2
+def within_rate_limits(result: ScalingResult, rows: MotionRows) -> tuple[ScalingResult, "RatedFactors | None"]:
+    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without.
 
-    def ranges(there: MotionRows) -> SampleRanges:
-        if options.load == "nominal":
-            return motion_ranges(there, options.solver, None, high)
-        return range_at_samples(there.cell, there.motion, options, high=high, rows=there)[0].samples
-
-    return refine(rows, given.samples, (given.lower.c2, high), ranges, tolerance)
-
-
-def within_rate_limits(result: ScalingResult) -> tuple[ScalingResult, "RatedFactors | None"]:
-    """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without."""
-    cell, motion, options, found = result.cell, result.motion, result.options, result.range
+    The rows are those of the result's motion.
+    """
+    options, found = result.options, result.range
     if options.rates is None or not found.status.admits_motion:
         return result, None
     from mrts.scaling.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
 
     def below(high: float) -> ScalingRange:
-        return range_at_samples(cell, motion, options, high=high * (1 + POINT_TOLERANCE))[0]
+        return range_at_samples(rows, options, high=high * (1 + POINT_TOLERANCE))[0]
 
-    factors = RatedFactors(cell, motion, result.loads, options.sharing, options.rates)
+    factors = RatedFactors(rows, result.loads, options.rates)
     return replace(result, found=factors.within(found, below)), factors
 
 
@@ -277,8 +272,8 @@ def conflict_at(result: ScalingResult, c2: float) -> Conflict | None:
 
     There all rows are linear, and no interval has to be known.
     """
-    cell, motion, worst = result.cell, result.motion, None
-    rows = motion_rows(cell, motion, result.options.sharing, result.options.formulation)
+    motion, worst = result.motion, None
+    rows = result.options.rows(result.cell, motion)
     for point in result.loads:
         load = None if point is None else point.load
         share = motion_widening(rows, np.full(motion.samples, c2), load)
@@ -358,8 +353,8 @@ def torques_for_load(result: ScalingResult, load: Array, *, solver: str = DEFAUL
         raise InputError("result", "has no trajectory: no c² was chosen.", value=result.status.value)
     cell, motion, c2 = result.cell.with_load(load), result.motion, result.c2
     options = replace(result.options, solver=solver)
-    rows = motion_rows(cell, motion, options.sharing, options.formulation)
-    own, _ = range_at_samples(cell, motion, replace(options, load="nominal"), rows=rows)
+    rows = options.rows(cell, motion)
+    own, _ = range_at_samples(rows, replace(options, load="nominal"))
     refused = replace(result, cell=cell, options=options, found=own, c2=None, trajectory=None, load=None)
     if own.admitted(c2, END_TOLERANCE) is None and not (own.samples.several and conflict_at(refused, c2) is None):
         raise SelectionError(f"c² = {c2:g} does not suit this load: {refused.sentence()}", refused)
@@ -387,7 +382,7 @@ def with_torques(
     cell, motion, options, c2 = result.cell, result.motion, result.options, result.c2
     if c2 is None:
         return result
-    rows = motion_rows(cell, motion, options.sharing, options.formulation) if rows is None else rows
+    rows = options.rows(cell, motion) if rows is None else rows
     if given is not None:
         torque, wrench, fallbacks = *given, 0
     elif options.rates is None:
@@ -402,7 +397,13 @@ def with_torques(
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
     told = before + unheld + overload_remarks(done) + _fast_rates(result)
-    return replace(result, warnings=tuple(dict.fromkeys(told))).checked(rows.given)
+    excess = largest_excess(rows.given, done)
+    if not excess <= LIMIT_TOLERANCE:
+        raise SolverError(
+            f"the torques found overstep a limit by {excess:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the limits or "
+            "the masses of this cell are too unlike in size to be solved."
+        )
+    return replace(result, warnings=tuple(dict.fromkeys(told)))
 
 
 def distributed_torques(rows: MotionRows, options: Options, c2: float) -> tuple[Array, Array, int]:
@@ -445,7 +446,7 @@ def _still(rows: MotionRows, samples: NDArray[np.intp]) -> MotionRows:
     """The rows at some samples where the joints stand, so that no friction opposes a motion."""
     motion, sharing = rows.motion, rows.sharing
     stands = np.zeros((len(samples), motion.q.shape[1]))
-    if sharing is not None and sharing.internal_wrench is not None and np.ndim(sharing.internal_wrench) > 1:
+    if sharing is not None and sharing.varies:
         sharing = replace(sharing, internal_wrench=np.asarray(sharing.internal_wrench)[samples])
     still = replace(motion.at(samples), dq=stands, ddq=stands, travel=None)
     return rows.at_rest(still, sharing, samples)

@@ -183,22 +183,16 @@ class WhatIf(InNotebooks):
         matter = {one.change.what for one in self.changes if one.matters}
         return tuple(dict.fromkeys(one.change.what for one in self.changes if one.change.what not in matter))
 
-    def lines(self, gains: int = MOST_GAINS, losses: int = MOST_LOSSES) -> Iterator[str]:
-        """The table as text: what gains most, what loses most, what cannot be played, what does nothing.
-
-        Args:
-            gains: Most changes to show that gain.
-            losses: Most changes to show that lose, and of those that cannot be played.
-        """
+    def lines(self) -> Iterator[str]:
+        """The table as text: what gains most, what loses most, what cannot be played, what does nothing."""
         steps, before = self.steps, self.before
         poses = f", {1000 * steps.shift:.4g} mm and {degrees(steps.turn):.4g}° of bases and grasps"
         moved = any(one.change.moves_arms for one in self.changes)
         now = before.status if before.duration is None else _seconds(before.duration)
         now += f" at c² = {before.c2:.4g}" if before.c2 is not None and before.duration else ""
         yield f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; now {now}"
-        groups = list(
-            zip(self.sorted(), (gains, losses, losses), ("gain less", "lose less", "cannot be played"), strict=True)
-        )
+        most_shown, words = (MOST_GAINS, MOST_LOSSES, MOST_LOSSES), ("gain less", "lose less", "cannot be played")
+        groups = list(zip(self.sorted(), most_shown, words, strict=True))
         shown = [one for group, most, _ in groups for one in group[:most]]
         names = max((len(str(one.change)) for one in shown), default=0)
         amounts = max((len(one.amount) for one in shown if one.after.duration is not None), default=0)
@@ -311,13 +305,14 @@ def what_if(result: "ScalingResult", steps: ChangeSteps, solver: str, progress: 
     known = options.load == "nominal" and options.rates is None
 
     def answer(changed: Cell, motion: CoordinatedMotion, before: SpeedAnswer | None) -> SpeedAnswer:
-        found, loads = range_at_samples(changed, motion, options)
+        rows = options.rows(changed, motion)
+        found, loads = range_at_samples(rows, options)
         if known and before is not None and before.c2 is not None:
             upper = found.upper if found.status.admits_motion else None
             if upper is not None and np.isclose(upper.c2, before.c2, rtol=NO_CHANGE, atol=0):
                 return before  # to find which rows bind takes longer than to see that the range stays
         again = replace(result, cell=changed, motion=motion, found=found, load=loads, options=options)
-        return _of_range(within_rate_limits(again)[0].range, float(motion.object.time[-1]))
+        return _of_range(within_rate_limits(again, rows)[0].range, float(motion.object.time[-1]))
 
     return ask_changes(cell, result.motion, steps, answer, progress)
 

@@ -228,8 +228,7 @@ def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
 def _check_timing(options: Options, start_speed: float, end_speed: float, **of_rates: Any) -> None:
     if options.load not in {"guaranteed", "nominal"}:
         raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=options.load)
-    internal = None if options.sharing is None else options.sharing.internal_wrench
-    if internal is not None and np.ndim(internal) > 1:
+    if options.sharing is not None and options.sharing.varies:
         raise InputError("sharing", "its internal wrench must be one for all samples where the speed varies.")
     for name, speed in (("start_speed", start_speed), ("end_speed", end_speed)):
         if not is_number(speed, 0, LARGEST_NUMBER):

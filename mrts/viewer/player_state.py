@@ -17,7 +17,6 @@ from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.plots.card import Card, answer_card
 from mrts.plots.limit_shares import played
-from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import Rates
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem
@@ -251,7 +250,7 @@ class PlayerState:
         if self.timing is not None and c2 == 1:
             torque, wrench = played(result).torque, played(result).wrench
         elif self._admits(c2):
-            rows = motion_rows(cell, motion, options.sharing, options.formulation)
+            rows = options.rows(cell, motion)
             torque, wrench, _ = distributed_torques(rows, options, c2)
         else:
             torque, wrench = widened_torques(cell, motion, options, c2)
@@ -286,7 +285,7 @@ def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2:
         problem = replace(problem, lower=problem.lower - widening, upper=problem.upper + widening)
         return reserved(problem, c2, solver) if by_reserve else (problem, 0)
 
-    rows = motion_rows(cell, motion, options.sharing, options.formulation)
+    rows = options.rows(cell, motion)
     return torques_by_blocks(rows, solver, c2, W, within=widened)[:2]
 
 

@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from mrts.identification.motor_regression import fit_joint
 
@@ -69,7 +70,7 @@ def test_standard_errors_are_those_of_repeated_draws(memory):
         fit, *_ = fitted(columns, columns @ [2.0, 5.0, 4.0] + noise, used)
         assert not any(fit.bounded)
         values.append(fit.value)
-        claimed.append(fit.standard_error)
+        claimed.append(fit.half_width / stats.t.ppf(0.975, np.count_nonzero(used) - 4))
     spread, said = np.std(values, axis=0), np.mean(claimed, axis=0)
     print("standard errors claimed", said, "of repeated draws", spread)
     np.testing.assert_allclose(said, spread, rtol=SPREAD_BY_CHANCE)

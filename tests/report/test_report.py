@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from changed_robots import with_robots
 from report_pages import data_of, own_text
 from shipped_cells import still_motion
 from shown_results import AWKWARD, UGLY_JOINTS, with_awkward_names
@@ -97,8 +96,6 @@ def test_the_text_says_what_was_given_and_found(planar_cell, lift, lifted):
     assert "<td>mass 3 kg</td>" in uncertain
     still = mrts.scale(planar_cell, still_motion(lift.position[0]))
     assert "<td>nothing limits it</td>" in report_html(still)
-    too_fast = with_robots(planar_cell, velocity_limit=np.full(3, 0.1)).without_velocity_limits()
-    assert "its limit is 0.1 rad/s" in report_html(mrts.scale(too_fast, lift))
 
 
 @pytest.mark.quick

@@ -16,6 +16,7 @@ from shipped_cells import still_motion
 import mrts
 from mrts.cell.motors import JointMotors
 from mrts.limits import limit_rows
+from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import rate_limits
 from mrts.program.reserve import SHARE_MARGIN
 from mrts.program.torque_distribution import torque_weights
@@ -186,7 +187,7 @@ def test_rates_may_leave_a_gap_where_friction_is_made_up_for_by_inertia(pushed):
     c = result.trajectory.c
     assert share(c) == pytest.approx(1, rel=ROUNDED)
     assert c > 2
-    factors = RatedFactors(cell, result.motion, [None], None, rate_limits(cell, rates=True))
+    factors = RatedFactors(motion_rows(cell, result.motion), [None], rate_limits(cell, rates=True))
     asked = np.linspace(0.2, 2.5, 24)
     admitted = [factors.refused(one**2) is None for one in asked]
     assert admitted == [share(one) <= 1 for one in asked]

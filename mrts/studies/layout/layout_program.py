@@ -389,7 +389,7 @@ class _Limits:
         margin = np.zeros((1, len(rows.names))) if taken is None else taken
         offset = 0.0 if rows.offset is None else rows.offset
         sides = ((1, rows.lower), (-1, rows.upper))
-        lower, upper = ((limit + side * margin - offset) / rows.units() for side, limit in sides)
+        lower, upper = ((limit + side * margin - offset) / rows.units for side, limit in sides)
         return np.broadcast_to(lower, self.speed.shape), np.broadcast_to(upper, self.speed.shape)
 
     @property
@@ -412,7 +412,7 @@ class _Limits:
         if rows.object_matrix is not None:
             for wrenches, there in zip(turned, (~self.of_tip, self.of_tip), strict=True):
                 value += ca.sparsify(ca.DM(rows.object_matrix * there[:, None])) @ wrenches
-        return value / rows.units()
+        return value / rows.units
 
 
 def _admitted(rows: LimitRows, speed: Array, square: Array) -> tuple[float, float]:
