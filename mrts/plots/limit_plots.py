@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from mrts.base.arrays import Array
 from mrts.limits.rows import RATES
 from mrts.plots.colours import COLOURS
 from mrts.plots.limit_shares import LimitShares, all_shares, played, shares_by_kind
@@ -22,15 +23,16 @@ def limits_plot(result: ScalingResult, title: str) -> Plot:
     Raises:
         ValueError: If there is no trajectory.
     """
-    panels = [_percent_panel(of, result) for of in shares_by_kind(*all_shares(result))]
+    time = played(result).time
+    panels = [percent_panel(of, time) for of in shares_by_kind(*all_shares(result))]
     return Plot(
         name="limits", title=title, rows=[panels[at : at + 2] for at in range(0, len(panels), 2)], clock="played"
     )
 
 
-def _percent_panel(of: LimitShares, result: ScalingResult) -> Panel:
-    time, percent = played(result).time, 100 * of.share
-    steps = of.kind in RATES
+def percent_panel(of: LimitShares, time: Array) -> Panel:
+    """The use of limits along time, Shape (N,) [s], in per cent: the nearest with a name, above the others."""
+    percent, steps = 100 * of.share, of.kind in RATES
     items: list[Item] = [
         Line(x=time, y=percent[:, line], color="#bbb", width=0.8, unit=None, steps=steps) for line in of.ranked[NAMED:]
     ]

@@ -3,8 +3,10 @@
 
 import numpy as np
 
+from mrts.plots.limit_plots import percent_panel
+from mrts.plots.limit_shares import LimitShares
 from mrts.plots.plot import Axis, Item, Line, Panel, Plot, look, time_axis, value_ends
-from mrts.scaling.limit_use import LimitedQuantities, all_quantities
+from mrts.scaling.limit_use import LimitedQuantities, all_quantities, used_shares
 from mrts.simulation.simulate import Simulation
 
 KINDS = {"torque": ("torque", ""), "force": ("wrench", "f"), "moment": ("wrench", "n")}
@@ -37,6 +39,14 @@ def simulation_plot(found: Simulation) -> Plot:
     )
     title = f"{found.plan.cell.name}: {found.sentence()}"
     return Plot(name="simulation", title=title, rows=[*rows, [below]])
+
+
+def closed_loop_panel(found: Simulation) -> Panel:
+    """How much of its limits the cell used along the time of the plan [%]."""
+    names, share = used_shares(found.played)
+    moving = found.played.time <= found.plan.duration
+    of = LimitShares("in closed loop", tuple(name.short for name in names), share[moving])
+    return percent_panel(of, found.played.time[moving])
 
 
 def _panel(found: Simulation, title: str, what: str, planned: LimitedQuantities, used: LimitedQuantities) -> Panel:

@@ -103,6 +103,7 @@ class Choices:
         poses: Of places that were moved.
         profile: How the speed may vary.
         torque_rate: Of the smooth profile, for joints whose rate is not known [1/s].
+        simulated: Whether a controller plays the motion too, as `mrts.simulate` does.
     """
 
     mass: float | None = None
@@ -110,6 +111,7 @@ class Choices:
     poses: Mapping[Place, RigidTransform] = field(default_factory=dict)
     profile: Profile = "constant"
     torque_rate: float = TORQUE_RATE
+    simulated: bool = False
 
     def cell(self, cell: Cell) -> Cell:
         """A given cell as it was chosen.

@@ -144,6 +144,11 @@ class ChangeControls:
             hint="a multiple of the torque limit per second, for joints whose rate the cell file does not give",
         )  # fmt: skip
         self._bind_field(self._rate, "torque_rate")
+        simulated = gui.add_checkbox(
+            "in closed loop", initial_value=False,
+            hint="the motion played by the controller of mrts simulate, on a cell that is not quite as planned",
+        )  # fmt: skip
+        self._bind_field(simulated, "simulated")
 
     def _add_load(self) -> None:
         gui, cell = self._gui, self._given.cell

@@ -6,6 +6,7 @@ from importlib.resources import files
 
 import numpy as np
 
+from mrts.base.errors import MrtsError
 from mrts.base.load_box import LoadPoint
 from mrts.base.printable import html_text
 from mrts.base.remark import Remark
@@ -15,6 +16,7 @@ from mrts.limits.rows import ActiveRow
 from mrts.plots.card import Card, Nearness
 from mrts.program.range_status import RangeStatus
 from mrts.scene.scene import FORCE, MOMENT
+from mrts.simulation.simulate import Simulation
 from mrts.viewer.held_poses import HeldPoses
 from mrts.viewer.player_state import PlayerState
 
@@ -61,6 +63,17 @@ def collisions_html(near: Clearance | None, said: Sequence[Remark]) -> str:
     """How near bodies come to each other and what was not looked at, in red where they collide; empty without both."""
     text = html_text(". ".join(remark.text for remark in said))
     return _paragraph("collisions", text, OVER if near is not None and near.collides else "inherit") if said else ""
+
+
+def simulation_html(found: Simulation | MrtsError | None) -> str:
+    """What became of the motion in closed loop, in red where limits are passed; empty where it was not asked."""
+    if found is None:
+        return ""
+    if isinstance(found, MrtsError):
+        return _paragraph("simulation", html_text(str(found)), OVER)
+    return _paragraph(
+        "simulation", html_text(f"In closed loop {found.sentence()}."), OVER if found.passed else "inherit"
+    )
 
 
 def held_html(held: HeldPoses) -> str:

@@ -18,8 +18,11 @@ from mrts.plots.limit_shares import played
 from mrts.plots.plot import Axis, Line, Panel, Rule, time_axis
 from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends
+from mrts.plots.simulation_plots import closed_loop_panel
 from mrts.scaling.result import ScalingResult
+from mrts.simulation.simulate import Simulation
 from mrts.viewer.player_state import PlayerState
+from mrts.viewer.workbench import Answer
 
 HEIGHT = 130
 """Of a plot [pixels]."""
@@ -33,8 +36,8 @@ RENEWAL = 0.2
 OVER, FAINT = "#F03E3E", "#8888"
 
 
-def time_panels(result: ScalingResult) -> dict[str, Panel]:
-    """What is plotted of a result with a trajectory, by title."""
+def time_panels(result: ScalingResult, simulation: Simulation | None = None) -> dict[str, Panel]:
+    """What is plotted of a result with a trajectory, and of it in closed loop, by title."""
     done, found = played(result), result.range
     c2: list[Line | Rule] = [
         Line(x=done.time, y=getattr(found.samples, side), label=label, color=END_COLOURS[side])
@@ -43,6 +46,7 @@ def time_panels(result: ScalingResult) -> dict[str, Panel]:
     c2.append(Rule(at=done.c2, label=f"chosen c² = {done.c2:.4g}", color=OVER))
     panels = [
         Panel(title="Range of c² of each sample", x=time_axis(done.time), y=Axis(ends=c2_ends(found)), items=c2),
+        *([] if simulation is None else [closed_loop_panel(simulation)]),
         *(panel for row in limits_plot(result, "").rows for panel in row),
     ]
     return {panel.title: panel for panel in panels}
@@ -91,13 +95,13 @@ class PlotPanel:
         self._gui, self._tab = gui, tab
         self.cursor = gui.add_html("")
         self._plots: dict[str, tuple[viser.GuiHtmlHandle, viser.GuiUplotHandle, viser.GuiHtmlHandle]] = {}
-        self._wanted: PlayerState | None = None
+        self._wanted: Answer | None = None
         self._since, self._at = RENEWAL, 0.0
 
-    def show_answer(self, state: PlayerState | None) -> None:
-        """Plot an answer as soon as the last plots have been seen; None empties them."""
-        self._wanted = state
-        if state is None:
+    def show_answer(self, answer: Answer) -> None:
+        """Plot an answer as soon as the last plots have been seen; one without a motion empties them."""
+        self._wanted = None if answer.state is None else answer
+        if answer.state is None:
             self._show({})
 
     def show_moment(self, state: PlayerState) -> None:
@@ -107,9 +111,11 @@ class PlotPanel:
     def step(self, elapsed: float) -> None:
         """Plot what waits."""
         self._since += elapsed
-        if self._wanted is not None and self._since >= RENEWAL:
-            state, self._wanted, self._since = self._wanted, None, 0.0
-            self._show(time_panels(state.played))
+        if self._wanted is not None and self._wanted.state is not None and self._since >= RENEWAL:
+            simulation = self._wanted.simulation
+            found = simulation if isinstance(simulation, Simulation) else None
+            self._show(time_panels(self._wanted.state.played, found))
+            self._wanted, self._since = None, 0.0
         style = f"<style>:root {{ --mrts-cursor: {self._at:.4f}; }}</style>"
         if style != self.cursor.content:
             self.cursor.content = style

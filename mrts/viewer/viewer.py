@@ -36,6 +36,7 @@ from mrts.viewer.panel import (
     moment_html,
     nearest_html,
     outcome_html,
+    simulation_html,
     speed_html,
     text_html,
     verdict_html,
@@ -276,7 +277,7 @@ class Viewer:
             if state is not None:
                 if others:
                     self._scene.rescale(state)
-                self._outcome = outcome_html(state) + collisions_html(near, said)
+                self._outcome = outcome_html(state) + simulation_html(answer.simulation) + collisions_html(near, said)
             elif answer.held is not None:
                 self._outcome = held_html(answer.held)
             self._show_verdict()
@@ -285,7 +286,7 @@ class Viewer:
                 scene = self._scene
                 self._nearest.content = "" if state is None else nearest_html(state.card)
                 self._arrows.content = arrows_html(scene.metres_per_newton, scene.metres_per_newton_metre)
-                self.plots.show_answer(state)
+                self.plots.show_answer(answer)
             self._show_moment(read=True)
         if state is not None and self.bench is not None:  # unless a user has moved on to another speed
             speeds, shown = state.speeds, self._shown_speed

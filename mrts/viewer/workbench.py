@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The workbench: choices, and answers to the newest of them, found beside the caller's work.
 
-One thread finds them, one at a time; a newer question ends work on an older one. An answer comes once more with how
-near bodies come to each other, unless something newer was asked meanwhile.
+One thread finds them, one at a time; a newer question ends work on an older one. An answer comes once more with what
+becomes of it in closed loop, where that is asked, and with how near bodies come to each other, unless something newer
+was asked meanwhile.
 """
 
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
@@ -18,6 +19,7 @@ from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
 from mrts.scene.scene import Scene
+from mrts.simulation.simulate import Simulation, simulate
 from mrts.viewer.choices import Choices, Given
 from mrts.viewer.held_poses import HeldPoses, held_poses
 from mrts.viewer.player_state import PlayerState
@@ -32,6 +34,7 @@ class Answer:
         state: The motion at its first choice of speed, or at the speed that was asked for; None where there is none.
         held: Where arms are without a motion that can be played, or where none was given; None else.
         error: Why there is neither; None else.
+        simulation: What became of the motion in closed loop, or why that is not known; None where it was not asked.
         collisions: What `clearance_remarks` finds for the motion as it is given; None until it is looked at, at last.
     """
 
@@ -39,6 +42,7 @@ class Answer:
     state: PlayerState | None = None
     held: HeldPoses | None = None
     error: MrtsError | None = None
+    simulation: Simulation | MrtsError | None = None
     collisions: tuple[Clearance | None, tuple[Remark, ...]] | None = None
 
     @property
@@ -93,6 +97,13 @@ def find_answer(given: Given, choices: Choices, progress: Progress) -> Answer:
             return Answer(choices, held=held_poses(cell, motion, str(error)))
         return Answer(choices, error=error)
     return Answer(choices, state)
+
+
+def _simulated(state: PlayerState) -> Simulation | MrtsError:
+    try:
+        return simulate(state.trajectory)
+    except MrtsError as error:
+        return error
 
 
 _Request = tuple[Choices, float | None]
@@ -169,11 +180,15 @@ class Workbench:
         self._worker.shutdown(wait=False, cancel_futures=True)
 
     def _answer(self, request: _Request) -> None:
+        choices, _ = request
         with suppress(CancelledError):
             progress = self._while_newest(request)
             progress(0, 0)
             found = self._found(request, progress)
             self._ready.put((request, found))
+            if choices.simulated and found.state is not None:
+                found = replace(found, simulation=_simulated(found.state))
+                self._ready.put((request, found))
             self._look_for_collisions(request, found)
 
     def _look_for_collisions(self, request: _Request | None, found: Answer) -> None:

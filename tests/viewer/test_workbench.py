@@ -14,11 +14,14 @@ import mrts
 from mrts.base.rigid_transform import RigidTransform
 from mrts.collisions.clearance import clearance_remarks
 from mrts.motion.motion_file import sample_motion
+from mrts.plots.plot import Line
+from mrts.scaling.limit_use import used_shares
 from mrts.scene.cell_shapes import joint_points
 from mrts.viewer import workbench
 from mrts.viewer.choices import Choices, Given, Place, moved_by, places
 from mrts.viewer.held_poses import still_motion
 from mrts.viewer.panel import held_html
+from mrts.viewer.time_plots import time_panels
 from mrts.viewer.workbench import Workbench, find_answer
 
 SAME = 1e-9
@@ -92,6 +95,25 @@ def test_a_smooth_timing_keeps_its_rates_and_can_be_played_slower(planar):
     slower = state.at_speed(0.5)
     assert slower.trajectory.duration == pytest.approx(2 * state.trajectory.duration)
     assert state.trajectory.c == 1  # which stays as it was
+
+
+def test_a_motion_is_played_in_closed_loop_when_asked(planar):
+    """As `mrts.simulate` finds it, anew for another mass; a plot has its shares along the time of the plan."""
+    bench = Workbench(planar)
+    answered(bench)
+    assert bench.answer.simulation is None
+    for mass in (None, 2.0):
+        bench.edit(Choices(mass=mass, simulated=True))
+        answer = answered(bench)
+        found = mrts.simulate(answer.state.trajectory)
+        assert answer.simulation.passed[0].share == found.passed[0].share
+        panel = time_panels(answer.state.played, answer.simulation)["In closed loop"]
+        lines = [item for item in panel.items if isinstance(item, Line)]
+        during = found.played.time <= found.plan.duration
+        most = np.max(used_shares(found.played)[1][during])
+        assert max(np.max(line.y) for line in lines) == pytest.approx(100 * most)
+    bench.edit(Choices(simulated=False))
+    assert answered(bench).simulation is None
 
 
 def test_the_newest_of_many_changes_is_answered(planar):
