@@ -131,8 +131,13 @@ class PlantErrors(EqualByNumbers):
             object.__setattr__(self, name, given)
 
     def drawn(self, rng: np.random.Generator) -> Self:
-        """Others of the same size: mass, com and friction evenly between minus and plus what they are here."""
-        mass, friction, *com = rng.uniform(-1.0, 1.0, 5) * [self.mass, self.friction_error, *self.com]
+        """Others of the same size: mass, com and friction evenly between minus and plus what they are here.
+
+        No mass or friction becomes negative: where that is below their `BOUNDS`, they are drawn from these on.
+        """
+        most = np.array([abs(self.mass), abs(self.friction_error), *np.abs(self.com)])
+        least = np.maximum(-most, [BOUNDS["mass"][0], BOUNDS["friction_error"][0], *[-np.inf] * 3])
+        mass, friction, *com = rng.uniform(least, most)
         return replace(self, mass=float(mass), friction_error=float(friction), com=np.array(com))
 
     def to_json(self) -> dict[str, Any]:

@@ -51,7 +51,7 @@ class Plant:
         self._spec, self._masses = mujoco.MjSpec(), list[tuple[str, float, Array]]()
         option = self._spec.option
         option.timestep, option.gravity = step, cell.gravity
-        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        option.integrator = mujoco.mjtIntegrator.mjINT_EULER  # implicit ones add h c to what two bodies share
         option.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
         self._add_object(errors)
         for robot in cell.robots:
@@ -78,6 +78,7 @@ class Plant:
         self.q_index = np.array([joint.qposadr[0] for joint in joints])
         self.v_index = np.array([joint.dofadr[0] for joint in joints])
         self.hands = [self.model.site(f"{robot.name}/hand").id for robot in cell.robots]
+        self.held = [self.model.site(f"{robot.name}/held").id for robot in cell.robots]
 
     def _add_body(self, parent: Any, name: str, at: Array, R: Array, mass: float, com: Array, inertia: Array) -> Any:
         """A body; its inertia is about its centre of mass, in the axes of its frame."""
@@ -153,6 +154,25 @@ class Plant:
         inertia: Array = np.diag(rows)[self.v_index]
         return inertia
 
+    def stable_step(self) -> float:
+        """A step that springs and dampers of the grasps bear where the cell is now, with half of it to spare [s]."""
+        model, data = self.model, self.data
+        apart = []
+        for hand, held in zip(self.hands, self.held, strict=True):
+            J = np.zeros((2, 2, 3, model.nv))
+            for site, of in zip((hand, held), J, strict=True):
+                mujoco.mj_jacSite(model, data, *of, site)
+            apart.append((J[1] - J[0]).reshape(SPATIAL, model.nv))
+        moved = np.vstack(apart)
+        pulled = np.zeros_like(moved)
+        mujoco.mj_solveM(model, data, pulled, moved)
+        springs = slice(len(self.q_index), None)
+        rigidity, damping = (
+            float(np.max(np.linalg.eigvals(-model.actuator_biasprm[springs, column, None] * (moved @ pulled.T)).real))
+            for column in (1, 2)
+        )
+        return float(2 / (damping + np.sqrt(damping**2 + 2 * rigidity)))  # h damping + h² rigidity / 2 is 1, of 2
+
     def step(self, torque: Array, steps: int) -> None:
         """Some steps with these commands at the motors, Shape (m,) [N m]."""
         self.data.ctrl[: len(torque)] = torque
@@ -175,7 +195,7 @@ class Plant:
         bad = ("mjWARN_BADQPOS", "mjWARN_BADQVEL", "mjWARN_BADQACC")
         if any(self.data.warning[getattr(mujoco.mjtWarning, name)].number for name in bad):
             raise SolverError(
-                "the simulated cell runs away: its grasps are too stiff for the step. Lower 'stiffness', or raise "
+                "the simulated cell runs away: its grasps are too stiff for the step. Lower 'stiffness', or change "
                 "'damping_time'."
             )
 

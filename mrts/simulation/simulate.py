@@ -25,8 +25,8 @@ from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.simulation.controller import Controller, PlantErrors
 from mrts.timing.result import RetimingResult
 
-STEP = 1e-5
-"""Of the simulation, at most [s]."""
+STEP, FINEST = 1e-5, 1e-6
+"""Of the simulation, at most, and at least where stiff grasps need a finer one [s]."""
 
 MEASURED = 2.5e-4
 """From one measurement to the next, at most [s]: force sensors give up to 4000 a second."""
@@ -300,12 +300,14 @@ def simulate(
         rule = f"has the joints {', '.join(counts.joint_names)}, not those of the plan."
         raise InputError("cell", rule)
     planned = ScaledTrajectory(counts, planned.motion, planned.c2, planned.torque, planned.wrench, planned.holding)
-    rng = np.random.default_rng(seed)
-    played, saturated = _played(planned, controller, errors, rng)
+    drawing, noise, *noises = np.random.default_rng(seed).spawn(
+        int(trials) + 2
+    )  # what is drawn is so whatever the controller
+    played, saturated = _played(planned, controller, errors, noise)
     found: list[tuple[PlantErrors, list[float], float]] = []
     for done in range(int(trials)):
-        drawn = errors.drawn(rng)
-        motion, cut = _played(planned, controller, drawn, rng)
+        drawn = errors.drawn(drawing)
+        motion, cut = _played(planned, controller, drawn, noises[done])
         found.append((drawn, [use.share for use in limit_uses(motion)], cut))
         progress(done + 1, int(trials))
     several = None
@@ -371,6 +373,11 @@ def _played(
     plant = Plant(plan.cell, errors, controller.lag, period / steps)
     torque, wrench = (_at_rest(plan, name)[0] for name in ("torque", "wrench"))
     plant.start(plan, torque, wrench)
+    finer = int(np.ceil(min(period / steps / plant.stable_step(), STEP / FINEST)))
+    if finer > 1:
+        steps *= finer
+        plant = Plant(plan.cell, errors, controller.lag, period / steps)
+        plant.start(plan, torque, wrench)
     position_gain, velocity_gain = controller.gains(plant.inertia())
     lower = np.concatenate([robot.torque_lower for robot in plan.cell.robots])
     upper = np.concatenate([robot.torque_upper for robot in plan.cell.robots])

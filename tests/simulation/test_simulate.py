@@ -166,6 +166,28 @@ def test_a_tenth_of_the_step_says_the_same(ur5_smooth, monkeypatch):
     assert np.max(np.abs(np.subtract(*shares))) < REFINED
 
 
+def test_dampers_of_grasps_make_nothing_heavier(lifted):
+    """Steps that are implicit in what two arms and an object share added it to the inertia of each of them."""
+    off = [
+        np.max(np.abs(mrts.simulate(lifted, errors=mrts.PlantErrors(damping_time=time)).joint_error))
+        for time in (1e-4, 1e-3)
+    ]
+    assert off[1] == pytest.approx(off[0], rel=0.01)
+
+
+def test_trials_draw_the_same_cells_for_every_controller(lifted):
+    slow, noisy = mrts.Controller(rate=200.0), mrts.Controller(rate=250.0, velocity_noise=1e-3)
+    drawn = [mrts.simulate(lifted, of, trials=2, seed=3).trials.errors for of in (slow, noisy)]
+    assert drawn[0] == drawn[1]
+
+
+def test_drawn_errors_leave_no_mass_and_no_friction_below_nothing():
+    rng, errors = np.random.default_rng(0), mrts.PlantErrors(mass=3.0, friction_error=2.0)
+    drawn = [errors.drawn(rng) for _ in range(20)]
+    assert min(each.mass for each in drawn) < 0 < max(each.mass for each in drawn)
+    assert min(each.friction_error for each in drawn) < 0 < max(each.friction_error for each in drawn)
+
+
 def test_trials_draw_errors_by_their_seed(lifted):
     errors = mrts.PlantErrors(mass=0.1, friction_error=0.0)
     found, other = (mrts.simulate(lifted, errors=errors, trials=count, seed=count) for count in (2, 1))
