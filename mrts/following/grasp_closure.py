@@ -247,8 +247,8 @@ def _rough_accelerations(cell: Cell, given: ObjectMotion, tips: list[TipMotion],
     )
     if rough > ROUGH:
         raise MotionError(
-            f"{where}: {what}, so most of it is noise. Give velocities and accelerations, more digits, smoother or "
-            "fewer positions."
+            f"{where}: {what}, so most of it is noise. Smooth them (--smooth 1e-3; in Python load_motion(…, "
+            "smooth=1e-3)), or give velocities and accelerations, more digits or fewer positions."
         )
     if rough <= ROUGHENED:
         return ()

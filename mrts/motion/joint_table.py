@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Motion of joints by name, as tables and bags give it: with velocities and accelerations, or differentiated."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -160,15 +160,10 @@ class JointTable:
             InputError: If velocities or accelerations contradict the positions, or some of a robot's are missing.
         """
         self._check_complete(joints)
-        noise = noise_allowed(
-            *(np.column_stack([part[name] for name in joints]) for part in (self.positions, self.velocities))
-        )
-        for joint in joints:
-            q, dq, ddq = (part[joint][:, None] for part in (self.positions, self.velocities, self.accelerations))
-            try:
-                check_derivatives(joint, self.time, q, dq, ddq, noise)
-            except InputError as error:
-                raise InputError(self.path, error.rule, key=error.where) from None
+        given = (self.positions, self.velocities, self.accelerations)
+        columns = (np.column_stack([part[name] for name in joints]) for part in given)
+        for found in joint_contradictions(joints, self.time, *columns):
+            raise InputError(self.path, found.rule, key=found.where)
         sources = {self.source(joint) for joint in joints}
         if len(sources) == 1:
             moved = max((self.splines[joint].moved for joint in joints if joint in self.splines), default=0.0)
@@ -195,6 +190,17 @@ class JointTable:
                         self.path,
                         f"gives {part} of '{joint}', but not of '{other}'; of a robot's joints, give all or none.",
                     )
+
+
+def joint_contradictions(joints: Sequence[str], time: Array, q: Array, dq: Array, ddq: Array) -> Iterator[InputError]:
+    """Where velocities and accelerations of joints, each Shape (N, m), do not lead from row to row."""
+    noise = noise_allowed(q, dq)
+    for column, joint in enumerate(joints):
+        own = np.s_[:, column, None]
+        try:
+            check_derivatives(joint, time, q[own], dq[own], ddq[own], noise)
+        except InputError as error:
+            yield error
 
 
 def joint_motion(

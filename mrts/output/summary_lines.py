@@ -67,7 +67,7 @@ def _timing_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
     if found.retimed is None or found.retimed.trajectory is None or found.excess is None:
         return
     limits = "; ".join(f"{name} {100 * share:.0f} % of the time" for name, share in found.limits[:LIMITS_SHOWN])
-    yield f"limited by {limits}"
+    yield f"{'before it made room ' if found.made_room else ''}limited by {limits}"
     loads = f"for each of {len(found.loads)} corners of the load's box, " if len(found.loads) > 1 else ""
     if found.excess.share > 0:
         yield f"between the samples, {loads}limits are overstepped by at most {100 * found.excess.share:.2g} %"

@@ -67,7 +67,8 @@ def answer_card(result: "ScalingResult | RetimingResult") -> Card:
     if not isinstance(result, ScalingResult) and result.untimed:
         parts = [f"{done.duration:.4g} s"]
     if not isinstance(result, ScalingResult):
-        parts += [f"limited by {name}, {100 * share:.0f} % of the time" for name, share in result.limits[:1]]
+        before = "before it made room " if result.made_room else ""
+        parts += [f"{before}limited by {name}, {100 * share:.0f} % of the time" for name, share in result.limits[:1]]
     elif not result.origin and result.range.upper is not None and result.range.upper.time is not None:
         end = result.range.upper
         if any(side == "upper" for side, _ in result.range.ends_at(done.c2, AT_END)):

@@ -172,8 +172,9 @@ def _of_timing(timing: "RetimingResult", names: Sequence[RowName]) -> dict[RowNa
     segments = timing.segment_limits
     binds = np.array([[_binds(name, of_segment) for name in names] for of_segment, _ in segments], dtype=bool)
     share = np.array([time for _, time in segments]) @ binds
+    says = "set the speed before it made room" if timing.made_room else "sets the speed"
     return {
-        names[place]: f"sets the speed for {100 * share[place]:.3g} % of the time"
+        names[place]: f"{says} for {100 * share[place]:.3g} % of the time"
         for place in np.argsort(-share, kind="stable").tolist()
         if share[place] > 0
     }

@@ -9,6 +9,7 @@ from mrts.base.argument_types import is_number
 from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.following.denser_motion import between_samples
+from mrts.motion.joint_table import joint_contradictions
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
 
@@ -70,4 +71,7 @@ def _sampled(result: ScalingResult, steps: int, rate: float) -> CoordinatedMotio
     some = between_samples(result.trajectory.cell, given, time[1:-1] * (end / time[-1]))
     c = end / float(time[-1])
     carried = some.object.played(time, c * some.object.twist, c**2 * some.object.acceleration)
-    return CoordinatedMotion(carried, some.q, c * some.dq, c**2 * some.ddq, travel=some.travel)
+    q, dq, ddq = some.q, c * some.dq, c**2 * some.ddq
+    for found in joint_contradictions(result.cell.joint_names, time, q, dq, ddq):
+        raise InputError("rate", f"is too low for this plan: {found}", value=rate)
+    return CoordinatedMotion(carried, q, dq, ddq, travel=some.travel)

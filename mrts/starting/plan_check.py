@@ -23,7 +23,7 @@ from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
 from mrts.following.grasp_closure import ClosureBound, grasp_gaps, mean_object
 from mrts.limits.rows import RowName
-from mrts.motion.object_motion import check_derivatives, noise_allowed
+from mrts.motion.joint_table import joint_contradictions
 from mrts.motion.rounded_samples import derivative
 from mrts.motion.rows_at_rest import moving_rows, pushing_ends
 from mrts.program.motion_rows import motion_rows
@@ -408,13 +408,7 @@ def _uses(names: Sequence[RowName], time: Array, values: Array, limit: Array) ->
 
 def _contradictions(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> Iterator[str]:
     kept = moving_rows(time, q, dq, ddq)
-    noise = noise_allowed(q, dq)
-    for column, joint in enumerate(cell.joint_names):
-        own = np.s_[kept, column, None]
-        try:
-            check_derivatives(joint, time[kept], q[own], dq[own], ddq[own], noise)
-        except InputError as error:
-            yield str(error)
+    yield from map(str, joint_contradictions(cell.joint_names, time[kept], q[kept], dq[kept], ddq[kept]))
 
 
 def _pushing(dq: Array, ddq: Array) -> tuple[Remark, ...]:

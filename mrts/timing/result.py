@@ -281,6 +281,11 @@ class RetimingResult(Result):
         """Times of the given motion where it stops on its way, Shape (k,) [s]."""
         return self.motion.object.time[[part.piece.first for part in self.pieces[1:]]]
 
+    @property
+    def made_room(self) -> bool:
+        """Whether it takes longer than the fastest, to keep a reserve: `limits` are then those of the fastest."""
+        return self.smooth is not None and self.smooth.room > 0
+
     @cached_property
     def limits(self) -> list[tuple[str, float]]:
         """What limits the speed, for which share of the duration, most first."""

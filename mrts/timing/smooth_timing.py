@@ -260,7 +260,7 @@ def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, st
     if found.duration is not None:
         return RetimingStatus.TOO_SHORT, (
             f"the motion cannot be done in {question.goal.longest:.6g} s; the fastest timing within the limits of "
-            f"rates takes {found.duration:.6g} s. Allow that long at least."
+            f"rates takes {found.duration:.6g} s. Allow {1 + ON_TIME:g} times that at least."
         )
     given = [name for name, torque in zip(("start", "end"), question.end_torques, strict=True) if torque is not None]
     also = f", or leave the torques at the {' and the '.join(given)} free" if given else ""

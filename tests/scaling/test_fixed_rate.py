@@ -42,3 +42,8 @@ def test_a_plan_at_250_hz_keeps_all_limits_and_ends_at_rest(name, dual_ur5, lift
     if name == "smooth":
         limits = np.concatenate([robot.torque_upper for robot in dual_ur5.robots])
         assert np.all(np.abs(np.diff(done.torque, axis=0)) * 250 <= RATES * limits * (1 + 1e-6))
+
+
+def test_a_rate_whose_rows_do_not_lead_from_one_to_the_next_is_refused(planar_cell, lift):
+    with pytest.raises(mrts.InputError, match=r"^rate = 5.0: is too low"):
+        mrts.retime(planar_cell, lift, rates=10.0).retimed.at_rate(5.0)
