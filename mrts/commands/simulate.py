@@ -74,7 +74,7 @@ def run(
         from mrts.report import write_simulation_report
 
         outputs.write(report, lambda file: write_simulation_report(found, file))
-    outcome = INFEASIBLE if found.passed else FEASIBLE
+    outcome = FEASIBLE if found.kept else INFEASIBLE
     return outputs.answer(found.lines(every=verbose), outcome, json, found)
 
 

@@ -38,7 +38,7 @@ from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, motion_ran
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.program.widening import motion_widening
-from mrts.scaling.limit_use import power_uses, rate_uses
+from mrts.scaling.limit_use import LimitUse, limit_uses, power_uses, rate_uses
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Options, Selection, limited_cell
@@ -59,10 +59,13 @@ EXCEEDS_POWER = "above-power"
 EXCEEDS_RATE_LIMIT = "rate-passed"
 """Code of the remark on rates that pass their limit, which nothing keeps."""
 
+EXCEEDS_VELOCITY = "velocity-passed"
+"""Code of the remark on velocities above limits that are not enforced."""
+
 STEPS = "step-at-ends"
 """Code of the remark on torques that must jump where a motion starts or ends, whatever its speed."""
 
-OF_TORQUES = (EXCEEDS_RATED_TORQUE, EXCEEDS_POWER, EXCEEDS_RATE_LIMIT, STEPS)
+OF_TORQUES = (EXCEEDS_RATED_TORQUE, EXCEEDS_POWER, EXCEEDS_RATE_LIMIT, EXCEEDS_VELOCITY, STEPS)
 """Codes of remarks that are found again with other torques."""
 
 RATE_TOLERANCE = 1e-6
@@ -396,7 +399,7 @@ def with_torques(
     before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
     result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
-    told = before + unheld + overload_remarks(done) + _fast_rates(result)
+    told = before + unheld + overload_remarks(done) + _fast_rates(result) + _fast_joints(result)
     excess = largest_excess(rows.given, done)
     if not excess <= LIMIT_TOLERANCE:
         raise SolverError(
@@ -491,17 +494,29 @@ def _above_power(done: ScaledTrajectory) -> tuple[Remark, ...]:
 def _fast_rates(result: ScalingResult) -> tuple[Remark, ...]:
     if result.options.rates is not None:
         return _steps_at_ends(result.motion)
-    passed = [use for use in rate_uses(result) if use.share > 1 + RATE_TOLERANCE]
+    advice = "--rates cell keeps them, at a speed that varies --profile smooth (in Python rates=True)."
+    return _passing(rate_uses(result), EXCEEDS_RATE_LIMIT, f"Rates are reported only; {advice}")
+
+
+def _fast_joints(result: ScalingResult) -> tuple[Remark, ...]:
+    if result.cell.enforces_velocity_limits:
+        return ()
+    uses = [use for use in limit_uses(result) if use.name.kind == "velocity"]
+    return _passing(uses, EXCEEDS_VELOCITY, "Velocity limits are not kept, as was asked.")
+
+
+def _passing(uses: list[LimitUse], code: str, advice: str) -> tuple[Remark, ...]:
+    """What is told of limits, by falling share, that are reported only."""
+    passed = [use for use in uses if use.share > 1 + RATE_TOLERANCE]
     if not passed:
         return ()
     worst, *others = passed
     also = f"; {len(others)} more pass theirs" if others else ""
     text = (
         f"{worst.name} reaches {worst.size:.4g} {worst.name.unit} at t = {worst.time:.4g} s, "
-        f"{100 * worst.share:.0f} % of its limit{also}. Rates are reported only; --rates cell keeps them, at a speed "
-        "that varies --profile smooth (in Python rates=True)."
+        f"{100 * worst.share:.0f} % of its limit{also}. {advice}"
     )
-    return (Remark(EXCEEDS_RATE_LIMIT, text),)
+    return (Remark(code, text),)
 
 
 def _steps_at_ends(motion: CoordinatedMotion) -> tuple[Remark, ...]:

@@ -140,6 +140,11 @@ class PlantErrors(EqualByNumbers):
         mass, friction, *com = rng.uniform(least, most)
         return replace(self, mass=float(mass), friction_error=float(friction), com=np.array(com))
 
+    def opposite(self) -> Self:
+        """The same errors the other way round, as far as `BOUNDS` admit."""
+        mass, friction = (max(-getattr(self, name), BOUNDS[name][0]) for name in ("mass", "friction_error"))
+        return replace(self, mass=mass, friction_error=friction, com=-self.com)
+
     def to_json(self) -> dict[str, Any]:
         """Every number by name."""
         return _to_json(self)

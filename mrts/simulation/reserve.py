@@ -7,6 +7,7 @@ from math import inf
 from typing import Any
 
 from mrts.base.argument_types import Progress, check_callable
+from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.scaling.result import ScalingResult
 from mrts.simulation.controller import Controller, PlantErrors
@@ -87,7 +88,7 @@ def least_reserve(
     Args:
         solve: Makes the plan with a reserve: `lambda reserve: mrts.retime(cell, motion, reserve=reserve)`.
         controller: As in `mrts.simulate`.
-        errors: Likewise.
+        errors: Likewise; each plan is played with them and with their opposite.
         progress: Told of the plans.
 
     Raises:
@@ -115,6 +116,11 @@ def _tried(plan: Result, reserve: float, controller: Controller | None, errors: 
     shown = plan.retimed if isinstance(plan, RetimingResult) else plan
     if shown is None or shown.trajectory is None:
         return TriedReserve(reserve, inf, inf, "", kept=False)
-    played = simulate(shown.trajectory, controller, errors)
-    _, worst = played.uses[0]
-    return TriedReserve(reserve, played.plan.duration, worst.share, str(worst.name), kept=not played.passed)
+    errors = PlantErrors() if errors is None else errors
+    played = [simulate(shown.trajectory, controller, each) for each in (errors, errors.opposite())]
+    nearest = [used for one in played for _, used in one.uses[:1]]
+    if not nearest:
+        raise InputError("solve", "its cell has no limit that a reserve could be kept of.")
+    worst = max(nearest, key=lambda use: use.share)
+    kept = not any(one.passed for one in played)
+    return TriedReserve(reserve, shown.trajectory.duration, worst.share, str(worst.name), kept=kept)

@@ -116,6 +116,11 @@ class Simulation(InNotebooks, JsonOutput):
         """Limits that were passed, by falling share."""
         return tuple(used for _, used in self.uses if used.share > 1 + PASSED)
 
+    @property
+    def kept(self) -> bool:
+        """Whether every limit is, in all trials too."""
+        return not self.passed and (self.trials is None or self.trials.kept == len(self.trials.errors))
+
     @cached_property
     def joint_error(self) -> Array:
         """Of the joints against the plan, Shape (N, m) [rad or m]."""
@@ -152,7 +157,10 @@ class Simulation(InNotebooks, JsonOutput):
         _, worst = self.uses[0]
         if not self.passed:
             nearest = f"nearest is {worst.name}, {100 * worst.share:.1f} % at {worst.time:.4g} s"
-            return printable(f"every limit is kept; {nearest}{cut}")
+            said = "every limit is kept"
+            if self.trials is not None and not self.kept:
+                said += f" with these errors, but in {self.trials.kept} of {len(self.trials.errors)} trials alone"
+            return printable(f"{said}; {nearest}{cut}")
         others = f", and {len(self.passed) - 1} more are passed" if len(self.passed) > 1 else ""
         passed = f"passes its limit by {100 * (worst.share - 1):.2g} % at {worst.time:.4g} s"
         return printable(f"{worst.name} {passed}{others}{cut}")
@@ -228,7 +236,7 @@ class Simulation(InNotebooks, JsonOutput):
         found: dict[str, Any] = {
             "cell": self.plan.cell.name,
             "duration": self.plan.duration,
-            "kept": not self.passed,
+            "kept": self.kept,
             "outcome": self.sentence(),
             "saturated": self.saturated,
             "tracking": {

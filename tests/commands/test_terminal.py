@@ -66,7 +66,7 @@ def test_colours_tell_the_outcome_the_failure_and_the_notes(tmp_path):
     command = [*MRTS, "scale", UR5 / "cell.yaml", UR5 / "lift_and_turn.yaml", "--no-velocity-limits"]
     feasible = at_terminal(command).shown
     assert "\x1b[1mdual_ur5: c² ∈ [0, 22.98]" in feasible
-    assert "\x1b[33mnote: left/elbow" in feasible
+    assert "\x1b[33mwarning: right/wrist_2_turn velocity" in feasible
     heavy = changed_cell(tmp_path, lambda cell: cell["object"].update(mass=60))
     assert "\x1b[1m" not in at_terminal([*MRTS, *LIFT], NO_COLOR="").shown
     infeasible = at_terminal([*MRTS, "scale", heavy, DATA / "lift.yaml"])

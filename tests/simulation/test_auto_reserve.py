@@ -44,6 +44,15 @@ def test_what_needs_no_reserve_has_none(lifted, monkeypatch):
     assert mrts.least_reserve(lambda _: lifted).reserve == 0
 
 
+def test_a_lighter_load_counts_too(lifted):
+    """Of the tried plans the first is the worse of both: the load heavier, and lighter by as much."""
+    errors = mrts.PlantErrors(mass=0.05, friction_error=0.0)
+    assert (errors.opposite().mass, errors.opposite().com.tolist()) == (-0.05, [0.0, 0.0, 0.0])
+    first = mrts.least_reserve(lambda _: lifted, errors=errors).tried[0]
+    both = [mrts.simulate(lifted, errors=each).uses[0][1].share for each in (errors, errors.opposite())]
+    assert first.share == max(both) != min(both)
+
+
 @pytest.mark.slow
 def test_the_command_finds_a_plan_that_is_kept(tmp_path):
     cell, motion, plan = (

@@ -198,6 +198,9 @@ def test_trials_draw_errors_by_their_seed(lifted):
     again = mrts.simulate(lifted, errors=drawn[0])
     shares = [use.share for use in simulation.limit_uses(again.played)]
     np.testing.assert_array_equal(found.trials.shares[0], shares)
+    as_planned = replace(found, played=found.plan)  # whose trials pass limits all the same
+    assert (as_planned.passed, as_planned.kept, as_planned.to_json()["kept"]) == ((), False, False)
+    assert replace(as_planned, trials=None).kept
     json.loads(found.json_text())
 
 
