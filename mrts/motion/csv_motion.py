@@ -202,7 +202,8 @@ def _column_names(path: Path, row: list[str] | None) -> list[str]:
 
 def _time(path: Path, columns: dict[str, Array]) -> Array:
     if "t" not in columns:
-        raise InputError(path, f"a column 't' in s is needed; there are {', '.join(columns)}.")
+        waypoints = "Waypoints of joints without times have columns q.JOINT alone."
+        raise InputError(path, f"a column 't' in s is needed; there are {', '.join(columns)}. {waypoints}")
     time = columns["t"]
     steps = np.diff(time)
     if np.min(steps) < SHORTEST_STEP:

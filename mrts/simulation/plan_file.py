@@ -30,7 +30,7 @@ def load_plan(cell: Cell, path: Path | str) -> ScaledTrajectory:
     Args:
         cell: The cell.
         path: A CSV table with t, q., dq., ddq. and tau. of every joint and F. of every wrench component, as `mrts scale
-            --csv` writes, or a ROS 2 bag as `--bag` does.
+            --csv` writes, or a ROS 2 bag as `--ros-bag` does.
 
     Raises:
         InputError: If it is malformed, lacks something, or is of another cell.
@@ -65,6 +65,8 @@ def read_plan(cell: Cell, path: Path | str) -> tuple[Array, dict[str, Array]]:
     """
     check_type("cell", cell, Cell)
     path = as_path("path", path)
+    if path.suffix.lower() == ".npz":
+        raise InputError(path, "is a saved result: give the plan that mrts scale writes with --csv or --ros-bag.")
     time, parts = _from_bag(cell, path) if is_bag(path) else read_joint_columns(path)
     joints, _ = required_columns(cell, path, list(parts["q"]))
     wrenches = [f"{robot.name}/{part}" for robot in cell.robots for part in cell.wrench_components]
