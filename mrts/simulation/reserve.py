@@ -4,9 +4,10 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import inf
+from types import NoneType
 from typing import Any
 
-from mrts.base.argument_types import Progress, check_callable
+from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.scaling.result import ScalingResult
@@ -96,6 +97,7 @@ def least_reserve(
     """
     check_callable("solve", solve)
     check_callable("progress", progress)
+    check_type("errors", errors, PlantErrors, NoneType)
     tried, best = list[TriedReserve](), None
     low, edge = 0.0, 1.0  # limits are passed at `low`; at `edge` they are kept, or there is no plan
     reserve, proportional = 0.0, 0.5
