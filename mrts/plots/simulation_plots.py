@@ -14,7 +14,7 @@ KINDS = {"torque": ("torque", ""), "force": ("wrench", "f"), "moment": ("wrench"
 
 
 def simulation_plot(found: Simulation) -> Plot:
-    """What was used of torques and wrenches, thin and dashed what was planned, a column a robot; below them errors."""
+    """What was used of all limits, and errors; torques and wrenches, thin and dashed as planned, a column a robot."""
     sides = all_quantities(found.plan), all_quantities(found.played)
     rows = []
     for what, (kind, first) in KINDS.items():
@@ -34,11 +34,11 @@ def simulation_plot(found: Simulation) -> Plot:
         Line(x=time, y=y, label=f"{name} [{unit}]", unit=unit, **look(k)) for k, (name, y, unit) in enumerate(errors)
     ]
     ends = value_ends(np.stack([line.y for line in lines]), np.empty(0))
-    below = Panel(
+    errors_panel = Panel(
         title="Errors of tracking", x=time_axis(time), y=Axis(label="error [mrad, mm]", ends=ends), items=lines
     )
     title = f"{found.plan.cell.name}: {found.sentence()}"
-    return Plot(name="simulation", title=title, rows=[*rows, [below]])
+    return Plot(name="simulation", title=title, rows=[[closed_loop_panel(found), errors_panel], *rows])
 
 
 def closed_loop_panel(found: Simulation) -> Panel:

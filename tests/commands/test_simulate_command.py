@@ -56,7 +56,7 @@ def test_kept_limits_are_exit_code_0_and_are_drawn(plans, tmp_path):
     done = mrts_command("simulate", CELL, plans / "slow.npz", "-v", "--plot", plots, "--report", page)
     assert (done.returncode, done.stderr) == (0, "")
     assert (plots / "simulation.png").stat().st_size > 10_000
-    assert page.read_text().count('id="plot-simulation-') == 7
+    assert page.read_text().count('id="plot-simulation-') == 8
     assert len(done.stdout.splitlines()) > simulation.NEAREST + 6
 
 
