@@ -149,9 +149,10 @@ def of_shares(program: SmoothProgram) -> SmoothProgram:
 def reserved_torques(program: SmoothProgram, x: Array, u: Array, solver: KernelSolver) -> Array | None:
     """F of the least effort at a given timing among those with the least ∫ s² dt of `of_shares`, Shape (n, f).
 
-    Where no rates join the nodes these are the torques of `reserved`. None where none keep the limits and the rates.
+    Where no rates join the nodes these are the torques of `reserved`; where no share counts, those of the least effort
+    alone. None where none keep the limits and the rates.
     """
-    if program.free.shape[2] == 0:
+    if program.free.shape[2] == 0 or not np.any(program.sizes):
         return solver.torques(program, x, u)
     found = solver.torques(of_shares(program), x, u)
     if found is None:

@@ -308,14 +308,10 @@ def torques_within_rates(
         SolverError: If there are none.
     """
     cell, motion, problem = rows.cell, rows.motion, build_sample_problem(rows, varying=True)
-    sizes = given_sizes(cell, motion, problem.names)
+    sizes = given_sizes(cell, motion, problem.names) if distribute == "reserve" else None
     program = _with_margins(path_program(cell, motion, [problem], rates, weights, sizes=sizes))
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
-    solver = KernelSolver()
-    if distribute == "reserve":
-        free = reserved_torques(program, square, nothing, solver)
-    else:
-        free = solver.torques(program, square, nothing)
+    free = reserved_torques(program, square, nothing, KernelSolver())
     if free is None:
         raise SolverError(f"no torques within the limits and the rates were found at c² = {c2:.6g}.")
     x = np.column_stack([free, nothing, square])

@@ -16,6 +16,7 @@ from mrts.base.errors import InputError
 from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
+from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName
 from mrts.motion.rows_at_rest import REST
@@ -172,9 +173,7 @@ class Simulation(InNotebooks, JsonOutput):
         yield ""
         shown = self.uses if every else self.uses[: max(NEAREST, len(self.passed))]
         head, rows = self._table(shown)
-        widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
-        for row in (head, *rows):
-            yield printable("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+        yield from map(printable, aligned([head, *rows]))
 
     def words(self) -> Iterator[str]:
         """How well the plan was followed, what the trials came to, and what was assumed."""
@@ -308,9 +307,8 @@ def simulate(
         rule = f"has the joints {', '.join(counts.joint_names)}, not those of the plan."
         raise InputError("cell", rule)
     planned = ScaledTrajectory(counts, planned.motion, planned.c2, planned.torque, planned.wrench, planned.holding)
-    drawing, noise, *noises = np.random.default_rng(seed).spawn(
-        int(trials) + 2
-    )  # what is drawn is so whatever the controller
+    # apart, so that the same errors are drawn whatever the controller
+    drawing, noise, *noises = np.random.default_rng(seed).spawn(int(trials) + 2)
     played, saturated = _played(planned, controller, errors, noise)
     found: list[tuple[PlantErrors, list[float], float]] = []
     for done in range(int(trials)):

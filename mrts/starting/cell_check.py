@@ -15,6 +15,7 @@ from mrts.base.formats.record import dumped
 from mrts.base.json_output import JsonOutput
 from mrts.base.printable import printable
 from mrts.base.remark import Remark, Severity
+from mrts.base.words import aligned
 from mrts.cell.remarks import friction_sources, torque_source
 from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.collisions.clearance import Clearance
@@ -199,9 +200,7 @@ def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
         sources = zip(friction_sources(robot), armature, strict=True)
         known = zip(robot.joint_rows(), sources, strict=True)
         rows += [(robot.name, *joint, torque_source(robot), *motor) for joint, motor in known]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+    yield from aligned(rows)
 
 
 def _joints_json(robot: Robot) -> Iterator[dict[str, Any]]:

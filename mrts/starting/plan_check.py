@@ -17,7 +17,7 @@ from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
-from mrts.base.words import interval_text
+from mrts.base.words import aligned, interval_text
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
@@ -121,9 +121,7 @@ class PlanCheck(InNotebooks, JsonOutput):
         most = {use.name.kind: use for use in reversed(self.uses)}
         shown = [use for use in self.uses if every or use in self.passed or use is most[use.name.kind]]
         head, rows = self._table(shown)
-        widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
-        for row in (head, *rows):
-            yield "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        yield from aligned([head, *rows])
 
     def _told(self) -> Iterator[str]:
         for remark in self.remarks:

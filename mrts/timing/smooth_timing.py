@@ -110,11 +110,7 @@ class SmoothQuestion:
         return torque_weights(self.bare.options.weights, self.bare.cell)
 
     def program(
-        self,
-        piece: SmoothPath,
-        problems: Sequence[SampleProblem],
-        held: Held,
-        weights: Array | None,
+        self, piece: SmoothPath, problems: Sequence[SampleProblem], held: Held, weights: Array | None
     ) -> SmoothProgram:
         """Limits of a piece for some loads, with the wrenches that are given at its ends."""
         start, end = (
@@ -187,8 +183,7 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
             if why is not None:
                 return why
         held = question.held(problems, held, last=number == len(paths) - 1)
-        weights = question.weights if question.goal.effort > 0 else None
-        program = question.program(piece, problems, held, weights)
+        program = question.program(piece, problems, held, question.weights if question.goal.effort > 0 else None)
         likely = _likely(question, piece, program, before[number] if before else None)
         own = problems[0] if len(problems) == 1 else build_sample_problem(rows, varying=True)
         parts.append((piece, own, program.narrowed(NARROWING), likely))
@@ -282,10 +277,7 @@ def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothP
         x, u = steps.profile.x, steps.profile.u
         held = question.held([problem], held, last=number == len(timed) - 1)
         limits = question.program(piece, [problem], held, question.weights)
-        if question.keeps_reserve:
-            plan = reserved_torques(limits, x, u, question.solver)
-        else:
-            plan = question.solver.torques(limits, x, u)
+        plan = reserved_torques(limits, x, u, question.solver)
         if plan is None:
             raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
         unknowns = np.column_stack([plan, u, x])
