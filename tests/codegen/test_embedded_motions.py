@@ -142,26 +142,6 @@ def strong(cell):
     cell["object"]["carries"] = [{"name": "cup", "normal": [0, 1, 0], "friction": FRICTION}]
 
 
-def test_a_cup_on_a_tilted_tray_is_lifted_straight_up(tmp_path):
-    """What the motion takes from it is along gravity: c² up to weightlessness, whatever the rounding."""
-    path, folder = changed_cell(tmp_path, strong), tmp_path / "library"
-    cell = mrts.load_cell(path)
-    given = {"limits": embedded_limits(cell), "vectors": (), "path_samples": 0}
-    export_to(path, folder, **given, precision="double", parts=("range",))
-    library = LoadedLibrary(folder, tmp_path)
-    rng, still = np.random.default_rng(8), np.zeros((2, len(cell.posture)))
-    for tilt in rng.uniform(-0.4, 0.4, 200).tolist():
-        R = mrts.RigidTransform.from_xyz_rpy([0, 0, 0], [0, 0, tilt]).R
-        up = np.zeros((2, 6))
-        up[:, 1] = rng.uniform(-9, -1)
-        time = np.array([0.0, 1.0])
-        carried = ObjectMotion(time, np.zeros((2, 3)), np.stack([R, R]), np.zeros((2, 6)), up, smooth=False)
-        motion = CoordinatedMotion(carried, np.stack([cell.posture] * 2), still, still)
-        status, interval, _ = library.range(library.sample(motion, 0))
-        assert status == OK
-        assert interval[0].tolist() == pytest.approx([0, 9.8 / -up[0, 1]])
-
-
 @pytest.mark.parametrize("precision", ["double", "float"])
 def test_a_cup_stays_in_a_loop_from_a_least_speed_on(precision, tmp_path):
     path, folder = changed_cell(tmp_path, strong), tmp_path / "library"

@@ -14,7 +14,6 @@ import mrts
 from mrts.cell.motors import JointMotors
 from mrts.cli import main
 from mrts.program.motion_rows import motion_rows
-from mrts.program.motor_terms import motor_terms
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import distribute_torques, torque_weights
@@ -172,22 +171,6 @@ def terms_of(library, sample):
     return {name: np.array(getattr(found, name)) for name, _ in found._fields_}
 
 
-def test_terms_have_armature_and_friction_as_on_the_desktop(curved):
-    library, cell, motion = curved
-    wanted = motor_terms(cell, motion)
-    for index in (0, 1, 50, 100):
-        sample = library.sample(motion, index)
-        with_motors = terms_of(library, sample)
-        library.settings.armature[:] = [0.0] * 6
-        ideal = terms_of(library, sample)
-        library.call("default_settings", library.settings)
-        assert np.allclose(with_motors["E"] - ideal["E"], wanted.square[index], rtol=0, atol=SAME_TORQUE)
-        assert np.allclose(with_motors["A"] - ideal["A"], wanted.rate[index], rtol=0, atol=SAME_TORQUE)
-        assert np.array_equal(with_motors["V"], wanted.speed[index])
-        assert np.array_equal(with_motors["C"], wanted.dry[index])
-        assert not with_motors["turning"].any()
-
-
 def test_friction_of_a_joint_that_stands_is_against_its_travel(curved):
     library, _, motion = curved
     sample, coulomb = library.sample(motion, 40), np.array(library.settings.coulomb)
@@ -224,21 +207,6 @@ def narrowed(library, coulomb):
         room = coulomb[row if row < lines else joint_of_line[row - lines]]
         settings.lower[row] += room
         settings.upper[row] -= room
-
-
-def test_ends_of_curves_bound_the_speed(curved):
-    library, _, motion = curved
-    settings, found = library.settings, []
-    settings.lower[:], settings.upper[:] = [-1e300] * len(settings.lower), [1e300] * len(settings.upper)
-    for index in range(motion.samples):
-        status, range_, rows = library.range(library.sample(motion, index))
-        speed = np.abs(motion.dq[index]) / np.tile([4.0, 5.0, 6.0], 2)
-        if speed.max() > 1e-6:
-            assert status == OK
-            assert np.allclose(range_, [[0, 1 / speed.max() ** 2]], rtol=SAME_TORQUE)
-            found.append(rows[0][1][0])
-    library.call("default_settings", settings)
-    assert {row.split(" ", 1)[1] for row in found} == {"motor speed"}
 
 
 @pytest.mark.parametrize("name", ["armature", "coulomb", "viscous", "slope", "rest"])

@@ -47,16 +47,6 @@ def test_files_that_are_there_stay(begun):
     assert "first cell/cell.yaml: is there already; --force overwrites it" in done.stderr
 
 
-def test_force_overwrites(begun, tmp_path):
-    folder, _ = begun
-    target = tmp_path / "other 2"
-    target.mkdir()
-    (target / "cell.yaml").write_text("mine")
-    done = mrts_command("new", target, "--robot", folder / "my arm.urdf", "--force", "-q")
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert yaml.safe_load((target / "cell.yaml").read_text())["name"] == "other_2"
-
-
 def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
     folder, _ = begun
     shutil.copytree(folder / "first cell", tmp_path / "cell")

@@ -1,6 +1,5 @@
 """`mrts place` as it is typed: the answer, its file, exit codes, and what it refuses."""
 
-import pytest
 import yaml
 from command_line import mrts_command
 from layouts import DATA, write_study
@@ -42,18 +41,3 @@ def test_no_layout_is_exit_code_1_and_leaves_what_was_there(tmp_path, capsys):
     assert "none of 2 layouts within the bounds can be played. robot 'left'" in out
     assert f"{target} not written" in out + err
     assert target.read_text() == "kept"
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--starts", "0"], "--starts = 0: must be at least 1"),
-        (["--look", "-3"], "--look = -3: must be at least 1"),
-        (["--between", "far"], "--between = 'far': must be a number"),
-    ],
-)
-def test_wrong_options_are_refused_by_name(options, words, tmp_path, capsys):
-    study, target = write_study(tmp_path, shipped("planar_dual_arm"), LIFT, VARY), tmp_path / "best.yaml"
-    assert main(["place", str(study), "-o", str(target), *options]) == 2
-    assert words in capsys.readouterr().err
-    assert not target.exists()

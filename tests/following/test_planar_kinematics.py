@@ -5,24 +5,11 @@ from functools import partial
 import numpy as np
 import pytest
 from followed_motions import motion
-from scipy.integrate import cumulative_trapezoid
 
 import mrts
 from mrts.following.branches import branches_at_start
 
 pytestmark = pytest.mark.quick
-
-
-def test_joint_motion_closes_the_chain_and_is_its_own_derivative(planar_cell, lift):
-    motion = mrts.follow_object(planar_cell, lift)
-    tips = planar_cell.functions("kinematics", motion.samples, {"q": motion.q})["position"]
-    for index, x in enumerate((0.15, 2.35)):
-        np.testing.assert_allclose(tips[:, 0, index], x, atol=1e-12)
-        np.testing.assert_allclose(tips[:, 1, index], lift.position[:, 1], atol=1e-12)
-    moved = cumulative_trapezoid(motion.dq, lift.time, axis=0, initial=0)
-    np.testing.assert_allclose(moved, motion.q - motion.q[0], atol=1e-4)  # trapezoidal rule over 100 steps
-    sped = cumulative_trapezoid(motion.ddq, lift.time, axis=0, initial=0)
-    np.testing.assert_allclose(sped, motion.dq - motion.dq[0], atol=2e-3)
 
 
 def test_both_branches_reach_and_the_posture_chooses(planar_cell, lift):

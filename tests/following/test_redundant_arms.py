@@ -15,7 +15,6 @@ from mrts.following.null_space import LIMIT_PUSH, is_redundant, limit_zone, stre
 
 PANDA = {"urdf": "panda_description/urdf/panda.urdf", "tip_link": "panda_hand_tcp"}
 UR5 = {"urdf": "ur_description/urdf/ur5_robot.urdf", "tip_link": "tool0"}
-BAXTER = {"urdf": "baxter_description/urdf/baxter.urdf", "base_link": "torso"}
 TALOS = {"urdf": "talos_data/robots/talos_full_v2.urdf", "base_link": "torso_2_link"}
 OPPOSITE = ((-0.65, 0, 0, 0), (0.65, 0, 0, np.pi))
 BEFORE_THE_CHEST = {"left": [0.081, 0.213, 1.278, -1.159, -0.699, 0.707, -0.007]}
@@ -189,15 +188,3 @@ def test_velocities_and_accelerations_are_derivatives_where_limits_push(talos):
     robot = cell.robots[0]
     assert np.max(np.abs(stretched(robot, followed.q[:, :7]) - followed.q[:, :7])) > 1  # they do
     assert_consistent(cell, followed)
-
-
-ARMS = {
-    "baxter": both_hands(
-        BAXTER, {side: [x, -0.5, 2 * -x, 1.3, x, 1.0, 0.1] for side, x in (("left", -0.4), ("right", 0.4))}
-    ),
-    "talos with its torso": both_hands(
-        TALOS | {"base_link": "base_link"}, {"left": [0.0, 0.1, *BEFORE_THE_CHEST["left"]]}
-    ),
-}
-ARMS["baxter"]["left"]["tip_link"], ARMS["baxter"]["right"]["tip_link"] = "left_gripper", "right_gripper"
-ARMS["talos with its torso"]["left"]["tip_link"] = "gripper_left_base_link"

@@ -3,11 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from conftest import DATA
 from one_arm import one_arm
-from random_cells import configuration
 from random_motors import equipped
 
 import mrts
@@ -18,13 +16,9 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.range_ends import ends_by_linear_programs, ends_of_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import without_speed_at_rest
-from mrts.timing.speed_regions import speed_regions
 
 SAME = 1e-9
 """The linear programs' share of c²."""
-
-BY_PINOCCHIO = 1e-8
-"""Another way to the same torques, as a share of a limit."""
 
 
 def arm_and_path(folder):
@@ -79,24 +73,3 @@ def squeeze(cell, motion):
     B = cell.functions("terms", motion.samples, motion.inputs(cell.load))["B"]
     _, _, directions = np.linalg.svd(B)
     return 5.0 * directions[:, -1]
-
-
-def sides_at(regions, u, x):
-    """How far points of each sample are inside its half-planes, the least of all, in limits, Shape (N,)."""
-    planes = regions.planes.reshape(len(regions.lower), -1, 3)
-    return np.min(planes[:, :, 2] - planes[:, :, 0] * u[:, None] - planes[:, :, 1] * x[:, None], axis=1)
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_half_planes_of_an_arm_are_its_torques_by_pinocchio(seed, tmp_path):
-    cell, model, path = one_arm(seed, tmp_path)
-    cell, data = cell.without_velocity_limits(), model.createData()
-    motion, rng = along_spline(cell, path, 23), np.random.default_rng(seed)
-    regions = speed_regions(build_sample_problem(motion_rows(cell, motion), varying=True), 1.0)
-    limit = cell.robots[0].torque_upper
-    u, x = rng.normal(size=motion.samples) * 10, rng.uniform(0, 20, motion.samples)
-    inside = sides_at(regions, u, x)
-    for k in range(motion.samples):
-        velocity, acceleration = motion.dq[k] * np.sqrt(x[k]), motion.ddq[k] * x[k] + motion.dq[k] * u[k]
-        torque = pin.rnea(model, data, configuration(model, motion.q[k]), velocity, acceleration)
-        assert inside[k] == pytest.approx(float(np.min(1 - np.abs(torque) / limit)), abs=BY_PINOCCHIO)

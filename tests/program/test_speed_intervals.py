@@ -7,24 +7,14 @@ import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import UR5
-from draws import draws
-from reference import ReferenceCell
-from speed_scan import Motors, SpeedScan
 
 import mrts
 from mrts.cell.motors import JointMotors
 from mrts.program.infeasibility import closest_speed
 from mrts.program.motion_rows import motion_rows
-from mrts.program.range_ends import RangeEnds, highest_intervals, kernel_ends
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges, sample_ranges
 from mrts.program.widening import widening_at
-
-FIRST, CELLS, TOGETHER = 20, draws(6), 6
-"""Seeds: those before draw cells that take five times as long to scan."""
-
-END_TOLERANCE = 2e-6
-"""Of c: HiGHS admits what misses a limit by 1e-9 of it, and c moves far for it where inertia balances friction."""
 
 SAME = 1e-9
 """Ends of c from different solvers and paths, relative."""
@@ -73,62 +63,6 @@ def random_case(seed, folder):
     case = make(rng, folder, arms)
     motion = mrts.follow_object(case.cell, case.motion)
     return case, motored(rng, case.cell, motion), motion, rng
-
-
-def compared(seed, folder, seen):
-    case, cell, motion, rng = random_case(seed, folder)
-    found = motion_ranges(motion_rows(cell, motion), "kernel")
-    reference = ReferenceCell(case.cell_file)
-    _, samples = reference.object_motion(case.motion_file)
-    joints = reference.joint_motion(samples)
-    motors = [
-        Motors(robot.motors.armature, robot.motors.coulomb, robot.motors.viscous, list(robot.motors.torque_speed))
-        for robot in cell.robots
-    ]
-    below = motion_ranges(motion_rows(cell, motion), "kernel", high=0.0)
-    several = np.flatnonzero(below.lower < found.lower)
-    chosen = {
-        int(rng.integers(1, motion.samples - 1)),
-        *several[(several > 0) & (several < motion.samples - 1)][:1].tolist(),
-    }
-    for sample in sorted(chosen):
-        scan = SpeedScan(reference, motors, samples[sample], [arm[sample] for arm in joints])
-        ours = speeds(found, sample)
-        lowest = speeds(below, sample)
-        ours = [*lowest, *ours] if lowest and ours and lowest[-1][1] < ours[0][0] else ours
-        largest = max((end for pair in ours for end in pair if np.isfinite(end)), default=3.0)
-        ends = np.array([end for pair in ours for end in pair if np.isfinite(end)])
-        middles = (ends[1:] + ends[:-1]) / 2
-        theirs = scan.intervals(np.concatenate([np.linspace(0, 1.3 * largest, 14), middles]))
-        where = f"seed {seed}, sample {sample}: {ours}, {theirs}"
-        seen["samples"] += 1
-        seen["infeasible"] += not ours
-        seen["several"] += len(ours) > 1
-        seen["minimum"] += bool(ours) and ours[0][0] > 0
-        wide = [pair for pair in ours if pair[1] > pair[0] * (1 + END_TOLERANCE)]
-        assert len(theirs) == len(wide), where
-        np.testing.assert_allclose(theirs, wide, rtol=END_TOLERANCE, atol=END_TOLERANCE * 1e-2, err_msg=where)
-
-
-@pytest.mark.parametrize("first", range(FIRST, FIRST + CELLS, TOGETHER))
-def test_unions_equal_the_scan_of_the_reference(first, tmp_path):
-    seen = Counter()
-    for seed in range(first, first + TOGETHER):
-        compared(seed, tmp_path / str(seed), seen)
-    assert seen["several"] >= 1
-    assert seen["samples"] >= TOGETHER
-
-
-def test_ends_of_both_paths_have_the_same_effect_of_speed(tmp_path):
-    _, cell, motion, _ = random_case(FIRST, tmp_path)
-    rows = motion_rows(cell, motion)
-    of_kernel = kernel_ends(cell.library, rows.inputs(None), rows, rows.most)
-    found = highest_intervals(build_sample_problem(rows), rows.most)
-    np.testing.assert_allclose(found.effect, of_kernel.effect, rtol=1e-9)
-    unknown = RangeEnds.unknown(motion.samples)
-    unknown.replace(np.arange(motion.samples), found)
-    for name in ("lower", "upper", "status", "below", "effect", "several"):
-        np.testing.assert_array_equal(getattr(unknown, name), getattr(found, name))
 
 
 def checked_ends(problem, found, sample):
