@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Smooth timing: one arm with limited jerk against copp's third-order solver, two arms with torque rates.
 
-One arm: published robots, random paths (tests/cases/jerk_paths.py), the same joint path, velocity, torque and jerk
+One arm: published robots, random paths (jerk_paths.py), the same joint path, velocity, torque and jerk
 limits and number of points. copp gets its two linearisations as its authors advise (the second-order optimum, then
 about its first answer); robot, limits and torques at the points are made once for it, outside the measured calls.
 Two arms: the shipped dual UR5-class cell with its wrench limits, torque rates of 11 times the torque limit a second; no
@@ -24,10 +24,9 @@ from mrts.program.path_solver import KernelSolver
 from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import StepsTaken, successive_steps
 
-TESTS = Path(__file__).resolve().parents[1] / "tests"
-sys.path[:0] = [str(TESTS / "oracles"), str(TESTS / "cases")]
-import copp_timing  # noqa: E402 (the checks of the tests, on the path from here on)
-from jerk_paths import JerkPath, jerk_path  # noqa: E402 (likewise)
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "cases"))
+import copp_timing  # noqa: E402
+from jerk_paths import JerkPath, jerk_path  # noqa: E402 (its robots are a case of the tests)
 
 ROBOTS = {"ur5": 0, "panda": 1}
 """Published robots, and which of their paths is measured."""

@@ -8,7 +8,6 @@ import mrts
 from mrts.plots.limit_shares import limit_shares
 from mrts.plots.plot import value_ends
 from mrts.plots.range_plots import MOST_LANES, binding_lanes, spans
-from mrts.scaling.scaled_trajectory import accumulated_energy
 
 ROUNDING = 1e-9
 """Rows and their limits are the same numbers, divided in another order."""
@@ -83,15 +82,6 @@ def test_spans_reach_half_way_to_the_neighbours():
     assert spans(time, np.array([True, False, True, True])) == [(0.0, 0.5), (1.5, 4.0)]
     assert spans(time, np.array([False, True, False, False])) == [(0.5, 1.5)]
     assert spans(time, np.zeros(4, dtype=bool)) == []
-
-
-def test_accumulated_energy_ends_at_the_energy(spatial):
-    done = spatial.trajectory
-    whole = accumulated_energy(done.time, done.power)
-    assert whole[0] == 0
-    assert whole[-1] == pytest.approx(done.energy, rel=1e-12)
-    parts = [accumulated_energy(done.time, done.power[:, part]) for part in spatial.cell.joint_slices.values()]
-    np.testing.assert_allclose(np.sum(parts, axis=0), whole, atol=1e-12)
 
 
 def test_axes_show_values_and_near_limits_but_not_far_ones():

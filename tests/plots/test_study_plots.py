@@ -19,8 +19,7 @@ from mrts.plots.study_map import (
     study_map,
     weights,
 )
-from mrts.plots.study_table import OUTCOMES
-from mrts.plots.study_words import best_rows, managed, span_texts
+from mrts.plots.study_words import managed
 
 KINDS = kinds()
 
@@ -95,23 +94,6 @@ def test_the_ranking_is_by_duration_then_number():
     assert table.admitted.tolist() == [True, True, False, True, True, True]
 
 
-@pytest.mark.parametrize("name", ["grid", "unbounded", "all alike"])
-def test_cells_of_a_grid_are_its_variants(name):
-    table = KINDS[name]
-    drawn = study_map(table)
-    assert drawn.exact
-    assert map_remark(table, drawn) == ""
-    own = np.full(drawn.best.shape, -1)
-    for place in np.ndindex(*drawn.best.shape):
-        edges = [of_axis[at : at + 2] for of_axis, at in zip(drawn.edges, reversed(place), strict=True)]
-        inside = [(low < column) & (column < high) for column, (low, high) in zip(table.values.T, edges, strict=True)]
-        (own[place],) = np.flatnonzero(np.all(inside, axis=0))
-    has = np.isfinite(table.duration[own])
-    np.testing.assert_array_equal(drawn.best, np.where(has, own, -1))
-    np.testing.assert_array_equal(drawn.outcome, np.where(has, -1, table.outcome[own]))
-    assert [list(OUTCOMES)[code] for code in table.outcome] == table.rows["status"].tolist()
-
-
 def test_cells_of_drawn_points_show_the_best_of_theirs():
     table = drawn_study(2000, 3)
     drawn = study_map(table, ("knob 1", "knob 2"))
@@ -162,14 +144,3 @@ def test_limits_beyond_the_colours_share_the_last():
             (name,), shown = table.limits(row), names[codes[place]]
             assert shown == name or (shown == names[-1] and name not in names)
     assert np.all((codes < 0) == (drawn.best < 0))
-
-
-def test_the_best_table_holds_the_numbers_of_the_best():
-    table = grid_study()
-    head, rows = best_rows(table, 3)
-    by_title = dict(zip(head, zip(*rows, strict=True), strict=True))
-    assert by_title["variant"] == ("from … to", *(str(row) for row in table.ranked[:3]))
-    assert by_title["duration [s]"][1:] == tuple(f"{value:.4g}" for value in np.sort(table.duration)[:3])
-    assert by_title["knob 1 [m]"] == ("2 … 3", "2 (end)", "2 (end)", "2 (end)")
-    assert by_title["limited by"][1] == FORCE
-    assert [span_texts(*ends) for ends in ((2.0, 2.0), (1e-9, 1.0))] == [("2", "2"), ("0", "1")]

@@ -42,22 +42,6 @@ def test_names_stay_text_and_the_page_loads_nothing(planar_cell, lift, lifted):
     assert all("<" not in name and "$" not in name for name in names)
 
 
-def test_plots_hold_the_numbers_of_the_result(dual_ur5, turned):
-    found = turned
-    plots = data_of(report_html(found))["plots"]
-    for number, robot in enumerate(dual_ur5.robots):
-        traces = {trace["name"]: trace for trace in plots[f"plot-torque-{number}"]["data"] if trace["name"]}
-        for index, joint in enumerate(robot.joints):
-            np.testing.assert_allclose(traces[joint]["y"], found.torque[robot.name][:, index], rtol=1e-5)
-            np.testing.assert_allclose(traces[joint]["x"], found.trajectory.time, rtol=1e-5)
-        thin = [trace["y"][0] for trace in plots[f"plot-torque-{number}"]["data"] if not trace["name"]]
-        assert sorted(thin) == sorted([*robot.torque_lower, *robot.torque_upper])
-    curves = {trace.get("name"): trace for trace in plots["plot-c2-range"]["data"]}
-    upper = np.array([np.inf if value is None else value for value in curves["c²⁺(t)"]["y"]])
-    np.testing.assert_allclose(upper, found.range.samples.upper, rtol=1e-5)
-    assert plots["plot-energy"]["data"][-1]["y"][-1] == pytest.approx(found.trajectory.energy, rel=1e-5)
-
-
 def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, turned):
     shown, carried = player(turned), turned.motion.object
     ((_, coordinates),) = [

@@ -2,11 +2,9 @@
 
 import re
 
-import numpy as np
-import pytest
 from conftest import DATA
-from found_studies import AWKWARD, drawn_study, grid_study, kinds
-from report_pages import data_of, own_text
+from found_studies import AWKWARD, kinds
+from report_pages import own_text
 
 import mrts
 from mrts.cli import main
@@ -21,20 +19,6 @@ def test_names_stay_text_and_the_page_loads_nothing():
     assert not re.search(r"https?://|//[a-z]|\b(src|href)=.(?!#)|@import|url\(", plain)
     assert AWKWARD not in text
     assert "&lt;img src=x onerror=window.broken=1&gt;" in text
-
-
-def test_plots_hold_the_numbers_of_the_study():
-    table = grid_study()
-    plots = data_of(study_html(table))["plots"]
-    heat = plots["plot-duration-map"]["data"][0]
-    z = np.array([[np.nan if value is None else value for value in row] for row in heat["z"]])
-    np.testing.assert_allclose(z, table.duration.reshape(12, 9).T, rtol=1e-5)
-    assert f"variant {table.ranked[0]}: " in "".join(text for row in heat["text"] for text in row)
-    assert sum(text.startswith("unreachable") for row in heat["text"] for text in row) == 27
-    drawn = drawn_study(600, 4)
-    curve = data_of(study_html(drawn))["plots"]["plot-durations"]["data"][0]
-    assert curve["y"][-1] == pytest.approx(100 * len(drawn.ranked) / 600, rel=1e-5)
-    assert curve["x"][0] == pytest.approx(np.nanmin(drawn.duration), rel=1e-5)
 
 
 def test_a_folder_of_a_study_is_reported(tmp_path, capsys):

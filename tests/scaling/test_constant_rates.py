@@ -104,14 +104,6 @@ def test_two_gantries_share_the_change_of_what_accelerates_all(pushed, kind):
 
 
 @pytest.mark.quick
-def test_rates_alone_limit_what_nothing_else_limits(pushed):
-    free = with_robots(pushed, torque_lower=np.full(3, -1e9), torque_upper=np.full(3, 1e9))
-    cell = equipped(free, torque_rate=[5000.0, *FREE])
-    result = mrts.scale(cell, along_x(), rates=True)
-    assert result.trajectory.c**3 == pytest.approx(2 * 5000 / (MOVED * THIRD), rel=3 * ROUNDED)
-
-
-@pytest.mark.quick
 def test_rates_that_do_not_bind_change_nothing(planar_cell, lift, lifted):
     loose = mrts.scale(planar_cell, lift, rates=1000.0)
     assert loose.trajectory.c2 == lifted.trajectory.c2

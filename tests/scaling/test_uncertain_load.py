@@ -26,8 +26,6 @@ GRID = 1e-3  # a grid of 2001 loads misses an interior optimum by about this
 
 scaled = partial(mrts.scale, between=None)  # ranges of the same samples are compared
 
-QUESTIONS = ("guaranteed", "nominal", "possible")
-
 
 def random_box(rng, cell):
     """A cell with ranges of some parameters, the nominal values among them."""
@@ -60,22 +58,6 @@ def ends_of_loads(cell, motion, sample, loads, sharing=None):
     repeated = at_sample(motion, sample, max(2, len(loads)))
     problem = build_sample_problem(motion_rows(cell, repeated, sharing), load=np.resize(loads, (len(repeated.q), 10)))
     return sample_ranges(problem, repeated.object.time, "qpsol:qpoases")
-
-
-@pytest.mark.parametrize("make", [random_planar_cell, random_spatial_cell])
-@pytest.mark.parametrize("sharing", [None, mrts.LoadSharing()])
-@pytest.mark.parametrize("seed", seeds(1, 2))
-def test_guaranteed_lies_in_nominal_lies_in_possible(seed, make, sharing, tmp_path):
-    cell, motion = coordinated(np.random.default_rng(seed), make, 1 + seed % 3, tmp_path)
-    sure, nominal, some = (scaled(cell, motion, sharing=sharing, load=question).range for question in QUESTIONS)
-    for inner, outer in ((sure.samples, nominal.samples), (nominal.samples, some.samples)):
-        slack = RANGE_TOLERANCE * (1 + np.where(np.isfinite(inner.upper), np.abs(inner.upper), 0))
-        inside = inner.lower <= inner.upper
-        assert np.all((outer.lower <= inner.lower + slack)[inside])
-        assert np.all((outer.upper >= inner.upper - slack)[inside])
-        # an infeasible outer range leaves nothing inside
-        assert all(a is not mrts.SampleStatus.INFEASIBLE or b is not mrts.SampleStatus.FEASIBLE
-                   for a, b in zip(outer.status, inner.status, strict=True))  # fmt: skip
 
 
 def guaranteed_with_an_end(pair):

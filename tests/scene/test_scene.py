@@ -12,7 +12,6 @@ from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA
 from published_robots import ROBOTS
 from shipped_cells import cell_of_arms
-from shown_results import as_if_generated
 
 import mrts
 from mrts.cell.source_files import urdf_files
@@ -171,12 +170,6 @@ def test_the_cell_is_in_the_picture_and_upright(make, arms, tmp_path):
         assert np.max(np.abs(seen)) < 1
     bases = np.array([robot.T_world_base.p for robot in cell.robots])
     assert np.min((bases - view.floor) @ view.up) == pytest.approx(0, abs=1e-9)
-
-
-@pytest.mark.parametrize(("plane", "up"), [("xy", [0, 1, 0]), ("xz", [0, 0, 1]), (None, [0, 0, 1])])
-def test_without_gravity_something_is_up(plane, up, planar_cell, lift):
-    cell, motion = as_if_generated(planar_cell, gravity=[0.0] * 3, plane=plane), mrts.follow_object(planar_cell, lift)
-    np.testing.assert_array_equal(look_at_cell(cell, motion.q, motion.object.position).up, up)
 
 
 def in_picture(points, camera, aspect=ASPECT):

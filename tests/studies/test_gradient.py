@@ -5,7 +5,6 @@ import pytest
 import yaml
 from draws import draws
 from layouts import DATA, Layouts, write_study
-from published_robots import ROBOTS
 from shipped_cells import shipped, shipped_motion
 
 STEP = 1e-5
@@ -75,39 +74,7 @@ def uncertain_load(folder):
     return write_study(folder, cell, motion_of(folder, "dual_ur5"), UR5_VARY)
 
 
-def redundant(folder):
-    """Two arms of seven joints, whose positions follow from their postures; one posture varies too."""
-    robots = [
-        {
-            "name": name,
-            "urdf": str(ROBOTS / "panda_description" / "urdf" / "panda.urdf"),
-            "tip_link": "panda_hand_tcp",
-            "base": {"xyz": [0.65 * side, 0, 0], "rpy": [0, 0, turn]},
-            "grasp": {"xyz": [0.15 * side, 0, 0], "rpy": [3.14159, 0, turn]},
-            "posture": [0.1, 0.0, 0.1, -2.0, 0.0, 2.0, 0.8],
-            "torque": [60, 60, 60, 60, 12, 12, 12],
-        }
-        for name, side, turn in (("left", -1, 0.0), ("right", 1, 3.14159))
-    ]
-    load = {"mass": 3.0, "inertia": [0.01, 0.02, 0.02]}
-    cell = {"name": "pandas", "gravity": [0, 0, -9.81], "object": load, "robots": robots}
-    motion = {
-        "duration": 0.8,
-        "samples": 31,
-        "profile": "quintic",
-        "start": {"xyz": [0, 0, 0.4]},
-        "end": {"xyz": [0.05, 0.1, 0.5], "rpy": [0.1, 0, 0.2]},
-    }
-    (folder / "motion.yaml").write_text(yaml.safe_dump(motion), encoding="utf-8")
-    vary = {
-        "robots.left.base.xyz[0]": {"from": -0.7, "to": -0.6},
-        "robots.left.posture[2]": {"from": -0.2, "to": 0.2},
-        "robots.left.grasp.xyz[2]": {"from": -0.03, "to": 0.03},
-    }
-    return write_study(folder, cell, folder / "motion.yaml", vary)
-
-
-CASES = (dual_ur5, planar, squeeze, with_motors, uncertain_load, redundant)
+CASES = (dual_ur5, planar, squeeze, with_motors, uncertain_load)
 
 
 @pytest.mark.parametrize(

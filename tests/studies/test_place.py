@@ -5,17 +5,13 @@ import threading
 
 import numpy as np
 import pytest
-import yaml
-from cell_bank import random_planar_cell
 from draws import draws
 from layouts import DATA, Layouts, write_study
 from scipy.optimize import minimize
 from shipped_cells import shipped
 
 import mrts
-from mrts.studies.distributions import Distribution
-from mrts.studies.layout.place import SEED, LayoutSearch
-from mrts.studies.sampling import sample_points
+from mrts.studies.layout.place import LayoutSearch
 
 BETTER = 1e-3
 """Share of c²⁺ by which no other search may be better."""
@@ -30,12 +26,6 @@ PLANAR_VARY = {
     "robots.right.base.xyz[0]": {"from": 2.2, "to": 2.8},
     "robots.right.grasp.xyz[1]": {"from": -0.1, "to": 0.1},
 }
-
-
-def looked_at(study, count):
-    """The layouts that `place` looks at first."""
-    bounds = [parameter.distribution.numbers for parameter in study.parameters]
-    return np.round(sample_points([Distribution("uniform", pair) for pair in bounds], "sobol", SEED, (0, count)), 5)
 
 
 @pytest.mark.quick
@@ -72,31 +62,6 @@ def test_no_other_search_finds_better_on_the_planar_cell(tmp_path):
         )
         assert -other.fun <= found.after.c2 * (1 + BETTER)
     assert found.after.c2 > layouts.c2(layouts.study.points(0, 1)[0])
-
-
-@pytest.mark.parametrize(("seed", "arms"), [(0, 2), pytest.param(1, 3, marks=pytest.mark.slow)])
-def test_it_is_never_worse_than_its_best_start(seed, arms, tmp_path):
-    rng = np.random.default_rng(seed)
-    best = np.inf
-    while not 0 < best < np.inf:
-        case = random_planar_cell(rng, tmp_path, arms)
-        cell = yaml.safe_load(case.cell_file.read_text(encoding="utf-8"))
-        first, second = ("xyz".index(axis) for axis in cell["plane"])
-        left, right = cell["robots"][0], cell["robots"][-1]
-        base = left.get("base", {}).get("xyz", [0, 0, 0])[first]
-        grasp = right.get("grasp", {}).get("xyz", [0, 0, 0])[second]
-        vary = {
-            f"robots.{left['name']}.base.xyz[{first}]": {"from": base - 0.05, "to": base + 0.05},
-            f"robots.{right['name']}.grasp.xyz[{second}]": {"from": grasp - 0.03, "to": grasp + 0.03},
-        }
-        layouts = Layouts.of(write_study(tmp_path, case.cell_file, case.motion_file, vary))
-        best = max(map(layouts.c2, looked_at(layouts.study, 16)))
-    found = mrts.place(layouts.study, looked_at=16, between=None)
-    assert found.after.c2 >= best * (1 - SAME)
-    assert found.after.c2 >= found.before.c2 * (1 - SAME) if found.before else True
-    assert layouts.c2(found.after.values) <= found.after.c2 * (1 + SAME)
-    low, high = np.array([parameter.distribution.numbers for parameter in layouts.study.parameters]).T
-    assert np.all((low <= found.after.values) & (found.after.values <= high))
 
 
 def test_postures_follow_where_the_studys_own_lead_elsewhere(tmp_path):

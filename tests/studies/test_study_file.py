@@ -11,7 +11,6 @@ from study_files import planar_study
 
 import mrts
 from mrts.cell.number_paths import numbers_below, path_text, value_at
-from mrts.studies.distributions import Distribution
 from mrts.studies.layout.layout_numbers import LayoutNumbers
 from mrts.studies.variant_numbers import base_numbers, varied_entries
 from mrts.studies.variant_rows import solve_variants
@@ -89,21 +88,6 @@ vary:
     assert motion["end"]["rpy"] == [0.5, 0.5, 0.5]
     assert (cell["object"]["mass"], cell["object"]["inertia"]) == (0.25, [0.00025, 0.1, 0.1])
     assert [each.unit for each in study.parameters] == ["m", "", ""]  # an end is a place and a rotation
-
-
-def test_distributions_are_those_of_the_file(tmp_path):
-    vary = """
-vary:
-  object.mass: {normal: {mean: 0.5, std: 0.01}}
-  robots.left.posture[0]: {from: 2, to: 2.2}
-  robots.left.torque[0]: [90, 100]
-sample: sobol
-count: 8
-between: off
-"""
-    assert [each.distribution for each in planar_study(tmp_path, vary).parameters] == [
-        Distribution("normal", (0.5, 0.01)), Distribution("uniform", (2.0, 2.2)), Distribution("values", (90.0, 100.0)),
-    ]  # fmt: skip
 
 
 def test_the_digest_is_of_all_that_answers_depend_on_and_of_nothing_else(tmp_path):

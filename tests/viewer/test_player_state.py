@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
 from given_ranges import ranges_of
-from scipy.optimize import linprog
 from shipped_cells import still_motion
 
 import mrts
 from mrts.base.printable import html_text
-from mrts.program.motion_rows import motion_rows
-from mrts.program.sample_problem import build_sample_problem
 from mrts.scaling.limit_use import limit_uses
 from mrts.scaling.range import intersect
 from mrts.viewer.panel import moment_html, outcome_html, speed_html
@@ -62,26 +59,6 @@ def test_a_sample_is_red_exactly_outside_its_own_range(make, arms, tmp_path):
         size = 1 + max(np.max(np.abs(state.trajectory.torque)), np.max(np.abs(state.trajectory.wrench)))
         assert max(checked.arms, checked.object) < 1e-9 * size
     assert True in seen
-
-
-@pytest.mark.quick
-def test_beyond_the_range_limits_are_passed_by_the_least_share(planar_cell, lift):
-    state = PlayerState(planar_cell, lift)
-    state.choose_speed(1.1 * state.trajectory.c)
-    assert not state.admissible
-    problem = build_sample_problem(motion_rows(planar_cell, state.result.motion))
-    c2, count = state.trajectory.c2, 0
-    for sample in range(0, problem.samples, 5):
-        A, given = problem.A[sample], problem.A[sample][:, -1] * c2
-        s = np.ones((len(A), 1))
-        rows = np.concatenate([np.hstack([A[:, :-1], -s]), np.hstack([-A[:, :-1], -s])])
-        limits = np.concatenate([problem.upper[sample] - given, given - problem.lower[sample]])
-        bounded = np.isfinite(limits)
-        cost = np.append(np.zeros(A.shape[1] - 1), 1.0)
-        found = linprog(cost, rows[bounded], limits[bounded], bounds=[(None, None)] * (len(cost) - 1) + [(0, None)])
-        assert state.excess[sample] == pytest.approx(found.fun, rel=1e-5, abs=1e-8)
-        count += found.fun > 0
-    assert count >= 2
 
 
 def test_torques_pass_the_end_of_the_range_without_a_jump(dual_ur5, lift_and_turn):

@@ -7,7 +7,6 @@ import lxml.html
 import numpy as np
 import pytest
 import viser
-from cell_bank import random_planar_cell, random_spatial_cell
 from conftest import DATA, UR5
 from scipy.spatial.transform import Rotation
 from shipped_cells import shipped
@@ -20,8 +19,6 @@ from mrts.cli import main
 from mrts.plots.limit_shares import limit_shares
 from mrts.plots.plot import Axis, Line, Panel
 from mrts.plots.plotly_drawer import MOST_SAMPLES
-from mrts.scene.arm_meshes import bars
-from mrts.scene.cell_shapes import joint_points
 from mrts.scene.scene import OVER_LIMIT
 from mrts.viewer.choices import Given, Place
 from mrts.viewer.controls import DECIMALS, assign
@@ -229,58 +226,11 @@ def test_between_samples_hands_stay_at_their_grasps_and_a_pause_is_a_sample(spat
     viewer.step(FRAME)
     np.testing.assert_array_equal(drawn(spatial, "/carried").position, course.position[state.sample])
     np.testing.assert_allclose(turned(drawn(spatial, "/carried")), course.rotation[state.sample], atol=1e-12)
-
-
-def assert_links_join(viewer, robot, line):
-    """The middle of each bar, as the page moves it, is between neighbours of a line, unless the next joint slides."""
-    seen = 0
-    for number, part in enumerate(bars(robot, (1, 2, 3))):
-        slides = (*robot.joint_types, "tip")[part.body] == "prismatic"
-        frame = drawn(viewer, f"/arms/{robot.name}/body{part.body}")
-        mesh = drawn(viewer, f"/arms/{robot.name}/body{part.body}/mesh{number}")
-        assert np.isfinite(mesh.vertices).all()
-        if part.marks or slides:
-            continue
-        middle = turned(frame) @ np.mean(mesh.vertices, axis=0) + frame.position
-        between = line[part.body : part.body + 2]
-        is_ball = number == 0
-        np.testing.assert_allclose(middle, between[0] if is_ball else np.mean(between, axis=0), atol=SINGLE)
-        seen += not is_ball
-    assert seen > 0
-
-
-@pytest.mark.parametrize(("make", "arms"), [(random_planar_cell, 3), (random_spatial_cell, 1)])
-def test_what_is_drawn_follows_the_time(make, arms, tmp_path):
-    """Arrows start at the contacts of the moving object, as long as the panel states; sliding joints too."""
-    case = make(np.random.default_rng([11, arms]), tmp_path, arms)
-    with shown_viewer(Given(case.cell, case.motion)) as viewer:
-        state, scene = viewer.shown.state, viewer.shown._scene  # noqa: SLF001 (what it is drawn by)
-        cell, moved = state.result.cell, state.result.motion.object
-        for name, at in (("/start", 0), ("/goal", -1)):
-            assert len(drawn(viewer, name).points) >= 12  # sides of a box
-            np.testing.assert_allclose(drawn(viewer, name).position, moved.position[at])
-        for sample in (0, 4, 10):
-            viewer.controls["time [s]"].value = float(state.trajectory.time[sample])
-            viewer.shown.step(0.0)
-            assert state.sample == sample
-            arrows = drawn(viewer, "/carried/forces").points
-            arrows = moved.position[sample] + arrows @ moved.rotation[sample].T
-            contacts, sizes = [], []
-            for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
-                contacts.append(moved.position[sample] + moved.rotation[sample] @ robot.T_object_tip.p)
-                line = joint_points(robot, state.result.motion.q[sample : sample + 1, joints])[0]
-                np.testing.assert_allclose(line[-1], contacts[-1], atol=1e-6)
-                assert_links_join(viewer, robot, line)
-                force = state.trajectory.wrench[sample, cell.wrench_slices[robot.name]]
-                sizes.append(np.linalg.norm(force[[unit == "N" for unit in cell.wrench_units]]))
-            for start, end in arrows:
-                index = int(np.argmin(np.linalg.norm(contacts - start, axis=1)))
-                np.testing.assert_allclose(start, contacts[index], atol=SINGLE)
-                length = np.linalg.norm(end - start) / scene.metres_per_newton
-                assert length == pytest.approx(sizes[index], rel=1e-4, abs=1e-3)
-            np.testing.assert_allclose(drawn(viewer, "/carried").position, moved.position[sample])
-            np.testing.assert_allclose(turned(drawn(viewer, "/carried")), moved.rotation[sample], atol=1e-12)
-        assert scene.metres_per_newton == float(f"{scene.metres_per_newton:.0e}")  # one digit
+    moment = course.moment(state.sample)
+    for robot, (R, p) in zip(state.result.cell.robots, moment.bodies, strict=True):
+        frame = drawn(spatial, f"/arms/{robot.name}/body{len(robot.joints)}")
+        np.testing.assert_allclose(frame.position, p[-1], atol=SINGLE)
+        np.testing.assert_allclose(turned(frame), R[-1], atol=1e-9)
 
 
 @pytest.mark.parametrize("spoil", ["gone", "broken", "http"])

@@ -4,9 +4,6 @@ import pytest
 from conftest import DATA
 from viewer_browser import chromium, interrupt, open_page, running_viewer
 
-import mrts
-from mrts.viewer.time_plots import time_panels
-
 assert chromium  # a fixture, imported for pytest
 
 FILES = DATA / "cell.yaml", DATA / "lift.yaml"
@@ -35,12 +32,6 @@ LAID_OUT = """() => {
 }"""
 """Whether the panel covers no scene, and cuts no text and no plot."""
 
-OFF = """() => Math.max(...[...document.querySelectorAll('.u-over')].map(over => {
-    const share = parseFloat(getComputedStyle(document.documentElement).getPropertyValue('--mrts-cursor'));
-    return Math.abs(parseFloat(getComputedStyle(over, '::after').left) - share * over.clientWidth);
-}))"""
-"""How far the cursor of some plot is from where its style sheet says [pixels]."""
-
 RESET = "Reset all changes"
 
 TOPS = """() => [...document.querySelectorAll('.mantine-Slider-root, [role=tab], [role=combobox], button')]
@@ -55,14 +46,6 @@ def waits_for(page, kind, words):
     """Until a text has some words; the page's own time limit applies."""
     page.wait_for_function(
         "([kind, words]) => document.querySelector(`[data-text=${kind}]`)?.innerText.includes(words)", arg=[kind, words]
-    )
-
-
-def is_other(page, kind, before, *, same=False):
-    """Wait until a text is another one, or that one again."""
-    page.wait_for_function(
-        f"([kind, text]) => (document.querySelector(`[data-text=${{kind}}]`).innerText == text) == {str(same).lower()}",
-        arg=[kind, before],
     )
 
 
@@ -139,29 +122,4 @@ def test_numbers_keep_the_point_that_is_typed_and_no_control_moves(chromium):
             waits_for(page, kind, words)
             page.wait_for_selector("[data-text=computing]", state="detached")
             assert page.evaluate(TOPS) == before, label
-        assert page.problems == []
-
-
-@pytest.mark.slow
-def test_plots_follow_a_saved_result(chromium, lifted, tmp_path):
-    mrts.save_result(lifted, tmp_path / "fast.npz")
-    with running_viewer(tmp_path / "fast.npz") as (_, url), open_page(chromium, url) as page:
-        start = text(page, "moment")
-        page.wait_for_selector(".uplot canvas")
-        titles = page.locator("[data-plot]:not([data-plot=names])")
-        plots = titles.evaluate_all("all => all.map(each => each.dataset.plot)")
-        assert plots == [*time_panels(lifted)]
-        assert page.locator(".uplot canvas").count() == len(plots)
-        assert page.evaluate(OFF) < 1
-        press(page, "Play")
-        is_other(page, "moment", start)
-        press(page, "Pause")
-        page.get_by_role("button", name="Play", exact=True).wait_for()
-        held = text(page, "moment")
-        page.wait_for_timeout(300)
-        assert text(page, "moment") == held
-        assert page.evaluate(OFF) < 1
-        for width in (900, 500, 1400):
-            page.set_viewport_size({"width": width, "height": 700})
-            page.wait_for_function(LAID_OUT)
         assert page.problems == []

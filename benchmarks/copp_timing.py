@@ -1,4 +1,4 @@
-"""Timing of one arm with limited velocity, torque and jerk by copp's third-order solver, for tests and benchmarks.
+"""Timing of one arm with limited velocity, torque and jerk by copp's third-order solver.
 
 As its authors advise: the second-order optimum is the first linearisation and an upper end of ṡ², and the answer is
 linearised about once more, with both of its profiles.
