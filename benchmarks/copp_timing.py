@@ -5,9 +5,13 @@ linearised about once more, with both of its profiles.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import copp_py as copp
 import numpy as np
+from jerk_paths import JerkPath
+
+import mrts
 
 ROUNDS = 2
 REST = (0.0, 0.0)
@@ -23,7 +27,7 @@ class PathProfile:
     jerk: np.ndarray
     duration: float
 
-    def excess(self, path):
+    def excess(self, path: JerkPath) -> list[float]:
         """The largest overstepping of velocity, torque and jerk limits, each as a share of its limit."""
         first, second, third = (path.at(self.s, order) for order in (1, 2, 3))
         speed, (most_speed, most_torque, most_jerk) = np.sqrt(self.square)[:, None], path.limits
@@ -36,7 +40,7 @@ class PathProfile:
         return [float(np.max(share)) - 1 for share in shares]
 
 
-def constraints_of(path, nodes):
+def constraints_of(path: JerkPath, nodes: int) -> tuple[Any, np.ndarray]:
     """Copp's robot at evenly spaced points of a path, with its limits, and the points."""
     s = np.linspace(0, 1, nodes)
     derivatives = [np.ascontiguousarray(path.at(s, order)) for order in range(4)]
@@ -50,7 +54,7 @@ def constraints_of(path, nodes):
     return robot, s
 
 
-def by_copp(path, nodes, rounds=ROUNDS):
+def by_copp(path: JerkPath, nodes: int, rounds: int = ROUNDS) -> tuple[Any, np.ndarray, float]:
     """Copp's profile and duration [s]."""
     robot, s = constraints_of(path, nodes)
     profile = third_order(robot, nodes, rounds)
@@ -58,7 +62,7 @@ def by_copp(path, nodes, rounds=ROUNDS):
     return profile, s, duration
 
 
-def third_order(robot, nodes, rounds=ROUNDS):
+def third_order(robot: Any, nodes: int, rounds: int = ROUNDS) -> Any:
     """Linearisations one after the other, the first about the second-order optimum."""
     second = copp.solver.topp2_ra.Problem(robot.constraints, idx_s_interval=(0, nodes - 1), a_boundary=REST)
     a, b = copp.solver.topp2_ra.solve(second, copp.solver.topp2_ra.Options()), None
@@ -72,7 +76,7 @@ def third_order(robot, nodes, rounds=ROUNDS):
     return profile
 
 
-def dense(profile, s, duration, points):
+def dense(profile: Any, s: np.ndarray, duration: float, points: int) -> PathProfile:
     """Copp's profile between its points: s̈ linear along s, but a constant s⃛ in the segments at rest."""
     a, b, (start, end), h = profile.a, profile.b, profile.num_stationary, np.diff(s)
     share, n = np.linspace(0, 1, points), len(s)
@@ -90,7 +94,7 @@ def dense(profile, s, duration, points):
     return PathProfile(*(np.concatenate(column) for column in zip(*parts, strict=True)), duration)
 
 
-def dense_of_ours(found, path, points):
+def dense_of_ours(found: mrts.RetimingResult, path: JerkPath, points: int) -> PathProfile:
     """Our profile between its nodes, the second derivative of its parameter linear along it; the path is exact."""
     (piece,) = found.pieces
     sigma, away = piece.piece.path.object.time, np.linspace(0, 1, points)

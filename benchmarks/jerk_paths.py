@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,34 +36,35 @@ class JerkPath:
     model: Any
     coefficients: np.ndarray
 
-    def at(self, s, order=0):
-        """q or one of its derivatives by s, Shape (n, m)."""
+    def at(self, s: np.ndarray | float, order: int = 0) -> np.ndarray:
+        """Joint positions or one of its derivatives by s, Shape (n, m)."""
         derived = chebyshev.chebder(self.coefficients, order, 2.0) if order else self.coefficients
         return chebyshev.chebval(2 * np.asarray(s) - 1, derived).T
 
-    def torque(self, q, dq, ddq):
+    def torque(self, q: np.ndarray, dq: np.ndarray, ddq: np.ndarray) -> np.ndarray:
+        """Inverse dynamics by Pinocchio [N m]."""
         return pin.rnea(self.model, self.data, configuration(self.model, q), dq, ddq)
 
     @property
-    def limits(self):
+    def limits(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Largest |q̇|, |τ| and |q⃛|, each Shape (m,)."""
         robot = self.cell.robots[0]
         return robot.velocity_limit, robot.torque_upper, robot.motors.jerk
 
-    def motion(self, nodes):
+    def motion(self, nodes: int) -> mrts.CoordinatedMotion:
         """The path over the time of a quintic of its arc length, 1 s, as a motion of the cell that knows its course."""
         time, joints = np.linspace(0, 1, nodes), range(self.coefficients.shape[1])
         course = JointCourse(tuple(JointSplines(JointAlong(self, joint)) for joint in joints), closed=False)
         return replace(carried_by_first(self.cell, time, *self.by_time(time)), course=course)
 
-    def by_time(self, time):
-        """q and its first two derivatives by the time of that quintic, each Shape (n, m)."""
+    def by_time(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Joint positions and its first two derivatives by the time of that quintic, each Shape (n, m)."""
         s, v, a, _ = (part[:, None] for part in self.course(time))
         first, second = self.at(s[:, 0], 1), self.at(s[:, 0], 2)
         return self.at(s[:, 0]), first * v, second * v**2 + first * a
 
-    def course(self, time):
-        """s and its first three derivatives by the time of that quintic, each Shape (n,)."""
+    def course(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The place s and its first three derivatives by the time of that quintic, each Shape (n,)."""
         s, (_, speed, change, jerk) = self.s_at(time), (self.arc(1.0) * part for part in quintic(time))
         q1, q2, q3 = (self.at(s, order) for order in (1, 2, 3))
         pace = np.sqrt(np.mean(q1**2, axis=1))
@@ -72,8 +74,8 @@ class JerkPath:
         a = (change - rise * v**2) / pace
         return s, v, a, (jerk - 3 * rise * v * a - bend * v**3) / pace
 
-    def s_at(self, time):
-        """s by the time of that quintic, Shape (n,)."""
+    def s_at(self, time: np.ndarray | float) -> np.ndarray:
+        """The place s by the time of that quintic, Shape (n,)."""
         gone = self.arc(1.0) * quintic(time)[0]
         s = np.interp(gone, self.arc(FINE), FINE)
         for _ in range(NEWTON_STEPS):
@@ -81,12 +83,13 @@ class JerkPath:
         return s
 
     @cached_property
-    def arc(self):
+    def arc(self) -> Any:
         """Arc length by s."""
         return CubicSpline(FINE, np.sqrt(np.mean(self.at(FINE, 1) ** 2, axis=1))).antiderivative()
 
     @cached_property
-    def data(self):
+    def data(self) -> Any:
+        """Of the model."""
         return self.model.createData()
 
 
@@ -97,17 +100,18 @@ class JointAlong:
     path: JerkPath
     joint: int
 
-    def __call__(self, time, order=0):
+    def __call__(self, time: np.ndarray, order: int = 0) -> np.ndarray:
+        """Positions, velocities or accelerations of the joint."""
         return self.path.by_time(np.asarray(time))[order][:, self.joint]
 
 
-def quintic(z):
+def quintic(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """The quintic from 0 to 1 at rest with no acceleration at its ends, and its three derivatives."""
     s = z**3 * (10 - 15 * z + 6 * z**2)
     return s, 30 * z**2 * (1 - z) ** 2, 60 * z * (1 - z) * (1 - 2 * z), 60 * (1 - 6 * z + 6 * z**2)
 
 
-def jerk_path(robot, seed, folder):
+def jerk_path(robot: str, seed: int, folder: Path) -> JerkPath:
     """A random path of a published robot: its own velocity and torque limits, a random jerk limit, no friction."""
     rng = np.random.default_rng([seed, *robot.encode()])
     reference, tip = CASES[robot]

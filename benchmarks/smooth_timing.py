@@ -25,8 +25,8 @@ from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import StepsTaken, successive_steps
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "cases"))
-import copp_timing  # noqa: E402
-from jerk_paths import JerkPath, jerk_path  # noqa: E402 (its robots are a case of the tests)
+import copp_timing
+from jerk_paths import JerkPath, jerk_path
 
 ROBOTS = {"ur5": 0, "panda": 1}
 """Published robots, and which of their paths is measured."""
