@@ -1,13 +1,15 @@
-"""The command line as a user runs it."""
+"""The command line as a user runs it: files, options, exit codes of `mrts scale` and `mrts identify`."""
 
 import json
 import shutil
 
 import numpy as np
 import pytest
+import yaml
 from command_line import mrts_command, mrts_process
 from conftest import DATA, UR5
-from shipped_cells import changed_cell
+from motor_recordings import exact_recording, random_motors, write_recording
+from shipped_cells import cell_file, changed_cell, shipped
 
 import mrts
 from mrts.cli import main
@@ -129,3 +131,74 @@ def test_no_output_overwrites_a_file_that_was_read(tmp_path, monkeypatch, capsys
     shutil.copytree(UR5, "dual")
     assert main(["place", "dual/place.yaml", "-o", "dual/poor_cell.yaml"]) == 2
     assert capsys.readouterr().out == ""  # before the search
+
+
+CELL, LIFT = str(DATA / "cell.yaml"), str(DATA / "lift.yaml")
+SMOOTH = ("scale", CELL, LIFT, "--profile", "smooth", "--rates", "11.5")
+
+
+@pytest.fixture(scope="module")
+def rated(tmp_path_factory):
+    """The shipped cell with torque rates in its file."""
+    motors = {"torque_rate": [1150, 920, 575]}
+    return str(cell_file(tmp_path_factory.mktemp("rated"), shipped(motors=motors)))
+
+
+def answered(capsys, *words):
+    assert main([*words, "--json", "-"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.quick
+def test_the_smooth_profile_is_that_of_the_library(planar_cell, lift, tmp_path, capsys):
+    table, saved = tmp_path / "smooth.csv", tmp_path / "smooth.npz"
+    found = mrts.retime(planar_cell, lift, rates=11.5)
+    output = answered(capsys, *SMOOTH, "--csv", str(table), "--save", str(saved))
+    assert output == found.to_json()
+    assert output["smooth"]["bound"] < output["duration"]
+    rows = np.genfromtxt(table, delimiter=",", names=True, deletechars="")
+    assert rows["t"][-1] == pytest.approx(found.duration, abs=2e-3)  # and a row at rest
+    assert mrts.load_result(saved).to_json() == output
+    assert main([*SMOOTH]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("planar_dual_arm: the smooth timing takes 0.335")
+    assert "It takes 1 % longer than a local optimum" in said
+
+
+@pytest.mark.quick
+def test_rates_of_the_cell_file_need_no_number(rated, capsys):
+    duration = answered(capsys, *SMOOTH)["duration"]
+    for words in ((), ("--rates", "cell")):
+        found = answered(capsys, "scale", rated, LIFT, "--profile", "smooth", *words)
+        assert found["duration"] == pytest.approx(duration), words
+
+
+@pytest.mark.quick
+def test_the_constant_factor_keeps_rates_too(capsys):
+    free, kept = answered(capsys, "scale", CELL, LIFT), answered(capsys, "scale", CELL, LIFT, "--rates", "3")
+    assert kept["c2"]["upper"] < free["c2"]["upper"]
+
+
+def test_energy_is_weighed_or_least_within_a_duration(capsys):
+    weighed = answered(capsys, *SMOOTH, "--weights", "1", "--weigh", "time=1,energy=1e-4")
+    assert weighed["smooth"]["goal"] == {"time": 1.0, "energy": 1e-4, "longest": None}
+    within = answered(capsys, *SMOOTH, "--least-energy-in", "0.4")
+    assert within["duration"] == pytest.approx(0.4, rel=1e-6)
+    assert main([*SMOOTH, "--least-energy-in", "0.1"]) == 1
+    assert capsys.readouterr().out.startswith("planar_dual_arm: duration too short: the motion cannot be done in 0.1 s")
+
+
+@pytest.mark.quick
+def test_motors_are_written_with_figures(planar_cell, tmp_path):
+    target, plots, motors = tmp_path / "motors.yaml", tmp_path / "plots", random_motors(6)
+    table = write_recording(tmp_path / "whole.csv", *exact_recording(planar_cell, motors, rate=200))
+    done = mrts_command("identify", DATA / "cell.yaml", table, "-o", target, "--plot", plots)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("planar_dual_arm: 18 of 18 parameters of the motors of left, right identified\n")
+    blocks = [robot["motors"] for robot in yaml.safe_load(target.read_text())["robots"]]
+    for key, values in (("coulomb", motors.coulomb), ("viscous", motors.viscous)):
+        found = np.concatenate([block["friction"][key] for block in blocks])
+        np.testing.assert_allclose(found, values, rtol=1e-3)
+    armature = np.concatenate([block["armature"] for block in blocks])
+    np.testing.assert_allclose(armature, motors.armature, rtol=2e-3)
+    assert sorted(path.name for path in plots.iterdir()) == ["motors_left.png", "motors_right.png"]

@@ -1,13 +1,17 @@
-"""The documentation: pages that show how something is done are done, and the reference and the site are whole."""
+"""The documentation: pages and recipes are done as they stand; reference, site and package are whole."""
 
 import importlib
 import re
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
+import mrts_codegen
 import pytest
 from conftest import ROOT
 from page_runner import Page
+from recipe import Recipe
 
 import mrts
 from mrts.cli import COMMANDS
@@ -74,3 +78,38 @@ def test_users_import_from_mrts_or_a_package_of_it():
             assert name.count(".") == 1 or name.startswith("mrts.plots.") or name.split(".")[1] in mrts.__all__, name
         for package in re.findall(r"^from (mrts\.\w[\w.]*) import", text, re.MULTILINE):
             assert hasattr(importlib.import_module(package), "__all__"), package
+
+
+PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+RECIPES = dict(re.findall(r"^## (\d\. [^\n]+)\n(.*?)(?=^## |\Z)", PAGE, re.MULTILINE | re.DOTALL))
+MOST_FILES = 3
+
+
+@pytest.mark.slow
+def test_each_recipe_does_what_it_promises_in_three_files_and_all_of_them_keep_the_house_rules(tmp_path):
+    whole = Recipe("", tmp_path).copy(ROOT)
+    for title, text in RECIPES.items():
+        followed = Recipe(text, tmp_path).follow()
+        assert followed.ran > 0, title
+        assert 1 <= len(followed.touched) <= MOST_FILES, (title, sorted(followed.touched))
+        followed.undo()
+    for text in RECIPES.values():
+        whole.touched |= Recipe(text, tmp_path).follow(run=False).touched
+    whole.check()
+
+
+def test_this_environment_runs_this_folder():
+    for package in (mrts, mrts_codegen):
+        assert Path(package.__file__).resolve().is_relative_to(ROOT), package.__file__
+
+
+def shipped_files(folder):
+    return [path for path in (ROOT / folder).rglob("*") if path.is_file() and path.parent.name != "__pycache__"]
+
+
+@pytest.mark.parametrize(("package", "folder"), [("mrts", "mrts"), ("mrts_codegen", "codegen")])
+def test_every_other_file_is_package_data(package, folder):
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    patterns = project["tool"]["setuptools"]["package-data"][package]
+    found = {path for pattern in patterns for path in (ROOT / folder).glob(pattern)}
+    assert found == {path for path in shipped_files(folder) if path.suffix != ".py"}
