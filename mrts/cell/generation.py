@@ -169,14 +169,6 @@ def comes_with_tests(parts: tuple[str, ...]) -> bool:
     return not parts or is_whole(parts)
 
 
-def symbolic_functions(description: object, folder: Path) -> dict[str, Any]:
-    """CasADi's functions of a cell by short name, to build programs of."""
-    from mrts_codegen.function_registry import build_functions  # noqa: PLC0415 (build time, on demand)
-
-    functions: dict[str, Any] = build_functions(described_model(description, folder), CACHED_STEM)
-    return functions
-
-
 def emitted(functions: dict[str, Any]) -> str:
     """The C text of CasADi's functions by short name."""
     from mrts_codegen.generate import emit_c  # noqa: PLC0415 (build time, on demand)

@@ -13,7 +13,6 @@ from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
 from mrts.cell.cell import Cell
 from mrts.cell.number_paths import Keys
-from mrts.studies.parameters import Target
 from mrts.studies.study import Study
 
 LARGEST, LARGEST_ANGLE = 1e6, 1e3
@@ -70,15 +69,16 @@ class Entry:
 
 def varied_entries(study: Study, cell: Cell) -> tuple[Entry, ...] | None:
     """The places that the parameters of a study set; None where one sets what has no array here."""
-    targets = [(target, column) for column, each in enumerate(study.parameters) for target in each.targets]
-    entries = [target_entries(target, column, study, cell) for target, column in targets]
-    return tuple(entry for places in entries for entry in places) if all(entries) else None
-
-
-def target_entries(target: Target, column: int, study: Study, cell: Cell) -> list[Entry]:
-    """The places that a target of a parameter, which has a column, sets; none where it has no array here."""
-    places = _places(target.keys, study, cell)
-    return [Entry(column, name, index, sign * target.factor, sign * target.offset) for name, index, sign in places]
+    entries: list[Entry] = []
+    for column, parameter in enumerate(study.parameters):
+        for target in parameter.targets:
+            places = _places(target.keys, study, cell)
+            if not places:
+                return None
+            entries += [
+                Entry(column, name, at, sign * target.factor, sign * target.offset) for name, at, sign in places
+            ]
+    return tuple(entries)
 
 
 def _places(keys: Keys, study: Study, cell: Cell) -> list[tuple[str, tuple[int, ...], float]]:

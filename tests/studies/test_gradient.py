@@ -1,4 +1,4 @@
-"""The program of a layout says of c²⁺ and its change what `mrts.scale` and its central differences say."""
+"""The program of a step says of the change of c²⁺ what central differences of `mrts.scale` say."""
 
 import numpy as np
 import pytest
@@ -12,13 +12,10 @@ STEP = 1e-5
 1e-12, over it."""
 
 SAME_SLOPE = 1e-5
-"""Of ∂ ln c²⁺/∂θ [1/m, 1/rad]: what differences leave, and IPOPT's tolerance of 1e-8."""
-
-SAME_C2 = 1e-7
-"""Share of c²⁺: ten times IPOPT's tolerance."""
+"""Of ∂ ln c²⁺/∂θ [1/m, 1/rad]: what differences leave, of `scale` and of the program's rows."""
 
 SAMPLES = 41
-"""Of a motion here: the program has the rows of all of them."""
+"""Of a motion here."""
 
 UR5_VARY = {
     "distance": {"sets": {"robots.left.base.xyz[0]": -1, "robots.right.base.xyz[0]": 1}, "from": 0.65, "to": 0.85},
@@ -96,9 +93,7 @@ def test_the_slope_is_that_of_scale(case, tmp_path):
         one_sided = np.log(around / c2) * [1, -1] / STEP
         if np.max(np.abs(one_sided[:, 0] - one_sided[:, 1])) > 1e-2:
             continue  # a kink: another row binds on the other side
-        answer = layouts.program_at(values)
-        assert answer.solved
-        assert answer.c2 == pytest.approx(c2, rel=SAME_C2)
-        np.testing.assert_allclose(answer.slope, np.mean(one_sided, axis=1), atol=SAME_SLOPE, rtol=SAME_SLOPE)
-        slopes.append(answer.slope)
+        slope = layouts.slope(values)
+        np.testing.assert_allclose(slope, np.mean(one_sided, axis=1), atol=SAME_SLOPE, rtol=SAME_SLOPE)
+        slopes.append(slope)
     assert np.max(np.abs(slopes)) > 0.1

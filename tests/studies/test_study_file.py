@@ -15,7 +15,6 @@ from study_files import planar_study
 import mrts
 from mrts.cell.number_paths import numbers_below, path_text, value_at
 from mrts.studies.distributions import Distribution
-from mrts.studies.layout.layout_numbers import LayoutNumbers
 from mrts.studies.sampling import grid_size, sample_points
 from mrts.studies.variant_numbers import base_numbers, varied_entries
 from mrts.studies.variant_rows import solve_variants
@@ -182,8 +181,6 @@ def test_a_tip_goes_on_looking_where_its_hand_moves(study, planar_cell):
     assert varied_entries(one, planar_cell) is None
     cell = mrts.Cell.from_description(one.descriptions(np.array([1.1]))[0], folder=one.folder)
     np.testing.assert_allclose(cell.robots[0].T_object_tip.R[:, 0], [0.5**0.5, -(0.5**0.5), 0], rtol=1e-12)
-    with pytest.raises(mrts.InputError, match="poses by xyz and rpy"):
-        LayoutNumbers.of(one, planar_cell)
 
 
 QUANTILE_TOLERANCE = 1e-12

@@ -1,6 +1,6 @@
 """Studies of layouts: files, and what `mrts.scale` says of a layout by itself."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +9,7 @@ import yaml
 
 import mrts
 from mrts.base.arrays import Array
-from mrts.cell.generation import symbolic_functions
-from mrts.studies.layout.layout_numbers import LayoutNumbers
-from mrts.studies.layout.layout_program import LayoutAnswer, solve_layout
+from mrts.studies.layout.place import LayoutSearch
 
 DATA = Path(mrts.__file__).parent / "data"
 
@@ -53,10 +51,9 @@ class Layouts:
             return -np.inf
         return found.upper.c2 if found.status.admits_motion else -np.inf
 
-    def program_at(self, values: Array) -> LayoutAnswer:
-        """The program with its layout held fixed: c²⁺ there, and how it changes."""
-        result = self.result(values)
-        numbers = replace(LayoutNumbers.of(self.study, result.cell), lower=values, upper=values)
-        functions = symbolic_functions(self.study.cell, self.study.folder.absolute())
-        samples = np.arange(result.motion.samples)
-        return solve_layout(functions, numbers, values, result, samples)
+    def slope(self, values: Array) -> Array:
+        """What the program of a step says of the change of ln c²⁺, Shape (P,)."""
+        search = LayoutSearch(self.study)
+        layout = search.tried(values)
+        assert layout is not None
+        return search.program(layout).slope

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""The best layout of a study: a small sweep for starts, IPOPT from the best of them, `scale` for the last word.
+"""The best layout of a study: a small sweep for starts, steps of linear programs from the best of them.
 
-What a program promises counts only as far as the cell then does it.
+What a program promises counts only as far as `scale` then says that the cell does it.
 """
 
 from collections.abc import Callable
@@ -10,30 +10,31 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MotionError, MrtsError
 from mrts.base.held_interrupt import held_interrupt
 from mrts.cell.cell import Cell
-from mrts.cell.generation import symbolic_functions
+from mrts.cell.number_paths import value_at
 from mrts.collisions.clearance import clearance_remarks
+from mrts.following.coordinate import coordinate
 from mrts.motion.motion_file import MotionDescription, sample_motion
 from mrts.motion.object_motion import ObjectMotion
 from mrts.program.excess import BETWEEN, checked_tolerance
+from mrts.program.motion_rows import motion_rows
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.studies.distributions import Distribution
-from mrts.studies.layout.layout_numbers import LayoutNumbers
-from mrts.studies.layout.layout_program import LayoutAnswer, solve_layout
+from mrts.studies.layout.layout_program import LayoutProgram
 from mrts.studies.layout.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.studies.sampling import sample_points
 from mrts.studies.study import Study
 from mrts.studies.study_file import read_study
 
 STARTS = 3
-"""Layouts from which IPOPT searches, the best of those that were looked at."""
+"""Layouts from which a search begins, the best of those that were looked at."""
 
 LOOKED_AT = 64
 """Layouts that are looked at for starts."""
@@ -43,20 +44,40 @@ MAX_LAYOUTS = 100_000
 
 SEED = 17
 
-COARSE_SAMPLES = 25
-"""Samples of the first program; samples that turn out to bind are added."""
+DIGITS = 5
+"""Decimals of the numbers of an answer: 10 µm and 10 µrad, less than anyone can set up."""
 
-MAX_ROUNDS = 6
-"""Most programs from one start."""
+SAME_PLACE = 1e-9
+"""Largest difference of numbers that are the same [m, rad]."""
 
-MISSING_SAMPLE = 1e-4
-"""Share by which c²⁺ of all samples may be less than that of the program's: then no sample between is missing."""
+DIFFERENCE = 1e-6
+"""Step in a number by which changes of rows are read off [m, rad]: their error is of its size, and rounding 1e-6."""
+
+NEAR = 2.0
+"""Samples whose own c²⁺ is up to this many times that of the motion are in the program: no step raises it as far."""
+
+FIRST_REACH, LEAST_REACH = 0.25, 1e-4
+"""How far a step may change a number, as a share of its range: at first, and where the search ends."""
+
+MAX_STEPS = 60
+"""From one start; ten to thirty are usual."""
+
+WORTH_A_STEP = 1e-7
+"""Share of c²⁺ that a program must promise."""
+
+KEPT_PROMISE = 0.5
+"""Share of a promise which a step that may go further keeps."""
 
 OTHER_POSITIONS = 1e-2
-"""Share above which it is not samples: the arms took other joint positions than the program's."""
+"""Share of c²⁺ by which a layout that does worse than promised may do so because arms took other joint positions."""
 
 POSTURE_DIGITS = 4
-"""Decimals of a posture that is written to keep the program's joint positions; it only says near which to start."""
+"""Decimals of a posture that is written to keep joint positions; it only says near which to start."""
+
+NOT_A_LAYOUT = (
+    "is no number of a layout. What mrts place moves are base, grasp and posture of robots; leave it out, or compare "
+    "its values by mrts sweep."
+)
 
 
 def place(
@@ -70,9 +91,9 @@ def place(
     """Base poses, grasps and postures, within the bounds of a study, that give the largest c²⁺.
 
     The layouts looked at first are points of a Sobol sequence between the bounds, and the layout that the cell file
-    gives. From the best of them IPOPT searches the nearest local optimum (`mrts.studies.layout.layout_program`);
-    what it finds counts only as `mrts.scale` confirms it, so the answer is never worse than the best start. Layouts in
-    which bodies collide (`mrts.clearance`) are no answer. Ctrl-C keeps the best so far.
+    gives. From the best of them steps of linear programs (`mrts.studies.layout.layout_program`) lead to the nearest
+    local optimum; each counts only as `mrts.scale` confirms it, so the answer is never worse than the best start.
+    Layouts in which bodies collide (`mrts.clearance`) are no answer. Ctrl-C keeps the best so far.
 
     Args:
         study: The study, or its file; `vary` names numbers of base, grasp or posture, each `from` and `to`.
@@ -110,7 +131,6 @@ def place(
     after = search.best_played()
     return Placement(
         study=search.study,
-        numbers=search.numbers,
         before=None if search.given is None else search.played(search.given),
         after=after,
         reason=search.failures[-1] if search.failures else "",
@@ -136,27 +156,25 @@ class LayoutSearch:
     """
 
     def __init__(self, study: Study, between: float | None = None) -> None:
-        study = study.at_hand()
-        cell = Cell.from_description(study.cell, folder=study.folder).with_limits(*study.limits)
-        self.study, self.between = study, between
-        self.numbers, self.motion = LayoutNumbers.of(study, cell), _object_motion(study)
-        self.functions = symbolic_functions(study.cell, study.folder.absolute())
-        self.machines = cell.machines
+        self.study, self.between = study.at_hand(), between
+        self.lower, self.upper = layout_bounds(study)
+        self.motion = _object_motion(study)
         self.over: Callable[[], bool] = lambda: False
         self.found: list[PlayedLayout] = []
         self.failures: list[str] = []
         self.colliding = 0
-        nearest, is_layout = self.numbers.nearest_given()
-        self.given = self._scaled(study.cell, nearest, None)
+        self.machines = self._cell(self.study.cell).machines
+        self.as_given, is_layout = _nearest_given(study)
+        self.given = self._scaled(self.study.cell, self.as_given, None)
         if self.given is not None and is_layout:
             self.found.append(self.given)
 
     def run(self, starts: int, looked_at: int, progress: Progress) -> dict[str, int]:
         """Look at layouts, and search from the best; counts those looked at, those playable, and the searches."""
         counts = {"looked_at": 0, "playable": 0, "searches": 0}
-        bounds = zip(self.numbers.lower, self.numbers.upper, strict=True)
+        bounds = zip(self.lower, self.upper, strict=True)
         points = sample_points([Distribution("uniform", pair) for pair in bounds], "sobol", SEED, (0, looked_at))
-        for values in self.numbers.rounded(points):
+        for values in self._rounded(points):
             if self.over():
                 break
             progress(counts["looked_at"], looked_at + starts)
@@ -180,17 +198,30 @@ class LayoutSearch:
             values: Of the numbers, Shape (P,).
             postures: By robot, instead of the study's [rad or m].
         """
+        return self._scaled(self._keys(values, postures), values, postures)
+
+    def _keys(self, values: Array, postures: dict[str, list[float]] | None) -> dict[str, Any]:
         keys = self.study.descriptions(values)[0]
         for robot in keys["robots"]:
             robot["posture"] = (postures or {}).get(robot["name"], robot["posture"])
-        return self._scaled(keys, values, postures)
+        return keys
+
+    def _cell(self, keys: dict[str, Any]) -> Cell:
+        return Cell.from_description(keys, folder=self.study.folder).with_limits(*self.study.limits)
+
+    def _rounded(self, values: Array) -> Array:
+        """Values as they are written, within their bounds and at a bound that they round to, Shape (…, P)."""
+        rounded = np.clip(np.round(values, DIGITS) + 0.0, self.lower, self.upper)
+        for bound in (self.lower, self.upper):
+            rounded = np.where(np.abs(values - bound) < 10.0**-DIGITS / 2, bound, rounded)
+        return rounded
 
     def _scaled(
         self, keys: dict[str, Any], values: Array, postures: dict[str, list[float]] | None
     ) -> PlayedLayout | None:
         asked = self.study.question
         try:
-            cell = Cell.from_description(keys, folder=self.study.folder).with_limits(*self.study.limits)
+            cell = self._cell(keys)
             parted = set(self.machines) - set(cell.machines)
             if parted:
                 rule = "robots '{}' and '{}' are arms of one machine: their bases move together. Let one parameter "
@@ -202,38 +233,63 @@ class LayoutSearch:
         return PlayedLayout(keys, values, None, result, postures)
 
     def improve(self, start: PlayedLayout) -> None:
-        """Search from a layout; whatever the cell can play on the way joins those that were found."""
-        samples = _coarse_samples(start)
-        best = start
-        for _ in range(MAX_ROUNDS):
-            if self.over() or not np.isfinite(best.c2):
-                return
-            answer = solve_layout(self.functions, self.numbers, best.values, best.result, samples, stop=self.over)
-            reached = self._reached(best, answer)
-            if reached is None:
-                return
-            self.found.append(reached)
-            best = max(best, reached, key=lambda playable: playable.c2)
-            short = reached.result.range.samples.upper < answer.c2 * (1 - MISSING_SAMPLE)
-            more = np.setdiff1d(np.flatnonzero(short), samples)
-            if not more.size:
-                return
-            samples = np.union1d(samples, more)
+        """Search from a layout; what the cell can play on the way joins those that were found."""
+        best, reach, program = start, FIRST_REACH, None
+        for _ in range(MAX_STEPS):
+            if self.over() or reach < LEAST_REACH or not np.isfinite(best.c2):
+                break
+            if program is None:
+                try:
+                    program = self.program(best)
+                except MrtsError as error:  # of a layout beside it
+                    self.failures.append(str(error))
+                    break
+                best = replace(best, slope=program.slope)
+            far = reach * (self.upper - self.lower)
+            lower, upper = (np.clip(best.values + side, self.lower, self.upper) for side in (-far, far))
+            change, promised = program.best_change(lower - best.values, upper - best.values)
+            if promised < best.c2 * (1 + WORTH_A_STEP):
+                break
+            reached = self._reached(best, self._rounded(best.values + change), promised)
+            gain = -1.0 if reached is None else (reached.c2 - best.c2) / (promised - best.c2)
+            reach *= 2.0 if gain > KEPT_PROMISE else 0.5 if gain > 0 else 0.25
+            if reached is not None and gain > 0:
+                best, program = reached, None
+        self.found.append(best)
 
-    def _reached(self, start: PlayedLayout, answer: LayoutAnswer) -> PlayedLayout | None:
-        """What the cell does in the layout of an answer; None where it can do nothing.
+    def program(self, layout: PlayedLayout) -> LayoutProgram:
+        """The program of a layout that can be played.
 
-        Where the study's postures lead the arms elsewhere than in the program, these are its first joint positions.
+        Raises:
+            MotionError: If the arms cannot follow in a layout beside it.
+            SolverError: If the program is not solved.
         """
-        values = self.numbers.rounded(answer.layout)
-        reached = self.tried(values)
-        if reached is None or reached.c2 < answer.c2 * (1 - OTHER_POSITIONS):
-            parts = start.result.cell.joint_slices.items()
-            postures = {name: np.round(answer.start[part], POSTURE_DIGITS).tolist() for name, part in parts}
-            again = self.tried(values, postures)
+        result = layout.result
+        near = np.flatnonzero(result.range.samples.upper <= NEAR * layout.c2)
+
+        def problems(values: Array) -> list[SampleProblem]:
+            cell = self._cell(self._keys(values, layout.postures))
+            cell = cell if self.study.question.reserve is None else cell.with_reserve(self.study.question.reserve)
+            rows = motion_rows(cell, coordinate(cell, self.motion))
+            loads = [None if point is None else point.load for point in result.loads]
+            return [build_sample_problem(rows, load=load, samples=near) for load in loads]
+
+        steps = np.where(layout.values + DIFFERENCE > self.upper, -DIFFERENCE, DIFFERENCE)
+        beside = [problems(layout.values + step) for step in np.diag(steps)]
+        return LayoutProgram(problems(layout.values), beside, steps, layout.c2)
+
+    def _reached(self, start: PlayedLayout, values: Array, promised: float) -> PlayedLayout | None:
+        """What the cell does in a layout; None where it can do nothing.
+
+        Where its postures lead the arms elsewhere than in the program, these are the first joint positions there.
+        """
+        reached = self.tried(values, start.postures)
+        if reached is None or reached.c2 < promised * (1 - OTHER_POSITIONS):
+            q, parts = start.result.motion.q[0], start.result.cell.joint_slices.items()
+            again = self.tried(values, {name: np.round(q[part], POSTURE_DIGITS).tolist() for name, part in parts})
             if again is not None and (reached is None or again.c2 > reached.c2):
-                reached = again
-        return None if reached is None else replace(reached, slope=answer.slope)
+                return again
+        return reached
 
     def best_played(self) -> PlayedLayout | None:
         """The best, and the best start, which might be better between the samples, less what moved for nothing."""
@@ -244,9 +300,8 @@ class LayoutSearch:
 
     def _settled(self, best: PlayedLayout) -> PlayedLayout:
         """The same with every number that gains nothing where the cell file has it."""
-        values, _ = self.numbers.nearest_given()
-        for place, value in enumerate(values):
-            moved = np.where(np.arange(len(values)) == place, value, best.values)
+        for place, value in enumerate(self.as_given):
+            moved = np.where(np.arange(len(self.as_given)) == place, value, best.values)
             if moved[place] != best.values[place]:
                 tried = self.tried(moved, best.postures)
                 if tried is not None and tried.c2 >= best.c2 * (1 - NO_GAIN):
@@ -282,10 +337,36 @@ def _with_trajectory(result: ScalingResult) -> ScalingResult:
     return result
 
 
-def _coarse_samples(start: PlayedLayout) -> NDArray[np.intp]:
-    count, end = start.result.motion.samples, start.result.range.upper
-    spread = np.linspace(0, count - 1, min(COARSE_SAMPLES, count)).round().astype(np.intp)
-    return np.union1d(spread, [] if end is None or end.sample is None else [end.sample]).astype(np.intp)
+def layout_bounds(study: Study) -> tuple[Array, Array]:
+    """Least and largest values of the numbers of a study that are a layout, Shape (P,) each.
+
+    Raises:
+        InputError: If it varies what is no layout, or not between two values.
+    """
+    ends = []
+    for parameter in study.parameters:
+        for target in parameter.targets:
+            if target.keys[:2] != ("cell", "robots") or target.keys[3] not in {"base", "grasp", "posture"}:
+                raise InputError(study.path, NOT_A_LAYOUT, key=f"vary: {target.path}")
+        distribution = parameter.distribution
+        if distribution.kind not in {"uniform", "steps"}:
+            rule, said = "must be given by 'from' and 'to', between which the best layout is searched.", str(parameter)
+            raise InputError(study.path, rule, key=f"vary: {parameter.path}", value=said)
+        ends.append((distribution.numbers[0], distribution.numbers[-1]))
+    lower, upper = np.array(ends).T
+    return lower, upper
+
+
+def _nearest_given(study: Study) -> tuple[Array, bool]:
+    """The values nearest to what the files have, within bounds, Shape (P,), and whether they give just that."""
+    files, values, off = {"cell": study.cell}, [], 0.0
+    for parameter, low, high in zip(study.parameters, *layout_bounds(study), strict=True):
+        factor, offset = np.array([(target.factor, target.offset) for target in parameter.targets]).T
+        given = np.array([value_at(files, target.keys) for target in parameter.targets])
+        value = np.clip(factor @ (given - offset) / (factor @ factor), low, high)
+        off = max(off, float(np.max(np.abs(offset + factor * value - given))))
+        values.append(value)
+    return np.array(values), off <= SAME_PLACE
 
 
 def _object_motion(study: Study) -> ObjectMotion:

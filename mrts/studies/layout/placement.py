@@ -16,7 +16,6 @@ from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.cell.number_paths import value_at
 from mrts.scaling.result import ScalingResult, kept_text
-from mrts.studies.layout.layout_numbers import LayoutNumbers
 from mrts.studies.study import Study
 
 NO_GAIN = 1e-9
@@ -69,7 +68,6 @@ class Placement:
 
     Attributes:
         study: The study.
-        numbers: What of it is a layout.
         before: The layout of the cell file; None if it cannot be played.
         after: The best layout within the bounds; None if none that was looked at can be played.
         reason: Why a layout that was looked at cannot be played; empty if all can.
@@ -81,7 +79,6 @@ class Placement:
     """
 
     study: Study
-    numbers: LayoutNumbers
     before: PlayedLayout | None
     after: PlayedLayout | None
     reason: str
@@ -144,7 +141,7 @@ class Placement:
         """Path, unit, value before and after of each number that the study sets, and of postures that followed."""
         assert self.after is not None  # noqa: S101 (asked for of an answer only)
         ours, theirs = ({"cell": keys} for keys in (self.study.cell, self.after.keys))
-        targets = [target for parameter in self.numbers.parameters for target in parameter.targets]
+        targets = [target for parameter in self.study.parameters for target in parameter.targets]
         moved = [
             (target.path, target.unit, float(value_at(ours, target.keys)), float(value_at(theirs, target.keys)))
             for target in targets
@@ -167,11 +164,11 @@ class Placement:
         yield ""
 
     def _bounds(self) -> Iterator[str]:
-        after, numbers = self.after, self.numbers
+        after = self.after
         if after is None or after.slope is None:
             return
-        for index, parameter in enumerate(numbers.parameters):
-            low, high, value = numbers.lower[index], numbers.upper[index], after.values[index]
+        for index, parameter in enumerate(self.study.parameters):
+            (low, *_, high), value = parameter.distribution.numbers, after.values[index]
             side = -1 if value - low <= AT_BOUND * (high - low) else 1 if high - value <= AT_BOUND * (high - low) else 0
             step, word = STEPS.get(parameter.unit, (0.01, "0.01"))
             gain = side * after.slope[index] * step
