@@ -7,7 +7,7 @@ from mrts.base.arrays import Array
 from mrts.limits.rows import RATES
 from mrts.plots.colours import COLOURS
 from mrts.plots.limit_shares import LimitShares, all_shares, played, shares_by_kind
-from mrts.plots.plot import Axis, Item, Line, Panel, Plot, Rule, look, time_axis
+from mrts.plots.plot import Axis, Item, Line, Panel, Plot, level, look, time_axis
 from mrts.scaling.result import ScalingResult
 
 NAMED = 5
@@ -40,6 +40,7 @@ def percent_panel(of: LimitShares, time: Array) -> Panel:
         label = f"{of.labels[line]}: {np.max(percent[:, line]):.3g} %"
         items.append(Line(x=time, y=percent[:, line], label=label, unit="%", steps=steps, width=1.2 if place else 2.8,
                           **look(place)))  # fmt: skip
-    items.append(Rule(at=100.0, color=COLOURS[1], dash=1))
+    x = time_axis(time)
+    items.append(level(100.0, x, color=COLOURS[1], dash=1))
     top = 1.06 * min(max(100.0, float(np.max(percent))), HIGHEST)
-    return Panel(title=of.title, x=time_axis(time), y=Axis(label="of the limit [%]", ends=(0.0, top)), items=items)
+    return Panel(title=of.title, x=x, y=Axis(label="of the limit [%]", ends=(0.0, top)), items=items)

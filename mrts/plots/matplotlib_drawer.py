@@ -19,7 +19,7 @@ from mrts.base.atomic_file import Write, write_atomically
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
 from mrts.plots.labels import LONGEST_LABEL, shortened
-from mrts.plots.plot import Axis, Band, Bars, HeatMap, Item, Line, Panel, Plot, Points, Rule
+from mrts.plots.plot import Band, HeatMap, Item, Line, Panel, Plot, Points
 
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 3)), (0, (7, 3)))
 """A second difference between lines, for print without colour."""
@@ -46,6 +46,8 @@ NARROW_LABEL = 36
 NAME_LETTERS = 72
 """Of a name beside a row, which makes the figure wider beyond `LONGEST_LABEL`."""
 
+BEHIND_TEXT = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
+
 LEGEND_DROP, SHARED_DROP = 34.0, 8.0
 """From the axes down to a legend below tick and axis labels, and without these [pt]."""
 
@@ -53,28 +55,26 @@ LEGEND_DROP, SHARED_DROP = 34.0, 8.0
 def matplotlib_figure(plot: Plot) -> Figure:
     """The plot as a figure of matplotlib, to be changed before it is written or shown."""
     columns = max(map(len, plot.rows))
-    legends = [max(_legend_lines(panel, columns) for panel in row) for row in plot.rows]
-    alone = len(plot.rows) == 1 and columns <= 2  # noqa: PLR2004 (side by side)
-    heights = [
-        max(_inches(panel, alone=alone) for panel in row) + lines * LEGEND_INCHES
-        for row, lines in zip(plot.rows, legends, strict=True)
-    ]
     longest = max((len(name) for row in plot.rows for name in row[0].y.names), default=0)
-    wide = LETTER_INCHES * max(min(longest, NAME_LETTERS) - LONGEST_LABEL, 0)
-    width = WIDTHS.get(columns, 3.6 * columns) + wide
+    width = WIDTHS.get(columns, 3.6 * columns) + LETTER_INCHES * max(min(longest, NAME_LETTERS) - LONGEST_LABEL, 0)
+    figure = Figure(layout="constrained")
     title = [textwrap.fill(line, int(13 * width), subsequent_indent="    ") for line in plot.title.splitlines()]
-    height = sum(heights) + LABEL_INCHES * len(heights) + 0.2 * "\n".join(title).count("\n") + 0.3
-    figure = Figure(figsize=(width, height), layout="constrained")
     figure.suptitle(_plain("\n".join(title)), fontsize="small", x=0.01, ha="left")
-    grid = figure.subplots(
-        len(plot.rows), columns, squeeze=False, sharex="col" if plot.shared else False, height_ratios=heights
-    )
+    grid = figure.subplots(len(plot.rows), columns, squeeze=False, sharex="col" if plot.shared else False)
+    alone, heights = len(plot.rows) == 1 and columns <= 2, []  # noqa: PLR2004 (side by side)
     for number, row in enumerate(plot.rows):
-        below = number == len(plot.rows) - 1
+        labelled, height = number == len(plot.rows) - 1 or not plot.shared, 0.0
         for axes, panel in zip(grid[number], row, strict=False):
-            _draw(axes, panel, columns, labelled=below or not plot.shared, headed=panel.title != plot.title)
+            _draw(axes, panel, NARROW_LABEL if columns > 1 else LONGEST_LABEL, labelled=labelled)
+            if panel.title and panel.title != plot.title:
+                axes.set_title(_plain(panel.title), loc="left", fontsize="small")
+            lines = _add_legend(axes, WIDTHS.get(columns, 3.6 * columns) / columns, labelled=labelled)
+            height = max(height, _inches(panel, alone=alone) + lines * LEGEND_INCHES)
         for axes in grid[number][len(row) :]:
             axes.set_axis_off()
+        heights.append(height)
+    grid[0, 0].get_gridspec().set_height_ratios(heights)
+    figure.set_size_inches(width, sum(heights) + LABEL_INCHES * len(heights) + 0.2 * "\n".join(title).count("\n") + 0.3)
     return figure
 
 
@@ -126,77 +126,37 @@ def _label(name: str, longest: int = LONGEST_LABEL) -> str:
     return _plain(f" {name}" if name.startswith("_") else name)
 
 
-def _legend_names(panel: Panel) -> list[str]:
-    names: list[str] = []
-    for item in panel.items:
-        names += [item.names[code] for code in item.found] if isinstance(item, HeatMap) else [item.label]
-    return list(filter(None, names)) + (["goes on above"] if panel.cuts() is not None else [])
-
-
-def _legend_columns(panel: Panel, columns: int) -> int:
-    longest = max((len(_label(name)) for name in _legend_names(panel)), default=0)
-    return max(1, int(WIDTHS.get(columns, 3.6 * columns) / columns / (LETTER_INCHES * longest + 0.65)))
-
-
-def _legend_lines(panel: Panel, columns: int) -> int:
-    return -(-len(_legend_names(panel)) // _legend_columns(panel, columns))
-
-
-def _draw(axes: Axes, panel: Panel, columns: int, *, labelled: bool, headed: bool) -> None:
-    _scale(axes, panel)
-    for item in panel.items:
+def _draw(axes: Axes, panel: Panel, longest: int, *, labelled: bool) -> None:
+    axes.margins(x=0)
+    axes.set(xlabel=_label(panel.x.label, longest) if labelled else "", ylabel=_label(panel.y.label, longest))
+    axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
+    axes.set(xlim=panel.x.ends or (None, None), ylim=panel.y.ends or (None, None))
+    for item in panel.drawn:
         _add(axes, item)
-    cuts = panel.cuts()
-    if cuts is not None:
-        _add(axes, cuts)
+    if panel.y.names:
+        labels = [_label(name, NAME_LETTERS) for name in panel.y.names]
+        ticks = axes.set_yticks(range(len(labels)), labels, fontsize="small")
+        for tick, color, strong in zip(ticks, panel.y.colors, panel.y.strong, strict=True):
+            tick.label1.set(color=color, fontweight="bold" if strong else "normal")
     if panel.note:
         axes.text(0.5, 0.5, _plain(panel.note), transform=axes.transAxes, ha="center", va="center")
-    if headed and panel.title:
-        axes.set_title(_plain(panel.title), loc="left", fontsize="small")
-    longest = LONGEST_LABEL if columns == 1 else NARROW_LABEL
-    axes.set_xlabel(_label(panel.x.label, longest) if labelled else "")
-    axes.set_ylabel(_label(panel.y.label, longest))
     if not any(isinstance(item, HeatMap) for item in panel.items):
         axes.grid(visible=True, alpha=0.3, axis="x" if panel.y.names else "both")
     axes.set_axisbelow(True)
+
+
+def _add_legend(axes: Axes, width: float, *, labelled: bool) -> int:
+    """Add the legend below axes of a width [in], and tell its lines."""
     handles, labels = axes.get_legend_handles_labels()
-    if labels:
-        drop = ScaledTranslation(0, -(LEGEND_DROP if labelled else SHARED_DROP) / 72, axes.figure.dpi_scale_trans)
-        axes.legend(
-            handles,
-            labels,
-            loc="upper center",
-            bbox_to_anchor=(0.5, 0.0),
-            bbox_transform=axes.transAxes + drop,
-            fontsize="small",
-            ncols=_legend_columns(panel, columns),
-            frameon=False,
-            borderaxespad=0,
-        )
-
-
-def _scale(axes: Axes, panel: Panel) -> None:
-    axes.margins(x=0)
-    for axis, set_scale, set_ends in (
-        (panel.x, axes.set_xscale, axes.set_xlim),
-        (panel.y, axes.set_yscale, axes.set_ylim),
-    ):
-        if axis.log:
-            set_scale("log")
-        if axis.ends is not None:
-            set_ends(*axis.ends)
-    if panel.y.names:
-        _name_rows(axes, panel.y)
-
-
-def _name_rows(axes: Axes, axis: Axis) -> None:
-    rows = range(len(axis.names))
-    axes.set_yticks(rows, [_label(name, NAME_LETTERS) for name in axis.names], fontsize="small")
-    for tick, color in zip(axes.get_yticklabels(), axis.colors, strict=False):
-        tick.set_color(color)
-    for tick, strong in zip(axes.get_yticklabels(), axis.strong, strict=False):
-        tick.set_fontweight("bold" if strong else "normal")
-    axes.set_ylim(len(rows) - 0.4, -0.6)
+    if not labels:
+        return 0
+    columns = max(1, int(width / (LETTER_INCHES * max(map(len, labels)) + 0.65)))
+    drop = ScaledTranslation(0, -(LEGEND_DROP if labelled else SHARED_DROP) / 72, axes.figure.dpi_scale_trans)
+    axes.legend(
+        handles, labels, ncols=columns, loc="upper center", bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=axes.transAxes + drop, fontsize="small", frameon=False, borderaxespad=0,
+    )  # fmt: skip
+    return -(-len(labels) // columns)
 
 
 def _add(axes: Axes, item: Item) -> None:
@@ -205,15 +165,8 @@ def _add(axes: Axes, item: Item) -> None:
     elif isinstance(item, Points):
         _add_points(axes, item)
     elif isinstance(item, Band):
-        color, label = item.color, _label(item.label)
-        axes.fill_between(
-            item.x, item.lower, item.upper, color=color, alpha=item.opacity, linewidth=0, label=label or "_"
-        )
-    elif isinstance(item, Rule):
-        draw = axes.axvline if item.upright else axes.axhline
-        draw(item.at, color=item.color, linestyle=DASHES[item.dash], linewidth=1, label=_label(item.label) or "_")
-    elif isinstance(item, Bars):
-        _add_bars(axes, item)
+        look: dict[str, Any] = {"color": item.color, "alpha": item.opacity, "label": _label(item.label) or "_"}
+        axes.fill_between(item.x, item.lower, item.upper, linewidth=0, **look)
     elif item.names:
         _add_named_cells(axes, item)
     else:
@@ -222,52 +175,25 @@ def _add(axes: Axes, item: Item) -> None:
 
 def _add_line(axes: Axes, line: Line) -> None:
     style: dict[str, Any] = {"color": line.color, "linestyle": DASHES[line.dash % len(DASHES)]}
-    course = "steps-post" if line.steps else "default"
     finite = np.where(np.isfinite(line.y), line.y, np.nan)
-    label = _label(line.label) or "_"
-    axes.plot(line.x, finite, label=label, linewidth=line.width, drawstyle=course, **style)
+    drawstyle, label = "steps-post" if line.steps else "default", _label(line.label) or "_"
+    axes.plot(line.x, finite, label=label, linewidth=line.width, drawstyle=drawstyle, **style)
     for limit in line.limits:
-        if np.all(limit == limit[0]):
-            axes.axhline(limit[0], linewidth=0.7, alpha=0.8, **style)
-        else:
-            axes.plot(line.x, limit, linewidth=0.7, alpha=0.8, **style)
+        axes.plot(line.x, limit, linewidth=0.7, alpha=0.8, **style)
 
 
 def _add_points(axes: Axes, points: Points) -> None:
-    edge: dict[str, Any] = {"markeredgecolor": "black"} if points.symbol == "star" else {}
-    axes.plot(
-        points.x,
-        points.y,
-        SYMBOLS[points.symbol],
-        color=points.color,
-        markersize=SIZES[points.symbol],
-        label=_label(points.label) or "_",
-        clip_on=points.symbol == "dot",
-        zorder=5,
-        **edge,
-    )
+    (marks,) = axes.plot(points.x, points.y, SYMBOLS[points.symbol], color=points.color, zorder=5)
+    marks.set(markersize=SIZES[points.symbol], label=_label(points.label) or "_", clip_on=points.symbol == "dot")
+    if points.symbol == "star":
+        marks.set_markeredgecolor("black")
     low, high = axes.get_xlim()
     for x, y, text in zip(points.x, points.y, points.texts, strict=False):
         right = x > (low + high) / 2
         axes.annotate(
-            _plain(text),
-            (x, y),
-            xytext=(-8 if right else 8, -12 if points.below else 10),
-            textcoords="offset points",
-            ha="right" if right else "left",
-            va="center",
-            fontsize="small",
-            bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75},
-            zorder=6,
-        )
-
-
-def _add_bars(axes: Axes, bars: Bars) -> None:
-    look: dict[str, Any] = {"color": bars.color, "label": _label(bars.label) or "_"}
-    if bars.upright:
-        axes.bar(bars.place, bars.end - bars.start, bars.thickness, bars.start, **look)
-    else:
-        axes.barh(bars.place, bars.end - bars.start, bars.thickness, bars.start, **look)
+            _plain(text), (x, y), xytext=(-8 if right else 8, -12 if points.below else 10), textcoords="offset points",
+            ha="right" if right else "left", va="center", fontsize="small", bbox=BEHIND_TEXT, zorder=6,
+        )  # fmt: skip
 
 
 def _add_heat_map(axes: Axes, heat: HeatMap) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.plots.colours import ADMISSIBLE, COLOURS
-from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, Rule, one_panel
+from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, one_panel, upright
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import FastestPiece, TimedPiece, fastest_pieces
 
@@ -46,9 +46,9 @@ def phase_plane_plot(found: RetimingResult) -> Plot:
         items.append(Band(x=s, lower=sides[0], upper=sides[1], label=label, color=ADMISSIBLE, opacity=0.15))
     if fastest:
         items += _most(fastest, top)
-    items += [*lines, *(Rule(at=float(s[0]), upright=True) for s in along[1:])]
     x = Axis(label="path s (rms over the joints) [rad or m]", hover="s = {}")
     y = Axis(label="speed ṡ [rad/s or m/s]", ends=(0.0, top))
+    items += [*lines, *(upright(float(s[0]), y) for s in along[1:])]
     title = f"{found.cell.name}: speed along the path (phase plane)"
     return one_panel("phase-plane", Panel(title=title, x=x, y=y, items=items), "way")
 

@@ -19,6 +19,9 @@ from mrts.plots.colours import COLOURS
 FARTHEST_LIMIT = 4.0
 """Limits beyond this many times the largest value are left outside: the values would be flat lines."""
 
+RULE: dict[str, Any] = {"color": "#888", "width": 1.0}
+"""Look of straight lines across a panel."""
+
 MARGIN = 0.06
 """Left free above and below, as a share of what is shown."""
 
@@ -64,7 +67,7 @@ class Points:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Band:
-    """The area between two curves."""
+    """The area between two curves, with a gap where x is NaN."""
 
     x: Array
     lower: Array
@@ -72,33 +75,6 @@ class Band:
     label: str = ""
     color: str = "#ddd"
     opacity: float = 1.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Rule:
-    """A straight line across the panel: upright at an x, or level at a y."""
-
-    at: float
-    upright: bool = False
-    label: str = ""
-    color: str = "#888"
-    dash: int = 0
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Bars:
-    """Bars along an axis of names (level), or upright ones on the x axis.
-
-    `place` is the row of each level bar, its middle, or the x of an upright one.
-    """
-
-    place: Array
-    end: Array
-    start: Array | float = 0.0
-    thickness: Array | float = 0.72
-    label: str = ""
-    color: str = COLOURS[0]
-    upright: bool = False
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -125,12 +101,12 @@ class HeatMap:
         return [code for code in range(len(self.names)) if np.any(self.z == code)]
 
 
-Item = Line | Points | Band | Rule | Bars | HeatMap
+Item = Line | Points | Band | HeatMap
 
 
 @dataclass(frozen=True, kw_only=True)
 class Axis:
-    """What an axis counts, or the names along it, in rows 0, 1, … from the top.
+    """What an axis counts, or the names along it at 0, 1, … from the top (`names_axis`).
 
     Without `ends` all there is is shown. `colors` and `strong` (bold) are of the names; `hover` is what a value under
     the mouse is called, such as "t = {} s".
@@ -155,10 +131,11 @@ class Panel:
     title: str = ""
     note: str = ""
 
-    def cuts(self) -> Points | None:
-        """Where curves go on above what is shown; None where none does."""
-        if self.y.ends is None:
-            return None
+    @property
+    def drawn(self) -> list[Item]:
+        """The items, and marks where curves go on above what is shown."""
+        if self.y.ends is None or self.y.names:
+            return list(self.items)
         top, places = self.y.ends[1], [np.empty(0)]
         for item in self.items:
             if isinstance(item, Line):
@@ -169,9 +146,8 @@ class Panel:
                 share = (top - y[at]) / (y[at + 1] - y[at])
                 places.append(item.x[at] + share * (item.x[at + 1] - item.x[at]))
         x = np.concatenate(places)
-        if not x.size:
-            return None
-        return Points(x=x, y=np.full(len(x), top), symbol="up", color="#555", label="goes on above")
+        marks = Points(x=x, y=np.full(len(x), top), symbol="up", color="#555", label="goes on above")
+        return [*self.items, *([marks] if x.size else [])]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -206,6 +182,30 @@ class Plot:
 def time_axis(time: Array, label: str = "time [s]") -> Axis:
     """An axis of samples at some times, Shape (N,) [s]."""
     return Axis(label=label, ends=(float(time[0]), float(time[-1])), hover="t = {} s")
+
+
+def names_axis(names: Sequence[str], colors: Sequence[str], strong: Sequence[bool]) -> Axis:
+    """An axis of names from the top."""
+    return Axis(names=names, colors=colors, strong=strong, ends=(len(names) - 0.4, -0.6))
+
+
+def upright(at: float, y: Axis, **looks: Any) -> Line:
+    """A straight line across a panel, whose y axis has ends, at an x."""
+    assert y.ends is not None  # noqa: S101 (it is asked for)
+    return Line(x=np.full(2, at), y=np.array(y.ends), unit=None, **RULE | looks)
+
+
+def level(at: float, x: Axis, **looks: Any) -> Line:
+    """A straight line across a panel, whose x axis has ends, at a y."""
+    assert x.ends is not None  # noqa: S101 (likewise)
+    return Line(x=np.array(x.ends), y=np.full(2, at), unit=None, **RULE | looks)
+
+
+def rectangles(spans: Sequence[tuple[float, float]], lower: Array | float, upper: Array | float, **looks: Any) -> Band:
+    """Areas from a start to an end along x, each between its sides."""
+    x = np.insert(np.array(spans, dtype=np.float64), 2, np.nan, axis=1).ravel()
+    low, high = (np.repeat(np.broadcast_to(side, len(spans)), 3) for side in (lower, upper))
+    return Band(x=x, lower=low, upper=high, **looks)
 
 
 def one_panel(name: str, panel: Panel, clock: str = "") -> Plot:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.printable import printable
 from mrts.plots.labels import shortened, shortened_apart
-from mrts.plots.plot import Axis, Band, Bars, HeatMap, Item, Line, Panel, Plot, Points, Rule
+from mrts.plots.plot import Axis, Band, HeatMap, Item, Line, Panel, Plot, Points
 
 DASHES = ("solid", "dash", "dashdot", "dot", "longdash", "longdashdot", "2px,6px")
 """A second difference between lines, for print without colour."""
@@ -50,8 +50,6 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
         "hoverlabel": {"namelength": -1},
         "legend": {"orientation": "h", "x": 0, "y": 1.01, "yanchor": "bottom", "itemwidth": 42, "traceorder": "normal"},
         "height": sum(heights) + AROUND,
-        "barmode": "overlay",
-        "shapes": [],
         "annotations": [],
     }
     traces: list[dict[str, Any]] = []
@@ -63,9 +61,8 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
             "domain": [max(0.0, bottom + (0.03 if number < len(panels) - 1 else 0)), top]
         }
         top = bottom
-        drawn = [trace for item in [*panel.items, *filter(None, [panel.cuts()])] for trace in _traces(item, panel)]
+        drawn = [trace for item in panel.drawn for trace in _traces(item, panel)]
         traces += [trace | {"yaxis": f"y{last}"} for trace in drawn]
-        shape["shapes"] += [_shape(item, last) for item in panel.items if isinstance(item, Rule)]
         if panel.note:
             word = {"x": 0.5, "xref": "paper", "y": 0.5, "yref": f"y{last} domain", "showarrow": False}
             shape["annotations"].append(word | {"text": plot_text(panel.note), "bgcolor": "#ffffffc0"})
@@ -114,15 +111,7 @@ def _axis(axis: Axis) -> dict[str, Any]:
     for place, color in enumerate(axis.colors):
         labels[place] = f'<span style="color:{color}">{labels[place]}</span>'
     ticks = {"tickvals": list(range(len(labels))), "ticktext": labels, "tickfont": {"size": 11}}
-    rows = {"range": [len(labels) - 0.4, -0.6], "automargin": True, "fixedrange": True, "showgrid": False}
-    return shape | ticks | rows
-
-
-def _shape(rule: Rule, last: str) -> dict[str, Any]:
-    look = {"type": "line", "line": {"width": 1.2, "color": rule.color, "dash": DASHES[rule.dash]}}
-    if rule.upright:
-        return look | {"x0": rule.at, "x1": rule.at, "yref": f"y{last} domain", "y0": 0, "y1": 1}
-    return look | {"y0": rule.at, "y1": rule.at, "yref": f"y{last}", "xref": "x domain", "x0": 0, "x1": 1}
+    return shape | ticks | {"automargin": True, "fixedrange": True, "showgrid": False}
 
 
 def _traces(item: Item, panel: Panel) -> list[dict[str, Any]]:
@@ -130,14 +119,7 @@ def _traces(item: Item, panel: Panel) -> list[dict[str, Any]]:
         return _line(item, panel)
     if isinstance(item, Points):
         return [_points(item, panel.x)]
-    if isinstance(item, Band):
-        return _band(item, panel.y)
-    if isinstance(item, Bars):
-        return [_bars(item)]
-    if isinstance(item, HeatMap):
-        return _heat_map(item)
-    key = {"x": [None], "y": [None], "mode": "lines", "line": {"color": item.color}}
-    return [key | _named(item.label)] if item.label else []
+    return [_band(item, panel.y)] if isinstance(item, Band) else _heat_map(item)
 
 
 def _named(label: str) -> dict[str, Any]:
@@ -184,33 +166,20 @@ def _points(points: Points, along: Axis) -> dict[str, Any]:
     return own | written | _named(points.label)
 
 
-def _band(band: Band, y: Axis) -> list[dict[str, Any]]:
+def _band(band: Band, y: Axis) -> dict[str, Any]:
     low, high = y.ends if y.ends is not None else (-np.inf, np.inf)
-    reach = OUTSIDE * (high - low)
+    reach = OUTSIDE * abs(high - low)
+    lower, upper = (np.clip(side, min(low, high) - reach, max(low, high) + reach) for side in (band.lower, band.upper))
+    around: list[Array] = []
+    gaps = np.flatnonzero(np.isnan(band.x)).tolist()
+    for start, end in zip([0, *(gap + 1 for gap in gaps)], [*gaps, len(band.x)], strict=True):
+        part = slice(start, end)
+        sides = [np.stack([band.x[part], lower[part]]), np.stack([band.x[part], upper[part]])[:, ::-1]]
+        around += [*sides, np.full((2, 1), np.nan)] if end > start else []
+    x, y_values = np.concatenate(around[:-1], axis=1)
     opaque = f"{band.color}{round(255 * band.opacity):02x}" if band.opacity < 1 else band.color
-    sides: list[dict[str, Any]] = [
-        {"x": numbers(band.x), "y": numbers(np.clip(side, low - reach, high + reach)), "mode": "lines",
-         "line": {"width": 0}, "hoverinfo": "skip"}
-        for side in (band.lower, band.upper)
-    ]  # fmt: skip
-    sides[0] |= {"showlegend": False}
-    sides[1] |= {"fill": "tonexty", "fillcolor": opaque} | _named(band.label)
-    return sides
-
-
-def _bars(bars: Bars) -> dict[str, Any]:
-    along, across = ("y", "x") if bars.upright else ("x", "y")
-    own = {
-        "type": "bar",
-        "orientation": "v" if bars.upright else "h",
-        along: numbers(bars.end - bars.start),
-        "base": numbers(np.broadcast_to(bars.start, np.shape(bars.place))),
-        across: numbers(np.asarray(bars.place, dtype=np.float64)),
-        "width": numbers(np.broadcast_to(np.asarray(bars.thickness, dtype=np.float64), np.shape(bars.place))),
-        "marker": {"color": bars.color, "line": {"width": 0}},
-        "hoverinfo": "skip",
-    }
-    return own | _named(bars.label)
+    look = {"mode": "lines", "line": {"width": 0}, "fill": "toself", "fillcolor": opaque, "hoverinfo": "skip"}
+    return {"x": numbers(x), "y": numbers(y_values)} | look | _named(band.label)
 
 
 def _heat_map(heat: HeatMap) -> list[dict[str, Any]]:

@@ -13,11 +13,30 @@ from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
 from mrts.plots.colours import ADMISSIBLE, COLOURS, CONFLICT, END_COLOURS
 from mrts.plots.labels import range_facts, range_text
-from mrts.plots.plot import MARGIN, Axis, Band, Bars, Item, Line, Panel, Plot, Points, Rule, look, one_panel, time_axis
+from mrts.plots.plot import (
+    MARGIN,
+    Axis,
+    Band,
+    Item,
+    Line,
+    Panel,
+    Plot,
+    Points,
+    level,
+    look,
+    names_axis,
+    one_panel,
+    rectangles,
+    time_axis,
+    upright,
+)
 from mrts.program.range_status import RangeStatus
 from mrts.scaling.loads import LoadStudy
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import ScalingResult
+
+LANE_HEIGHT = 0.72
+"""Of a bar, in lanes."""
 
 MOST_LANES = 14
 """Lanes of one end of the range; rows beyond share the last."""
@@ -69,10 +88,11 @@ def range_plot(result: ScalingResult) -> Plot:
 
 def _range_panel(found: ScalingRange) -> Panel:
     samples, (low, high) = found.samples, c2_ends(found)
+    x, y = time_axis(samples.time, GIVEN_TIME), Axis(label="c² [1]", ends=(low, high))
     items: list[Item] = []
     infeasible = np.array([status is RangeStatus.INFEASIBLE for status in samples.status])
     if without := spans(samples.time, infeasible):
-        items.append(upright_areas(without, (low, high), "no c² at all", "#ddd"))
+        items.append(rectangles(without, low, high, label="no c² at all"))
     if found.status.admits_motion and found.lower and found.upper:
         ends = (np.full(2, end) for end in (found.lower.c2, min(found.upper.c2, 2 * high)))
         items.append(Band(x=samples.time[[0, -1]], lower=next(ends), upper=next(ends), color=ADMISSIBLE, opacity=0.15,
@@ -89,33 +109,30 @@ def _range_panel(found: ScalingRange) -> Panel:
         if end is None or end.time is None or (side == "lower" and end.c2 <= 0):
             continue
         if found.status is RangeStatus.EMPTY:
-            items.append(Rule(at=end.c2, color=END_COLOURS[side], dash=3))
+            items.append(level(end.c2, x, color=END_COLOURS[side], dash=3))
         at, c2, text = np.array([end.time]), np.array([end.c2]), f"{name} = {end.c2:.4g}"
         items.append(Points(x=at, y=c2, color=END_COLOURS[side], texts=[text], below=side == "upper"))
     if samples.conflicts:
         worst = max(samples.conflicts, key=lambda conflict: conflict.widening)
-        items.append(Rule(at=worst.time, upright=True, label="worst conflict", color=CONFLICT, dash=3))
+        items.append(upright(worst.time, y, label="worst conflict", color=CONFLICT, dash=3))
     note = "no limit depends on the speed" if found.status is RangeStatus.UNBOUNDED else ""
-    return Panel(
-        x=time_axis(samples.time, GIVEN_TIME), y=Axis(label="c² [1]", ends=(low, high)), items=items, note=note
-    )
+    return Panel(x=x, y=y, items=items, note=note)
 
 
 def _lane_panel(found: ScalingRange, lanes: Sequence[Lane]) -> Panel:
     time = found.samples.time
+    names = names_axis(
+        [lane.label for lane in lanes], [END_COLOURS[lane.kind] for lane in lanes], [lane.sets for lane in lanes]
+    )
     items: list[Item] = []
     for kind, word in LANE_WORDS.items():
-        bars = [(row, *span) for row, lane in enumerate(lanes) if lane.kind == kind for span in spans(time, lane.binds)]
+        bars = [(row, span) for row, lane in enumerate(lanes) if lane.kind == kind for span in spans(time, lane.binds)]
         if bars:
-            place, start, end = np.array(bars).T
-            items.append(Bars(place=place, start=start, end=end, color=END_COLOURS[kind], label=word))
+            row = np.array([row for row, _ in bars])
+            sides = row - LANE_HEIGHT / 2, row + LANE_HEIGHT / 2
+            items.append(rectangles([span for _, span in bars], *sides, color=END_COLOURS[kind], label=word))
     ends = [end.time for end in (found.lower, found.upper) if end is not None and end.time is not None and end.c2 > 0]
-    items += [Rule(at=at, upright=True, color=CONFLICT, dash=3) for at in ends]
-    names = Axis(
-        names=[lane.label for lane in lanes],
-        colors=[END_COLOURS[lane.kind] for lane in lanes],
-        strong=[lane.sets for lane in lanes],
-    )
+    items += [upright(at, names, color=CONFLICT, dash=3) for at in ends]
     strong = " (bold: sets the range)" if any(lane.sets for lane in lanes) else ""
     title = f"Limits that bind: ↑ at the upper, ↓ at the lower side{strong}"
     return Panel(title=title, x=time_axis(time, GIVEN_TIME), y=names, items=items)
@@ -182,14 +199,6 @@ def neighbours(edges: Array, where: NDArray[np.bool_]) -> list[tuple[float, floa
     """Ends of neighbouring cells as one."""
     steps = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(int)))
     return [(float(edges[start]), float(edges[end])) for start, end in steps.reshape(-1, 2)]
-
-
-def upright_areas(spans: Sequence[tuple[float, float]], ends: tuple[float, float], label: str, color: str) -> Bars:
-    """Parts of the x axis, filled from the lower to the upper one of the ends of the y axis."""
-    start, end = np.array(spans, dtype=np.float64).T
-    low, high = (np.full(len(spans), value) for value in ends)
-    return Bars(place=(start + end) / 2, start=low, end=high, thickness=end - start, label=label, color=color,
-                upright=True)  # fmt: skip
 
 
 def load_plot(results: Mapping[str, ScalingResult]) -> Plot:

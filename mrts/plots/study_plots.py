@@ -11,8 +11,8 @@ from mrts.base.words import first_names
 from mrts.limits.rows import MOST_NAMES
 from mrts.plots.colours import COLOURS
 from mrts.plots.labels import shortened
-from mrts.plots.plot import MARGIN, Axis, HeatMap, Item, Line, Panel, Plot, Points, Rule
-from mrts.plots.range_plots import neighbours, upright_areas
+from mrts.plots.plot import MARGIN, Axis, HeatMap, Item, Line, Panel, Plot, Points, level, rectangles
+from mrts.plots.range_plots import neighbours
 from mrts.plots.study_map import (
     LIMIT_COLOURS,
     StudyMap,
@@ -136,7 +136,9 @@ def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
     margin = MARGIN * ((high - low) or high)
     ends = (low / (1 + MARGIN), high * (1 + MARGIN)) if log else (low - margin, high + margin)
     items: list[Item] = [
-        upright_areas(neighbours(edges, where), ends, name, color) for where, name, color in fills if np.any(where)
+        rectangles(neighbours(edges, where), *ends, label=name, color=color)
+        for where, name, color in fills
+        if np.any(where)
     ]
     middles = (edges[1:] + edges[:-1]) / 2
     items.append(Line(x=middles, y=durations, label="shortest duration", unit="s", color="#1b1b1b"))
@@ -159,12 +161,12 @@ def durations_plot(table: StudyTable) -> Plot:
     percent = 100 * np.arange(1, len(durations) + 1) / table.variants
     marks = [(share, end) for share in SHARES if (end := managed(table, share)) is not None]
     share, at = (np.array([mark[part] for mark in marks], dtype=np.float64) for part in (0, 1))
-    items: list[Item] = [
-        Line(x=durations, y=percent, label="finish within this duration", unit="%", steps=True),
-        Rule(at=float(percent[-1]), color=COLOURS[1], dash=1, label="can be played at all"),
-        Points(x=at, y=share),
-    ]
     ends = (float(durations[0]), max(float(durations[-1]), (1 + SAME) * float(durations[0])))
     x = Axis(label="shortest duration [s]", log=spreads_widely(table), ends=ends, hover="{} s")
+    items: list[Item] = [
+        Line(x=durations, y=percent, label="finish within this duration", unit="%", steps=True),
+        level(float(percent[-1]), x, color=COLOURS[1], dash=1, label="can be played at all"),
+        Points(x=at, y=share),
+    ]
     panel = Panel(x=x, y=Axis(label="share of all variants [%]", ends=(0.0, 104.0)), items=items)
     return Plot(name="durations", title=title, rows=[[panel]])

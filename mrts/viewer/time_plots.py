@@ -15,7 +15,7 @@ from mrts.plots.colours import END_COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.limit_plots import limits_plot
 from mrts.plots.limit_shares import played
-from mrts.plots.plot import Axis, Line, Panel, Rule, time_axis
+from mrts.plots.plot import Axis, Line, Panel, level, time_axis
 from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends
 from mrts.plots.simulation_plots import closed_loop_panel
@@ -33,19 +33,20 @@ LETTERS = 32
 RENEWAL = 0.2
 """Time between new plots while a slider moves [s]: they are some hundred thousand numbers."""
 
-OVER, FAINT = "#F03E3E", "#8888"
+OVER = "#F03E3E"
 
 
 def time_panels(result: ScalingResult, simulation: Simulation | None = None) -> dict[str, Panel]:
     """What is plotted of a result with a trajectory, and of it in closed loop, by title."""
     done, found = played(result), result.range
-    c2: list[Line | Rule] = [
+    x = time_axis(done.time)
+    c2 = [
         Line(x=done.time, y=getattr(found.samples, side), label=label, color=END_COLOURS[side])
         for side, label in (("upper", "at most"), ("lower", "at least"))
     ]
-    c2.append(Rule(at=done.c2, label=f"chosen c² = {done.c2:.4g}", color=OVER))
+    c2.append(level(done.c2, x, label=f"chosen c² = {done.c2:.4g}", color=OVER))
     panels = [
-        Panel(title="Range of c² of each sample", x=time_axis(done.time), y=Axis(ends=c2_ends(found)), items=c2),
+        Panel(title="Range of c² of each sample", x=x, y=Axis(ends=c2_ends(found)), items=c2),
         *([] if simulation is None else [closed_loop_panel(simulation)]),
         *(panel for row in limits_plot(result, "").rows for panel in row),
     ]
@@ -53,18 +54,13 @@ def time_panels(result: ScalingResult, simulation: Simulation | None = None) -> 
 
 
 def uplot_props(panel: Panel) -> dict[str, Any]:
-    """A panel with the ends of both axes as viser's plot: its lines and level rules."""
+    """A panel with the ends of both axes as viser's plot: its lines."""
     lines = [item for item in panel.items if isinstance(item, Line)]
     lines.sort(key=lambda line: line.unit is not None)  # those without a name below the others
     (start, end), (low, high) = panel.x.ends or (0.0, 1.0), panel.y.ends or (0.0, 1.0)
-    rules = [item for item in panel.items if isinstance(item, Rule)]
-    lines += [Line(x=np.array([start, end]), y=np.full(2, of.at), label=of.label, color=of.color) for of in rules]
     x = np.unique(np.concatenate([line.x[shown_samples(len(line.x), line.y)] for line in lines]))
     y = [np.interp(x, line.x, np.clip(line.y, low, high)) for line in lines]
-    series = [
-        {"label": line.label, "stroke": line.color if line.label else FAINT, "width": 1.5, "points": {"show": False}}
-        for line in lines
-    ]
+    series = [{"label": line.label, "stroke": line.color, "width": 1.5, "points": {"show": False}} for line in lines]
     return {
         "data": (x, *y),
         "series": ({"label": panel.x.label}, *series),
@@ -73,15 +69,12 @@ def uplot_props(panel: Panel) -> dict[str, Any]:
 
 
 def names_html(panel: Panel) -> str:
-    """The names of its lines in their colours, and how many have none."""
-    named = [item for item in panel.items if isinstance(item, Line | Rule)]
-    texts = [
+    """The names of its lines in their colours."""
+    return " ".join(
         f'<span style="color:{item.color}">●</span>&nbsp;{html_text(shortened(item.label, LETTERS))}&ensp;'
-        for item in named
-        if item.label
-    ]
-    more = sum(isinstance(item, Line) and not item.label for item in named)
-    return " ".join(texts) + (f"and {more} more" if more else "")
+        for item in panel.items
+        if isinstance(item, Line) and item.label
+    )
 
 
 class PlotPanel:

@@ -1,6 +1,7 @@
 """Plots of a result or an identification: they hold its numbers, both drawers draw them, nothing hides anything."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -21,9 +22,8 @@ from mrts.plots import (
     write_result_plots,
 )
 from mrts.plots.figure_files import result_plots
-from mrts.plots.plot import Axis, Band, Bars, Line, Panel, Plot, Points, Rule
+from mrts.plots.plot import Axis, Band, Line, Panel, Plot, Points, level, names_axis, rectangles
 from mrts.plots.plotly_drawer import plotly_figure
-from mrts.plots.range_plots import upright_areas
 
 
 @pytest.fixture(scope="module")
@@ -87,12 +87,14 @@ def test_both_drawers_draw_the_numbers_of_a_plot():
     line = Line(
         x=x, y=y, label="a $ <b>", unit="N", lower=np.full(3, -5.0), upper=np.array([4.0, 5.0, 6.0]), steps=True
     )
-    items = [line, Band(x=x, lower=0 * x, upper=x, label="band"), Rule(at=2.0, label="rule"),
-             upright_areas([(0.5, 1.0)], (-6.0, 2.0), "span", "#ddd"),
+    time = Axis(label="time", ends=(0.0, 2.0))
+    items = [line, Band(x=x, lower=0 * x, upper=x, label="band"), level(2.0, time, label="rule"),
+             rectangles([(0.5, 1.0)], -6.0, 2.0, label="span"),
              Points(x=x[:1], y=x[:1], texts=["here"], label="mark")]  # fmt: skip
-    bars = Bars(place=np.array([0.0, 1.0]), start=np.zeros(2), end=np.array([3.0, -4.0]), label="bars")
-    above, below = Axis(label="force", ends=(-6.0, 2.0)), Axis(names=["one", "two"], strong=[True, False])
-    panels = [Panel(x=Axis(label="time"), y=above, items=items), Panel(x=Axis(label="time"), y=below, items=[bars])]
+    bars = rectangles([(0.0, 3.0), (-4.0, 0.0)], np.array([-0.3, 0.7]), np.array([0.3, 1.3]), label="bars")
+    above = Axis(label="force", ends=(-6.0, 2.0))
+    below = names_axis(["one", "two"], ["#000", "#000"], [True, False])
+    panels = [Panel(x=time, y=above, items=items), Panel(x=time, y=below, items=[bars])]
     plot = Plot(name="p", title="t", rows=[[panel] for panel in panels], shared=True, clock="played")
     above, below = matplotlib_figure(plot).axes
     drawn = lines_of(above)["a $ <b>".replace("$", r"\$")]
@@ -100,7 +102,9 @@ def test_both_drawers_draw_the_numbers_of_a_plot():
     assert drawn.get_drawstyle() == "steps-post"
     thin = [line for line in above.lines if line.get_linewidth() < 1]
     assert [sorted({*line.get_ydata()}) for line in thin] == [[-5.0], [4.0, 5.0, 6.0]]
-    assert [bar.get_width() for bar in below.patches] == [3.0, -4.0]
+    assert [path.get_extents().bounds for path in below.collections[0].get_paths()] == [
+        pytest.approx((0.0, -0.3, 3.0, 0.6)), pytest.approx((-4.0, 0.7, 4.0, 0.6))
+    ]  # fmt: skip
     assert [label.get_text() for label in below.get_yticklabels()] == ["one", "two"]
     page = plotly_figure(plot)
     traces = {trace["name"]: trace for trace in page["data"] if trace.get("name")}
@@ -108,9 +112,10 @@ def test_both_drawers_draw_the_numbers_of_a_plot():
         traces
     )
     assert traces["a &#36; &lt;b&gt;"]["y"] == [1.0, None, 3.0]
-    assert traces["bars"]["x"] == [3.0, -4.0]
+    assert traces["bars"]["x"] == [0.0, 3.0, 3.0, 0.0, None, -4.0, 0.0, 0.0, -4.0]
+    assert traces["bars"]["y"] == [-0.3, -0.3, 0.3, 0.3, None, 0.7, 0.7, 1.3, 1.3]
     assert traces["bars"]["yaxis"] == "y2"
-    assert page["layout"]["yaxis2"]["ticktext"] == ["<b>one</b>", "two"]
+    assert [re.sub("<.?span.*?>", "", name) for name in page["layout"]["yaxis2"]["ticktext"]] == ["<b>one</b>", "two"]
     assert page["clock"] == "played"
     json.dumps(page, allow_nan=False)
 
@@ -123,13 +128,13 @@ def test_the_range_is_drawn_with_the_point_that_sets_it(planar_cell, lift, resul
     assert (mark.x.tolist(), mark.y.tolist(), mark.texts) == ([end.time], [end.c2], ["c²⁺ = 3.062"])
     assert above.y.ends[0] < 0 < end.c2 < above.y.ends[1]
     assert below.y.names[:2] == ["left/elbow ↑", "right/elbow ↓"]
-    (bars,) = (item for item in below.items if isinstance(item, Bars))
-    elbow = np.flatnonzero(bars.place == 1)[0]  # right/elbow: from the start on
-    assert bars.start[elbow] == 0
-    assert bars.end[elbow] == pytest.approx(0.144, abs=0.003)
+    (bars,) = (item for item in below.items if isinstance(item, Band))
+    start, end, _ = bars.x[np.abs((bars.lower + bars.upper) / 2 - 1) < 0.1][:3]  # right/elbow: from the start on
+    assert start == 0
+    assert end == pytest.approx(0.144, abs=0.003)
     torn = range_plot(mrts.scale(planar_cell.with_mass(24.0), lift)).rows[0][0]
-    assert "no c² at all" in of_panel(torn, Bars)
-    assert "worst conflict" in of_panel(torn, Rule)
+    assert "no c² at all" in of_panel(torn, Band)
+    assert "worst conflict" in of_panel(torn, Line)
 
 
 def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, tmp_path):
