@@ -1,27 +1,17 @@
 # SPDX-License-Identifier: MIT
 """The variants of a study laid out over one or two of its numbers, and how much each number matters."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
 from mrts.plots.colours import COLOURS
 from mrts.plots.study_table import OUTCOMES, Index, StudyTable
 from mrts.studies.variant_rows import LIMIT_SEPARATOR
 
 LIMIT_COLOURS = (*COLOURS[:6], "#999999")
 """Of the limits that bind on a map; rarer ones share the last."""
-
-NEARLY_ALL, SEVERAL = 0.95, 3.0
-"""Share of the durations, and times the shortest, that colours tell apart; longer ones look like the longest of these:
-near a singularity a variant may take a hundred times as long as the best."""
-
-WIDE = 10.0
-"""Times the shortest duration from which an axis of durations is logarithmic."""
 
 MOST_VALUES = 120
 """Different values of a number that are shown one by one; of more, neighbours share a cell."""
@@ -38,9 +28,6 @@ GROUPS = 20
 
 MOST_WEIGHED = 100_000
 """Variants by which it is told how much a number explains: more do not change a per cent of it."""
-
-OUTERMOST = 0.02
-"""Share of a number's range, at either end, in which a value counts as at the end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,18 +48,14 @@ class StudyMap:
     best: Index
     outcome: Index
 
+    def durations(self, table: StudyTable) -> Array:
+        """Of the best in each cell [s], NaN where there is none."""
+        return np.where(self.best >= 0, table.duration[self.best], np.nan)
 
-def study_map(table: StudyTable, over: Sequence[str] = ()) -> StudyMap:
-    """Lay out a study over one or two of its numbers.
 
-    Args:
-        table: The study, with at least one variant and one number.
-        over: Their paths; without any, all, or the two that matter most.
-
-    Raises:
-        InputError: If the study does not vary them.
-    """
-    knobs = _knobs(table, over)
+def study_map(table: StudyTable) -> StudyMap:
+    """Lay out a study, with at least one variant and one number, over its numbers, or the two that matter most."""
+    knobs = sorted(np.argsort(-np.max(weights(table), axis=1), kind="stable")[:2].tolist())
     different = [np.unique(table.values[:, knob]) for knob in knobs]
     counts = [len(values) for values in different]
     whole = max(counts) <= MOST_VALUES and np.prod(counts) <= MOST_EMPTY * table.variants
@@ -93,15 +76,6 @@ def study_map(table: StudyTable, over: Sequence[str] = ()) -> StudyMap:
     return StudyMap(knobs, edges, max(counts) <= most, best.reshape(shape), outcome.reshape(shape))
 
 
-def _knobs(table: StudyTable, over: Sequence[str]) -> list[int]:
-    if not over:
-        return sorted(weight.knob for weight in weights(table)[:2])
-    paths = [knob.path for knob in table.knobs]
-    if len(over) > 2 or len(set(over)) < len(over) or not set(over) <= set(paths):  # noqa: PLR2004 (of a picture)
-        raise InputError("over", f"must be one or two of what the study varies: {', '.join(paths)}.", value=list(over))
-    return [paths.index(path) for path in over]
-
-
 def _edges(values: Array, most: int) -> Array:
     if len(values) > most:
         return np.linspace(values[0], values[-1], most + 1)
@@ -111,37 +85,8 @@ def _edges(values: Array, most: int) -> Array:
     return np.concatenate([[2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]])
 
 
-def best_values(drawn: StudyMap, column: Array) -> Array:
-    """A column's value of the best in each cell, NaN where there is none; Shape of the map.
-
-    Args:
-        drawn: The map.
-        column: Shape (V,).
-    """
-    return np.where(drawn.best >= 0, column[drawn.best], np.nan)
-
-
-class Weight(NamedTuple):
-    """How much one number of a study explains by itself, each 0 to 1.
-
-    Attributes:
-        knob: Index of the number.
-        duration: Share of the spread of the durations.
-        playable: Share of the spread of whether a variant may be played at all.
-    """
-
-    knob: int
-    duration: float
-    playable: float
-
-    @property
-    def larger(self) -> float:
-        """The larger of both."""
-        return max(self.duration, self.playable)
-
-
-def weights(table: StudyTable) -> list[Weight]:
-    """How much each number matters by itself, the most first.
+def weights(table: StudyTable) -> Array:
+    """Shares of the spread of durations, and of playability, that each number explains by itself, Shape (P, 2).
 
     The durations are replaced by their ranks, and the variants sorted into groups by the number's value; what the means
     of the groups spread, of what all spread, is the correlation ratio ε² (Kelley, 1935): the first-order index of
@@ -154,11 +99,8 @@ def weights(table: StudyTable) -> list[Weight]:
     _, place, alike = np.unique(table.duration[some[has]], return_inverse=True, return_counts=True)
     rank = (np.cumsum(alike) - (alike + 1) / 2)[place]  # equal durations share the mean of their ranks
     playable = table.admitted[some].astype(np.float64)
-    groups = [_groups(table.values[some, knob]) for knob in range(len(table.knobs))]
-    found = [
-        Weight(knob, _explained(rank, group[has]), _explained(playable, group)) for knob, group in enumerate(groups)
-    ]
-    return sorted(found, key=lambda weight: -weight.larger)
+    groups = [_groups(column) for column in table.values[some].T]
+    return np.array([[_explained(rank, group[has]), _explained(playable, group)] for group in groups])
 
 
 def _groups(column: Array) -> Index:
@@ -178,38 +120,6 @@ def _explained(values: Array, group: Index) -> float:
     means = np.bincount(group, values) / np.maximum(size, 1)
     within = float(np.sum((values - means[group]) ** 2))
     return max(0.0, float(1 - within / free / (total / (len(values) - 1))))
-
-
-def ends_reached(table: StudyTable, row: int) -> list[tuple[int, str]]:
-    """Which numbers of a variant lie at an end of what was tried, and whether at the "lower" or "upper" one."""
-    low, high = np.min(table.values, axis=0), np.max(table.values, axis=0)
-    at = (table.values[row] - low) / np.where(high > low, high - low, np.inf)
-    return [
-        (knob, "lower" if at[knob] <= OUTERMOST else "upper")
-        for knob in np.flatnonzero((high > low) & ((at <= OUTERMOST) | (at >= 1 - OUTERMOST))).tolist()
-        if not table.knobs[knob].by_chance
-    ]
-
-
-def duration_ends(table: StudyTable) -> tuple[float, float]:
-    """The shortest duration, and the longest that is worth a colour of its own [s].
-
-    Args:
-        table: The study, with a variant that has a duration.
-    """
-    durations = table.duration[table.ranked]
-    most, median = np.quantile(durations, (NEARLY_ALL, 0.5))
-    return float(durations[0]), float(min(most, max(median, SEVERAL * durations[0])))
-
-
-def spreads_widely(table: StudyTable) -> bool:
-    """Whether an axis of durations is better logarithmic.
-
-    Args:
-        table: The study, with a variant that has a duration.
-    """
-    durations = table.duration[table.ranked]
-    return bool(durations[-1] > WIDE * durations[0])
 
 
 def map_remark(table: StudyTable, drawn: StudyMap) -> str:

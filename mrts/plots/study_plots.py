@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The durations of a study over one or two of its numbers, which limit binds where, and how durations spread."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,25 +12,9 @@ from mrts.plots.colours import COLOURS
 from mrts.plots.labels import shortened
 from mrts.plots.plot import MARGIN, Axis, HeatMap, Item, Line, Panel, Plot, Points, level, rectangles
 from mrts.plots.range_plots import neighbours
-from mrts.plots.study_map import (
-    LIMIT_COLOURS,
-    StudyMap,
-    best_values,
-    duration_ends,
-    map_binding,
-    map_remark,
-    spreads_widely,
-    study_map,
-)
+from mrts.plots.study_map import LIMIT_COLOURS, StudyMap, map_binding, map_remark, study_map
 from mrts.plots.study_table import OUTCOMES, StudyTable
-from mrts.plots.study_words import (
-    SHARES,
-    best_text,
-    managed,
-    managed_texts,
-    outcome_text,
-    variant_text,
-)
+from mrts.plots.study_words import SHARES, best_text, managed, managed_texts, outcome_text, variant_text
 
 FASTER = ("#fde725", "#aadc32", "#5ec962", "#28ae80", "#21918c", "#2c728e", "#3b528b", "#472d7b", "#440154")
 """Viridis from its end, bright is fast: ordered in grey and for every colour vision (van der Walt and Smith, 2015)."""
@@ -46,6 +29,13 @@ WITHOUT = {
 }
 """Of what has no duration: greys, which no duration has."""
 
+NEARLY_ALL, SEVERAL = 0.95, 3.0
+"""Share of the durations, and times the shortest, that colours tell apart; longer ones look like the longest of these:
+near a singularity a variant may take a hundred times as long as the best."""
+
+WIDE = 10.0
+"""Times the shortest duration from which an axis of durations is logarithmic."""
+
 SAME = 0.01
 """Share of a duration by which an axis of durations that are all alike is wide."""
 
@@ -53,17 +43,13 @@ CELL_LETTERS = 80
 """Of a line of what is told of a cell."""
 
 
-def study_map_plot(table: StudyTable, over: Sequence[str] = ()) -> Plot:
-    """The shortest duration over two numbers of a study, and which limit binds; over its only number, both as one.
+def study_map_plot(table: StudyTable) -> Plot:
+    """The shortest duration and which limit binds, over the two numbers that matter most, or over the only one.
 
     Args:
         table: The study, with at least one variant and one number.
-        over: Paths of one or two of its numbers; without any, all, or the two that matter most.
-
-    Raises:
-        InputError: If the study does not vary them.
     """
-    drawn = study_map(table, over)
+    drawn = study_map(table)
     title = _title(table, map_remark(table, drawn))
     panels = [_line_panel(table, drawn)] if len(drawn.knobs) == 1 else _map_panels(table, drawn)
     return Plot(name="map" if len(drawn.knobs) > 1 else "line", title=title, rows=[panels])
@@ -80,8 +66,10 @@ def _map_panels(table: StudyTable, drawn: StudyMap) -> list[Panel]:
     without = HeatMap(**grid, z=drawn.outcome, names=list(OUTCOMES), colors=greys)
     duration: list[Item] = []
     if len(table.ranked):
-        low, high = duration_ends(table)
-        duration = [HeatMap(**grid, z=best_values(drawn, table.duration), colors=FASTER, low=low, high=high,
+        durations = table.duration[table.ranked]
+        most, median = np.quantile(durations, (NEARLY_ALL, 0.5))
+        high = min(most, max(median, SEVERAL * durations[0]))
+        duration = [HeatMap(**grid, z=drawn.durations(table), colors=FASTER, low=durations[0], high=high,
                             title="shortest duration [s]")]  # fmt: skip
     limit: list[Item] = (
         [HeatMap(**grid, z=binding, names=limits, colors=LIMIT_COLOURS[: len(limits)])] if limits else []
@@ -124,14 +112,14 @@ def _texts(table: StudyTable, drawn: StudyMap) -> list[list[str]]:
 
 
 def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
-    (edges,), durations = drawn.edges, best_values(drawn, table.duration)
+    (edges,), durations = drawn.edges, drawn.durations(table)
     limits, binding = map_binding(table, drawn)
     fills = [
         (binding == code, name, _pale(color))
         for code, (name, color) in enumerate(zip(limits, LIMIT_COLOURS, strict=False))
     ]
     fills += [(drawn.outcome == code, name, WITHOUT[name]) for code, name in enumerate(OUTCOMES) if name in WITHOUT]
-    log = bool(len(table.ranked)) and spreads_widely(table)
+    log = _spreads_widely(table)
     low, high = (np.nanmin(durations), np.nanmax(durations)) if len(table.ranked) else (0.0, 1.0)
     margin = MARGIN * ((high - low) or high)
     ends = (low / (1 + MARGIN), high * (1 + MARGIN)) if log else (low - margin, high + margin)
@@ -145,6 +133,11 @@ def _line_panel(table: StudyTable, drawn: StudyMap) -> Panel:
     items += _best(table, table.values[:, drawn.knobs[0]], table.duration)
     y = Axis(label="duration [s]", log=log, ends=ends)
     return Panel(title="Shortest duration and what limits it", x=_knob_axis(table, drawn, 0), y=y, items=items)
+
+
+def _spreads_widely(table: StudyTable) -> bool:
+    durations = table.duration[table.ranked]
+    return len(durations) > 0 and bool(durations[-1] > WIDE * durations[0])
 
 
 def _pale(color: str) -> str:
@@ -162,7 +155,7 @@ def durations_plot(table: StudyTable) -> Plot:
     marks = [(share, end) for share in SHARES if (end := managed(table, share)) is not None]
     share, at = (np.array([mark[part] for mark in marks], dtype=np.float64) for part in (0, 1))
     ends = (float(durations[0]), max(float(durations[-1]), (1 + SAME) * float(durations[0])))
-    x = Axis(label="shortest duration [s]", log=spreads_widely(table), ends=ends, hover="{} s")
+    x = Axis(label="shortest duration [s]", log=_spreads_widely(table), ends=ends, hover="{} s")
     items: list[Item] = [
         Line(x=durations, y=percent, label="finish within this duration", unit="%", steps=True),
         level(float(percent[-1]), x, color=COLOURS[1], dash=1, label="can be played at all"),

@@ -6,11 +6,13 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.base.words import first_names
 from mrts.limits.rows import MOST_NAMES
-from mrts.plots.study_map import ends_reached
 from mrts.plots.study_table import Index, StudyTable
 
 BEST_PART = 0.05
 """Share of the variants with a duration that counts as the best."""
+
+OUTERMOST = 0.02
+"""Share of a number's range, at either end, in which a value counts as at the end."""
 
 SHARES = (50, 90, 95, 99)
 """Of the variants, of which the duration is told within which they finish [%]."""
@@ -78,12 +80,12 @@ def best_rows(table: StudyTable, most: int) -> tuple[list[str], list[list[str]]]
     head = ["variant", "duration [s]", "c²⁺ [1]", *(knob.title for knob in table.knobs), "limited by"]
     tried = [table.duration[table.ranked], table.c2[table.ranked], *table.values.T]
     rows = [["from … to", *map(_span, tried), ""]]
+    low, high = (end(table.values, axis=0) for end in (np.min, np.max))
+    chosen = np.array([not knob.by_chance for knob in table.knobs]) & (high > low)
+    near = np.minimum(table.values - low, high - table.values) <= OUTERMOST * (high - low)
     for row in best.tolist():
-        ends = dict(ends_reached(table, row))
-        values = [
-            f"{value:.4g}{' (end)' if number in ends else ''}"
-            for number, value in enumerate(table.values[row].tolist())
-        ]
+        at_end = (chosen & near[row]).tolist()
+        values = [f"{value:.4g}{' (end)' * end}" for value, end in zip(table.values[row].tolist(), at_end, strict=True)]
         c2 = f"{table.c2[row]:.4g}" if np.isfinite(table.c2[row]) else ""
         number = str(table.rows["variant"].iloc[row])
         rows.append([number, f"{table.duration[row]:.4g}", c2, *values, first_names(table.limits(row), MOST_NAMES)])

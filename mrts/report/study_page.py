@@ -73,7 +73,9 @@ def _best_table(found: StudyTable) -> Table:
 
 
 def _weights_table(found: StudyTable) -> Table:
-    rows = [(found.knobs[each.knob].path, bar(each.duration), bar(each.playable)) for each in weights(found)]
+    shares = zip(found.knobs, weights(found), strict=True)
+    ranked = sorted(shares, key=lambda entry: -float(np.max(entry[1])))
+    rows = [(knob.path, bar(float(duration)), bar(float(playable))) for knob, (duration, playable) in ranked]
     return Table(("number", "of how the durations spread", "of whether it can be played"), rows)
 
 
