@@ -192,10 +192,11 @@ def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: 
 
 
 def _saved_clip(name: str, result: "ScalingResult") -> "Clip":
+    from mrts.plots.card import answer_card
     from mrts.plots.limit_shares import played
     from mrts.scene.renderer import Clip
 
-    return Clip(name, played(result), result.range)
+    return Clip(name, played(result), answer_card(result))
 
 
 def _side_clip(
@@ -218,7 +219,7 @@ def _side_clip(
     else:
         titles = {"fastest": f"constant factor {state.trajectory.c:.3g}", "optimal": "fastest timing"}
         title = titles.get(side, "smooth timing")
-    return Clip(title, state.trajectory, state.result.range, urdfs), state.admissible
+    return Clip(title, state.trajectory, state.card, urdfs), state.admissible
 
 
 def _urdfs(cell: Path) -> "Urdfs":

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from mrts.plots.labels import range_facts, row_text
+from mrts.cell.robot import Robot
+from mrts.limits.rows import RowName
+from mrts.plots.labels import range_facts, row_text, short_name
 from mrts.plots.limit_shares import AT_END, AT_LIMIT, REACHED, limiting_rows, played
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
@@ -29,11 +31,31 @@ Nearness = Literal["free", "near", "reached"]
 
 @dataclass(frozen=True)
 class LimitBar:
-    """How much of a limit is used at most: its name, the share of it, and when, as the motion is played [s]."""
+    """How much of a limit is used at most.
 
-    label: str
+    Attributes:
+        name: What it limits; the first of those that fail alike.
+        share: Of it that is used, 1 at the limit.
+        sample: Where.
+        time: Of that sample, as the motion is played [s].
+    """
+
+    name: RowName
     share: float
+    sample: int
     time: float
+
+    @property
+    def label(self) -> str:
+        """What it limits, for people."""
+        return short_name(self.name)
+
+    def body(self, robot: Robot) -> int | None:
+        """The body of an arm that it is about: that of the joint, else the hand; None of another arm."""
+        if self.name.robot != robot.name:
+            return None
+        joint = self.name.element
+        return robot.joints.index(joint) + 1 if joint in robot.joints else len(robot.joints)
 
     @property
     def nearness(self) -> Nearness:
@@ -47,6 +69,11 @@ class Card:
 
     outcome: str
     bars: tuple[LimitBar, ...]
+
+    @property
+    def deciding(self) -> LimitBar | None:
+        """The limit that decides how fast the motion may be played, or is used or passed the most."""
+        return next(iter(self.bars), None)
 
     def lines(self) -> Iterator[str]:
         """The bars as text."""
@@ -62,6 +89,8 @@ def answer_card(result: "ScalingResult | RetimingResult") -> Card:
     shown = result if isinstance(result, ScalingResult) else result.retimed
     if shown is None or shown.trajectory is None:
         return Card(_refusal(result), ())
+    if not shown.status.admits_motion:
+        return Card(_refusal(result), _nearest(shown, None))
     given, done = float(result.motion.object.time[-1]), shown.trajectory
     parts = [f"{given / done.duration:.3g} × as fast", f"{done.duration:.4g} s (given {given:.4g} s)"]
     if not isinstance(result, ScalingResult) and result.untimed:
@@ -98,9 +127,9 @@ def _nearest(result: ScalingResult, timing: "RetimingResult | None") -> tuple[Li
     Velocities count only where their limits are kept.
     """
     limiting, time, bars = limiting_rows(result, timing), played(result).time, []
-    for label, (row, *_) in limiting.ranked.items():
+    for row, *_ in limiting.ranked.values():
         if limiting.names[row].kind != "velocity" or result.cell.enforces_velocity_limits:
             share, most = limiting.shares[:, row], float(np.max(limiting.shares[:, row]))
             at = int(np.argmax(share >= (most if most > 1 + AT_LIMIT else min(most, REACHED))))
-            bars.append(LimitBar(label, most, float(time[at])))
+            bars.append(LimitBar(limiting.names[row], most, at, float(time[at])))
     return tuple(bars[:MOST_BARS])

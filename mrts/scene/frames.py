@@ -52,9 +52,6 @@ HIGHEST = 1.5
 HEADROOM = 1.08
 """Upper edge of a plot whose shares keep their limits."""
 
-AT_LIMIT = 0.999
-"""Share of a limit from which it decides."""
-
 KIND_COLOURS = tuple(COLOURS[place] for place in (2, 3, 6, 4, 5, 0, 1))
 """Of lines, by kind of limit: last come those of the first two arms."""
 
@@ -174,10 +171,9 @@ class Composition:
         if number > 0:
             text += f", {self._clips[0].trajectory.duration / done.duration:.3g} × as fast"
         self._put(left, 42, text, TEXT, room, color=FAINT)
-        if clip.deciding is not None:
-            share, time = clip.deciding.share, done.time[clip.deciding.sample]
-            used = f"limit: {clip.deciding.name.short}, {100 * share:.0f} % at {time:.2g} s"
-            self._put(left, 60, used, TEXT, room, color=FAINT if share < AT_LIMIT else rgba(OVER_LIMIT))
+        if (limit := clip.card.deciding) is not None:
+            used = f"limit: {limit.label}, {100 * limit.share:.0f} % at {limit.time:.2g} s"
+            self._put(left, 60, used, TEXT, room, color=FAINT if limit.nearness != "reached" else rgba(OVER_LIMIT))
         if alone:
             arms = [(robot.name, rgba(arm_colour(place))) for place, robot in enumerate(done.cell.robots)]
             self._put_legend(arms, "center right", self._width - RIGHT, 17, 0.36 * room)

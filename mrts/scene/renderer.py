@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.scaling.range import ScalingRange
+from mrts.plots.card import Card
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import contact_forces
@@ -26,11 +26,9 @@ from mrts.scene.scene import (
     PATH,
     SEE_THROUGH,
     SURROUNDINGS,
-    DecidingLimit,
     Rgb,
     Scene,
     blended,
-    deciding_limit,
     rgba,
     round_down,
     wxyz,
@@ -84,13 +82,13 @@ class Clip:
     Attributes:
         title: What it is, for people.
         trajectory: Motion, speed, torques and wrenches.
-        range: Of the motion.
+        card: What is said of it.
         urdfs: URDF and base link by robot, for meshes; robots that are not named are drawn with simple shapes.
     """
 
     title: str
     trajectory: ScaledTrajectory
-    range: ScalingRange
+    card: Card
     urdfs: Urdfs = field(default_factory=dict)
 
     @cached_property
@@ -102,11 +100,6 @@ class Clip:
         """Where a played time [s] is among the samples, or between two; before the start and after the end at it."""
         done = self.trajectory
         return float(np.interp(time, done.time, np.arange(len(done.time))))
-
-    @cached_property
-    def deciding(self) -> DecidingLimit | None:
-        """The limit that decides how fast the motion may be played."""
-        return deciding_limit(self.trajectory, self.range)
 
     @property
     def strongest(self) -> float:
@@ -172,7 +165,7 @@ class SceneRenderer:
             name = f"surroundings/{number}"
             self._add_surface(self._spec.worldbody, name, shape_surface(one), SURROUNDINGS, SEE_THROUGH)
         for number, parts in enumerate(drawn_arms(cell, clip.urdfs, warn)):
-            robot, found = cell.robots[number], clip.deciding
+            robot, found = cell.robots[number], clip.card.deciding
             deciding = None if found is None else found.body(robot)
             bodies = [
                 self._spec.worldbody.add_body(name=f"{number}/{index}", mocap=True)

@@ -10,12 +10,8 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.cell import Cell
-from mrts.cell.robot import Robot
 from mrts.collisions.bodies import body_poses
-from mrts.limits.rows import RowName
 from mrts.plots.colours import COLOURS
-from mrts.scaling.limit_use import used_shares
-from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.cell_shapes import points_on_bodies
 
@@ -73,41 +69,6 @@ def round_down(value: float) -> float:
 def suited_pace(duration: float) -> float:
     """The fastest of `PACES` at which a motion of some duration [s] plays for `SHORTEST_PLAY`."""
     return next((pace for pace in PACES if duration >= SHORTEST_PLAY * pace), min(PACES))
-
-
-@dataclass(frozen=True, eq=False)
-class DecidingLimit:
-    """The limit that decides how fast a motion may be played; where no speed is admissible, that which is passed most.
-
-    Attributes:
-        name: What it limits.
-        share: Of it that is used there, 1 at the limit.
-        sample: Where it decides.
-    """
-
-    name: RowName
-    share: float
-    sample: int
-
-    def body(self, robot: Robot) -> int | None:
-        """The body of an arm that it is about: that of the joint, else the hand; None of another arm."""
-        if self.name.robot != robot.name:
-            return None
-        joint = self.name.element
-        return robot.joints.index(joint) + 1 if joint in robot.joints else len(robot.joints)
-
-
-def deciding_limit(done: ScaledTrajectory, found: ScalingRange) -> DecidingLimit | None:
-    """The limit that decides; None where nothing does."""
-    names, share = used_shares(done)
-    end = found.upper
-    if end is not None and end.sample is not None:
-        row = next((names.index(each.name) for each in end.rows if each.name in names), None)
-        return None if row is None else DecidingLimit(names[row], float(share[end.sample, row]), end.sample)
-    if not found.status.admits_motion and names:
-        sample, row = (int(place) for place in np.unravel_index(np.argmax(share), share.shape))
-        return DecidingLimit(names[row], float(share[sample, row]), sample)
-    return None
 
 
 @dataclass(frozen=True, eq=False)

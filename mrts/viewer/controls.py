@@ -170,8 +170,8 @@ class ChangeControls:
                 self._bind_limits(slider, names)
         single = {f"{name[1]}/{name[2]} {name[0]}": name for group in groups.values() for name in group}
         state = self._bench.answer.state
-        deciding = None if state is None or state.deciding is None else state.deciding.name
-        first = "" if deciding is None else f"{deciding.robot}/{deciding.element} {deciding.kind}"
+        found = None if state is None else state.card.deciding
+        first = "" if found is None else f"{found.name.robot}/{found.name.element} {found.name.kind}"
         first = first if first in single else NO_LIMIT
         menu = gui.add_dropdown("one limit", (NO_LIMIT, *single), initial_value=first, hint="at first what decides")
         chosen = [single[first]] if first in single else []

@@ -28,7 +28,7 @@ from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
 from mrts.scaling.scale import SelectionError, conflict_at, distributed_torques, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
-from mrts.scene.scene import DecidingLimit, Scene, deciding_limit
+from mrts.scene.scene import Scene
 from mrts.timing.result import RetimingResult
 from mrts.timing.retime import retime
 
@@ -188,12 +188,7 @@ class PlayerState:
         """The answer in one line, and the limits that are nearest; where no speed is admissible, why."""
         if self.timing is not None and self.trajectory.c2 == 1:
             return answer_card(self.timing)
-        return answer_card(self.played if self.result.status.admits_motion else self.result)
-
-    @property
-    def deciding(self) -> DecidingLimit | None:
-        """The limit that decides how fast the motion may be played."""
-        return deciding_limit(self.trajectory, self.result.range)
+        return answer_card(self.played)
 
     def sentence(self) -> str:
         """The outcome in a sentence."""

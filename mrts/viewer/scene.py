@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance
+from mrts.plots.card import LimitBar
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import contact_forces, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
@@ -23,7 +24,6 @@ from mrts.scene.scene import (
     PATH,
     SEE_THROUGH,
     SURROUNDINGS,
-    DecidingLimit,
     Moment,
     Scene,
     arm_colour,
@@ -140,7 +140,7 @@ class ViewerScene:
         colours = np.where(passed[:, None], np.array(OVER_LIMIT), np.array(PATH)).astype(np.uint8)
         self._path.points, self._path.colors = steps, colours
 
-    def mark(self, deciding: DecidingLimit | None) -> None:
+    def mark(self, deciding: LimitBar | None) -> None:
         """Let the joint or the hand stand out whose limit decides how fast the motion may be played, or none."""
         for robot, part, drawn in self._parts:
             drawn.color = part.colour(None if deciding is None else deciding.body(robot))

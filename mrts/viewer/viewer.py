@@ -156,7 +156,7 @@ class Viewer:
             )
             self._shown_speed = self._speed.value
         duration = float(answer.times[-1])
-        found = None if answer.state is None else answer.state.deciding
+        found = None if answer.state is None else answer.state.card.deciding
         start = 0.0 if found is None else float(answer.times[found.sample]) / duration
         self.playback = Playback(gui, duration, later, start=start, visible=not stands)
         self._speed_text, self._moment_text = (gui.add_html("", visible=not stands) for _ in range(2))
@@ -271,7 +271,7 @@ class Viewer:
         with self.server.atomic():
             if others:
                 self._scene.show(answer.scene)
-            self._scene.mark(None if state is None else state.deciding)
+            self._scene.mark(None if state is None else state.card.deciding)
             near, said = answer.clearance()
             self._scene.show_nearest(near)
             if state is not None:

@@ -13,6 +13,7 @@ from PIL import Image
 from shipped_cells import shipped
 
 import mrts
+from mrts.plots.card import answer_card
 from mrts.plots.limit_shares import limit_shares
 from mrts.scene import film
 from mrts.scene.cell_shapes import contact_forces
@@ -46,7 +47,7 @@ sys.exit(main(sys.argv[1:]))
 
 
 def clip_of(title, result):
-    return Clip(title, result.trajectory, result.range)
+    return Clip(title, result.trajectory, answer_card(result))
 
 
 @pytest.fixture(scope="module")

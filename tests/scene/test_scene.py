@@ -16,11 +16,12 @@ from shipped_cells import cell_of_arms
 import mrts
 from mrts.cell.source_files import urdf_files
 from mrts.collisions.bodies import body_poses
+from mrts.plots.card import answer_card
 from mrts.scene.arm_meshes import arm_meshes, drawn_arms
 from mrts.scene.cell_shapes import contact_forces, joint_points, name_place, object_box, shares_base
 from mrts.scene.cell_view import FIELD_OF_VIEW, CellView, look_at_cell
 from mrts.scene.held_body import held_body
-from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour, deciding_limit, round_down
+from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour, round_down
 
 SAME_PLACE = 1e-9
 """[m]; meshes pass through single precision nowhere, but yourdfpy's angles are its own."""
@@ -110,12 +111,12 @@ def test_what_two_arms_stand_on_has_the_colour_of_neither_and_their_names_stand_
 
 def test_the_joint_that_decides_stands_out(dual_ur5, turned):
     """The range of this cell ends where the right arm's fifth joint reaches its velocity limit."""
-    found = deciding_limit(turned.trajectory, turned.range)
+    found = answer_card(turned).deciding
     (row,) = turned.range.upper.rows
     assert (found.name, found.sample) == (row.name, turned.range.upper.sample)
     assert found.share == pytest.approx(1.0)
     slow = mrts.scale(dual_ur5, turned.motion.object, 1.0)
-    assert deciding_limit(slow.trajectory, slow.range).share == pytest.approx(turned.trajectory.c2**-0.5)
+    assert answer_card(slow).deciding.share == pytest.approx(max(use.share for use in slow.limit_uses))
     left, right = drawn_arms(dual_ur5, {}, pytest.fail)
     assert [found.body(robot) for robot in dual_ur5.robots] == [None, 5]
     assert {part.body for part in right if part.colour(5) == OVER_LIMIT} == {5}

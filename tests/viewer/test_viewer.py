@@ -154,7 +154,7 @@ def test_it_opens_at_the_moment_that_decides(spatial):
     assert 0 < upper.sample < len(state.trajectory.time) - 1
     assert state.sample == upper.sample
     assert spatial.controls["time [s]"].value == pytest.approx(state.trajectory.time[upper.sample], abs=1e-4)
-    assert state.deciding.name.element in spatial.controls["one limit"].value
+    assert state.card.deciding.name.element in spatial.controls["one limit"].value
     assert not spatial.controls["of that limit [%]"].disabled
 
 
