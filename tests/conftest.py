@@ -1,5 +1,4 @@
 import os
-import shlex
 import shutil
 import tempfile
 from importlib.resources import files
@@ -27,8 +26,6 @@ def pytest_configure(config):
     if sum(1 for _ in CACHE.glob("*/*")) > MOST_ENTRIES:
         shutil.rmtree(CACHE)
     CACHE.parent.mkdir(exist_ok=True)
-    if shutil.which("cc"):
-        os.environ.setdefault("CC", shlex.quote(str(ROOT / "tests" / "helpers" / "c" / "quick_cc")))
     os.environ.setdefault("MUJOCO_GL", "egl")  # simulations import it first
     os.environ["MRTS_CACHE_DIR"] = str(CACHE)
     if cache_folder() != CACHE:  # others can write this checkout

@@ -62,11 +62,11 @@ def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Arra
 
 
 def mass_matrix(robot: RobotModel, q: Any) -> Any:
-    """Mass matrix D(q), Shape (n, n) [kg m² for revolute pairs], one inverse dynamics a column."""
+    """Mass matrix D(q), Shape (n, n) [kg m² for revolute pairs]: what the torque of an arm at rest is linear in."""
     count = len(robot.joints)
-    rest, unit = ca.SX.zeros(count), ca.SX.eye(count)
-    columns = [inverse_dynamics(robot, q, rest, unit[:, column], np.zeros(3)) for column in range(count)]
-    return ca.densify(ca.horzcat(*columns))
+    acceleration = ca.SX.sym("ddq", count)
+    torque = inverse_dynamics(robot, q, ca.SX.zeros(count), acceleration, np.zeros(3))
+    return ca.densify(ca.jacobian(torque, acceleration))
 
 
 def coriolis_torque(robot: RobotModel, q: Any, dq: Any) -> Any:

@@ -33,17 +33,13 @@ CELL_FILES = (
 SMOOTH_FILES = tuple(f"smooth/{name}.c" for name in ("smooth_rows", "smooth_second", "fronts", "interior_point"))
 """The programs of smooth timing, which need no cell either."""
 
-QUICKLY = """#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC push_options
-#pragma GCC optimize("O1")
+SMOOTH_LEVEL = """#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("O2")
 #endif
-{}
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC pop_options
-#endif"""
-"""Generated statements, which stand in a row without a loop: more than this gcc takes long over, and gains little."""
+"""
+"""Smooth timing takes a sixth longer with less, and is compiled once for all cells."""
 
-SELDOM = ("dynamics", "torque_form", "fixed_distribution")
+SELDOM = ("dynamics", "terms", "torque_form", "fixed_distribution")
 """Generated functions that few calls take: each is compiled by itself when one does."""
 
 IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")
@@ -81,7 +77,7 @@ def programs_source() -> str:
 
 def smooth_source() -> str:
     """The C text of the library of smooth timing."""
-    return f"#define MRTS_LOCAL static\n{one_text(SMOOTH_FILES)}"
+    return f"{SMOOTH_LEVEL}#define MRTS_LOCAL static\n{one_text(SMOOTH_FILES)}"
 
 
 def motion_macros(manifest: Manifest) -> dict[str, int | str]:
@@ -114,7 +110,7 @@ def _defined(macros: dict[str, int | str]) -> str:
 
 def motion_source(manifest: Manifest, generated: str) -> str:
     """The C text of a library that only follows: the functions of a cell's motion, sizes, inverse kinematics."""
-    return f"{QUICKLY.format(generated)}\n{_defined(motion_macros(manifest))}{one_text(TRACKING_FILES)}"
+    return f"{generated}\n{_defined(motion_macros(manifest))}{one_text(TRACKING_FILES)}"
 
 
 def cell_source(manifest: Manifest, generated: str) -> str:
@@ -136,13 +132,13 @@ def cell_source(manifest: Manifest, generated: str) -> str:
     macros |= in_lanes | {f"{name}_LANES": f"{symbol}_lanes" for name, symbol in in_lanes.items()}
     defined = _defined(motion_macros(manifest) | macros)
     of_lanes = one_file("lanes/model_of_lanes.inc") + "".join(functions.get(symbol, "") for symbol in in_lanes.values())
-    return f"{QUICKLY.format(often)}\n{defined}{one_text(CELL_FILES)}\n{QUICKLY.format(of_lanes)}\n"
+    return f"{often}\n{defined}{one_text(CELL_FILES)}\n{of_lanes}\n"
 
 
 def function_source(generated: str, symbol: str) -> str:
     """The C text of a library of one generated function."""
     head, functions = _functions(generated)
-    return QUICKLY.format(head + functions.get(symbol, ""))
+    return head + functions.get(symbol, "")
 
 
 def _functions(generated: str) -> tuple[str, dict[str, str]]:

@@ -19,9 +19,10 @@ from mrts.kernel.cache_folder import cache_folder, only_ours
 
 Library = TypeVar("Library")
 
-FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared", "-ffp-contract=off", "-Wno-psabi")
+FLAGS = ("-std=c99", "-O1", "-fPIC", "-shared", "-ffp-contract=off", "-Wno-psabi")
 """No contraction to fused multiply-add, so that compiled C equals CasADi's own evaluation. Vectors are passed between
-functions of one library only, so how they are passed is no matter."""
+functions of one library only, so how they are passed is no matter. With -O2 a cell compiles half as long again, and
+answers as fast: linear programs take 5 % less, whole calls the same."""
 
 PROCESSOR = 4096
 """Bytes of /proc/cpuinfo that describe the first processor."""

@@ -88,8 +88,8 @@ HOSTILE = {
     "an argument that is C": lambda data: data["functions"]["terms"]["inputs"][0].update(name="a; b"),
     "an argument without end": sized("terms", "outputs", 0, [10**18, 1]),
     "a negative argument": sized("terms", "outputs", 0, [-6, 6]),
-    "an argument that is smaller than in C": sized("terms", "outputs", 0, [1, 1]),
-    "an argument that is larger than in C": sized("terms", "inputs", 0, [600, 1]),
+    "an argument that is smaller than in C": sized("kinematics", "outputs", 0, [1, 1]),
+    "an argument that is larger than in C": sized("kinematics", "inputs", 0, [600, 1]),
     "a kernel's argument that is smaller": sized("wrench_form", "outputs", 0, [6, 3]),
     "joints without end": lambda data: data["cell"]["robots"][0].update(joints=["j"] * 1001),
     "a position too many": lambda data: data["cell"]["robots"][0].update(posture=[0.0] * 4),
@@ -154,7 +154,6 @@ def test_a_cell_with_a_redundant_arm_has_what_tracks_it(short, redundant, tmp_pa
 
 
 def test_the_cache_is_keyed_by_content_and_survives_damage(tmp_path, lift, monkeypatch):
-    monkeypatch.setenv("MRTS_QUICK_CC", "-O0")
     monkeypatch.setenv("MRTS_CACHE_DIR", str(tmp_path / "cache"))
     for name in ("cell.yaml", "planar_arm.urdf"):
         shutil.copy(DATA / name, tmp_path / name)
