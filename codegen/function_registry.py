@@ -21,6 +21,7 @@ from mrts_codegen.equations.formulations import fixed_distribution, torque_form,
 from mrts_codegen.equations.geometry import Geometry, geometry_numbers, geometry_symbols
 from mrts_codegen.equations.inverse_dynamics import coriolis_torque, mass_matrix
 from mrts_codegen.equations.kinematics import bias_acceleration, forward_kinematics, frame_jacobian
+from mrts_codegen.equations.played_torques import played_torques
 from mrts_codegen.equations.spatial_algebra import block_diagonal
 
 Named = dict[str, Any]
@@ -138,6 +139,14 @@ def _fixed_distribution(sample: Sample) -> tuple[Named, Named]:
     return sample.symbols | {"shares": shares, "internal_wrench": internal}, form
 
 
+def _played_torques(sample: Sample) -> tuple[Named, Named]:
+    s, (q, dq, ddq) = sample.symbols, map(sample.arms, ("q", "dq", "ddq"))
+    shares = ca.SX.sym("shares", len(sample.cell.models) * len(sample.cell.components))
+    torque, wrench = played_torques(sample.cell, sample.geometry, q, dq, ddq, s["load"], shares)
+    inputs = {name: s[name] for name in ("q", "dq", "ddq", "load")}
+    return inputs | {"shares": shares}, {"torque": torque, "wrench": wrench}
+
+
 BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {
     "kinematics": _kinematics,
     "bias_acceleration": _bias_acceleration,
@@ -148,6 +157,7 @@ BUILDERS: dict[str, Callable[[Sample], tuple[Named, Named] | None]] = {
     "wrench_form": _wrench_form,
     "torque_form": _torque_form,
     "fixed_distribution": _fixed_distribution,
+    "played_torques": _played_torques,
 }
 """Short name to builder; a builder returns None where the cell does not allow its function."""
 

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from mrts.output.saved_result import load_result as load_result
     from mrts.output.saved_result import save_result as save_result
     from mrts.output.trajectory_table import write_trajectory_csv as write_trajectory_csv
+    from mrts.override.speed_override import SpeedOverride as SpeedOverride
     from mrts.program.load_sharing import LoadSharing as LoadSharing
     from mrts.program.range_status import SampleStatus as SampleStatus
     from mrts.program.range_status import ScalingStatus as ScalingStatus
@@ -104,6 +105,7 @@ __all__, __getattr__, __dir__ = lazy_names(
         "output.ros_bag": "write_ros_bag",
         "output.saved_result": "load_result save_result",
         "output.trajectory_table": "write_trajectory_csv",
+        "override.speed_override": "SpeedOverride",
         "program.load_sharing": "LoadSharing",
         "program.range_status": "SampleStatus ScalingStatus",
         "program.rate_limits": "RateLimits",

@@ -5,7 +5,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from mrts_codegen.equations.kinematics import chain_motion
+from mrts_codegen.equations.kinematics import ChainMotion, chain_motion
 from mrts_codegen.urdf.robot_model import RobotModel
 
 from mrts.base.arrays import Array
@@ -24,8 +24,21 @@ def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any)
         gravity: Downward gravity in base axes, Shape (3,) [m/s²].
     """
     motion = chain_motion(robot, q, dq, ddq, -ca.SX(gravity))
+    return ca.vertcat(*transmitted_torques(robot, motion, ca.SX.zeros(3), ca.SX.zeros(3)))
+
+
+def transmitted_torques(robot: RobotModel, motion: ChainMotion, force: Any, moment: Any) -> list[Any]:
+    """The backward recursion: torques of the joints of an arm that moves so, and exerts a wrench at its tip [N m or N].
+
+    Args:
+        robot: The arm, n joints.
+        motion: Of its joint frames, gravity as an acceleration of the base.
+        force: In tip axes, Shape (3,) [N].
+        moment: About the tip, in its axes, Shape (3,) [N m].
+    """
     torques: list[Any] = []
-    f, n = ca.SX.zeros(3), ca.SX.zeros(3)
+    f = ca.SX(robot.tip.R) @ force
+    n = ca.SX(robot.tip.R) @ moment + ca.cross(ca.SX(robot.tip.p), f)
     for index in reversed(range(len(robot.joints))):
         joint = robot.joints[index]
         w, dw = motion.w[index], motion.dw[index]
@@ -38,7 +51,7 @@ def inverse_dynamics(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Any)
         R, p = motion.R[index], motion.p[index]
         f = R @ f
         n = R @ n + ca.cross(p, f)
-    return ca.vertcat(*torques)
+    return torques
 
 
 def scaled_arm_terms(robot: RobotModel, q: Any, dq: Any, ddq: Any, gravity: Array) -> tuple[Any, Any, Any]:

@@ -15,7 +15,7 @@ MANIFEST_NAME, CHAINS_NAME = "manifest.json", "chains.json"
 GEOMETRY = "geometry"
 """Name of the last input of generated functions, which hold no numbers of a cell file."""
 
-FORMAT = 14
+FORMAT = 15
 """Version of the manifest's layout; a change that old code cannot read raises it."""
 
 WRENCH_COMPONENTS = ("fx", "fy", "fz", "nx", "ny", "nz")
@@ -31,7 +31,14 @@ GRAVITY_SIZE, ROBOT_SIZE = 3, 24
 """Layout of a geometry vector: gravity in the world [m/s²]; of each robot the rotation of its base in the world by
 rows, its position [m], and those of its tip in the object frame; then `held_numbers` of all (`mrts.Robot`)."""
 
-ALWAYS_GENERATED = ("kinematics", "bias_acceleration", "dynamics", "terms", "wrench_form", "fixed_distribution")
+ALWAYS_GENERATED = (
+    "kinematics",
+    "bias_acceleration",
+    "dynamics",
+    "terms",
+    "wrench_form",
+    *("fixed_distribution", "played_torques"),
+)
 
 FOR_REDUNDANT_ARMS = ("geometric_stiffness", "geometric_stiffness_rate")
 """Functions that a cell has besides if an arm has more joints than wrench components."""

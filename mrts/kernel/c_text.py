@@ -7,7 +7,7 @@ from itertools import accumulate
 from pathlib import Path
 from posixpath import dirname, join, normpath
 
-from mrts.base.manifest import Manifest
+from mrts.base.manifest import LOAD_ENTRIES, Manifest
 
 PROGRAM_FILES = (
     *("linear_programs.c", "quadratic_programs.c", "basis/kept_basis.c", "speed_intervals.c", "batch.c"),
@@ -39,13 +39,19 @@ SMOOTH_LEVEL = """#if defined(__GNUC__) && !defined(__clang__)
 """
 """Smooth timing takes a sixth longer with less, and is compiled once for all cells."""
 
-SELDOM = ("dynamics", "terms", "torque_form", "fixed_distribution")
+SELDOM = ("dynamics", "terms", "torque_form", "fixed_distribution", "played_torques")
 """Generated functions that few calls take: each is compiled by itself when one does."""
 
 IN_LANES = ("wrench_form", "kinematics", "bias_acceleration")
 """Generated functions that are compiled for lanes too."""
 
 INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.MULTILINE)
+
+
+OVERRIDE = "exported/cell_override"
+"""The governor of a plan's speed, as an exported library has it."""
+
+OURS_INCLUDED = re.compile(r'^#include "cell\w*\.h"\n', re.MULTILINE)
 
 
 def one_file(name: str) -> str:
@@ -139,6 +145,21 @@ def function_source(generated: str, symbol: str) -> str:
     """The C text of a library of one generated function."""
     head, functions = _functions(generated)
     return head + functions.get(symbol, "")
+
+
+def override_source(manifest: Manifest, generated: str) -> str:
+    """The C text of a library that plays a cell's plans: the exported one, and what Python calls."""
+    components, record = len(manifest.wrench_components), manifest.functions["played_torques"]
+    macros: dict[str, int | str] = {
+        "CELL_JOINTS": sum(len(robot.joints) for robot in manifest.robots),
+        "CELL_WRENCHES": components * len(manifest.robots),
+        "CELL_LOAD": len(LOAD_ENTRIES),
+        "CELL_GEOMETRY": 1,
+        "cell_model_played_torques": record.symbol,
+    }
+    exported = OURS_INCLUDED.sub("", one_file(f"{OVERRIDE}.h") + one_file(f"{OVERRIDE}.c"))
+    head = function_source(generated, record.symbol) + one_text(("override.h",))
+    return f"{head}\n{_defined(macros)}{exported}{one_file('override.c')}"
 
 
 def _functions(generated: str) -> tuple[str, dict[str, str]]:

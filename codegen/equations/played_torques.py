@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""Torques of one moment of a motion whose joints move as they do, for wrenches that carry the object nearly."""
+
+from typing import Any
+
+import casadi as ca
+from mrts_codegen.cell_model import CellModel
+from mrts_codegen.equations.geometry import Geometry
+from mrts_codegen.equations.inverse_dynamics import transmitted_torques
+from mrts_codegen.equations.kinematics import ChainMotion, chain_motion, forward_kinematics
+from mrts_codegen.equations.object_dynamics import angular_balance, linear_balance, load_inertia
+
+
+def played_torques(
+    cell: CellModel, geometry: Geometry, q: list[Any], dq: list[Any], ddq: list[Any], load: Any, shares: Any
+) -> tuple[Any, Any]:
+    """Torques D q̈ + C + G + JᵀF, what `shares` lack of the wrench that the object takes put on all arms alike.
+
+    The object moves as the first arm's tip does. What is lacking is put on as (35) does, for any grasp: equal forces,
+    and equal moments of what these forces leave.
+
+    Args:
+        cell: The cell, n arms of m joints together.
+        geometry: Numbers or symbols.
+        q: Joint positions, an entry an arm [rad or m].
+        dq: q̇, likewise [rad/s or m/s].
+        ddq: q̈, likewise [rad/s² or m/s²].
+        load: Load vector, Shape (10,).
+        shares: Contact wrenches in the axes of the object, Shape (n w,) [N, N m].
+
+    Returns:
+        τ, Shape (m,) [N m or N], and F in the axes of the bases, Shape (n w,) [N, N m].
+    """
+    moves = zip(geometry.models, q, dq, ddq, geometry.down, strict=True)
+    motions = [chain_motion(model, q_i, dq_i, ddq_i, -ca.SX(down)) for model, q_i, dq_i, ddq_i, down in moves]
+    forces, moments = _forces_and_moments(cell, shares)
+    lacking_force, lacking_moment = _needed(geometry, motions[0], load)
+    count = len(forces)
+    for grasp, force, moment in zip(geometry.grasps, forces, moments, strict=True):
+        lacking_force -= force
+        lacking_moment -= moment + ca.cross(ca.SX(grasp.p), force)
+    arms = sum((ca.cross(ca.SX(grasp.p), lacking_force) for grasp in geometry.grasps), ca.SX.zeros(3)) / count
+    rows, torques, wrenches = list(cell.components), [], []
+    for model, grasp, motion, of_arm, force, moment in zip(
+        geometry.models, geometry.grasps, motions, q, forces, moments, strict=True
+    ):
+        turn = ca.SX(grasp.R).T  # from the object to the tip
+        f, n = turn @ (force + lacking_force / count), turn @ (moment + (lacking_moment - arms) / count)
+        torques += transmitted_torques(model, motion, f, n)
+        R = forward_kinematics(model, of_arm)[-1][0]
+        wrenches.append(ca.vertcat(R @ f, R @ n)[rows])
+    return ca.vertcat(*torques), ca.vertcat(*wrenches)
+
+
+def _forces_and_moments(cell: CellModel, shares: Any) -> tuple[list[Any], list[Any]]:
+    forces, moments = [], []
+    for part in ca.vertsplit(shares, len(cell.components)):
+        whole = ca.SX.zeros(6)
+        whole[list(cell.components)] = part
+        forces.append(whole[:3])
+        moments.append(whole[3:])
+    return forces, moments
+
+
+def _needed(geometry: Geometry, motion: ChainMotion, load: Any) -> tuple[Any, Any]:
+    """What the object takes about its origin, in its axes, as the tip of the first arm moves it."""
+    tip, grasp = geometry.models[0].tip, geometry.grasps[0]
+    R, p = ca.SX(tip.R) @ ca.SX(grasp.R).T, ca.SX(tip.p)
+    origin = p - R @ ca.SX(grasp.p)  # of the object, in the frame of the last joint
+    w, dw = motion.w[-1], motion.dw[-1]
+    a = motion.a[-1] + ca.cross(dw, origin) + ca.cross(w, ca.cross(w, origin))
+    w, dw, a = R.T @ w, R.T @ dw, R.T @ a
+    h = load[1:4]
+    return linear_balance(load[0], h, a, w, dw), angular_balance(load_inertia(load), h, a, w, dw)

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What Python asks of a plan that is played; exported/cell_override.c and .h stand before it.
+ */
+
+/* States at `count` places, inside[k] after node[k], with their speeds and accelerations, signs as they are. */
+MRTS_EXPORT void mrts_override_states(const cell_plan *plan, long long count, const int *node, const double *inside,
+                                      const double *speed, const double *acceleration, cell_override *states) {
+    for (long long k = 0; k < count; ++k) {
+        states[k].node = node[k];
+        states[k].inside = inside[k];
+        states[k].time = plan->nodes[node[k]].time + inside[k];
+        states[k].speed = states[k].aim = speed[k];
+        states[k].acceleration = acceleration[k];
+        states[k].direction = speed[k] < 0 ? -1 : 1;
+        states[k].active = states[k].finished = 0;
+        play(plan, states + k);
+    }
+}
+
+/* As many ticks of dt as there are wishes; every state, or only the last one, and how many are written. */
+MRTS_EXPORT int mrts_override_play(const cell_plan *plan, long long count, const double *wanted, double dt,
+                                   const cell_override *start, cell_override *states) {
+    cell_override now = *start;
+    int status = CELL_OK;
+    for (long long k = 0; k < count && status == CELL_OK; ++k) {
+        status = cell_override_step(plan, wanted[k], dt, &now);
+        states[k] = now;
+    }
+    return status;
+}
+
+MRTS_EXPORT int mrts_override_start(const cell_plan *plan, double time, double speed, cell_override *state) {
+    return cell_override_start(plan, time, speed, state);
+}
+
+MRTS_EXPORT int mrts_override_step(const cell_plan *plan, double wanted, double dt, cell_override *state) {
+    return cell_override_step(plan, wanted, dt, state);
+}
+
+MRTS_EXPORT int mrts_override_resume(const cell_plan *plan, const double *q, double near, cell_override *state) {
+    return cell_override_resume(plan, q, near, state);
+}
+
+/* Of each state the seconds until it stands still, and where. */
+MRTS_EXPORT void mrts_override_stops(const cell_plan *plan, long long count, const cell_override *states, double dt,
+                                     double *seconds, double *stands) {
+    for (long long k = 0; k < count; ++k) seconds[k] = cell_override_stop_time(plan, states + k, dt, stands + k);
+}
+
+MRTS_EXPORT void mrts_override_speed_for_stop(const cell_plan *plan, const cell_override *state, double seconds,
+                                              double dt, double *speed) {
+    *speed = cell_override_speed_for_stop(plan, state, seconds, dt);
+}

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""A plan played at a speed that changes while it runs, within every limit."""

@@ -1,0 +1,408 @@
+# SPDX-License-Identifier: MIT
+"""The tables of a plan that may be played at any speed: accelerations that limits admit, and wrenches with them.
+
+A plan has a time of its own, s, and a speed along it: with x = ṡ² and u = s̈ torques are A u + E x + V ṡ + G + JᵀF. At
+one s every limit is linear in u, x and F, so what lies between points that have admissible wrenches is admissible with
+the same mixture of these. Six points a node: without acceleration, at the least and at the largest, each at rest and at
+the largest x. Friction and torque-speed lines grow with √x, which lies above the chord: at rest their rows are moved
+inward by half of what they are at the largest speed, which is the most that the mixture then lacks.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array, apply
+from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import CoordinatedMotion, carried_by_first, unchecked_coordinated_motion
+from mrts.kernel.foreign_arrays import INFINITY
+from mrts.motion.object_motion import unchecked_object_motion
+from mrts.motion.rows_at_rest import REST
+from mrts.program.convex_program import ConvexPrograms
+from mrts.program.load_sharing import LoadSharing
+from mrts.program.motion_rows import motion_rows
+from mrts.program.motor_terms import travel_directions
+from mrts.program.reserve import reserved
+from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.solvers import DEFAULT_SOLVER, solve_programs
+from mrts.program.torque_distribution import distribute_torques, torque_weights
+from mrts.program.widening import least_widening
+from mrts.scaling.result import ScalingResult
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
+from mrts.timing.result import RetimingResult
+from mrts.timing.retimed_motion import TimedPiece, at_segment_ends, fastest_pieces, new_times
+
+HARDEST = 0.98
+"""Share of the hardest braking and acceleration that is used: at the end itself wrenches are one point, and jump from
+node to node."""
+
+STEEPEST = 2.0
+"""Times the acceleration of the nodes beside that a node may have: near an end of the plan, where nothing moves, any
+would do, and a line between two nodes would not."""
+
+SAME_ACCELERATION = 1e-3
+"""Share of the largest acceleration of a joint up to which those before and after a sample are one."""
+
+HIGHEST = 1e3
+"""Acceleration of the plan's time that nothing exceeds [1/s²]: from rest to the planned speed in 1 ms."""
+
+HOLDS = 1e-7
+"""Share of a limit by which standing still may pass it: rounding."""
+
+LEAST = 1e-3
+"""Acceleration below which nodes are alike [1/s²]: from rest it takes a quarter of an hour to the planned speed."""
+
+BRAKE, PUSH = 0, 1
+AT_REST, AT_MOST = 0, 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Corners:
+    """What limits leave at n nodes of a plan, and wrenches in base axes.
+
+    Attributes:
+        motion: The plan at the nodes; its time is s, twice the same where the acceleration jumps.
+        most: Largest x, Shape (n,).
+        acceleration: Least and largest u, at rest and at the largest x, Shape (n, 2, 2) [1/s²].
+        active: Rows that set these, and the largest x, as places in `names`, Shape (n, 5).
+        hold: Wrenches at u = 0, at rest and at the largest x, Shape (n, 2, n w).
+        accelerate: Wrenches at `acceleration`, Shape (n, 2, 2, n w).
+        names: What is active, "" first.
+        rate: Largest |u̇|, at rest and at the largest speed, Shape (n, 2) [1/s³].
+        rate_ahead: The least of these until u has become 0 again, Shape (n,) [1/s³].
+    """
+
+    motion: CoordinatedMotion
+    most: Array
+    acceleration: Array
+    active: NDArray[np.int16]
+    hold: Array
+    accelerate: Array
+    names: tuple[str, ...]
+    rate: Array
+    rate_ahead: Array
+
+    @property
+    def corners(self) -> list[tuple[Array, Array]]:
+        """Accelerations u and squared speeds x of the six points, each Shape (n,)."""
+        none, hardest = np.zeros_like(self.most), self.acceleration.reshape(-1, 4).T
+        return list(zip([none, none, *hardest], [none, self.most] * 3, strict=True))
+
+    def lowered(self, part: Array) -> "Corners":
+        """The same with a part of each acceleration, Shape (n, 2, 2), and the mixture of wrenches that goes with it."""
+        hold = self.hold[:, None]
+        accelerate = hold + part[..., None] * (self.accelerate - hold)
+        return replace(self, acceleration=part * self.acceleration, accelerate=accelerate)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A plan in its own time.
+
+    Attributes:
+        cell: The cell with the limits as they are given, whatever reserve the plan kept.
+        motion: At n nodes; its time is s.
+        wrench: Planned contact wrenches in base axes, Shape (n, n w); None where they jump with the acceleration.
+        sharing: A fixed distribution of the load.
+        loads: Load vectors that it carries, each Shape (10,).
+        weights: W of the torques that are chosen, Shape (m, m).
+        keeps_reserve: Whether they keep most of every limit free.
+    """
+
+    cell: Cell
+    motion: CoordinatedMotion
+    wrench: Array | None
+    sharing: LoadSharing | None
+    loads: tuple[Array, ...]
+    weights: Array
+    keeps_reserve: bool
+
+
+def plan_of(result: ScalingResult | RetimingResult) -> Plan:
+    """The plan of a result.
+
+    Raises:
+        InputError: If it has none, or one that does not start and end at rest.
+    """
+    timed = result if isinstance(result, RetimingResult) else None
+    shown = timed.retimed if timed else result
+    done = shown.trajectory if isinstance(shown, ScalingResult) else None
+    if done is None:
+        raise InputError("result", "has no trajectory: there is no speed at which it keeps its limits.")
+    if np.max(np.abs(done.dq[[0, -1]])) > REST * np.max(np.abs(done.dq)):
+        raise InputError("result", "must start and end at rest: there a speed that changes is no speed of the joints.")
+    jumps = fastest_pieces(timed.pieces) if timed else ()
+    motion = _both_sides(jumps) if jumps else _played(done)
+    cell, options = result.cell.with_reserve(0.0), result.options
+    varies = cell.load_box is not None and options.load == "guaranteed"
+    loads = tuple(point.load for point in cell.load_box.corners()) if varies and cell.load_box else (cell.load,)
+    return Plan(
+        cell,
+        motion,
+        None if jumps else done.wrench,
+        options.sharing,
+        timed.loads if timed else loads,
+        torque_weights(options.weights, cell),
+        options.distribute == "reserve",
+    )
+
+
+def _played(done: ScaledTrajectory) -> CoordinatedMotion:
+    given = done.motion
+    carried = given.object.played(done.time, done.c * given.object.twist, done.c2 * given.object.acceleration)
+    return unchecked_coordinated_motion(carried, done.q, done.dq, done.ddq, given.travel)
+
+
+def _both_sides(pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
+    """The plan before and after each of its samples; once where its acceleration does not jump."""
+    times, sides = new_times(pieces), [at_segment_ends(part) for part in pieces]
+    halves = [half for part in sides for half in zip(*map(_samples, part), strict=True)]
+    values = {name: np.array([of[name] for pair in halves for of in pair]) for name in halves[0][0]}
+    change = np.max(np.abs(np.diff(values["ddq"], axis=0)), axis=1)
+    same = np.append(change <= SAME_ACCELERATION * np.max(np.abs(values["ddq"])), False)
+    same[::2] = False  # the two ends of a segment
+    kept = np.append(True, ~same[:-1])
+    time = np.repeat(times, 2)[1:-1][kept]
+    some = {name: of[kept] for name, of in values.items()}
+    carried = unchecked_object_motion(
+        time, some["position"], np.ascontiguousarray(some["rotation"].transpose(0, 2, 1)).transpose(0, 2, 1),
+        some["twist"], some["acceleration"],
+    )  # fmt: skip
+    travel = np.ascontiguousarray(some["travel"].transpose(1, 0, 2))
+    return unchecked_coordinated_motion(carried, some["q"], some["dq"], some["ddq"], travel)
+
+
+def _samples(motion: CoordinatedMotion) -> list[dict[str, Array]]:
+    of, travel = motion.object, travel_directions(motion).transpose(1, 0, 2)
+    columns = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq, "travel": travel, "position": of.position}
+    columns |= {"rotation": of.rotation, "twist": of.twist, "acceleration": of.acceleration}
+    return [{name: values[k] for name, values in columns.items()} for k in range(motion.samples)]
+
+
+def divided(plan: Plan, segments: NDArray[np.intp], states: NDArray[Any]) -> Plan:
+    """A plan with one more node in some segments, as the states there say; the object as the first arm carries it."""
+    motion, after = plan.motion, segments + 1
+    inside, given = motion_of(plan.cell, states if len(states) > 1 else states.repeat(2)), motion.object
+
+    def merged(here: Any, there: Any, names: Sequence[str]) -> list[Array]:
+        pairs = ((getattr(here, name), getattr(there, name)[: len(states)]) for name in names)
+        return [np.insert(of, after, new, axis=0) for of, new in pairs]
+
+    of_object = merged(given, inside.object, ("position", "rotation", "twist", "acceleration"))
+    carried = unchecked_object_motion(np.insert(given.time, after, states["time"]), *of_object)
+    q, dq, ddq = merged(motion, inside, ("q", "dq", "ddq"))
+    directions = travel_directions(motion)
+    travel = np.insert(directions, after, np.stack([directions[1, segments]] * 2), axis=1)
+    planned = None if plan.wrench is None else np.insert(plan.wrench, after, states["wrench"], axis=0)
+    return replace(plan, motion=unchecked_coordinated_motion(carried, q, dq, ddq, travel), wrench=planned)
+
+
+def motion_of(cell: Cell, states: NDArray[Any]) -> CoordinatedMotion:
+    """Two or more states as samples of a motion, the object as the first arm carries it; its time only counts them."""
+    q, dq, ddq = (np.array(states[name]) for name in ("q", "dq", "ddq"))
+    return carried_by_first(cell, np.arange(len(q), dtype=np.float64), q, dq, ddq, smooth=False)
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Rows of [F, u] of one load at n nodes, whatever x is.
+
+    Attributes:
+        problem: The rows.
+        most: Largest x, Shape (n,).
+        dry: What dry friction is in each row, Shape (n, r) or (n, 1).
+        backwards: Whether friction may be against the plan's direction too.
+        margin: Share of itself by which a limit is moved inward, Shape (n,); not beyond what `used` uses.
+        passed: Share by which limits are passed without acceleration, at rest and at the largest x, each Shape (n,):
+            between its samples a plan may pass one by its tolerance.
+        used: Wrenches that hold and play, at rest and at the largest x; None before they are known.
+    """
+
+    problem: SampleProblem
+    most: Array
+    dry: Array
+    backwards: bool
+    margin: Array
+    passed: tuple[Array, ...] | None = None
+    used: tuple[Array, Array] | None = None
+
+    def sides(self, end: int) -> tuple[Array, Array]:
+        """Lower and upper sides of A [F, u] at rest or at the largest x, each Shape (n, r)."""
+        problem, none = self.problem, np.zeros((1, 1))
+        lower, upper = problem.limits_at(self.x(end)[:, None])
+        root = none if problem.speed is None else problem.speed * np.sqrt(self.most)[:, None]
+        chord, turned = (root / 2, self.dry) if end == AT_REST else (none, self.dry + root)
+        wider = none if self.passed is None else self.passed[end][:, None]
+        low, high = lower + np.maximum(-chord, 0) - wider, upper - np.maximum(chord, 0) + wider
+        if self.backwards:
+            low = np.maximum(low, lower + 2 * turned + np.maximum(chord, 0) - wider)
+            high = np.minimum(high, upper + 2 * turned - np.maximum(-chord, 0) + wider)
+        if self.used is None:
+            return low, high
+        inward = np.where(problem.limit_lower < problem.limit_upper, self.margin[:, None], 0.0)
+        uses = apply(problem.A[:, :, :-2], self.used[end][:, : problem.unknowns - 2])
+        return np.minimum(low + inward, np.maximum(low, uses)), np.maximum(high - inward, np.minimum(high, uses))
+
+    def wrenches(self, end: int) -> Array:
+        """Those that hold, or play; zeros before they are known, Shape (n, n w)."""
+        return np.zeros(self.problem.wrench_offset.shape) if self.used is None else self.used[end]
+
+    def x(self, end: int) -> Array:
+        """At rest or at the largest speed."""
+        return self.most * end
+
+
+def corners_of(plan: Plan, *, backwards: bool, margin: Array) -> Corners:
+    """The tables of a plan.
+
+    Args:
+        plan: The plan.
+        backwards: Whether limits hold against its direction too.
+        margin: Share of itself by which each limit is moved inward at every node, Shape (n,).
+
+    Raises:
+        InputError: If the cell cannot stand still at a node.
+        SolverError: If no solver answers.
+    """
+    cell, motion, count = plan.cell, plan.motion, plan.motion.samples
+    rows = motion_rows(cell, motion, plan.sharing)
+    dry = np.zeros((count, 1)) if rows.motors is None else rows.motors.dry @ rows.rows.torque_matrix.T / rows.size
+    most, none = np.ones(count), np.zeros(count)
+    of_loads = []
+    for load in (cell.load, *(load for load in plan.loads if not np.array_equal(load, cell.load))):
+        problem = build_sample_problem(rows, load=load, varying=True)
+        of_loads.append(_with_standing(plan, _Limits(problem, most, dry, backwards, none), margin))
+    nominal = of_loads[0]
+    if plan.wrench is not None:
+        nominal = of_loads[0] = replace(nominal, used=(nominal.wrenches(AT_REST), plan.wrench))
+    names = ("", *dict.fromkeys(map(str, nominal.problem.names)))
+    place = np.array([names.index(str(name)) for name in nominal.problem.names], dtype=np.int16)
+
+    acceleration, active = np.zeros((count, 2, 2)), np.zeros((count, 5), dtype=np.int16)
+    for end in (AT_REST, AT_MOST):
+        for side, sign in ((BRAKE, -1.0), (PUSH, 1.0)):
+            u, row = map(np.array, zip(*(_hardest(limits, end, sign) for limits in of_loads), strict=True))
+            worst = np.argmin(np.abs(u), axis=0), np.arange(count)
+            acceleration[:, side, end], active[:, 2 * side + end] = u[worst], place[row[worst]]
+    acceleration = HARDEST * _evened(motion.object.time, acceleration)
+    ends = [(side, end) for side in (BRAKE, PUSH) for end in (AT_REST, AT_MOST)]
+    accelerate = np.stack([_wrench(plan, nominal, end, acceleration[:, side, end]) for side, end in ends], axis=1)
+    return Corners(
+        motion=motion,
+        most=most,
+        acceleration=acceleration,
+        active=active,
+        hold=np.stack([nominal.wrenches(end) for end in (AT_REST, AT_MOST)], axis=1),
+        accelerate=accelerate.reshape(count, 2, 2, -1),
+        names=names,
+        rate=np.full((count, 2), INFINITY),
+        rate_ahead=np.full(count, INFINITY),
+    )
+
+
+def _with_standing(plan: Plan, limits: _Limits, margin: Array) -> _Limits:
+    """The limits with wrenches that hold and play, and from then on the margin.
+
+    Raises:
+        InputError: If none hold the object still.
+    """
+    problem, none = limits.problem, np.zeros(limits.problem.samples)
+    passed, dual = zip(*(_passed(problem, *limits.sides(end)) for end in (AT_REST, AT_MOST)), strict=True)
+    worst = int(np.argmax(passed[AT_REST]))
+    most = float(passed[AT_REST][worst])
+    if most > HOLDS:
+        row = problem.names[int(np.argmax(np.abs(dual[AT_REST][worst])))]
+        raise InputError(
+            "result",
+            f"the cell cannot stand still at {plan.motion.object.time[worst]:.4g} s of the plan, as stopping asks for: "
+            f"{row} passes its limit by {100 * most:.2g} %.",
+        )
+    wider = replace(limits, passed=passed)
+    used = [_wrench(plan, wider, end, none, reserve=end == AT_REST or plan.keeps_reserve) for end in (AT_REST, AT_MOST)]
+    return replace(wider, used=(used[AT_REST], used[AT_MOST]), margin=margin)
+
+
+def _passed(problem: SampleProblem, lower: Array, upper: Array) -> tuple[Array, Array]:
+    """By how much limits are passed at u = 0 whatever the wrenches, Shape (n,), and which rows tell, Shape (n, r)."""
+    if problem.unknowns == 2:  # noqa: PLR2004 (u and x)
+        beyond = np.maximum(lower, -upper)
+        return np.maximum(np.max(beyond, axis=1, initial=0.0), 0.0), beyond
+    A, free = problem.A[:, :, :-2], np.full(problem.unknowns - 2, -np.inf)
+    passed, dual, _ = least_widening(A, lower, upper, problem.is_limit, free, DEFAULT_SOLVER, "wrenches of the plan")
+    return passed, dual
+
+
+def _hardest(limits: _Limits, end: int, sign: float) -> tuple[Array, NDArray[np.intp]]:
+    """The least (sign -1) or largest (1) u at rest or at the largest x, Shape (n,), and the row that sets it."""
+    problem, (lower, upper) = limits.problem, limits.sides(end)
+    kept = np.flatnonzero(~problem.is_cap)
+    g = np.zeros((problem.samples, problem.unknowns - 1))
+    g[:, -1] = -sign
+    bound = np.full_like(g, np.inf)
+    bound[:, -1] = HIGHEST
+    programs = ConvexPrograms(
+        H=None,
+        g=g,
+        A=problem.free[:, kept],
+        lower=lower[:, kept],
+        upper=upper[:, kept],
+        x_lower=-bound,
+        x_upper=bound,
+    )
+    answers = solve_programs(programs, DEFAULT_SOLVER)
+    still = np.max(np.abs(problem.rate), axis=1) <= REST * np.max(np.abs(problem.rate))
+    u = np.where(still, HIGHEST, np.where(answers.verified, sign * answers.x[:, -1], 0.0))
+    return sign * np.maximum(u, 0.0), kept[np.argmax(np.abs(answers.row_dual), axis=1)]
+
+
+def _evened(time: Array, acceleration: Array) -> Array:
+    """Accelerations at most `STEEPEST` times those of the nodes beside."""
+    found = acceleration.copy()
+    order = range(1, len(time))
+    for k in order:
+        if time[k] > time[k - 1]:
+            _cap(found, k, k - 1)
+    for k in reversed(order):
+        if time[k] > time[k - 1]:
+            _cap(found, k - 1, k)
+    return found
+
+
+def _cap(acceleration: Array, node: int, beside: int) -> None:
+    most = STEEPEST * np.maximum(np.abs(acceleration[beside]), LEAST)
+    acceleration[node] = np.clip(acceleration[node], -most, most)
+
+
+def _wrench(plan: Plan, limits: _Limits, end: int, u: Array, *, reserve: bool = False) -> Array:
+    """Wrenches with u within the limits, base axes, Shape (n, n w): those that are used already where u is 0."""
+    moving, found = np.flatnonzero(u) if limits.used else np.arange(len(u)), limits.wrenches(end).copy()
+    if not len(moving):
+        return found
+    (lower, upper), problem, x, u = limits.sides(end), limits.problem.at(moving), limits.x(end)[moving], u[moving]
+    none = np.zeros((*problem.A.shape[:2], 1))
+    by_u = problem.rate * u[:, None]
+    there: dict[str, Any] = {}
+    for of in ("torque", "wrench"):
+        maps, offset = getattr(problem, f"{of}_map"), getattr(problem, f"{of}_offset")
+        there[f"{of}_map"] = np.concatenate([maps[:, :, :-2], np.zeros((*maps.shape[:2], 1))], axis=2)
+        there[f"{of}_offset"] = offset + maps[:, :, -2] * u[:, None] + maps[:, :, -1] * x[:, None]
+    if problem.torque_speed is not None:
+        there["torque_offset"] = there["torque_offset"] + problem.torque_speed * np.sqrt(x)[:, None]
+    alone = replace(
+        problem,
+        **there,
+        A=np.concatenate([problem.A[:, :, :-2], none], axis=2),
+        lower=lower[moving] - by_u,
+        upper=upper[moving] - by_u,
+        speed=None,
+        torque_speed=None,
+    )
+    if reserve:
+        alone, _ = reserved(alone, 0.0, DEFAULT_SOLVER)
+    unknowns, _ = distribute_torques(alone, 0.0, plan.weights, DEFAULT_SOLVER)
+    found[moving] = alone.wrench(unknowns)
+    return found

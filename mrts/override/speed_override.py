@@ -1,0 +1,372 @@
+# SPDX-License-Identifier: MIT
+"""A plan at a speed that changes while it runs: the C that an exported library has, called tick by tick."""
+
+import ctypes
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.argument_types import check_type, is_number
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError, as_array
+from mrts.base.manifest import LOAD_ENTRIES
+from mrts.cell.cell import Cell
+from mrts.kernel.binding import bind
+from mrts.kernel.c_text import override_source
+from mrts.kernel.compiler import find_compiler, library_or_rebuilt
+from mrts.kernel.foreign_arrays import INFINITY
+from mrts.limits import limit_rows
+from mrts.limits.rows import object_axes
+from mrts.override.plan_nodes import Corners, Plan, corners_of, divided, motion_of, plan_of
+from mrts.program.excess import BETWEEN
+from mrts.scaling.result import ScalingResult
+from mrts.timing.result import RetimingResult
+
+TICK = 1e-3
+"""Time between two steps where none is given: the 1 kHz of most torque interfaces [s]."""
+
+PLACES = (0.25, 0.5, 0.75)
+"""Where between two nodes limits are looked at."""
+
+ROUNDS, DIVISIONS = 8, 5
+"""Times that tables are made: in the first segments are divided, then limits are moved inward by what is passed."""
+
+LOWERINGS = 20
+"""Times that accelerations which pass limits between nodes even so are lowered."""
+
+BENT = 1e-3
+"""Share of a limit passed between two nodes from which they get another between."""
+
+MOST_MARGIN = 0.05
+"""Most of a limit that is taken off."""
+
+LESS = 0.7
+"""What is left of an acceleration each time."""
+
+PLAYED = 1
+"""The place of the plan itself among the six points."""
+
+NOT_ADMITTED, WRONG = 2, 5
+REFUSED = {
+    NOT_ADMITTED: "limits do not admit that speed there",
+    WRONG: "must be a place of the plan, from 0 to its duration",
+}
+"""What the statuses of the C say."""
+
+
+def node_type(cell: Cell) -> np.dtype[Any]:
+    """`cell_plan_node` of the exported header."""
+    joints, wrenches = len(cell.joint_names), len(cell.robots) * len(cell.wrench_components)
+    fields: list[Any] = [("time", "f8"), ("q", "f8", joints), ("dq", "f8", joints), ("ddq", "f8", joints)]
+    fields += [("most", "f8"), ("acceleration", "f8", (2, 2)), ("rate", "f8", 2), ("rate_ahead", "f8")]
+    fields += [("hold", "f8", (2, wrenches)), ("accelerate", "f8", (2, 2, wrenches)), ("active", "i2", 5)]
+    return np.dtype(fields, align=True)
+
+
+def _state_type(cell: Cell) -> np.dtype[Any]:
+    """`cell_override` of the exported header."""
+    joints, wrenches = len(cell.joint_names), len(cell.robots) * len(cell.wrench_components)
+    fields: list[Any] = [("time", "f8"), ("speed", "f8"), ("acceleration", "f8")]
+    fields += [(name, "f8", joints) for name in ("q", "dq", "ddq", "torque")]
+    fields += [("wrench", "f8", wrenches), *((name, "i4") for name in ("active", "finished", "node", "direction"))]
+    return np.dtype([*fields, ("inside", "f8"), ("aim", "f8")], align=True)
+
+
+def plan_nodes(cell: Cell, corners: Corners) -> NDArray[Any]:
+    """The tables of a plan as C reads them, Shape (n,)."""
+    motion, axes = corners.motion, object_axes(cell, corners.motion)
+    nodes = np.zeros(motion.samples, node_type(cell))
+    for name in ("q", "dq", "ddq"):
+        nodes[name] = getattr(motion, name)
+    nodes["time"] = motion.object.time
+    for name in ("most", "acceleration", "active", "rate", "rate_ahead"):
+        nodes[name] = getattr(corners, name)
+    nodes["hold"] = _turned(axes, corners.hold)
+    nodes["accelerate"] = _turned(axes, corners.accelerate)
+    return nodes
+
+
+def _turned(axes: Any, wrenches: Array) -> Array:
+    flat = wrenches.reshape(len(wrenches), -1, wrenches.shape[-1])
+    turned = np.stack([axes.turned(np.ascontiguousarray(flat[:, k])) for k in range(flat.shape[1])], axis=1)
+    return turned.reshape(wrenches.shape)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class OverrideState:
+    """What a controller commands at a tick.
+
+    Attributes:
+        numbers: As the C has them; nobody writes to them.
+        limits: Names of what may be active, "" first.
+    """
+
+    numbers: NDArray[Any]
+    limits: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<OverrideState: s = {self.time:.6g} s, speed {self.speed:.4g}>"
+
+    @property
+    def time(self) -> float:
+        """Of the plan, s [s]."""
+        return float(self.numbers["time"])
+
+    @property
+    def speed(self) -> float:
+        """ṡ: 1 as planned, 0 at rest, negative against the plan's direction."""
+        return float(self.numbers["speed"])
+
+    @property
+    def acceleration(self) -> float:
+        """s̈ until the next tick [1/s]."""
+        return float(self.numbers["acceleration"])
+
+    @property
+    def q(self) -> Array:
+        """Joint positions, Shape (m,) [rad or m]."""
+        return np.asarray(self.numbers["q"])
+
+    @property
+    def dq(self) -> Array:
+        """q̇, Shape (m,) [rad/s or m/s]."""
+        return np.asarray(self.numbers["dq"])
+
+    @property
+    def ddq(self) -> Array:
+        """q̈, Shape (m,) [rad/s² or m/s²]."""
+        return np.asarray(self.numbers["ddq"])
+
+    @property
+    def torque(self) -> Array:
+        """τ of the motors, exact for these positions, velocities and accelerations, Shape (m,) [N m or N]."""
+        return np.asarray(self.numbers["torque"])
+
+    @property
+    def wrench(self) -> Array:
+        """Contact wrenches, robot after robot in base axes, Shape (n w,) [N, N m]."""
+        return np.asarray(self.numbers["wrench"])
+
+    @property
+    def finished(self) -> bool:
+        """Whether the cell is at rest at an end of the plan."""
+        return bool(self.numbers["finished"])
+
+    @property
+    def active(self) -> str:
+        """The limit that keeps the speed from the wanted one; empty if nothing does."""
+        return self.limits[self.numbers["active"]]
+
+
+class SpeedOverride:
+    """A plan played at a speed that may change at any tick, within every limit; see docs/override.md.
+
+    Args:
+        result: What `mrts.scale` or `mrts.retime` found, with a trajectory that starts and ends at rest.
+        backwards: Whether it may run against the plan's direction.
+
+    Raises:
+        InputError: If the result has no such trajectory, or the cell cannot stand still somewhere on it.
+        CompilerError: If there is no C compiler, or it fails.
+        SolverError: If no solver answers.
+    """
+
+    def __init__(self, result: ScalingResult | RetimingResult, *, backwards: bool = False) -> None:
+        check_type("result", result, ScalingResult, RetimingResult)
+        check_type("backwards", backwards, bool)
+        self.plan: Plan = plan_of(result)
+        self.cell: Cell = self.plan.cell
+        self.backwards = backwards
+        self._library = _library(self.cell)
+        self._kept: list[NDArray[Any]] = []
+        self._make()
+
+    def _make(self) -> None:
+        """The tables, with what they pass between nodes taken off."""
+        margin = np.zeros(self.plan.motion.samples)
+        for turn in range(ROUNDS):
+            self._take(corners_of(self.plan, backwards=self.backwards, margin=margin))
+            over = np.max(np.where(self._chosen, self.passed, 0.0), axis=1)
+            if np.max(over) <= BETWEEN:
+                return
+            bent = np.flatnonzero(over > BENT)
+            if bent.size and turn < DIVISIONS:
+                self.plan = divided(self.plan, bent, self._at(bent, 0.5))
+                margin = np.insert(margin, bent + 1, margin[bent])
+            else:
+                over = np.append(np.where(over > BETWEEN, over, 0.0), 0.0)
+                margin = np.minimum(margin + np.maximum(over, np.roll(over, 1)), MOST_MARGIN)
+        for _ in range(LOWERINGS):
+            over = np.append((self.passed > BETWEEN)[:, 2:], np.zeros((1, 4), dtype=bool), axis=0)
+            if not np.any(over):
+                return
+            part = np.where(over | np.roll(over, 1, axis=0), LESS, 1.0)
+            self._take(self.corners.lowered(part.reshape(-1, 2, 2)))
+
+    @property
+    def _chosen(self) -> NDArray[np.bool_]:
+        """Of the six points those whose wrenches are found here, Shape (6,): a plan without jumps has its own."""
+        return np.asarray(np.arange(6) != (PLAYED if self.plan.wrench is not None else -1))
+
+    def _at(self, segment: NDArray[np.intp], place: float) -> NDArray[Any]:
+        """States of the plan as planned at a place in (0, 1) of some segments."""
+        inside = place * np.diff(self.nodes["time"])[segment]
+        return self._states(segment, inside, np.ones(len(segment)), np.zeros(len(segment)))
+
+    def _between_nodes(self) -> Array:
+        """By how much the six points pass a limit between nodes, Shape (n - 1, 6)."""
+        step = np.diff(self.nodes["time"])
+        segment = np.flatnonzero(step)
+        found = np.full((len(step), 6), -1.0)
+        for corner, ends in enumerate(self.corners.corners):
+            for place in PLACES:
+                u, x = (of[segment] + place * (of[segment + 1] - of[segment]) for of in ends)
+                states = self._states(segment, place * step[segment], np.sqrt(x), u)
+                found[segment, corner] = np.maximum(found[segment, corner], self.excess(states))
+        return found
+
+    def _take(self, corners: Corners) -> None:
+        cell, robots = self.cell, self.cell.robots
+        self.corners = corners
+        self.nodes = plan_nodes(cell, corners)
+        joints = len(cell.joint_names)
+        fields: list[Any] = [
+            ("nodes", "u8"),
+            *((name, "i4") for name in ("count", "backwards", "varies", "keeps_rates")),
+        ]
+        fields += [("limits", "u8"), ("load", "f8", len(LOAD_ENTRIES))]
+        fields += [(name, "f8", joints) for name in ("armature", "coulomb", "viscous")]
+        self._c = np.zeros((), np.dtype([*fields, ("geometry", "u8")], align=True))
+        self._geometry = np.ascontiguousarray(cell.geometry)
+        self._c["nodes"], self._c["geometry"] = self.nodes.ctypes.data, self._geometry.ctypes.data
+        self._c["count"], self._c["backwards"], self._c["load"] = len(self.nodes), self.backwards, cell.load
+        self._c["varies"] = bool(np.ptp(corners.most))
+        for name in ("armature", "coulomb", "viscous"):
+            self._c[name] = np.concatenate([getattr(robot.motors, name) for robot in robots])
+        self.passed = self._between_nodes()
+
+    @property
+    def duration(self) -> float:
+        """Of the plan as planned [s]."""
+        return float(self.nodes["time"][-1])
+
+    def start(self, time: float = 0.0, speed: float = 0.0) -> OverrideState:
+        """Stand at a place of the plan with a speed.
+
+        Raises:
+            InputError: If it is no place of the plan, or limits do not admit the speed there.
+        """
+        numbers = np.zeros((), _state_type(self.cell))
+        for name, value in (("time", time), ("speed", speed)):
+            if not is_number(value):
+                raise InputError(name, "must be a finite number.", value=value)
+        status = self._library.mrts_override_start(self._c, time, speed, numbers)
+        if status:
+            key, value = ("speed", speed) if status == NOT_ADMITTED else ("time", time)
+            raise InputError(key, f"{REFUSED[status]} (0 to {self.duration:g} s).", value=value)
+        return self._state(numbers)
+
+    def step(self, state: OverrideState, wanted: float, dt: float = TICK) -> OverrideState:
+        """Go on for a tick, then turn towards a wanted speed.
+
+        Args:
+            state: From `start` or `step`.
+            wanted: Speed: 1 as planned, 0 to stop.
+            dt: Time since the last step [s].
+
+        Raises:
+            InputError: Unless wanted is finite and dt > 0.
+        """
+        if not is_number(wanted):
+            raise InputError("wanted", "must be a finite number.", value=wanted)
+        _check_tick(dt)
+        numbers = state.numbers.copy()
+        self._library.mrts_override_step(self._c, wanted, dt, numbers)
+        return self._state(numbers)
+
+    def play(self, wanted: Array, dt: float = TICK, state: OverrideState | None = None) -> NDArray[Any]:
+        """States after each of k ticks, Shape (k,), with the fields of `OverrideState`.
+
+        Args:
+            wanted: Speed that is wanted at each tick, Shape (k,).
+            dt: Between ticks [s].
+            state: Before the first; None starts at rest at 0.
+        """
+        given = np.ascontiguousarray(as_array("wanted", wanted))
+        if given.ndim != 1 or not np.all(np.isfinite(given)):
+            raise InputError("wanted", "must have Shape (k,) and be finite.")
+        _check_tick(dt)
+        states = np.zeros(len(given), _state_type(self.cell))
+        self._library.mrts_override_play(self._c, len(given), given, dt, (state or self.start()).numbers, states)
+        return states
+
+    def stop_time(self, state: OverrideState, dt: float = TICK) -> float:
+        """Seconds until the cell stands still if that is wanted from now on [s]."""
+        return float(self._stops(state.numbers.reshape(1), dt)[0][0])
+
+    def speed_for_stop(self, state: OverrideState, seconds: float, dt: float = TICK) -> float:
+        """The largest speed here from which the cell stands still within some seconds."""
+        speed = np.zeros(1)
+        self._library.mrts_override_speed_for_stop(self._c, state.numbers, seconds, dt, speed)
+        return float(speed[0])
+
+    def resume(self, q: Array, within: float) -> OverrideState:
+        """Stand still at the place of the plan nearest to measured joint positions.
+
+        Args:
+            q: Shape (m,) [rad or m].
+            within: Farthest that a joint may be from it [rad or m].
+
+        Raises:
+            InputError: If a joint is farther off.
+        """
+        given, numbers = np.ascontiguousarray(as_array("q", q)), np.zeros((), _state_type(self.cell))
+        if given.shape != (len(self.cell.joint_names),):
+            raise InputError("q", f"must have Shape ({len(self.cell.joint_names)},).")
+        if self._library.mrts_override_resume(self._c, given, within, numbers):
+            raise InputError("q", f"no place of the plan is within {within:g} of it in every joint.")
+        return self._state(numbers)
+
+    def _state(self, numbers: NDArray[Any]) -> OverrideState:
+        return OverrideState(numbers, self.corners.names)
+
+    def _stops(self, states: NDArray[Any], dt: float) -> tuple[Array, Array]:
+        seconds, stands = np.zeros((2, len(states)))
+        self._library.mrts_override_stops(self._c, len(states), states, dt, seconds, stands)
+        return np.where(seconds < INFINITY, seconds, np.inf), stands
+
+    def _states(self, node: NDArray[Any], inside: Array, speed: Array, acceleration: Array) -> NDArray[Any]:
+        states = np.zeros(len(node), _state_type(self.cell))
+        given = [np.ascontiguousarray(of, dtype=np.float64) for of in (inside, speed, acceleration)]
+        self._library.mrts_override_states(
+            self._c, len(node), np.ascontiguousarray(node, dtype=np.int32), *given, states
+        )
+        return states
+
+    def excess(self, states: NDArray[Any]) -> Array:
+        """By how much of itself each state passes a limit, below 0 within all, Shape (k,)."""
+        rows, value = self._rows(states)
+        return np.asarray(np.max(rows.excess(value), axis=1, initial=-1.0))
+
+    def _rows(self, states: NDArray[Any]) -> tuple[Any, Array]:
+        rows = limit_rows(self.cell, motion_of(self.cell, states))
+        return rows, rows.value(np.array(states["torque"]), np.array(states["wrench"]), 0.0, 1.0)
+
+
+def _check_tick(dt: float) -> None:
+    if not is_number(dt, 0) or dt == 0:
+        raise InputError("dt", "must be a time > 0 in s.", value=dt)
+
+
+def _library(cell: Cell) -> ctypes.CDLL:
+    manifest, generated = cell.functions.manifest, cell.functions.origin
+    if not isinstance(generated, str):
+        cell.functions.library  # noqa: B018 (it says what is missing)
+    return library_or_rebuilt(find_compiler(), "override", override_source(manifest, str(generated)), _bound)
+
+
+def _bound(path: Path) -> ctypes.CDLL:
+    return bind(ctypes.CDLL(str(path)), ("override.c",))
