@@ -4,6 +4,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -191,7 +192,7 @@ def _of_range(result: ScalingResult) -> dict[RowName, str]:
     words, told = {"lower": "c²⁻", "upper": "c²⁺"}, dict[RowName, str]()
     for side, end in result.range.ends_at(played(result).c2, AT_END):
         load = "" if end.load is None else f" with {end.load}"
-        said = f"sets {words[side]} at {end.time:.4g} s of the given motion{load}"
+        said = f"sets {words[side]} at {(end.time or 0.0) / sqrt(end.c2):.4g} s{load}"
         told |= dict.fromkeys((row.name for row in end.rows), said)
     return told
 

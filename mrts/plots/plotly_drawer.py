@@ -43,7 +43,8 @@ def plotly_figure(plot: Plot) -> dict[str, Any]:
     closest = maps or not any(isinstance(item, Line) for item in panels[0].items)
     shape: dict[str, Any] = {
         "font": FONT,
-        "margin": {"l": 64, "r": 12, "t": 12, "b": 48},
+        "margin": {"l": 64, "r": 34, "t": 12, "b": 48},
+        "modebar": {"orientation": "v"},
         "paper_bgcolor": "#fff",
         "plot_bgcolor": "#fff",
         "hovermode": "closest" if closest else "x unified",

@@ -79,6 +79,8 @@ def write_simulation_report(found: Simulation, path: Path | str) -> None:
 
 def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]:
     told = [shown.sentence()]
+    if timing is None and shown.trajectory is not None and not shown.origin:
+        told = [f"c² = {shown.trajectory.c2:.6g}; admissible: {shown.range.text()}."]
     if timing is not None:
         told = [f"{timing.sentence()[0].upper()}{timing.sentence()[1:]}"]
         if timing.retimed is None:

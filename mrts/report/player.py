@@ -194,6 +194,7 @@ def _layout(cell: Cell, points: Array, camera: dict[str, Any]) -> dict[str, Any]
         "margin": {"l": 0, "r": 0, "t": 0, "b": 0},
         "paper_bgcolor": "#fff",
         "legend": {"orientation": "h", "x": 0, "y": 1, "yanchor": "top"},
+        "modebar": {"orientation": "v"},
         "scene": axes | {"aspectmode": "manual", "aspectratio": ratio, "camera": camera},
         "uirevision": "kept",
     }

@@ -7,14 +7,12 @@ from importlib.resources import files
 import numpy as np
 
 from mrts.base.errors import MrtsError
-from mrts.base.load_box import LoadPoint
 from mrts.base.printable import html_text
 from mrts.base.remark import Remark
 from mrts.base.words import interval_text
 from mrts.collisions.clearance import Clearance
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import Side
 from mrts.plots.card import Card, Nearness
-from mrts.program.range_status import RangeStatus
 from mrts.scene.scene import FORCE, MOMENT
 from mrts.simulation.simulate import Simulation
 from mrts.viewer.held_poses import HeldPoses
@@ -48,11 +46,10 @@ def verdict_html(outcome: str, error: str, *, computing: bool, outdated: bool) -
 
 
 def outcome_html(state: PlayerState) -> str:
-    """The outcome in a sentence; red where no speed is admissible."""
+    """The answer in a line; red, with the reason, where no speed is admissible."""
     result = state.result
     admits = result.status.admits_motion and not state.refusal
-    text = f"<b>{html_text(state.card.outcome)}</b><br>" if admits and state.admissible else ""
-    text += html_text(state.sentence())
+    text = f"<b>{html_text(state.card.outcome)}</b>" if admits else html_text(state.sentence())
     if result.load is not None:
         text += f" Torques are those of the nominal load of {result.cell.mass:.4g} kg."
     text += "".join(f"<br>{html_text(str(remark))}" for remark in result.warnings)
@@ -102,15 +99,16 @@ def speed_html(state: PlayerState | None) -> str:
         return _paragraph("speed", "")
     done, samples = state.trajectory, len(state.excess)
     text = f"c = {done.c:.4g}, c² = {done.c2:.4g}, duration {done.duration:.4g} s, energy {done.energy:.4g} J. "
-    passed = state.violations()
+    passed, found = state.violations(), state.result.range
+    interval = f" {found.text()}" if found.status.admits_motion and state.timing is None else ""
     if fast := sum(
         name.kind == "velocity" and f"{name.robot}/{name.element}" in done.cell.joint_names for name, _, _ in passed
     ):
         text += f"{fast} of {done.q.shape[1]} joints beyond their velocity limit. "
     if state.admissible:
-        return _paragraph("speed", f"{text}Inside the admissible range.")
+        return _paragraph("speed", f"{text}Inside the admissible range{interval}.")
     over = int(np.count_nonzero(state.excess))
-    text += "<b>Outside the admissible range</b>: "
+    text += f"<b>Outside the admissible range{interval}</b>: "
     if over == 0:
         load = ", though the load shown keeps all limits" if state.result.load is not None else ""
         return _paragraph("speed", f"{text}no torques are guaranteed{load}.", OVER)
@@ -130,23 +128,19 @@ def moment_html(state: PlayerState | None) -> str:
     """The chosen time, and which speeds its sample alone admits and why; None leaves the place empty."""
     if state is None:
         return _paragraph("moment", "")
-    ranged, sample = state.result.range, state.sample
-    found = ranged.samples
-    given = found.time[sample]
-    text = f"t = {state.time:.4g} s of {state.trajectory.duration:.4g} s (given motion: {given:.4g} s). "
-    conflict = next((conflict for conflict in found.conflicts if conflict.sample == sample), None)
+    found, sample = state.result.range, state.sample
+    text = f"t = {state.time:.4g} s of {state.trajectory.duration:.4g} s. "
+    conflict = next((conflict for conflict in found.samples.conflicts if conflict.sample == sample), None)
     if conflict is not None:
         return _paragraph("moment", f"{text}Infeasible: {html_text(str(conflict))}.", OVER)
-    low, high = found.lower[sample], found.upper[sample]
-    alone = interval_text(low, high)
-    if np.isinf(high):
-        return _paragraph("moment", f"{text}Nothing limits how fast this sample may be played: c² ∈ {alone}.")
-    empty = found.status[sample] is RangeStatus.EMPTY
-    reach = f"This sample alone admits c² ∈ {alone}"
-    text += f"No c² suits every load here: {alone}; " if empty else f"{reach}; "
-    text += f"faster is forbidden by {_rows(ranged.binding(sample, 'upper'), found.upper_loads, sample)}"
-    if low > 0:
-        text += f", slower by {_rows(ranged.binding(sample, 'lower'), found.lower_loads, sample)}"
+    low, high = found.samples.lower[sample], found.samples.upper[sample]
+    text += (
+        f"This sample alone admits c² ∈ {interval_text(low, high)}" if low <= high else "No c² suits every load here"
+    )
+    ends: tuple[tuple[str, Side, bool], ...] = (("faster", "upper", np.isfinite(high)), ("slower", "lower", low > 0))
+    for word, side, limited in ends:
+        rows = ", ".join(row.name.short for row in found.binding(sample, side)) if limited else ""
+        text += f"; {word} is forbidden by {html_text(rows)}" if rows else ""
     return _paragraph("moment", f"{text}.")
 
 
@@ -171,12 +165,6 @@ def arrows_html(metres_per_newton: float, metres_per_newton_metre: float) -> str
         f'<b style="color:rgb{MOMENT}">moment</b>, 1 m is {1 / metres_per_newton_metre:.4g} N m'
     )
     return _paragraph("arrows", text)
-
-
-def _rows(rows: Sequence[ActiveRow], loads: Sequence[LoadPoint] | None, sample: int) -> str:
-    load = f" with {loads[sample]}" if loads else ""
-    names = (row.name.short for row in rows)
-    return html_text(", ".join(names) + load)
 
 
 def text_html(kind: str, text: str) -> str:

@@ -64,7 +64,7 @@ def test_arrows_of_the_player_are_the_forces_at_the_contacts(dual_ur5, turned):
 def test_the_text_says_what_was_given_and_found(planar_cell, lift, lifted):
     text = report_html(lifted)
     for words in (
-        "c² ∈ [0, 3.062]: you may play it up to 1.75 × as fast as given",
+        "c² = 3.06181; admissible: [0, 3.062].",
         "The motors give ",
         "left (3 joints), right (3 joints); xy; load 0.5 kg",
         "<td>0.5236 s in 101 samples</td>",
