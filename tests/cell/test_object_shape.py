@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 from shipped_cells import cell_file, shipped
 
 import mrts
-from mrts.base.formats.surface_text import MOST_DRAWN, coarser_surface
 from mrts.cell.generation import generate_to
 from mrts.scene.held_body import held_body
 
@@ -124,13 +123,3 @@ def test_it_stays_with_the_cell(tmp_path):
             np.testing.assert_allclose(theirs, ours, rtol=0, atol=ROUNDING)
     trimesh.creation.box((0.3, 0.2, 0.2)).export(tmp_path / "part.stl")  # the cache has the old one
     assert mrts.load_cell(path).inertia[0, 0] == pytest.approx(MASS / 12 * (0.09 + 0.04))
-
-
-def test_of_small_bodies_far_apart_the_largest_triangles_are_drawn():
-    """Each lies in one cell of the grid that makes surfaces coarser."""
-    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.001)
-    points = np.concatenate([ball.vertices, ball.vertices + np.array([1, 0, 0])])
-    corners = np.concatenate([ball.faces, ball.faces + len(ball.vertices)])
-    coarse, few = coarser_surface(points, corners, MOST_DRAWN)
-    assert len(few) == MOST_DRAWN < len(corners)
-    assert np.ptp(coarse[few.ravel()][:, 0]) == pytest.approx(1.002, abs=0.001)

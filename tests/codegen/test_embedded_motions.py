@@ -157,12 +157,6 @@ def test_a_cup_stays_in_a_loop_from_a_least_speed_on(precision, tmp_path):
     library = LoadedLibrary(folder, tmp_path)
     least = 9.8 / (TURNING**2 * RADIUS) * np.maximum(np.abs(np.sin(angle)) / FRICTION - np.cos(angle), 0)
     samples = [library.sample(motion, index) for index in range(motion.samples)]
-    for call in ("range_of_sample", "equal_share_range"):
-        found = [library.range(sample, call) for sample in samples]
-        assert [status for status, _, _ in found] == [OK] * len(samples)
-        assert np.array([interval[0, 0] for _, interval, _ in found]) == pytest.approx(least, rel=SAME)
-        named = [rows[0][0][0] for _, _, rows in found]
-        assert named == np.where(least > 0, "object/cup friction", "c^2 >= 0").tolist()
     top = len(samples) // 2
     assert [library.torques(samples[top], share * least[top])[0] for share in (0.999, 1)] == [INFEASIBLE, OK]
     library.settings.velocity[7] = 0.5 * TURNING * np.sqrt(least[top])

@@ -38,26 +38,24 @@ def test_scale_reports_and_writes_the_documented_json(tmp_path, planar_cell, lif
     assert sorted(path.name for path in (tmp_path / "plots").iterdir()) == PICTURES
 
 
-def test_options_choose_the_speed_and_the_sharing():
-    assert "chosen c² = 1:" in mrts_command("scale", *FILES, "--nominal").stdout
-    assert "chosen c² = 2.5:" in mrts_command("scale", *FILES, "--c2", "2.5").stdout
-    assert "[0, 2.96]" in mrts_command("scale", *FILES, "--share", "equal").stdout
-    assert "[0, 4.107]" in mrts_command("scale", *FILES, "--no-wrench-limits", "--fastest").stdout
-    assert mrts_command("scale", *FILES, "--nominal", "--fastest").returncode == 2
+OPTIONS = {
+    "--c2 1 --formulation torque --solver qpsol:qpoases --weights 1,2,3,4,5,6": {
+        "select": 1.0, "formulation": "torque", "solver": "qpsol:qpoases", "weights": np.arange(1.0, 7.0)
+    },
+    "--c2 1 --distribute reserve --reserve 0.1": {"select": 1.0, "distribute": "reserve", "reserve": 0.1},
+    "--nominal --share equal": {"select": "nominal", "sharing": mrts.LoadSharing()},
+}  # fmt: skip
 
 
-def test_options_of_the_plan_reach_the_library(planar_cell, lift, tmp_path):
+def test_options_reach_the_library(planar_cell, lift, tmp_path):
     target = tmp_path / "plan.json"
-    words = "--c2 1 --formulation torque --solver qpsol:qpoases --weights 1,2,3,4,5,6"
-    assert mrts_command("scale", *FILES, *words.split(), "--json", target).returncode == 0
-    asked = {"formulation": "torque", "solver": "qpsol:qpoases", "weights": np.arange(1.0, 7.0)}
-    assert json.loads(target.read_text()) == mrts.scale(planar_cell, lift, 1.0, **asked).to_json()
-    words = "--c2 1 --distribute reserve --reserve 0.1"
-    assert mrts_command("scale", *FILES, *words.split(), "--json", target).returncode == 0
-    assert (
-        json.loads(target.read_text())
-        == mrts.scale(planar_cell, lift, 1.0, distribute="reserve", reserve=0.1).to_json()
-    )
+    for words, asked in OPTIONS.items():
+        assert main(["scale", *map(str, FILES), *words.split(), "--json", str(target), "-q"]) == 0
+        assert json.loads(target.read_text()) == mrts.scale(planar_cell, lift, **asked).to_json()
+    assert main(["scale", *map(str, FILES), "--no-wrench-limits", "--fastest", "--json", str(target), "-q"]) == 0
+    assert json.loads(target.read_text()) == mrts.scale(planar_cell.without_wrench_limits(), lift, "fastest").to_json()
+    assert main(["scale", *map(str, FILES), "--nominal", "--fastest"]) == 2
+    assert mrts_process("--version").stdout.strip() == f"mrts {mrts.__version__}"
 
 
 def test_an_infeasible_motion_is_an_outcome(tmp_path):
@@ -73,15 +71,6 @@ def test_an_infeasible_motion_is_an_outcome(tmp_path):
     assert result["c2"] == {"lower": None, "upper": None}
     assert result["conflicts"][0]["rows"]
     assert (tmp_path / "c2_range.png").exists()
-
-
-@pytest.mark.quick
-def test_help_and_version():
-    assert "demo" in mrts_command("--help").stdout
-    assert mrts_process("--version").stdout.strip() == f"mrts {mrts.__version__}"
-    for verb in ("demo", "generate", "scale"):
-        assert "examples:" in mrts_command(verb, "--help").stdout
-    assert mrts_command().returncode == 2
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 import sys
-from contextlib import contextmanager
 from importlib import import_module
 
 import pytest
@@ -16,7 +15,6 @@ from terminal_session import at_terminal
 
 import mrts
 from mrts.cli import COMMANDS, main
-from mrts.commands import options
 from mrts.plots.card import answer_card
 
 MRTS = (sys.executable, "-m", "mrts")
@@ -106,21 +104,6 @@ def test_brief_is_one_line(capsys, lifted):
     assert capsys.readouterr().out == f"planar_dual_arm: {answer_card(lifted).outcome}\n"
     assert main([*map(str, LIFT), "--brief", "--profile", "optimal"]) == 0
     assert capsys.readouterr().out.count("\n") == 1
-
-
-def test_a_sign_of_life_begins_before_anything_is_compiled(monkeypatch):
-    """What the arms follow is compiled first, and takes seconds."""
-    begun, seen = [], []
-
-    @contextmanager
-    def working(what):
-        begun.append(what)
-        yield
-
-    monkeypatch.setattr(options, "working", working)
-    monkeypatch.setattr("mrts.cell.loading.cell_to_compile", lambda _path: seen.append(list(begun)))
-    options.limited_cell(DATA / "cell.yaml", mrts.load_motion(DATA / "lift.yaml"))
-    assert seen == [[f"generating and compiling {DATA / 'cell.yaml'}"]]
 
 
 def test_quiet_says_nothing_but_writes_the_files(tmp_path, capsys):

@@ -81,15 +81,6 @@ def test_what_has_tables_shows_them(held):
         assert any(text.strip() for text in cells), name
 
 
-def test_the_answer_of_a_timing_stands_first(held):
-    found = held["RetimingResult"]
-    tree = shown(found)
-    assert "".join(tree.find("p").itertext()) == f"{found.cell.name}: {found.sentence()}"
-    durations, limits = tree.findall("table")
-    assert f"{found.duration:.4g} s" in "".join(durations.itertext())
-    assert found.limits[0][0] in "".join(limits.itertext())
-
-
 def test_names_from_a_file_stay_text(planar_cell, lift):
     spiteful = with_awkward_names(planar_cell)
     result = mrts.scale(spiteful, lift)

@@ -220,15 +220,6 @@ def test_hard_quadratic_programs_pass_their_conditions(kernel):
     assert solved["degenerate vertex", OPTIMAL] == 3 * HARD
 
 
-def test_ten_samples_are_not_taken_for_ten_entries_of_a_load(planar_cell, lift):
-    fields = (lift.time, lift.position, lift.rotation, lift.twist, lift.acceleration)
-    short = mrts.ObjectMotion(*(field[:100:10] for field in fields))
-    for mass in (0.5, 12.67, 40.0):
-        heavy = planar_cell.with_mass(mass)
-        ours, theirs = (mrts.scale(heavy, short, solver=name) for name in ("kernel", "qpsol:qpoases"))
-        assert ours.range.samples.status == theirs.range.samples.status
-
-
 @pytest.mark.quick
 def test_inputs_of_a_wrong_shape_never_reach_the_compiled_code(planar_cell):
     for q in (np.zeros((1, 6)), np.zeros((50, 5)), np.zeros(7), np.zeros((51, 6))):

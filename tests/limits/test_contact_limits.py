@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cell_bank import random_planar_cell, random_spatial_cell
-from contact_forces import least_pressing
 
 import mrts
 from mrts.cell.hands import box_contact, gripper_contact, pad_contact, suction_contact, tip_components
-from mrts.limits import limit_rows
 
 SAME = 1e-8
 """Of c² by different programs, relative, and of torques, to their limits: each is right to 1e-9 of a limit."""
@@ -22,23 +20,6 @@ def with_contacts(cell, *of_robots):
         free,
         robots=tuple(replace(robot, contacts=contacts) for robot, contacts in zip(free.robots, of_robots, strict=True)),
     )
-
-
-def squeezing(dual_ur5, force=400.0, friction=0.7):
-    """Two palms that press on the box from both sides, tool z into it."""
-    palm = pad_contact(friction=friction, normal=[0, 0, 1], half_width=[0.05, 0.04], force=[1, force])
-    return with_contacts(dual_ur5, (palm,), (palm,))
-
-
-def in_tip(cell, result):
-    """Wrenches in tip axes, from the joints: by the generated kinematics, not by the object's pose."""
-    whole, wrench = result.motion, result.wrench
-    R = cell.functions("kinematics", whole.samples, {"q": whole.q})["rotation"]
-    found = {}
-    for index, robot in enumerate(cell.robots):
-        F = wrench[robot.name].reshape(whole.samples, -1, 3) @ robot.T_world_base.R.T
-        found[robot.name] = np.einsum("nki,ntk->nti", R[:, :, 3 * index : 3 * index + 3], F).reshape(len(F), -1)
-    return found
 
 
 def random_contacts(rng, cell):
@@ -129,25 +110,3 @@ def test_one_box_in_the_axes_of_tip_object_and_base_is_one_limit(dual_ur5):
     for result in found.values():
         assert result.range.upper.c2 == pytest.approx(found["base"].range.upper.c2, rel=SAME)
         np.testing.assert_allclose(result.trajectory.torque, found["base"].trajectory.torque, atol=1e-6)
-
-
-def test_palms_press_what_their_corners_can_make(dual_ur5, lift_and_turn):
-    """Every wrench of the plan, in tip axes found from the joints, is one of corner forces; and friction is in use."""
-    cell = squeezing(dual_ur5).without_velocity_limits()
-    result = mrts.scale(cell, lift_and_turn)
-    assert {row.name.robot for row in result.range.upper.rows if row.name.kind == "contact"}
-    mu = 0.7 / np.sqrt(2)
-    for robot in cell.robots:
-        F = in_tip(cell, result)[robot.name]
-        least = least_pressing(F, [0, 0, 1], [0.05, 0.04], mu)
-        assert np.all(F[:, 2] >= least - 1e-5)
-        assert np.all((F[:, 2] >= 1 - 1e-5) & (F[:, 2] <= 400 + 1e-5))
-    rows = limit_rows(cell, result.motion)
-    done = result.trajectory
-    value = rows.value(done.torque, done.wrench, 0.0, done.c)
-    friction = [place for place, name in enumerate(rows.names) if name.kind == "contact" and "friction" in name.element]
-    assert np.max(rows.share(value)[:, friction]) == pytest.approx(1.0, abs=1e-6)
-    some = np.array([3, 50])
-    np.testing.assert_allclose(
-        rows.at(some).value(done.torque[some], done.wrench[some], 0.0, done.c), value[some], atol=1e-12
-    )

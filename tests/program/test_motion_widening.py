@@ -61,20 +61,6 @@ def test_the_widening_is_the_one_of_highs(name, how):
     assert how in {"motors", "heavier"} or np.min(theirs) < AGREES
 
 
-def test_some_samples_with_a_load_each_are_those_of_highs():
-    rng = np.random.default_rng(17)
-    cell, motion = followed("dual_ur5")
-    places = np.sort(rng.choice(motion.samples, 90, replace=False))
-    loads = cell.load * rng.uniform(0.5, 2.0, (90, 1))
-    c2 = rng.uniform(10, 30, 90)
-    everywhere, all_c2 = np.tile(cell.load, (motion.samples, 1)), np.ones(motion.samples)
-    everywhere[places], all_c2[places] = loads, c2
-    found = motion_widening(motion_rows(cell, motion), c2, load=loads, samples=places)
-    np.testing.assert_allclose(found, by_highs(cell, motion, all_c2, everywhere)[places], atol=AGREES, rtol=AGREES)
-    assert np.count_nonzero(found > AGREES) > 10
-    assert motion_widening(motion_rows(cell, motion), np.zeros(0), samples=np.zeros(0, dtype=np.intp)).shape == (0,)
-
-
 def timed(motion):
     """A piece of the path with a speed and a rate that change along it."""
     (piece,) = path_pieces(motion)

@@ -21,7 +21,7 @@ from mrts.scene.arm_meshes import arm_meshes, drawn_arms
 from mrts.scene.cell_shapes import contact_forces, joint_points, name_place, object_box, shares_base
 from mrts.scene.cell_view import FIELD_OF_VIEW, CellView, look_at_cell
 from mrts.scene.held_body import held_body
-from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour, round_down
+from mrts.scene.scene import OVER_LIMIT, SHARED_BASE, arm_colour
 
 SAME_PLACE = 1e-9
 """[m]; meshes pass through single precision nowhere, but yourdfpy's angles are its own."""
@@ -197,11 +197,3 @@ def test_a_camera_has_all_points_in_its_picture_and_none_would_do_nearer():
         np.testing.assert_allclose(camera.axes @ camera.axes.T, np.eye(3), atol=1e-12)
         ahead = camera.target - camera.position
         np.testing.assert_allclose(ahead / np.linalg.norm(ahead), camera.axes[2], atol=1e-9)
-
-
-@pytest.mark.quick
-def test_a_round_number_is_itself_whatever_its_last_digit():
-    for exact in (1e-3, 0.1, 1.0, 2.0, 50.0, 1000.0):
-        for value in (exact, np.nextafter(exact, 0), np.nextafter(exact, np.inf)):
-            assert round_down(value) == pytest.approx(exact)
-    assert [round_down(4.9), round_down(0.0199), round_down(999.0)] == pytest.approx([2, 0.01, 500])

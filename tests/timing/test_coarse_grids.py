@@ -6,7 +6,6 @@ from cases import model_with_box
 from cases import one_arm as shipped_arm
 from coarse_grids import POINTS, compared, spline_path, table
 from draws import seeds
-from one_arm import duration
 from scipy.integrate import solve_ivp
 
 import mrts
@@ -14,18 +13,14 @@ from mrts.following.coordinated_motion import carried_by_first
 from mrts.motion.velocity_profile import PROFILES
 from mrts.program.excess import BETWEEN
 from mrts.program.motion_rows import motion_rows
-from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
-from mrts.timing.fastest_profile import SpeedProfile, fastest_profile, rising_profile, segment_times
+from mrts.timing.fastest_profile import segment_times
 from mrts.timing.path_pieces import by_turns, path_pieces
 from mrts.timing.retimed_motion import at_segment_ends
-from mrts.timing.speed_regions import speed_regions
 
 PATHS = 4
 KEPT = 1e-6  # of c²: limits at both ends of a segment are kept to rounding, which a small effect of ṙ² widens
-COSTLY = 0.02  # of the optimal duration
-NEARER = 0.9  # of what a constant acceleration on each segment costs, at most so much is left
 LONGER = 1.02  # a single path may take so much longer than toppra's, which oversteps limits
 CLOSE = 20001  # samples with small turns from one to the next
 EVEN_GRID = np.linspace(0, 1, POINTS)
@@ -73,30 +68,6 @@ def test_limits_hold_at_both_ends_of_every_segment(arm, seed):
     assert np.ptp(part.piece.arc_speed) > 0
     for motion in at_segment_ends(part):
         assert np.min(motion_ranges(motion_rows(path.cell, motion), DEFAULT_SOLVER).upper) >= 1 - KEPT
-
-
-@pytest.mark.parametrize("seed", seeds(1, 1))
-def test_rising_accelerations_come_near_a_fine_grid(arm, seed):
-    path = spline_path(*arm, seed)
-    fine = np.linspace(0, 1, 2001)
-    least = duration(np.diff(fine), path.by_toppra(fine))
-    constant, rising = both_profiles(path.cell, sampled(path, EVEN_GRID))
-    assert least * (1 - KEPT) <= rising <= constant
-    if constant > least * (1 + COSTLY):
-        assert rising - least < NEARER * (constant - least)
-
-
-def both_profiles(cell, motion):
-    """Durations of the fastest profile with a constant acceleration on each segment, and with rising ones."""
-    regions, step = (
-        speed_regions(build_sample_problem(motion_rows(cell, motion), varying=True), 1.0),
-        np.diff(motion.object.time),
-    )
-    constant = fastest_profile(step, regions, (0.0, 0.0))
-    if not isinstance(constant, SpeedProfile):
-        return None, None
-    rising = rising_profile(constant, step, (0.0, 0.0))
-    return tuple(float(np.sum(segment_times(step, one.x, one.rise))) for one in (constant, rising))
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -28,9 +28,6 @@ SAME_DURATION = 1e-5
 OTHER_SCHEME = 1e-3
 """Likewise, where Drake looks at the ends of a segment in another way: 4e-4 apart on 800 segments, less on more."""
 
-INSIDE = 1e-4
-"""Likewise, where an acceleration is limited by a polygon inside its circle."""
-
 SMOOTH = 3e-3
 """Likewise, where jerk is constant between nodes and switches at them."""
 
@@ -125,24 +122,6 @@ def test_points_on_random_paths_take_as_long_as_drake_says(seed, framed_arm):
     (_, (speed, _), (_, acceleration), _), path = case.limits, case.path
     assert case.ours(path, speed=speed) == pytest.approx(theirs, rel=OTHER_SCHEME)
     assert wide < case.ours(path, acceleration=acceleration) < narrow
-
-
-@pytest.mark.parametrize("seed", seeds(1, 9))
-def test_points_on_straight_lines_take_as_long_as_drake_says(seed, framed_arm):
-    """Where one axis of Drake's box is the line, it limits the size of the acceleration."""
-    case = FrameCase(seed, framed_arm)
-    case.point = case.robot.point_limits[-1]
-    start, way = np.array([0.0, 0.1, 0.35]), case.rng.uniform(-0.15, 0.15, 3)
-    s, still = np.linspace(0, 1, 401), np.zeros((401, 6))
-    eye, twist = np.broadcast_to(np.eye(3), (401, 3, 3)), np.tile(np.append(way, np.zeros(3)), (401, 1))
-    line = mrts.ObjectMotion(s, start + np.outer(s, way), eye, twist, still)
-    path = spline(s, mrts.follow_object(case.cell, line).q)
-    along = case.robot.T_world_base.R.T @ way / np.linalg.norm(way)
-    axes = np.linalg.qr(np.column_stack([along, np.eye(3)[:, :2]]))[0].T
-    free, most = case.theirs(path, FAR, FAR), case.rng.uniform([0.1, 0.1], [0.4, 0.6])
-    theirs = case.theirs(path, most[0], np.array([most[1], FAR, FAR]), axes)
-    assert theirs > 1.05 * free
-    assert case.ours(path, speed=most[0], acceleration=most[1]) == pytest.approx(theirs, rel=INSIDE)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cell_bank import drawn_until, random_planar_cell
+from cell_bank import random_planar_cell
 from changed_robots import with_robots
 from draws import seeds
 from gantries import along_x, gantries
@@ -112,25 +112,6 @@ def test_limits_hold_between_samples(planar_cell, dual_ur5):
         assert 0 < found.excess.share < EXCESS_GOAL
         assert 0.15 < found.saving < 0.5
         assert found.retimed.residuals().limits <= 1e-8
-
-
-def best_constant_speed(case):
-    """The case played at it, if that is more than standing still."""
-    constant = mrts.scale(case.cell, case.motion)
-    found = constant.status.value == "feasible" and constant.trajectory.c2 >= 1e-9
-    return constant.trajectory if found else None
-
-
-@pytest.mark.parametrize("seed", seeds(3, 3))
-def test_it_is_never_slower_than_the_best_constant_speed(seed, tmp_path):
-    rng = np.random.default_rng([31, seed])
-    case, constant = drawn_until(
-        best_constant_speed, lambda: random_planar_cell(rng, tmp_path, 2 + seed % 3, samples=101)
-    )
-    found = mrts.retime(case.cell, case.motion)
-    assert found.status.admits_motion, found.summary()
-    assert found.duration <= constant.duration * (1 + DURATION_TOLERANCE)
-    assert found.saving >= -DURATION_TOLERANCE
 
 
 @pytest.mark.parametrize(("motors", "kept"), [({}, 1e-9), ({"viscous": 8.0, "coulomb": 3.0}, 1e-8)])

@@ -13,11 +13,8 @@ from shipped_cells import sampled, shipped_motion
 import mrts
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
-from mrts.program.path_program import START
-from mrts.program.reserve import SHARE_MARGIN
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.successive_steps import CONVERGED
-from mrts.timing.result import RetimingStatus
 from mrts.timing.retime import ROOM
 
 RATES = 11.5
@@ -187,19 +184,6 @@ def test_wrong_arguments_are_refused_by_name(planar_cell, lift):
         assert str(refused.value).startswith(message)
 
 
-def test_the_speed_is_positive_between_nodes(planar_cell, lift):
-    """Rows at nodes alone would let σ̇² fall below 0 between two of them."""
-    part = mrts.retime(planar_cell, lift, rates=RATES, between=None).pieces[0]
-    x, u, middle = part.x.copy(), np.zeros(len(part.x)), len(part.x) // 2
-    free, h = part.steps.profile.free, part.program.step[middle]
-    u[middle] = -1.01 * x[middle] / h
-    names = part.program.names
-    row = max(place for place, name in enumerate(names) if name == START)
-    over = part.program.values(x, u, free) - part.program.upper
-    assert over[middle, row] > 0
-    assert np.all(np.delete(over[:, row], middle) <= 0)
-
-
 def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
     """It steps at any speed: were it counted from node to node, more nodes would allow less speed."""
     cell = uphill_gantries(tmp_path, viscous=0.0, coulomb=np.array([0.5, 0, 0]))
@@ -212,21 +196,6 @@ def test_dry_friction_that_turns_round_slows_nothing_down(tmp_path):
     friction[[0, -1]] = friction[[1, -2]]
     change = np.diff(done.torque - friction, axis=0)[:, [0, 3]] / np.diff(done.time)[:, None]
     assert np.max(np.abs(change)) <= 3.0 * 20 * (1 + KEPT)
-
-
-def test_a_reserve_is_kept_of_rates_too(planar_cell, lift):
-    bare, kept = (mrts.retime(planar_cell, lift, rates=RATES, reserve=share, between=None) for share in (0.0, 0.2))
-    np.testing.assert_allclose(kept.smooth.rates.torque, 0.8 * bare.smooth.rates.torque, rtol=1e-12)
-    rates = np.abs(np.diff(kept.retimed.trajectory.torque, axis=0)) / np.diff(kept.retimed.trajectory.time)[:, None]
-    assert np.max(rates / kept.smooth.rates.torque) <= 1 + 1e-6
-
-
-def test_what_passes_between_nodes_is_told_at_the_time_that_it_is_played(planar_cell, lift):
-    bare = mrts.retime(planar_cell, lift, rates=11.0, between=None)
-    assert bare.status is RetimingStatus.LOCALLY_AT_SAMPLES
-    given, own = bare.motion.object.time, bare.retimed.motion.object.time
-    assert bare.retimed.excess.time == np.interp(bare.excess.time, given, own)
-    assert bare.retimed.excess.time < bare.duration < given[-1]
 
 
 def test_the_plan_keeps_limits_between_its_rows_where_it_is_linear(smooth, planar_cell):
@@ -285,17 +254,6 @@ def test_with_rates_a_hundredth_of_the_duration_leaves_most_of_the_limits(dual_u
     assert {name for name, _ in least.limits[:5]} == {
         name for name, _ in kept.limits[:5]
     }  # what sets the speed is told, though the plan stays away from it
-
-
-def test_a_reserve_at_a_timing_that_something_else_sets(planar_cell, lift):
-    """Of least energy, where rates do not bind: no row of the plan is nearer to its limits than by least torques."""
-    asked = {"rates": 1e3, "least_energy_in": 0.5, "between": None}
-    least, kept = (mrts.retime(planar_cell, lift, **asked, **how) for how in ({}, {"distribute": "reserve"}))
-    assert least.options.distribute == "least-torque"
-    assert kept.duration == pytest.approx(least.duration, rel=1e-12)
-    assert kept.effort > least.effort
-    assert np.all(largest_shares(kept) <= largest_shares(least) + 2 * SHARE_MARGIN)
-    assert mean_square(kept) < 0.5 * mean_square(least)
 
 
 def test_least_torque_stays_where_there_is_nothing_to_distribute(planar_cell, lift):
