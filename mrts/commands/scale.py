@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from click import Choice, option
+from click import Choice, FloatRange, option
 
 from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
@@ -61,7 +61,7 @@ def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
     metavar = "DIR" if form.is_folder else "FILE"
     return options.together(
         option(f"--{name}", type=kind, metavar=metavar, help=f"write the scaled trajectory {form.meaning}"),
-        option(f"--{name}-rate", type=float, metavar="HZ",
+        option(f"--{name}-rate", type=FloatRange(min=0, min_open=True), metavar="HZ",
                help="its rows at equal steps, as a controller takes them (default: the samples)"),
     )  # fmt: skip
 
@@ -113,8 +113,8 @@ def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
 @options.plot("figures")
 @option("--report", type=HTML, metavar="FILE",
         help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
-@option("--brief", "detail", flag_value="brief", help="print the answer in one line, warnings on standard error")
-@option("-v", "--verbose", "detail", flag_value="all", help="print the table of all limits, not the nearest ones")
+@option("--brief", is_flag=True, help="print the answer in one line, warnings on standard error")
+@option("-v", "--verbose", is_flag=True, help="print the table of all limits, not the nearest ones")
 def run(
     cell: Path,
     motion: Path,
@@ -123,7 +123,8 @@ def run(
     carry: str | None = None,
     *,
     what_if: bool = False,
-    detail: str | None = None,
+    brief: bool = False,
+    verbose: bool = False,
     **given: Any,
 ) -> int:
     """How fast may this motion be played, and with which torques?"""
@@ -132,7 +133,7 @@ def run(
     from mrts.scaling.result import ScalingResult, fallbacks_text
     from mrts.scaling.scale import SelectionError, torques_for_load
 
-    _check(profile, given | ({"what_if": True} if what_if else {}))
+    _check(profile, given | {key: True for key, on in (("what_if", what_if), ("brief", brief and verbose)) if on})
     files, rates = take(given, FILES), take(given, FILE_RATES)
     for name in rates:
         if name.removesuffix("_rate") not in files:
@@ -161,8 +162,8 @@ def run(
             outputs.raise_defect()
         raise
     with working("comparing with a constant factor"):
-        card = None if detail == "all" else answer_card(found)
-        lines = _words(found, card, search, brief=detail == "brief")
+        card = None if verbose else answer_card(found)
+        lines = _words(found, card, search, brief=brief)
     with working("writing"):  # files first: whoever reads the lines may go away
         outputs = _written(found, files, rates, plot_format, search)
     outcome = FEASIBLE if found.status.admits_motion and (search is None or search.found) else INFEASIBLE
@@ -202,13 +203,15 @@ def _check(profile: str, given: dict[str, Any]) -> None:
 
     module, name = ("scaling", "scale") if profile == "constant" else ("timing", "retime")
     solve = getattr(import_module(f"mrts.{module}.{name}"), name)
-    known = {*signature(solve).parameters, *FILES, *FILE_RATES, *options.LIMITS, "smooth"}
+    known = {*signature(solve).parameters, *FILES, *FILE_RATES, *options.LIMITS, "smooth", "brief"}
     known |= {*SELECTIONS} if profile == "constant" else set()
     known |= {"what_if"} if profile != "smooth" else set()
     known -= {"rates"} if profile == "optimal" else set()
     for name in given:
         if name not in known:
             raise InputError(name, f"does not go with --profile {profile}.")
+    if "brief" in given:
+        raise InputError("verbose", "does not go with --brief, which is one line.")
     if len(chosen := [name for name in SELECTIONS if name in given]) > 1:
         raise InputError(chosen[1], f"does not go with --{chosen[0]}.")
     if "what_if" in given and given.get("load") == "possible":

@@ -12,6 +12,7 @@ from mrts.commands import options
 from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.console.output_files import Outputs
 from mrts.commands.console.progress import working
+from mrts.commands.console.terminal import warn
 from mrts.commands.options import HTML, Named
 
 if TYPE_CHECKING:
@@ -81,8 +82,15 @@ def run(
 def _plan(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult | ScaledTrajectory":
     from mrts.output.saved_result import load_result
     from mrts.simulation.plan_file import load_plan
+    from mrts.starting.plan_check import check_plan
 
-    return load_result(path, cell) if path.suffix.lower() == ".npz" else load_plan(cell, path)
+    if path.suffix.lower() == ".npz":
+        return load_result(path, cell)
+    planned, found = load_plan(cell, path), check_plan(cell, path)
+    if off := next((use for use in found.passed if use.name.kind.endswith("residual")), None):
+        warn(f"{path} seems to be a plan of another cell: {off.name} up to {off.largest:.3g} {off.name.unit}; "
+             f"mrts check {path} --cell tells more")  # fmt: skip
+    return planned
 
 
 def _setting(text: str) -> tuple[str, Any]:

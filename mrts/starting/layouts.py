@@ -61,6 +61,7 @@ def _sides(request: Request, out: Array) -> Array:
     across = 3 - high - along
     sides = np.empty(3)
     sides[[along, across, high]] = [float(f"{request.width * share:.2g}") for share in FLATNESS]
+    sides[along] = min(sides[along], round(request.between_hands, METRES))
     return sides
 
 

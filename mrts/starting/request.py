@@ -9,7 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.formats.package_uri import is_xacro
 from mrts.base.rigid_transform import RigidTransform, plane_normal
+from mrts.scene.arm_meshes import arm_meshes
 from mrts.starting.arm import Arm
 
 WIDTH, LIFT, GRID = 0.3, 0.2, 0.12
@@ -35,6 +38,23 @@ class ArmRequest:
     why: str = ""
     base: RigidTransform | None = None
     xacro_args: Mapping[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def overhang(self) -> float:
+        """How far what moves with the tip reaches beyond the tip's origin, where the hand points [m].
+
+        0 where no mesh can be read, as of a xacro.
+        """
+        robot = self.arm.robot
+        if is_xacro(self.path):
+            return 0.0
+        try:
+            meshes = arm_meshes(self.path, robot.source.base_link, robot.joints)
+        except InputError:
+            return 0.0
+        T, last = robot.T_base_tip, len(robot.joints)
+        beyond = [np.max((mesh.vertices - T.p) @ T.R @ self.arm.approach) for body, mesh in meshes if body == last]
+        return max([0.0, *map(float, beyond)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +97,14 @@ class Request:
 
     @property
     def width(self) -> float:
-        """Of the box [m]."""
+        """Between the hands' tips [m]."""
         return self.length(WIDTH)
+
+    @property
+    def between_hands(self) -> float:
+        """What hands that reach beyond their tips leave of the width, a tenth at least [m]."""
+        left = self.width - 2 * max(each.overhang for each in self.arms)
+        return max(left, self.width / 10)
 
     @property
     def grid(self) -> float:

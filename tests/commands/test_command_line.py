@@ -94,6 +94,8 @@ def test_a_line_that_is_none_is_told_in_one_line(words, said, capsys):
     ("options", "message"),
     [
         (["--csv", "-"], "only --json takes '-'"),
+        (["--brief", "-v"], "--verbose: does not go with --brief"),
+        (["--csv", "plan.csv", "--csv-rate", "-250"], "--csv-rate"),
         (["--plot", "r.png"], "names a file, but writes a folder"),
         (["--json", "same.x", "--csv", "./none/../same.x"], "names the same file as --json"),
         (["--csv", str(DATA / "lift.yaml")], "names the same file as MOTION"),

@@ -74,6 +74,18 @@ def test_what_is_written_is_what_was_tried_and_has_room(two_ur5, tmp_path):
     assert two_ur5.result.motion.q[0] == pytest.approx(start, abs=1e-6)
 
 
+def test_a_flange_beyond_its_tip_stays_out_of_the_box(tmp_path):
+    """A collar around tool0, as of arms whose last mesh reaches beyond the origin of the last link."""
+    collar = '<link name="tool0"><visual><geometry><box size="0.09 0.09 0.09"/></geometry></visual>'
+    text = UR5.read_text(encoding="utf-8")
+    assert text.count('<link name="tool0"/>') == 1
+    (tmp_path / "arm.urdf").write_text(text.replace('<link name="tool0"/>', f"{collar}</link>"), encoding="utf-8")
+    plain, collared = (layouts(requested(urdf, tips=["tool0"] * 2), 2.0)[0] for urdf in (UR5, tmp_path / "arm.urdf"))
+    apart = [np.linalg.norm(np.subtract(*(stand.T_world_tip.p for stand in one.stands))) for one in (plain, collared)]
+    assert apart[0] == pytest.approx(apart[1])
+    assert collared.sides[0] == pytest.approx(apart[1] - 2 * 0.045, abs=1e-3)
+
+
 def test_too_heavy_a_load_gives_way_and_the_file_says_so(dual_ur5):
     assert dual_ur5.library
     proposal = propose(requested(UR5, mass=400.0))
