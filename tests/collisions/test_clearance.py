@@ -95,19 +95,6 @@ def test_distances_are_those_of_mujoco():
         assert found.distances[sample] == pytest.approx(expected, abs=EXACT)
 
 
-@pytest.mark.quick
-def test_a_thin_plate_between_the_samples_is_found():
-    """At every sample the object is above the plate or below it; on its way it passes through."""
-    plate = box("plate", [0.05, 0.3, 0.002], [0, 0.1, 0.525])
-    motion = lifting(samples=11, start={"xyz": [0, 0.1, 0.3]}, end={"xyz": [0, 0.1, 0.7]})
-    cell = mrts.Cell.from_description(described([plate], shape={"box": [0.5, 0.3, 0.01]}))
-    found = mrts.clearance(cell, motion)
-    assert np.all(found.distances > 0.0)
-    assert found.collides
-    assert found.pair == ("object", "plate")
-    assert 0.5 < found.time < 0.6
-
-
 def test_between_the_samples_it_is_the_least_of_dense_samples():
     """Past the corner of a box, nearest between two of eleven samples."""
     corner = box("corner", [0.1, 0.1, 0.1], [0.0, 0.4, 0.45])

@@ -98,14 +98,20 @@ def test_a_line_that_is_none_is_told_in_one_line(words, said, capsys):
         (["--csv", "plan.csv", "--csv-rate", "-250"], "--csv-rate"),
         (["--plot", "r.png"], "names a file, but writes a folder"),
         (["--json", "same.x", "--csv", "./none/../same.x"], "names the same file as --json"),
-        (["--csv", str(DATA / "lift.yaml")], "names the same file as MOTION"),
+        (["--csv", "none.yaml"], "names the same file as MOTION"),
+        (["--json", "file/x.json"], "cannot be written"),
+        (["--csv", "folder"], "cannot be written"),
+        (["--ros-bag", "folder"], "exists already"),
+        (["--save", "nul\udcff/../file/x.npz"], "cannot be written"),
     ],
 )
 def test_outputs_that_make_no_sense_are_refused_before_any_work(options, message, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    assert main(["scale", str(DATA / "cell.yaml"), str(DATA / "lift.yaml"), *options]) == 2
-    assert message in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder").mkdir()
+    assert main(["scale", str(DATA / "cell.yaml"), "none.yaml", *options]) == 2
+    assert message in capsys.readouterr().err.replace("none.yaml", "MOTION")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]
 
 
 def test_no_output_overwrites_a_file_that_was_read(tmp_path, monkeypatch, capsys):

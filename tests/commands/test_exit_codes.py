@@ -144,29 +144,3 @@ def test_on_a_full_disk_what_fits_is_written_and_the_answer_is_printed(tmp_path,
     left = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*"))
     assert left == ["plots", "plots/power_and_energy.png", "r.csv", "r.npz"]
     assert old.read_text() == "old"
-
-
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("scale", *FILES, "--json", "file/x.json"),
-        ("scale", *FILES, "--csv", "folder"),
-        ("scale", *FILES, "--plot", "file"),
-        ("scale", *FILES, "--ros-bag", "folder"),
-        ("scale", *FILES, "--save", "nul\udcff/../file/x.npz"),
-        ("generate", DATA / "cell.yaml", "-o", "file"),
-    ],
-    ids=lambda words: f"{words[0]} {words[-2]}",
-)
-def test_outputs_that_cannot_be_written_are_known_before_the_work(words, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "file").write_text("")
-    (tmp_path / "folder").mkdir()
-    if words[0] in {"scale", "configurations"}:  # a motion that is not there would be the next complaint
-        words = (*words[:2], "none.yaml", *words[3:])
-    assert main([str(word) for word in words]) == 2
-    said = capsys.readouterr().err
-    assert "none" not in said
-    assert any(part in said for part in ("cannot be written", "names a file, but", "exists already"))
-    assert "mrts-probe" not in said
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]

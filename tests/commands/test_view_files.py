@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from conftest import DATA
-from PIL import Image
 
 import mrts
 from mrts.cli import main
@@ -17,16 +16,6 @@ def drawn(monkeypatch):
     asked = []
     monkeypatch.setattr(film, "write_picture", lambda clips, path, at, **_: asked.append((clips, path, at)))
     return asked
-
-
-def test_a_picture_and_a_film_of_sides(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(film, "suited_pace", lambda _duration: 1.0)
-    picture, video = tmp_path / "lift.png", tmp_path / "lift.gif"
-    assert main(["view", CELL, LIFT, "--png", str(picture), "--at", "0.1", "--video", str(video)]) == 0
-    assert str(picture) in capsys.readouterr().out
-    with Image.open(picture) as still, Image.open(video) as moving:
-        assert still.size == moving.size
-        assert moving.n_frames > 3
 
 
 def test_sides_are_what_scale_and_retime_find(planar_cell, lift, monkeypatch, tmp_path):

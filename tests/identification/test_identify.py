@@ -156,21 +156,6 @@ def test_a_joint_that_does_not_move_is_left_out(planar_cell):
     assert not found.empty
 
 
-def test_a_joint_that_friction_holds_is_left_out(planar_cell):
-    """In MuJoCo, where the other joints pull at it."""
-    robot, (urdf, moving) = planar_cell.robots[0], SIMULATED["planar"]
-    motors = Motors(moving.armature, moving.viscous, moving.coulomb + np.array([0, 60, 0]))
-    time, q, effort = simulated(planar_cell, robot, urdf, motors, still=(1,))
-    assert 0 < np.ptp(q[:, 1]) < 1e-4
-    noisy = measured(robot, q, effort, np.random.default_rng(1))
-    found = mrts.identify(planar_cell, recording(FILE, names(robot), time, *noisy))
-    for kind in KINDS:
-        np.testing.assert_array_equal(getattr(found.arms[0], kind).identified, [True, False, True])
-        others = value_of(found.arms[0], kind)[[0, 2]]
-        np.testing.assert_allclose(others, getattr(motors, kind)[[0, 2]], rtol=FOUND)
-    assert {remark.code for remark in found.remarks} == {"not-excited", "not-recorded"}
-
-
 def to_and_fro(time):
     """At one speed, but for 50 ms around each turn: positions, velocities, accelerations."""
     phase, sharp = np.pi * (time + 0.7) / 2, 0.02
@@ -205,19 +190,6 @@ def test_what_a_motion_cannot_tell_apart_is_left_out(planar_cell, motion, told):
         parameter = getattr(arm, kind)
         assert told.get(kind, "") in parameter.reasons[2]
         assert bool(parameter.identified[2]) == (kind not in told)
-
-
-def test_a_number_that_would_be_negative_is_zero_and_said(planar_cell):
-    """Links of the URDF that are heavier than the real ones make armatures negative."""
-    motors = random_motors(6)
-    lighter = Motors(motors.armature - [0, 0, 0, 0, 2.0, 0], motors.viscous, motors.coulomb)
-    found = mrts.identify(planar_cell, recording(FILE, *exact_recording(planar_cell, lighter)))
-    armature = found.arm("right").armature
-    np.testing.assert_array_equal(armature.bounded, [False, True, False])
-    assert armature.value[1] == 0
-    assert armature.free[1] == pytest.approx(motors.armature[4] - 2, rel=1e-3)
-    assert [remark.code for remark in found.remarks] == ["bound-active"]
-    assert "held at 0: elbow" in found.to_yaml()
 
 
 def test_noise_of_positions_is_said_to_take_inertia(planar_cell):

@@ -130,20 +130,6 @@ def test_the_range_and_the_torques_keep_it(kind, limit, planar_cell, lift):
     np.testing.assert_allclose(theirs.trajectory.torque, ours.trajectory.torque, atol=1e-5)
 
 
-def test_the_torque_form_and_a_fixed_distribution_keep_it(kind, limit, planar_cell, lift):
-    cell = limited(planar_cell, kind, limit)
-    other = mrts.scale(cell, lift, formulation="torque")
-    assert other.range.upper.c2 == pytest.approx(mrts.scale(cell, lift).range.upper.c2, rel=SAME)
-    cell = planar_cell.without_wrench_limits()
-    free = mrts.scale(cell, lift, sharing=mrts.LoadSharing())
-    limit = 0.9 * largest(kind, free)
-    fixed = mrts.scale(limited(cell, kind, limit), lift, sharing=mrts.LoadSharing())
-    assert fixed.range.upper.c2 < free.range.upper.c2
-    assert largest(kind, fixed) <= limit * KEPT
-    assert largest(kind, fixed) == pytest.approx(limit, rel=SAME)
-    assert any(row.name.kind == kind for row in fixed.range.upper.rows)
-
-
 def test_retiming_keeps_it(kind, limit, planar_cell, lift):
     free = mrts.retime(planar_cell, lift)
     found = mrts.retime(limited(planar_cell, kind, limit), lift)

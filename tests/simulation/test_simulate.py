@@ -29,9 +29,6 @@ SAME_FILTER = 1e-9
 SAME_ENERGY = 2e-3
 """Share of the work of the motors: trapezoids over steps of torques, and what grasps dissipate."""
 
-REFINED = 5e-3
-"""Share of a limit by which a tenth of the step changes the largest share of a smooth plan."""
-
 
 @pytest.fixture(scope="module")
 def ur5_smooth(dual_ur5):
@@ -133,16 +130,6 @@ def test_friction_fed_forward_keeps_the_joints_on_their_path(dual_ur5):
     assert not_fed > 3 * fed
 
 
-@pytest.mark.slow
-def test_a_tenth_of_the_step_says_the_same(ur5_smooth, monkeypatch):
-    coarse = mrts.simulate(ur5_smooth)
-    monkeypatch.setattr(simulation, "STEP", simulation.STEP / 10)
-    fine = mrts.simulate(ur5_smooth)
-    shares = [[use.share for use in simulation.limit_uses(found.played)] for found in (coarse, fine)]
-    print("largest change of a share", np.max(np.abs(np.subtract(*shares))))
-    assert np.max(np.abs(np.subtract(*shares))) < REFINED
-
-
 def test_dampers_of_grasps_make_nothing_heavier(lifted):
     """Steps that are implicit in what two arms and an object share added it to the inertia of each of them."""
     off = [
@@ -208,15 +195,6 @@ def test_wrong_numbers_are_named(given, key):
     with pytest.raises(mrts.InputError) as error:
         with_settings(mrts.Controller(), mrts.PlantErrors(), given)
     assert error.value.key == key
-
-
-def test_power_above_its_limit_is_told(planar_cell, lift):
-    cell = replace(equipped(planar_cell, power=1e6), power_limit=50.0)
-    found = mrts.simulate(mrts.scale(cell, lift), PROMPT, EXACT)
-    (use,) = [use for use in found.passed if use.name.kind == "power"]
-    total = np.abs(found.played.power.sum(axis=1))
-    assert use.share == pytest.approx(np.max(total) / 50.0)
-    assert use.time == found.played.time[np.argmax(total)]
 
 
 def test_what_runs_away_is_an_error_and_leaves_no_file(lifted, tmp_path, monkeypatch):

@@ -1,7 +1,5 @@
 """All inverse-kinematics branches, followed and ranked."""
 
-import json
-
 import numpy as np
 import pytest
 from six_joint_inverse import six_joint_branches
@@ -53,20 +51,3 @@ def test_the_papers_configurations(planar_cell, lift):
     )
     even = mrts.rank_configurations(planar_cell, lift, sharing=mrts.LoadSharing())
     assert even.ranked[0].c2_upper == pytest.approx(2.9598285, rel=1e-6)
-
-
-def test_branches_that_fail_say_why(dual_ur5):
-    description = {
-        "duration": 1.0,
-        "profile": "quintic",
-        "start": {"xyz": [0, 0.15, 0.35]},
-        "end": {"xyz": [0.05, 0.3, 0.6], "rpy": [0.2, 0, 0.3]},
-    }
-    motion = mrts.sample_motion(mrts.MotionDescription.model_validate(description))
-    study = mrts.rank_configurations(dual_ur5, motion)
-    failures = [b.failure for branches in study.branches.values() for b in branches if b.failure]
-    assert failures
-    assert all("cannot reach its grasp at sample" in failure.message for failure in failures)
-    assert study.combinations < 64
-    assert f"by falling c²⁺; branches left out: {len(failures)} out of reach:" in study.table(2).splitlines()[0]
-    assert json.loads(study.json_text())["branches"]["left"][0].keys() == {"number", "start", "failure"}

@@ -111,19 +111,6 @@ def test_the_digest_is_of_all_that_answers_depend_on_and_of_nothing_else(tmp_pat
     assert len({*digests}) == len(digests) - 1
 
 
-def test_a_study_goes_where_its_files_are_not(tmp_path, private_cache):
-    shutil.copy(DATA / "cell.yaml", tmp_path)
-    shutil.copy(DATA / "planar_arm.urdf", tmp_path)
-    study = planar_study(tmp_path, BASE, cell=tmp_path / "cell.yaml")
-    assert study.at_hand() is study
-    (tmp_path / "planar_arm.urdf").write_text("<robot/>", encoding="utf-8")
-    moved = study.at_hand()
-    assert moved == study
-    assert moved.folder.is_relative_to(private_cache)
-    for robot in moved.cell["robots"]:
-        assert (moved.folder / robot["urdf"]).read_bytes() == (DATA / "planar_arm.urdf").read_bytes()
-
-
 @pytest.mark.parametrize("folder", ["dual_ur5", "planar_dual_arm", "squeeze"])
 def test_every_number_of_the_files_may_vary_and_at_its_own_value_changes_nothing(folder, tmp_path):
     files = {"cell": DATA.parent / folder / "cell.yaml"}

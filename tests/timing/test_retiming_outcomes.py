@@ -1,9 +1,7 @@
 """Paths that have no fastest timing; stops and end speeds of those that have one, and what they are compared with."""
 
 import json
-import pickle
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -95,27 +93,6 @@ def test_a_cell_without_a_single_limit_is_an_outcome(sharing, planar_cell, lift)
     result = mrts.scale(free, lift, sharing=sharing)
     assert (result.status.value, result.range.lower.c2, result.trajectory.c2) == ("unbounded", 0.0, 1.0)
     assert mrts.retime(free, lift, sharing=sharing).status.value == "unbounded"
-
-
-def test_a_timing_leaves_the_factor_until_it_is_read(planar_cell, lift):
-    found = mrts.retime(planar_cell, lift)
-    copied = pickle.loads(pickle.dumps(found))  # noqa: S301 (our own)
-    assert "factor" not in vars(found.compared)
-    assert "range" not in vars(found.retimed)
-    assert copied.summary() == found.summary()
-    best = mrts.scale(planar_cell, lift)
-    assert found.factor.c2 == best.trajectory.c2
-    assert found.constant.range.to_json() == best.range.to_json()
-    assert found.factor is replace(found, explanation="").factor is found.compared.factor
-
-
-def test_noise_that_sets_the_range_is_told_with_the_timing(planar_cell, lift):
-    """Rates of the object are as rough as the hands allow."""
-    of, rough = lift, lift.acceleration.copy()
-    rough[:, 1] += 0.3 * np.max(np.abs(rough[:, 1])) * np.random.default_rng(5).standard_normal(len(rough))
-    noisy = mrts.ObjectMotion(of.time, of.position, of.rotation, of.twist, rough, smooth=False)
-    motion = mrts.follow_object(planar_cell, noisy)
-    assert "noise" in {remark.code for remark in mrts.retime(planar_cell, motion).warnings}
 
 
 @pytest.mark.parametrize("stride", [5, 1])

@@ -12,7 +12,6 @@ from shown_viewer import PATIENCE, answered, news_of, planar_given, spatial_give
 
 import mrts
 from mrts.base.rigid_transform import RigidTransform
-from mrts.collisions.clearance import clearance_remarks
 from mrts.motion.motion_file import sample_motion
 from mrts.plots.plot import Line
 from mrts.scaling.limit_use import used_shares
@@ -84,17 +83,6 @@ def test_each_change_has_the_answer_of_the_changed_cell(spatial):
     fixed = mrts.scale(cell.with_mass(9.0), motion, sharing=shares)
     answer = changed(replace(spatial, sharing=shares), Choices(mass=9.0))
     assert upper(answer) == pytest.approx(fixed.range.upper.c2, rel=SAME)
-
-
-def test_a_smooth_timing_keeps_its_rates_and_can_be_played_slower(planar):
-    state = changed(planar, Choices(profile="smooth", torque_rate=20.0)).state
-    assert state.admissible
-    rate = np.abs(np.diff(state.trajectory.torque, axis=0) / np.diff(state.trajectory.time)[:, None])
-    largest = 20.0 * np.concatenate([robot.torque_upper for robot in planar.cell.robots])
-    assert 0.9 < np.max(rate / largest) < 1.001
-    slower = state.at_speed(0.5)
-    assert slower.trajectory.duration == pytest.approx(2 * state.trajectory.duration)
-    assert state.trajectory.c == 1  # which stays as it was
 
 
 def test_a_motion_is_played_in_closed_loop_when_asked(planar):
@@ -217,21 +205,6 @@ def test_what_is_newer_ends_work_on_an_older_answer(fine, monkeypatch):
     taken = news_of(fine)
     assert [one.choices.mass for one in taken] == 2 * masses[-1:]
     assert [one.collisions is None for one in taken] == [True, False]
-
-
-def test_what_is_newer_ends_the_look_for_collisions(fine, monkeypatch):
-    begun = Gate()
-
-    def looked(*given):
-        begun.wait()
-        return clearance_remarks(*given)
-
-    monkeypatch.setattr(workbench, "clearance_remarks", looked)
-    fine.edit(Choices(mass=9.0))
-    assert begun.reached.wait(PATIENCE)
-    fine.edit(Choices(mass=9.5))
-    begun.opened.set()
-    assert [one.choices.mass for one in news_of(fine) if one.collisions is not None] == [9.5]
 
 
 def test_a_defect_is_raised_where_answers_are_taken(planar, monkeypatch):
