@@ -12,7 +12,6 @@ from mrts_codegen.object_shape import ObstacleDescription, ShapeDescription
 from mrts_codegen.urdf_reference import FileReference, mesh_reference
 
 from mrts.base.arrays import Array
-from mrts.base.formats.package_uri import is_xacro
 from mrts.base.formats.pose import Angle, Finite, GraspPose, Name, Pose, Positive, Vector3
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import plain, read_model, validated
@@ -28,9 +27,6 @@ INERTIA_TOLERANCE = 1e-9
 ROBOT_NAMES_TAKEN = frozenset({"time", "components", "object"})
 """Keys that stand beside the robots' names in results, and what limits of the object are told as."""
 
-
-MOST_ARGUMENTS = 100
-"""Of a xacro."""
 
 MOST_POINTS = 100
 """Limited points of an arm or the object, things on it."""
@@ -118,7 +114,6 @@ class RobotDescription(Record):
 
     name: Name
     urdf: Annotated[str, Rule(min_length=1)]
-    xacro_args: Annotated[dict[str, str | bool | int | Finite], Rule(max_length=MOST_ARGUMENTS)] = {}  # noqa: RUF012
     base_link: str | None = None
     tip_link: str
     base: Pose = Pose()
@@ -137,14 +132,7 @@ class RobotDescription(Record):
 
     def reference(self, key: str) -> FileReference:
         """What it says of its URDF."""
-        arguments = {name: xacro_text(value) for name, value in self.xacro_args.items()}
-        return FileReference(self.urdf, arguments, key=key)
-
-    def problem(self) -> str:
-        """The rule that its keys break with each other; empty if none."""
-        if self.xacro_args and not is_xacro(Path(self.urdf)):
-            return "'xacro_args' are of a xacro: name its .xacro file in 'urdf'"
-        return ""
+        return FileReference(self.urdf, key=key)
 
 
 class CellDescription(Record):
@@ -192,11 +180,6 @@ def read_cell_description(path: Path) -> CellDescription:
 def cell_description(data: object, where: str) -> CellDescription:
     """A dictionary made in Python, validated as a cell file; numpy's numbers as well."""
     return validated(Path(where), plain(where, data), CellDescription, where)
-
-
-def xacro_text(value: str | float) -> str:
-    """A value of YAML as a xacro's argument: what a shell would hand it."""
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def inertia_problem(inertia: Array, *, triangle: float = INERTIA_TOLERANCE, rods: bool = False) -> str:

@@ -242,7 +242,6 @@ def build_robot(
         wrench_upper=wrench_upper,
         source=model.source(
             urdf=robot.urdf,
-            xacro_args=dict(reference.xacro_args),
             sha256=hashlib.sha256(content).hexdigest(),
             fixed=dict(robot.fixed),
             effort=(*torque_upper.tolist(),) if robot.torque is None else None,

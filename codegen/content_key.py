@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mrts_codegen.joint_limits import joint_limits_reference
-from mrts_codegen.urdf_reference import mesh_reference, robot_reference
+from mrts_codegen.urdf_reference import FileReference, mesh_reference
 
 from mrts.base import version
 from mrts.base.errors import InputError
@@ -36,7 +36,7 @@ def text_key(path: Path) -> str:
 def is_as_made(path: Path, record: CellRecord) -> bool:
     """Whether the files that a cell file names hold what the record of a cell was made from."""
     folder = path.resolve().parent
-    known = [(robot_reference(robot.source), robot.source.sha256) for robot in record.robots]
+    known = [(FileReference(robot.source.urdf), robot.source.sha256) for robot in record.robots]
     known += [
         (joint_limits_reference(named), made)
         for robot in record.robots

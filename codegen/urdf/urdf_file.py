@@ -104,7 +104,7 @@ def _parse(path: Path, text: str) -> Any:
         if str(element.tag).startswith(("xacro:", f"{{{XACRO_NAMESPACE}}}")) or any(
             mark in value for value in element.attrib.values() for mark in ("${", "$(")
         ):
-            raise InputError(path, "is an unexpanded xacro. Call it NAME.xacro, and mrts expands it (extra 'xacro').")
+            raise InputError(path, "is a xacro: expand it, xacro FILE > NAME.urdf (ROS, or pip install xacrodoc).")
     return root
 
 

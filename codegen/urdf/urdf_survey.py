@@ -54,7 +54,6 @@ def arm_chain(path: Path, urdf: Urdf, base_link: str | None, tip_link: str) -> t
         wrench_upper=np.full(6, np.inf),
         source=model.source(
             urdf=str(path),
-            xacro_args={},
             sha256="",
             fixed={},
             effort=(*effort.tolist(),),

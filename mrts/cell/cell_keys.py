@@ -105,7 +105,6 @@ def _robot(robot: Robot) -> dict[str, Any]:
     return {
         "name": robot.name,
         "urdf": source.urdf,
-        "xacro_args": source.xacro_args or None,
         "base_link": source.base_link,
         "tip_link": source.tip_link,
         **{key: pose_keys(getattr(robot, name)) for key, name in POSES.items()},

@@ -36,8 +36,7 @@ class RobotSource:
 
     Attributes:
         urdf: As the cell file gives it.
-        xacro_args: Where it is a xacro, values of its arguments.
-        sha256: Hash of the URDF's bytes, of a xacro those that it becomes.
+        sha256: Hash of the URDF's bytes.
         base_link: Name in the URDF.
         tip_link: Name in the URDF.
         fixed: Joints that the cell file holds still, and where [rad or m].
@@ -51,7 +50,6 @@ class RobotSource:
     """
 
     urdf: str
-    xacro_args: Mapping[str, str]
     sha256: str
     base_link: str
     tip_link: str

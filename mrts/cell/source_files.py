@@ -2,21 +2,17 @@
 """What cell files and their URDFs say, as the build time reads them; nothing is generated."""
 
 import hashlib
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from mrts.base.arrays import Array
-from mrts.base.atomic_file import write_text_atomically
 from mrts.base.errors import InputError
-from mrts.base.formats.package_uri import is_xacro
 from mrts.base.formats.urdf import Urdf
 from mrts.base.manifest import MANIFEST_NAME
 from mrts.base.regular_file import is_folder
 from mrts.base.remark import NEAREST_INERTIA, Remark
 from mrts.cell.record import CellRecord
 from mrts.cell.robot import Robot
-from mrts.kernel.cache_folder import cache_folder
 
 CELL_FILE = "cell.yaml"
 """What `mrts new` and `mrts demo` call a cell file."""
@@ -57,33 +53,22 @@ def described(path: Path) -> Any:
 
 
 def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
-    """URDF and base link (None is its root) of every robot of a cell file, by name; of a xacro a URDF in the cache."""
+    """URDF and base link (None is its root) of every robot of a cell file, by name."""
     description = described(path)
     return {
-        robot.name: (_urdf_file(path, path.resolve().parent, robot.name, reference), robot.base_link)
+        robot.name: (reference.path(path, path.resolve().parent), robot.base_link)
         for robot, reference in zip(description.robots, description.urdf_references, strict=True)
     }
 
 
 def urdf_of(robot: Robot, folder: Path) -> Path:
-    """The URDF of an arm of a cell whose files are relative to a folder; of a xacro a URDF in the cache."""
-    from mrts_codegen.urdf_reference import robot_reference  # noqa: PLC0415 (build time, on demand)
+    """The URDF of an arm of a cell whose files are relative to a folder."""
+    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415 (build time, on demand)
 
-    return _urdf_file(folder / CELL_FILE, folder, robot.name, robot_reference(robot.source))
-
-
-def _urdf_file(where: Path, folder: Path, name: str, reference: Any) -> Path:
-    file: Path = reference.path(where, folder)
-    if is_xacro(file):
-        from mrts_codegen.urdf.xacro_file import with_found_meshes  # noqa: PLC0415 (only for xacros)
-
-        text = with_found_meshes(file, reference.content(where, folder)).decode()
-        file = cache_folder("urdfs", hashlib.sha256(text.encode()).hexdigest()) / f"{name}.urdf"
-        write_text_atomically(file, text, private=True)
-    return file
+    return FileReference(robot.source.urdf).path(folder / CELL_FILE, folder)
 
 
-def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> UrdfReading:
+def read_urdf(where: Path, folder: Path, urdf: str) -> UrdfReading:
     """A URDF with all that is wrong with it.
 
     Raises:
@@ -93,7 +78,7 @@ def read_urdf(where: Path, folder: Path, urdf: str, args: Mapping[str, str]) -> 
     from mrts_codegen.urdf.urdf_survey import urdf_mistakes  # noqa: PLC0415
     from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
-    reference = FileReference(urdf, args, key="")
+    reference = FileReference(urdf, key="")
     path = reference.path(where, folder)
     try:
         content = reference.content(where, folder)
@@ -122,9 +107,9 @@ def chain_of(cell: CellRecord, robot: Robot, folder: Path) -> Any:
     """
     from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415
-    from mrts_codegen.urdf_reference import robot_reference  # noqa: PLC0415
+    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
 
-    reference, where, source = robot_reference(robot.source), folder / CELL_FILE, robot.source
+    reference, where, source = FileReference(robot.source.urdf), folder / CELL_FILE, robot.source
     path, content = reference.path(where, folder), reference.content(where, folder)
     if hashlib.sha256(content).hexdigest() != source.sha256:
         raise InputError(path, "is another file than the cell was made from. Read the cell again.")

@@ -27,19 +27,18 @@ examples:
   mrts check cell.yaml motion.yaml
   mrts check cell.yaml motion.yaml -q --json - | jq .hints
   mrts check plan.csv --cell cell.yaml            the last look at a plan, whoever made it, before a robot moves
-  mrts check arm.urdf                             a URDF or xacro by itself, before there is a cell"""
+  mrts check arm.urdf                             a URDF by itself, before there is a cell"""
 
 
 @options.command(EXAMPLES)
 @argument("cell", type=Named(), metavar="CELL|PLAN",
-          help="cell file, or a URDF or xacro by itself; with --cell a plan: a CSV table or a ROS 2 bag")  # fmt: skip
+          help="cell file, or a URDF by itself; with --cell a plan: a CSV table or a ROS 2 bag")  # fmt: skip
 @argument("motion", type=Named(), required=False, metavar="[MOTION]",
           help="motion file, CSV table, or ROS 2 bag with joint trajectories")  # fmt: skip
 @option("--cell", "of_cell", type=Named(), metavar="CELL",
         help="the cell that plays the plan: every limit is evaluated at its rows and between them")  # fmt: skip
 @options.closure
 @options.json
-@options.xacro_arg
 @option("-v", "--verbose", is_flag=True, help="of a plan, print all limits, not those used most")
 def run(
     cell: Path,
@@ -47,7 +46,6 @@ def run(
     of_cell: Path | None = None,
     closure: "ClosureBound | None" = None,
     json: Path | None = None,
-    xacro_arg: tuple[str, ...] = (),
     *,
     verbose: bool = False,
 ) -> int:
@@ -58,7 +56,7 @@ def run(
         return _plan(cell, of_cell, closure, json, verbose=verbose)
     if closure is not None:
         raise InputError("closure", "is of a plan: give --cell too.")
-    found = _found(cell, motion, options.xacro_arguments(xacro_arg))
+    found = _found(cell, motion)
     outputs = Outputs()
     outputs.write(json, found.write_json)
     code = outputs.answer(found.lines(), CODES[found.status], json, found)
@@ -79,7 +77,7 @@ def _plan(plan: Path, cell: Path, closure: "ClosureBound | None", json: Path | N
     return outputs.answer(found.lines(every=verbose), CODES[found.status], json, found)
 
 
-def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "CellCheck":
+def _found(cell: Path, motion: Path | None) -> "CellCheck":
     from mrts.starting.cell_check import is_urdf
     from mrts.starting.check import check
     from mrts.starting.urdf_check import check_urdf
@@ -87,10 +85,8 @@ def _found(cell: Path, motion: Path | None, xacro_args: dict[str, str]) -> "Cell
     if is_urdf(cell):
         if motion is not None:
             raise InputError("MOTION", "does not go with a URDF, which is checked by itself.", value=str(motion))
-        return check_urdf(cell, xacro_args)
+        return check_urdf(cell)
     if cell.suffix.lower() == ".csv":
         raise InputError(cell, "is a table: of a plan, name the cell that plays it by --cell.")
-    if xacro_args:
-        raise InputError("xacro_arg", "a cell file gives its own: 'xacro_args' of each robot.")
     with working(f"checking {cell}") as progress:
         return check(cell, motion, progress=progress)

@@ -40,7 +40,6 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
           help="folder for cell.yaml and motion.yaml")  # fmt: skip
 @option("--robot", "robots", multiple=True, metavar="URDF",
         help="once for each robot; a single arm stands twice, a machine with two arms once")  # fmt: skip
-@options.xacro_arg
 @option("--tip", "tips", multiple=True, metavar="LINK",
         help="link that holds the object, once for each robot, or several of a single one (default: found by "
         "name)")  # fmt: skip
@@ -61,7 +60,6 @@ def run(
     folder: Path | None = None,
     hold: tuple[Path, Path] | None = None,
     bases: "tuple[Array, ...]" = (),
-    xacro_arg: tuple[str, ...] = (),
     *,
     force: bool = False,
     **given: Any,
@@ -84,7 +82,6 @@ def run(
         folder,
         name=_name(folder),
         bases=[_base(base) for base in bases],
-        xacro_args=options.xacro_arguments(xacro_arg),
         **given,
     )
     return _begin(folder, request)

@@ -310,7 +310,6 @@ rates = option(
 )  # fmt: skip
 solver = option("--solver", help="solver of the registry (default: kernel)")
 json = option("--json", type=Written(dash=True), metavar="FILE", help="write all of it ('-' is standard output)")
-xacro_arg = option("--xacro-arg", multiple=True, metavar="NAME=VALUE", help="argument of a xacro; once for each")
 
 
 LIMITS = ("reserve", "no_wrench_limits", "no_velocity_limits")
@@ -383,14 +382,3 @@ def limited_cell(
         cell = load_cell(path).with_reserve(reserve)
     cell = cell.without_wrench_limits() if no_wrench_limits else cell
     return cell.without_velocity_limits() if no_velocity_limits else cell
-
-
-def xacro_arguments(given: tuple[str, ...]) -> dict[str, str]:
-    """Values of a xacro's arguments by name."""
-    arguments: dict[str, str] = {}
-    for text in given:
-        name, sign, value = text.partition("=")
-        if not name or not sign or name in arguments:
-            raise InputError("xacro_arg", "must be NAME=VALUE, each name once.", value=text)
-        arguments[name] = value
-    return arguments

@@ -143,7 +143,7 @@ class CellCheck(JsonOutput):
 
 
 def is_urdf(path: Path) -> bool:
-    """Whether a file is a URDF or a xacro, by its name."""
+    """Whether a file is a URDF, by its name."""
     return path.suffix.lower() in URDF_ENDINGS
 
 

@@ -71,8 +71,6 @@ def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Itera
     machine = proposal.request.one_machine
     yield f"  - name: {flow(robot['name'])}"
     yield f"    urdf: {flow(robot['urdf'])}"
-    if "xacro_args" in robot:
-        yield f"    xacro_args: {flow(robot['xacro_args'])}"
     yield _line(f"    base_link: {flow(robot['base_link'])}", "where the chain begins")
     yield _line(f"    tip_link: {flow(robot['tip_link'])}", each.why and f"proposed: {each.why}")
     whose = "where the URDF has it" if machine else "as asked for" if standing else "proposed"

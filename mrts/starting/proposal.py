@@ -180,8 +180,6 @@ def _robot_keys(request: Request, each: ArmRequest, stand: Stand, layout: Layout
     chain = each.arm.robot
     T = RigidTransform(stand.T_world_tip.R, stand.T_world_tip.p - layout.position)
     robot: dict[str, Any] = {"name": each.arm.robot.name, "urdf": each.urdf}
-    if each.xacro_args:
-        robot["xacro_args"] = dict(each.xacro_args)
     robot |= {"base_link": chain.source.base_link, "tip_link": chain.source.tip_link}
     robot |= {"base": short_pose(stand.T_world_base), "grasp": short_pose(T), "posture": stand.posture.tolist()}
     if each.arm.without_effort:

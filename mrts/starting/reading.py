@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """From the names of URDFs to a request: which chains are arms, what they are called, and what goes together."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from os.path import relpath
@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.package_uri import is_uri, is_xacro
+from mrts.base.formats.package_uri import is_uri
 from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform
@@ -37,7 +37,7 @@ HOPELESS = ("urdf-millimetres", "limits-equal")
 STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
 """World axes [m/s²]."""
 
-ROBOT, TIP, BASE, XACRO_ARG = "--robot", "--tip", "--base", "--xacro-arg"
+ROBOT, TIP, BASE = "--robot", "--tip", "--base"
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,6 @@ def request_of(
     bases: Sequence[RigidTransform] = (),
     mass: float | None = None,
     gravity: Array = STANDARD_GRAVITY,
-    xacro_args: Mapping[str, str] | None = None,
 ) -> Request:
     """The request that a user's words are.
 
@@ -73,14 +72,13 @@ def request_of(
         bases: Of each robot: where the root of its URDF is in the world; none where they are to be proposed.
         mass: Of the object [kg].
         gravity: World, Shape (3,) [m/s²].
-        xacro_args: Of all robots that are xacros, by name.
 
     Raises:
         InputError: If a URDF or a value breaks a rule.
     """
     if mass is not None and not (is_number(mass, 0, LARGEST_NUMBER) and mass > 0):
         raise InputError("mass", "must be a number > 0, in kg.", value=mass)
-    chosen = _chosen(robots, tips, xacro_args or {})
+    chosen = _chosen(robots, tips)
     standing = 1 + max(arm.robot for arm in chosen)
     if bases and len(bases) != standing:
         rule = f"give it once for each robot, in their order: {standing} times, or not at all."
@@ -107,7 +105,6 @@ def request_of(
                 path=arm.path.absolute(),
                 why=arm.why,
                 base=bases[arm.robot] @ T_root_base if bases else in_place,
-                xacro_args=xacro_args or {} if is_xacro(arm.path) else {},
             )
         )
     plane = plane_of([each.arm for each in arms])
@@ -136,10 +133,8 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
         raise InputError(path, f"{lacking} Choose another tip or robot.")
 
 
-def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str, str]) -> list[_Chosen]:
-    files = {robot: _read(robot, xacro_args) for robot in robots}
-    if xacro_args and not any(is_xacro(path) for path, _ in files.values()):
-        raise InputError(XACRO_ARG, "no --robot is a xacro, whose name ends in .xacro.")
+def _chosen(robots: Sequence[str], tips: Sequence[str]) -> list[_Chosen]:
+    files = {robot: _read(robot) for robot in robots}
     read = [files[robot] for robot in robots]  # two of a kind are read once
     if tips:
         places = [0] * len(tips) if len(read) == 1 else list(range(len(read)))
@@ -169,8 +164,8 @@ def _chosen(robots: Sequence[str], tips: Sequence[str], xacro_args: Mapping[str,
     return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
 
 
-def _read(robot: str, xacro_args: Mapping[str, str]) -> tuple[Path, Urdf]:
-    found = read_urdf(Path(ROBOT), Path.cwd(), robot, xacro_args)
+def _read(robot: str) -> tuple[Path, Urdf]:
+    found = read_urdf(Path(ROBOT), Path.cwd(), robot)
     if found.urdf is None:
         raise found.mistakes[0].with_others(found.mistakes[1:])
     return found.path, found.urdf

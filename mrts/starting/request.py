@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What is known when a cell is begun, and where its arms then stand."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -10,7 +9,6 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.package_uri import is_xacro
 from mrts.base.rigid_transform import RigidTransform, plane_normal
 from mrts.scene.arm_meshes import arm_meshes
 from mrts.starting.arm import Arm
@@ -29,7 +27,6 @@ class ArmRequest:
         path: Where that is, absolute.
         why: Why its tip was chosen, to stand behind the name; empty where the user chose it.
         base: Of its base link in the world, where the user gave it.
-        xacro_args: Of a xacro, by name.
     """
 
     arm: Arm
@@ -37,17 +34,11 @@ class ArmRequest:
     path: Path
     why: str = ""
     base: RigidTransform | None = None
-    xacro_args: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def overhang(self) -> float:
-        """How far what moves with the tip reaches beyond the tip's origin, where the hand points [m].
-
-        0 where no mesh can be read, as of a xacro.
-        """
+        """How far meshes that move with the tip reach beyond the tip's origin, where the hand points [m]."""
         robot = self.arm.robot
-        if is_xacro(self.path):
-            return 0.0
         try:
             meshes = arm_meshes(self.path, robot.source.base_link, robot.joints)
         except InputError:

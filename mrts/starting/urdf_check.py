@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
 """What is wrong with one URDF, and what it says of its arms, before there is a cell."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.formats.package_uri import is_xacro
 from mrts.base.remark import Remark
 from mrts.cell.remarks import joint_assumptions, missing_masses, urdf_remarks
 from mrts.cell.source_files import UrdfReading, arm_of_urdf, read_urdf
@@ -15,11 +14,9 @@ from mrts.starting.reading import check_movable
 from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
 
 
-def check_urdf(path: Path, args: Mapping[str, str]) -> CellCheck:
+def check_urdf(path: Path) -> CellCheck:
     """Check one URDF: its XML, joints and masses, and the chains to its hands."""
-    if args and not is_xacro(path):
-        raise InputError("--xacro-arg", f"{path.name} is no xacro, whose name ends in .xacro.")
-    read = read_urdf(path, Path(), str(path), args)
+    read = read_urdf(path, Path(), str(path))
     mistakes = Mistakes(read.mistakes)
     arms = _arms(read, mistakes)
     robots = tuple(arm.robot for arm in arms)

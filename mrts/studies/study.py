@@ -2,9 +2,9 @@
 """A study: a cell and a motion of which numbers vary, and what is asked of each variant."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from copy import deepcopy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -22,7 +22,7 @@ from mrts.base.input_file import MAX_FILE_BYTES
 from mrts.base.printable import printable
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import yaml_text
-from mrts.cell.number_paths import Keys, set_value, value_at
+from mrts.cell.number_paths import Keys, set_value
 from mrts.kernel.cache_folder import cache_folder
 from mrts.motion.joint_table import JointTable
 from mrts.motion.object_motion import ObjectMotion
@@ -58,22 +58,18 @@ class StudyFile:
     Attributes:
         keys: Where the cell file names it.
         reference: As it does.
-        path: Where it was read; of a xacro, the URDF that it became.
+        path: Where it is, absolute.
         content: Its bytes.
-        origin: Where the file is that the reference means.
-        xacro_args: Values of a xacro's arguments, as the cell file gives them.
     """
 
     keys: Keys
     reference: str
     path: str
     content: bytes
-    origin: str
-    xacro_args: Mapping[str, Any] = field(default_factory=dict)
 
     def named_in(self, folder: Path) -> str:
         """How a cell file in a folder names it."""
-        return self.reference if is_uri(self.reference) else _reference(Path(self.origin), folder)
+        return self.reference if is_uri(self.reference) else _reference(Path(self.path), folder)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -228,8 +224,6 @@ class Study:
         written = deepcopy(keys)
         for file in self.files:
             set_value(written, file.keys, file.named_in(folder))
-            if file.xacro_args:
-                value_at(written, file.keys[:-1])["xacro_args"] = dict(file.xacro_args)
         return yaml_text(written)
 
 

@@ -14,8 +14,8 @@ from mrts.base.argument_types import as_path
 from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.formats.record import Rule
-from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES, read_data, read_text, validated
-from mrts.base.regular_file import is_folder, read_regular
+from mrts.base.input_file import read_data, read_text, validated
+from mrts.base.regular_file import is_folder
 from mrts.base.rigid_transform import rpy_from_rotation
 from mrts.base.version import __version__
 from mrts.base.yaml_parser import MAX_YAML_BYTES, parse_yaml
@@ -23,7 +23,7 @@ from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import cell_keys
 from mrts.cell.loading import load_cell
 from mrts.cell.number_paths import ONE_FOR_ALL, Keys, value_at
-from mrts.cell.source_files import described, urdf_files
+from mrts.cell.source_files import described
 from mrts.collisions.clearance import CollisionModel
 from mrts.motion.joint_table import NO_SPEED, JointTable
 from mrts.motion.motion_file import DEFAULT_SAMPLES, KINDS, MotionDescription, load_motion
@@ -111,26 +111,15 @@ def read_study(path: Path | str) -> Study:
 
 
 def _study_files(path: Path, given: dict[str, Any]) -> Iterator[StudyFile]:
-    origins = [reference.path(path, path.resolve().parent).absolute() for reference in described(path).references]
-    for number, (robot, (file, _)) in enumerate(zip(given["robots"], urdf_files(path).values(), strict=True)):
-        content, origin = read_regular(file, "URDF", MAX_URDF_BYTES), origins[number]
-        arguments = robot.pop("xacro_args", None) or {}
-        yield StudyFile(
-            ("robots", number, "urdf"), robot["urdf"], str(file.absolute()), content, str(origin), arguments
-        )
-        if file.absolute() != origin:
-            robot["urdf"] = str(file)
-    named: list[tuple[Keys, str]] = []
+    robots, around = given["robots"], given.get("surroundings") or []
+    named: list[Keys] = [("robots", at, "urdf") for at in range(len(robots))]
     if (given["object"].get("shape") or {}).get("mesh"):
-        named.append((("object", "shape", "mesh"), "mesh"))
-    for at, robot in enumerate(given["robots"]):
-        if robot.get("joint_limits"):
-            named.append((("robots", at, "joint_limits"), "joint limits file"))
-    around = enumerate(given.get("surroundings") or [])
-    named += [(("surroundings", at, "mesh"), "mesh") for at, one in around if one.get("mesh")]
-    for (keys, what), origin in zip(named, origins[len(given["robots"]) :], strict=True):
-        content = read_regular(origin, what, MAX_FILE_BYTES)
-        yield StudyFile(keys, value_at(given, keys), str(origin), content, str(origin))
+        named.append(("object", "shape", "mesh"))
+    named += [("robots", at, "joint_limits") for at, robot in enumerate(robots) if robot.get("joint_limits")]
+    named += [("surroundings", at, "mesh") for at, one in enumerate(around) if one.get("mesh")]
+    for keys, reference in zip(named, described(path).references, strict=True):
+        file, content = (of(path, path.resolve().parent) for of in (reference.path, reference.content))
+        yield StudyFile(keys, value_at(given, keys), str(file.absolute()), content)
 
 
 def _described(path: Path) -> StudyDescription:

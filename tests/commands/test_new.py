@@ -75,7 +75,6 @@ def test_hold_prints_grasps_and_writes_them_only_with_force(begun, tmp_path):
         ([], "DIR: is missing"),
         (["x", "--robot", UR5, "--base", "-1,2"], "--base = '-1,2': must be 3 or 6 numbers"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,0"], "--base: two arms stand in one place"),
-        (["x", "--robot", UR5, "--xacro-arg", "a"], "--xacro-arg = 'a': must be NAME=VALUE"),
         (["x", "--robot", UR5, "--mass", "-3"], "--mass = -3.0: must be a number > 0, in kg"),
         (["x", "--hold", DATA / "cell.yaml", DATA / "lift.yaml"], "DIR: does not go with --hold"),
         (["--hold", DATA, DATA / "lift.yaml"], "is a folder; --hold takes a cell file"),

@@ -26,11 +26,6 @@ def is_uri(reference: str) -> bool:
     return reference.startswith(("package://", "model://"))
 
 
-def is_xacro(path: Path) -> bool:
-    """Whether a file is a xacro, by its name."""
-    return path.suffix.lower() == ".xacro"
-
-
 def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Path:
     """The file that a `package://NAME/…` or `model://NAME/…` means.
 
