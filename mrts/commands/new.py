@@ -52,7 +52,7 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
     metavar="X,Y,Z",
     help="in the world (default: 0,0,-9.81)",
 )
-@option("--force", is_flag=True, help="overwrite files; with --hold, write the grasps into CELL")
+@option("--force", is_flag=True, help="overwrite files")
 @option("--hold", nargs=2, type=Named(), metavar="CELL MOTION",
         help="the grasps with which the hands hold the object where the motion starts, as the postures of the cell put "
         "them: 'hold it here, now'")  # fmt: skip
@@ -68,9 +68,9 @@ def run(
     from mrts.starting.reading import request_of
 
     if hold is not None:
-        for other in get_current_context().params.keys() - {"hold", "force"}:
+        for other in get_current_context().params.keys() - {"hold"}:
             raise InputError(other, "does not go with --hold, which takes a cell that is there, and its motion.")
-        return _hold(*hold, force=force)
+        return _hold(*hold)
     if folder is None:
         raise InputError("folder", "is missing: the folder for cell.yaml and motion.yaml.")
     if "robots" not in given:
@@ -169,16 +169,13 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     say(f"  mrts scale {files}")
 
 
-def _hold(cell_path: Path, motion_path: Path, *, force: bool) -> int:
-    from mrts.base.atomic_file import write_text_atomically
+def _hold(cell_path: Path, motion_path: Path) -> int:
     from mrts.base.edited_yaml import flow
-    from mrts.base.input_file import text_of
-    from mrts.base.regular_file import is_folder, read_regular
+    from mrts.base.regular_file import is_folder
     from mrts.base.rigid_transform import rpy_from_rotation
-    from mrts.base.yaml_parser import MAX_YAML_BYTES
     from mrts.motion.motion_file import load_motion
     from mrts.motion.object_motion import ObjectMotion
-    from mrts.starting.hold import hold_here, with_grasps
+    from mrts.starting.hold import hold_here
     from mrts.starting.proposal import short_pose
 
     motion = load_motion(motion_path)
@@ -186,15 +183,8 @@ def _hold(cell_path: Path, motion_path: Path, *, force: bool) -> int:
         raise InputError(motion_path, "moves joints: only a motion of the object says where it starts.")
     if is_folder(cell_path):
         raise InputError(cell_path, "is a folder; --hold takes a cell file.")
-    content = read_regular(cell_path, "cell file", MAX_YAML_BYTES)
-    text = text_of(cell_path, "cell file", content)
     cell = hold_here(options.compiled_cell(cell_path), motion.position[0], rpy_from_rotation(motion.rotation[0]))
-    grasps = {robot.name: short_pose(robot.T_object_tip) for robot in cell.robots}
-    if force:
-        held = with_grasps(cell_path, text, grasps)
-        write_text_atomically(cell_path, held.replace("\n", "\r\n") if b"\r\n" in content else held)
-    for name, grasp in grasps.items():
-        say(f"{name}:", "strong")
-        say(f"    grasp: {flow(grasp)}")
-    say(f"written into {cell_path}" if force else f"--force writes them into {cell_path}")
+    for robot in cell.robots:
+        say(f"{robot.name}:", "strong")
+        say(f"    grasp: {flow(short_pose(robot.T_object_tip))}")
     return FEASIBLE

@@ -1,20 +1,15 @@
 # SPDX-License-Identifier: MIT
 """'Hold it here, now': grasps from where the hands are."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
-from mrts.base.edited_yaml import Key, edited_yaml
-from mrts.base.errors import InputError
 from mrts.base.formats.pose import Pose
 from mrts.base.input_file import plain
 from mrts.base.rigid_transform import RigidTransform, snap_rotation
-from mrts.base.yaml_parser import parse_yaml
 from mrts.cell.cell import Cell
 from mrts.scene.cell_shapes import tip_at_posture
 
@@ -41,20 +36,3 @@ def hold_here(cell: Cell, xyz: Sequence[float] | Array, rpy: Sequence[float] | A
         held = T_world_object.inverse() @ tip_at_posture(robot)
         grasps[f"robots.{robot.name}.grasp"] = RigidTransform(snap_rotation(held.R), np.array(held.p))
     return cell.with_values(grasps)
-
-
-def with_grasps(path: Path, text: str, grasps: Mapping[str, Mapping[str, list[float]]]) -> str:
-    """The text of a cell file with other grasps, all else as it stands, comments too."""
-    wanted = parse_yaml(text)
-    edits: dict[tuple[Key, ...], Any] = {}
-    for index, robot in enumerate(wanted["robots"]):
-        robot["grasp"] = edits["robots", index, "grasp"] = dict(grasps[robot["name"]])
-    try:
-        held = edited_yaml(text, edits)
-        same = parse_yaml(held) == wanted
-    except (ValueError, InputError):  # such as an alias of what was replaced
-        same = False
-    if not same:
-        rule = "grasps cannot be replaced where they stand (an alias?); write each robot out, or copy the ones printed."
-        raise InputError(path, rule, key="robots")
-    return held

@@ -1,7 +1,5 @@
 """Proposed cells: hands at the sides of the box, facing it; what is written has room; what is assumed is said."""
 
-from pathlib import Path
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -14,7 +12,7 @@ from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, rotation_from_rpy
 from mrts.cell.remarks import joint_assumptions
 from mrts.starting.cell_writing import cell_file, motion_file
-from mrts.starting.hold import hold_here, with_grasps
+from mrts.starting.hold import hold_here
 from mrts.starting.layouts import layouts
 from mrts.starting.proposal import propose
 from mrts.starting.reading import request_of
@@ -169,22 +167,6 @@ TURN = [0.1, -0.2, 0.3]
 SAME = 1e-9
 """Rounding of poses; nothing is searched."""
 
-ROBOTS = """
-robots:
-  - name: left   # the first
-    grasp:       # as measured
-      xyz: [0, 0,
-            0]   # in the middle
-      rpy: [0, 0, 0]
-    posture: [1]
-  - {name: right, posture: [2]}
-  - name: third
-    posture: [3]
-  - posture: [4]
-    grasp: {xyz: [9, 9, 9]} # kept
-    name: fourth
-"""
-
 
 @pytest.mark.quick
 def test_the_arms_start_at_their_postures(dual_ur5):
@@ -197,13 +179,3 @@ def test_the_arms_start_at_their_postures(dual_ur5):
     )
     assert mrts.follow_object(held, motion).q[0] == pytest.approx(q, abs=SAME)
     assert [robot.T_world_base for robot in held.robots] == [robot.T_world_base for robot in dual_ur5.robots]
-
-
-def test_grasps_are_put_into_the_text_and_nothing_else_changes():
-    grasps = {name: {"xyz": [index, 0, 0]} for index, name in enumerate(("left", "right", "third", "fourth"))}
-    text = with_grasps(Path("cell.yaml"), ROBOTS, grasps)
-    read = {robot["name"]: robot for robot in yaml.safe_load(text)["robots"]}
-    for index, name in enumerate(grasps):
-        assert read[name] == {"name": name, "grasp": {"xyz": [index, 0, 0]}, "posture": [index + 1]}
-    assert "# the first" in text
-    assert "# kept" in text
