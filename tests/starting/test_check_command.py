@@ -181,6 +181,6 @@ def test_a_sound_arm_with_its_numbers(tmp_path, capsys):
 
 def test_why_an_arm_can_hold_nothing(tmp_path):
     fixed = changed(tmp_path, (r'name="wrist_3_turn" type="revolute"', 'name="wrist_3_turn" type="fixed"'))
-    found = check_urdf(fixed, {})
+    found = check_urdf(fixed)
     assert (found.status, [remark.code for remark in found.hints]) == ("fine", ["cannot-hold"])
     assert "has 5 joints" in found.hints[0].text

@@ -51,22 +51,14 @@ def file_of_uri(where: Path | str, uri: str, near: Path, *, key: str = "") -> Pa
         there = ", ".join(dict.fromkeys(map(str, folders)))
         rule = f"the package '{package}' is at {there}, but holds no file '{inside}'{neighbour(folders[0] / inside)}"
         raise InputError(where, rule, key=key, value=uri)
-    raise InputError(where, f"{no_package(package)}, or give a file path.", key=key, value=uri)
-
-
-def no_package(package: str) -> str:
-    """What is said of a package that is nowhere, up to the ways to find it."""
     looked = ", ".join(map(str, _share_folders())) or "no share folder"
-    return (
+    rule = (
         f"the package '{package}' is not found. Looked in the folders above that file, where those of "
         f"{', '.join(VARIABLES)} point to that are set, in {looked}, and among installed Python packages. Source the "
-        f"workspace's setup file, install the package, put its folder '{package}' beside that file or above"
+        f"workspace's setup file, install the package, put its folder '{package}' beside that file or above, or give "
+        "a file path."
     )
-
-
-def package_folder(package: str, near: Path) -> Path | None:
-    """The folder of a package, as `file_of_uri` finds it; None where there is none."""
-    return next(_package_folders(package, near), None)
+    raise InputError(where, rule, key=key, value=uri)
 
 
 def _package_folders(package: str, near: Path) -> Iterator[Path]:
