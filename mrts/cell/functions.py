@@ -3,7 +3,7 @@
 
 from collections.abc import Callable, Iterable
 from ctypes import CDLL, addressof, c_char, string_at
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Any, NoReturn, Self
 
@@ -53,7 +53,7 @@ class CellFunctions:
         """
         if self._geometry is not None:
             inputs = {GEOMETRY: self._geometry} | inputs
-        return self.bind().map(name, samples, inputs)
+        return self.motion_library.map(name, samples, inputs)
 
     @property
     def compiled(self) -> CellLibrary | None:
@@ -63,12 +63,12 @@ class CellFunctions:
     @property
     def library(self) -> CellLibrary:
         """The cell's library."""
-        library = None if isinstance(self.origin, dict) else self.bind()
+        library = None if isinstance(self.origin, dict) else self.motion_library
         if not isinstance(library, CellLibrary):
             raise CompilerError(f"cell '{self.manifest.cell.name}' is not compiled: load it with mrts.load_cell.")
         return library
 
-    @property
+    @cached_property
     def motion_library(self) -> MotionLibrary:
         """What follows: the cell's library, or, where nothing else was compiled, one that does only that."""
         return self.bind()

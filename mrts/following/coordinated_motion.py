@@ -212,12 +212,13 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     """
     check_type("cell", cell, Cell)
     check_type("motion", motion, ObjectMotion)
-    check_motion(cell, motion)
+    check_dimensions(cell, motion)
     path = {name: getattr(motion, name)[None] for name in PATH}
     posture = cell.posture
     tracked = track_variants(cell, path, cell.geometry[None], posture[None], np.zeros(1, dtype=bool))
     failure = tracked.failure(0)
     if failure is not None:
+        check_motion(cell, motion)  # an arm that could follow none is told of as such
         raise MotionError(failure.message)
     q, dq, ddq, outcome = (part[0] for part in (tracked.q, tracked.dq, tracked.ddq, tracked.outcome))
     others = zip(cell.robots, outcome["start"].tolist(), strict=True)
@@ -270,10 +271,26 @@ def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smoot
 
 
 def check_motion(cell: Cell, motion: ObjectMotion) -> None:
-    """Check what does not depend on the joints' positions: the plane of a planar cell, enough joints.
+    """Check what does not depend on the joints' positions: `check_dimensions`, and that joints are independent.
 
     Raises:
         InputError: If an arm's joints do not move its hand in as many directions as there are wrench components.
+        MotionError: If the object leaves the plane.
+    """
+    check_dimensions(cell, motion)
+    q = postures_for_rank(cell.posture)
+    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
+    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
+        if lacking := lacking_freedom(robot.joints, jacobians[:, :, joints], cell.wrench_rows):
+            rule = f"{lacking} It could not follow any motion: take another arm or tip."
+            raise InputError(cell.name, rule, key=f"robot '{robot.name}'")
+
+
+def check_dimensions(cell: Cell, motion: ObjectMotion) -> None:
+    """Check that arms have enough joints, and that the object keeps to the plane of a planar cell.
+
+    Raises:
+        InputError: If an arm has too few joints.
         MotionError: If the object leaves the plane.
     """
     for robot in cell.robots:
@@ -284,12 +301,6 @@ def check_motion(cell: Cell, motion: ObjectMotion) -> None:
                 f"{len(cell.wrench_components)}: it could not follow any motion.",
                 key=f"robot '{robot.name}'",
             )
-    q = postures_for_rank(cell.posture)
-    jacobians = cell.functions("kinematics", len(q), {"q": q})["jacobian"]
-    for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True):
-        if lacking := lacking_freedom(robot.joints, jacobians[:, :, joints], cell.wrench_rows):
-            rule = f"{lacking} It could not follow any motion: take another arm or tip."
-            raise InputError(cell.name, rule, key=f"robot '{robot.name}'")
     if cell.plane is not None and leaves_plane(cell, motion.twist):
         normal = "".join(sorted({*"xyz"} - {*cell.plane}))
         raise MotionError(

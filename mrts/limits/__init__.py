@@ -42,7 +42,7 @@ def limit_rows(cell: Cell, motion: CoordinatedMotion) -> LimitRows:
     Raises:
         InputError: As `rows_by_limit`.
     """
-    rows = stack_rows([rows.bounded() for _, rows in rows_by_limit(cell, motion)])
+    rows = stack_rows([rows for _, rows in rows_by_limit(cell, motion)]).bounded()
     return rows.shrunk(cell.reserve) if cell.reserve else rows
 
 

@@ -32,7 +32,7 @@ from mrts.timing.result import RetimingResult
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 9
+VERSION = 10
 """Of arrays and description together; any change of what results hold raises it, unless it is one of the manifest."""
 
 DESCRIPTION_BYTES = 5_000_000
@@ -126,7 +126,8 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
 
     def read_scaling(reader: TreeReader, entry: dict[str, Any], place: str) -> ScalingResult:
         found: ScalingResult = reader.made(ScalingResult, entry, place)
-        told = tuple(warning for warning in found.warnings if warning.code != OTHER_LIMITS)
+        assert isinstance(found.remarks, tuple)  # noqa: S101 (all warnings were written)
+        told = tuple(warning for warning in found.remarks if warning.code != OTHER_LIMITS)
         vars(found)["warnings"] = (*told, *remarks.values())
         return found
 

@@ -28,7 +28,8 @@ POOL = "pool."
 LEFT_OUT = {"course", "problem"}
 """Fields that are functions: None when they are read."""
 
-FOUND_FIELDS = {"RangeEnd.named": "rows", "Excess.named": "row", "ScalingResult.found": "range"}
+FOUND_FIELDS = {"RangeEnd.named": "rows", "Excess.named": "row"}
+FOUND_FIELDS |= {"ScalingResult.found": "range", "ScalingResult.remarks": "warnings"}
 """Fields that may hold what finds a value: the attribute that has the value is written instead."""
 
 

@@ -134,7 +134,6 @@ MOST_ROWS = 32_767
 
 def takes_kernel(rows: MotionRows, solver: str) -> bool:
     """Whether the programs of a motion are those that the compiled path has."""
-    check_solver(solver)
     few = len(rows.kept.names) + rows.cell.library.unknowns <= MOST_ROWS
     free = rows.formulation == "wrench" and rows.sharing is None
     return solver == "kernel" and free and rows.sparse is not None and few

@@ -60,14 +60,17 @@ def motion_torques(
     The weights are W, Shape (m, m). By "reserve" the limits count as they are given, whatever reserve the cell keeps.
     """
     if distribute == "reserve":
-        whole = motion_rows(rows.cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation)
+        cell, whole = rows.cell, rows
+        if cell.reserve:
+            whole = motion_rows(cell.with_reserve(0.0), rows.motion, rows.sharing, rows.formulation)
         return torques_by_blocks(whole, solver, c2, weights, within=lambda problem: reserved(problem, c2, solver))
     if rows.sparse is None or not takes_kernel(rows, solver):
         return torques_by_blocks(rows, solver, c2, weights)
     terms, square = rows.terms(float(np.sqrt(c2))), np.full(rows.motion.samples, c2)
     torque, wrench, status = least_torques(rows.cell.library, rows.inputs(None), rows.sparse, terms, square, weights)
-    missing = np.flatnonzero(status != OPTIMAL)
-    torque[missing], wrench[missing], fallbacks = torques_by_blocks(rows, solver, c2, weights, missing)
+    missing, fallbacks = np.flatnonzero(status != OPTIMAL), 0
+    if missing.size:
+        torque[missing], wrench[missing], fallbacks = torques_by_blocks(rows, solver, c2, weights, missing)
     return torque, wrench, fallbacks
 
 

@@ -7,6 +7,7 @@ from mrts.base.arrays import Array
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.denser_motion import moved_remarks
 from mrts.motion.object_courses import ProfiledPath
 from mrts.scaling.range import RangeEnd, ScalingRange
 
@@ -50,11 +51,19 @@ OF_CONSTANT_FACTOR = ("not-at-rest", "factor-above-10")
 """Codes of remarks that tell nothing where the speed varies along the path."""
 
 
-def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange | None) -> tuple[Remark, ...]:
+def motion_remarks(
+    cell: Cell,
+    motion: CoordinatedMotion,
+    found: ScalingRange | None,
+    played: CoordinatedMotion,
+    also: tuple[Remark, ...] = (),
+) -> tuple[Remark, ...]:
     """All remarks of a cell and its motion as they are given, but for what is taken for granted.
 
     Args:
         found: The range of c² of a constant factor; None where the speed varies from rest to rest.
+        played: The same motion with the samples that were added; remarks name its samples.
+        also: What else is to be said.
     """
     remarks = [remark for remark in (*cell.all_remarks, *motion.remarks) if remark.severity != "assumption"]
     if found is not None:
@@ -62,7 +71,8 @@ def motion_remarks(cell: Cell, motion: CoordinatedMotion, found: ScalingRange | 
     remarks += _rough(cell, motion)
     if found is not None and found.status.admits_motion and found.upper is not None:
         remarks += _fast(found.upper)
-    return tuple(remarks)
+    time = motion.object.time
+    return moved_remarks(tuple(remarks), time, np.setdiff1d(played.object.time, time)) + also
 
 
 def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:

@@ -95,7 +95,8 @@ class Options(EqualByNumbers):
         check_type("formulation", self.formulation, str)
         check_solver(self.solver)
         load = self._question(cell)
-        torque_weights(self.weights, cell)
+        if self.weights is not None:
+            torque_weights(self.weights, cell)
         if self.rates is not None:
             if self.formulation != "wrench":
                 rule = "with rates it must be 'wrench': torques are chosen for the whole motion."

@@ -2,7 +2,7 @@
 """The outcome of scaling: range, trajectory, and the checks that it passes on itself."""
 
 from abc import abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -31,6 +31,7 @@ from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.limit_use import LimitUse, all_quantities, limit_tables, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
+from mrts.scaling.plan_remarks import plan_remarks
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
@@ -45,6 +46,10 @@ END_TOLERANCE = 1e-7
 
 LIMIT_TOLERANCE = 1e-8
 """Largest excess over a limit that counts as rounding and the widening of the programs, as a share of it."""
+
+
+Remarks = tuple[Remark, ...] | Callable[[], tuple[Remark, ...]]
+"""What to know of a cell and a motion, or what finds it."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +72,12 @@ class Result(InNotebooks, JsonOutput):
 
     cell: Cell
     options: Options
-    warnings: tuple[Remark, ...]
     changes: "WhatIf | None"
+
+    @property
+    @abstractmethod
+    def warnings(self) -> tuple[Remark, ...]:
+        """What to know of the cell and the motion before trusting the answer."""
 
     @abstractmethod
     def sentence(self) -> str:
@@ -108,7 +117,7 @@ class ScalingResult(Result):
         load: What was asked of an uncertain load; None if the load is known.
         options: What was asked.
         origin: What was done to the motion before, for people; empty if nothing.
-        warnings: What to know of the cell and the motion before trusting the answer.
+        remarks: What to know of the cell and the motion, or what finds it: it costs a tenth of a short call.
         excess: How far limits are overstepped between the samples; None if that was not looked at.
         changes: What changes to the cell would do, from `what_if`, where it is to be shown and saved with the result.
     """
@@ -122,7 +131,7 @@ class ScalingResult(Result):
     load: LoadStudy | None = None
     options: Options = field(default_factory=Options)
     origin: str = ""
-    warnings: tuple[Remark, ...] = ()
+    remarks: Remarks = field(default=(), compare=False)
     excess: Excess | None = None
     changes: "WhatIf | None" = None
 
@@ -134,6 +143,12 @@ class ScalingResult(Result):
             SolverError: If no solver answers.
         """
         return self.found or range_at_samples(self.options.rows(self.cell, self.motion), self.options)[0]
+
+    @cached_property
+    def warnings(self) -> tuple[Remark, ...]:
+        """What to know of the cell and the motion, and of the plan's torques, before trusting the answer."""
+        remarks = self.remarks() if callable(self.remarks) else self.remarks
+        return tuple(dict.fromkeys((*remarks, *plan_remarks(self))))
 
     def __repr__(self) -> str:
         done = self.trajectory

@@ -8,17 +8,14 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, MrtsError, SolverError
 from mrts.base.remark import Remark
-from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
 from mrts.limits import Limit
 from mrts.limits.rows import rows_text
@@ -38,7 +35,6 @@ from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, motion_ran
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.program.widening import motion_widening
-from mrts.scaling.limit_use import LimitUse, limit_uses, power_uses, rate_uses
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Options, Selection, limited_cell
@@ -48,31 +44,6 @@ from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 
 if TYPE_CHECKING:
     from mrts.scaling.constant_rates import RatedFactors
-
-
-EXCEEDS_RATED_TORQUE = "above-rated"
-"""Code of the remark on torques that a motor does not bear for ever."""
-
-EXCEEDS_POWER = "above-power"
-"""Code of the remark on power above that of the motors, or of their supply: reported only."""
-
-EXCEEDS_RATE_LIMIT = "rate-passed"
-"""Code of the remark on rates that pass their limit, which nothing keeps."""
-
-EXCEEDS_VELOCITY = "velocity-passed"
-"""Code of the remark on velocities above limits that are not enforced."""
-
-STEPS = "step-at-ends"
-"""Code of the remark on torques that must jump where a motion starts or ends, whatever its speed."""
-
-OF_TORQUES = (EXCEEDS_RATED_TORQUE, EXCEEDS_POWER, EXCEEDS_RATE_LIMIT, EXCEEDS_VELOCITY, STEPS)
-"""Codes of remarks that are found again with other torques."""
-
-RATE_TOLERANCE = 1e-6
-"""Share by which a rate may pass its limit before it is told: rounding, of differences of neighbouring samples."""
-
-NAMED = 3
-"""Further joints that it names."""
 
 
 class SelectionError(MrtsError):
@@ -180,9 +151,7 @@ def chosen_factor(
     result, rows, refinement = admissible_range(cell, motion, options, progress)
     result, factors = within_rate_limits(result, rows)
     found = result.range
-    remarks, own = motion_remarks(cell, motion, found), motion.object.time
-    remarks = remarks and moved_remarks(remarks, own, np.setdiff1d(result.motion.object.time, own))
-    result = replace(result, warnings=remarks + result.warnings)
+    result = replace(result, remarks=partial(motion_remarks, cell, motion, found, result.motion, result.warnings))
     if not found.status.admits_motion or options.load == "possible":
         return result, rows
     try:
@@ -213,7 +182,7 @@ def admissible_range(
     """
     rows = options.rows(cell, motion)
     found, study = range_at_samples(rows, options, progress)
-    refined, warnings = None, tuple[Remark, ...]()
+    refined, remarks = None, tuple[Remark, ...]()
     prescribed = options.sharing is not None and options.sharing.varies
     if options.between is not None and options.load != "possible" and not prescribed and found.status.admits_motion:
         assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
@@ -228,7 +197,7 @@ def admissible_range(
         if refined.motion is not motion:
             given, rows = found, rows.along(refined.motion)
             found, study = range_at_samples(rows, options, progress)
-            warnings = interpolated(motion, given, found)
+            remarks = interpolated(motion, given, found)
     result = ScalingResult(
         cell=cell,
         motion=rows.motion,
@@ -238,7 +207,7 @@ def admissible_range(
         fallbacks=found.samples.fallbacks,
         load=study,
         options=options,
-        warnings=warnings,
+        remarks=remarks,
     )
     return result, rows, refined
 
@@ -385,148 +354,38 @@ def with_torques(
     cell, motion, options, c2 = result.cell, result.motion, result.options, result.c2
     if c2 is None:
         return result
-    rows = options.rows(cell, motion) if rows is None else rows
+    rows, W = rows or options.rows(cell, motion), torque_weights(options.weights, cell)
     if given is not None:
         torque, wrench, fallbacks = *given, 0
     elif options.rates is None:
-        torque, wrench, fallbacks = distributed_torques(rows, options, c2)
+        torque, wrench, fallbacks = motion_torques(rows, options.solver, c2, W, options.distribute)
     else:
         from mrts.scaling.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
 
-        W = torque_weights(options.weights, cell)
         torque, wrench, fallbacks = *torques_within_rates(rows, options.rates, c2, W, options.distribute), 0
-    holding, unheld = _holding(options, rows)
-    before = tuple(warning for warning in result.warnings if warning.code not in OF_TORQUES)
-    done = ScaledTrajectory(cell, motion, c2, torque, wrench, holding)
-    result = replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
-    told = before + unheld + overload_remarks(done) + _fast_rates(result) + _fast_joints(result)
+    done = ScaledTrajectory(cell, motion, c2, torque, wrench, _holding(options, rows, W))
     excess = largest_excess(rows.given, done)
     if not excess <= LIMIT_TOLERANCE:
         raise SolverError(
             f"the torques found overstep a limit by {excess:.2g} of it, more than {LIMIT_TOLERANCE:.0e}: the limits or "
             "the masses of this cell are too unlike in size to be solved."
         )
-    return replace(result, warnings=tuple(dict.fromkeys(told)))
+    return replace(result, trajectory=done, fallbacks=result.fallbacks + fallbacks)
 
 
-def distributed_torques(rows: MotionRows, options: Options, c2: float) -> tuple[Array, Array, int]:
-    """Torques, Shape (N, m), and wrenches, Shape (N, n w), at each sample by itself.
-
-    Returns:
-        Both, and how many programs were left by the chosen solver.
-    """
-    return motion_torques(rows, options.solver, c2, torque_weights(options.weights, rows.cell), options.distribute)
-
-
-def _holding(options: Options, rows: MotionRows) -> tuple[Holding, tuple[Remark, ...]]:
-    """What holds the object still at both ends, c² = 0, and what to say where a controller needs what there is not."""
+def _holding(options: Options, rows: MotionRows, weights: Array) -> Holding:
+    """What holds the object still at both ends, c² = 0, where a controller needs it and the limits admit it."""
     cell, motion = rows.cell, rows.motion
     needed = np.array(pushing_ends(motion.dq, motion.ddq))
     torque, wrench = np.zeros((2, motion.q.shape[1])), np.zeros((2, len(cell.robots) * len(cell.wrench_components)))
     if not np.any(needed):
-        return Holding((False, False), torque, wrench), ()
+        return Holding((False, False), torque, wrench)
     places = np.array([0, motion.samples - 1])
-    still = _still(rows, places)
+    still = rows.at_rest(places)
     held = needed & (motion_widening(still, np.zeros(2)) <= TORQUE_WIDENING)
     if np.any(held):
         if not np.all(held):  # the other end has no torques: the one that has them stands for both
-            still = _still(rows, places[held][[0, -1]])
-        found = distributed_torques(still, options, 0.0)
+            still = rows.at_rest(places[held][[0, -1]])
+        found = motion_torques(still, options.solver, 0.0, weights, options.distribute)
         torque, wrench = (np.where(held[:, None], values, 0.0) for values in found[:2])
-    remarks = tuple(
-        Remark(
-            "no-row-at-rest",
-            f"the limits do not let the cell hold still where the motion {('starts', 'ends')[end]}, so tables and bags "
-            f"{('begin', 'end')[end]} with the torques of the motion: a controller must not stay there.",
-            int(places[end]),
-        )
-        for end in np.flatnonzero(needed & ~held).tolist()
-    )
-    return Holding((bool(held[0]), bool(held[1])), torque, wrench), remarks
-
-
-def _still(rows: MotionRows, samples: NDArray[np.intp]) -> MotionRows:
-    """The rows at some samples where the joints stand, so that no friction opposes a motion."""
-    motion, sharing = rows.motion, rows.sharing
-    stands = np.zeros((len(samples), motion.q.shape[1]))
-    if sharing is not None and sharing.varies:
-        sharing = replace(sharing, internal_wrench=np.asarray(sharing.internal_wrench)[samples])
-    still = replace(motion.at(samples), dq=stands, ddq=stands, travel=None)
-    return rows.at_rest(still, sharing, samples)
-
-
-def overload_remarks(done: ScaledTrajectory) -> tuple[Remark, ...]:
-    """What motors do not bear for ever, and power above theirs."""
-    return _overrated(done) + _above_power(done)
-
-
-def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
-    if not any(np.any(np.isfinite(robot.motors.rated)) for robot in done.cell.robots):
-        return ()
-    used = np.concatenate([duty.rated_share for duty in done.duty.values()]).tolist()
-    shares = {joint: share for joint, share in zip(done.cell.joint_names, used, strict=True) if share > 1}
-    if not shares:
-        return ()
-    worst, *others = sorted(shares, key=lambda joint: -shares[joint])
-    also = f"; above theirs too: {first_names(others, NAMED)}" if others else ""
-    text = (
-        f"{worst}: its root mean square torque over the motion is {100 * shares[worst]:.0f} % of what its motor bears "
-        f"for ever ('rated'{also}): repeated without a pause it overheats. Pause without the load, or carry "
-        "less; to play the motion slower saves only what its accelerations take."
-    )
-    return (Remark(EXCEEDS_RATED_TORQUE, text),)
-
-
-def _above_power(done: ScaledTrajectory) -> tuple[Remark, ...]:
-    """Power is a product of torque and speed, so no linear row: the limits are reported against, and not kept."""
-    passed = sorted((use for use in power_uses(done) if use.share > 1), key=lambda use: -use.share)
-    if not passed:
-        return ()
-    worst, names = passed[0], ["/".join(filter(None, (use.name.robot, use.name.element))) for use in passed]
-    also = f"; above theirs too: {first_names(names[1:], NAMED)}" if names[1:] else ""
-    text = (
-        f"{names[0]}: power reaches {worst.size:.4g} W at t = {worst.time:.4g} s, {100 * worst.share:.0f} % of its "
-        f"limit of {worst.upper:.4g} W{also}. Power is reported only: a slower motion takes less."
-    )
-    return (Remark(EXCEEDS_POWER, text),)
-
-
-def _fast_rates(result: ScalingResult) -> tuple[Remark, ...]:
-    if result.options.rates is not None:
-        return _steps_at_ends(result.motion)
-    advice = "--rates cell keeps them, at a speed that varies --profile smooth (in Python rates=True)."
-    return _passing(rate_uses(result), EXCEEDS_RATE_LIMIT, f"Rates are reported only; {advice}")
-
-
-def _fast_joints(result: ScalingResult) -> tuple[Remark, ...]:
-    if result.cell.enforces_velocity_limits:
-        return ()
-    uses = [use for use in limit_uses(result) if use.name.kind == "velocity"]
-    return _passing(uses, EXCEEDS_VELOCITY, "Velocity limits are not kept, as was asked.")
-
-
-def _passing(uses: list[LimitUse], code: str, advice: str) -> tuple[Remark, ...]:
-    """What is told of limits, by falling share, that are reported only."""
-    passed = [use for use in uses if use.share > 1 + RATE_TOLERANCE]
-    if not passed:
-        return ()
-    worst, *others = passed
-    also = f"; {len(others)} more pass theirs" if others else ""
-    text = (
-        f"{worst.name} reaches {worst.size:.4g} {worst.name.unit} at t = {worst.time:.4g} s, "
-        f"{100 * worst.share:.0f} % of its limit{also}. {advice}"
-    )
-    return (Remark(code, text),)
-
-
-def _steps_at_ends(motion: CoordinatedMotion) -> tuple[Remark, ...]:
-    first, last = pushing_ends(motion.dq, motion.ddq)
-    if not (first or last):
-        return ()
-    where = " and ".join(word for word, pushes in (("starts", first), ("ends", last)) if pushes)
-    text = (
-        f"the motion {where} at rest but accelerates there, so torques jump from or to those that hold still, at every "
-        "speed. The rates are kept in between; a profile that starts and ends without acceleration (quintic, or "
-        "--profile smooth) has no such jump."
-    )
-    return (Remark(STEPS, text),)
+    return Holding((bool(held[0]), bool(held[1])), torque, wrench)

@@ -325,7 +325,7 @@ class RetimingResult(Result):
         return bound
 
     @property
-    def warnings(self) -> tuple[Remark, ...]:  # type: ignore[override]  # nobody writes to either
+    def warnings(self) -> tuple[Remark, ...]:
         """What to know of the cell and the motion before trusting the answer."""
         if self.retimed is not None:
             return self.retimed.warnings

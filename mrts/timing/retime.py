@@ -3,6 +3,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,6 @@ from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.following.denser_motion import moved_remarks
 from mrts.following.grasp_closure import ClosureBound
 from mrts.limits import Limit
 from mrts.motion.joint_table import JointTable
@@ -29,7 +29,7 @@ from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import CONVERGED
 from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
 from mrts.scaling.options import Options, limited_cell
-from mrts.scaling.result import ScalingResult
+from mrts.scaling.result import Remarks, ScalingResult
 from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
 from mrts.timing.fastest_timing import fastest_timing
@@ -138,12 +138,9 @@ def retime(
         return _smooth(SmoothQuestion(fastest, goal, (start, end), KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
-    remarks = motion_remarks(cell, given, None)
-    if fastest.motion is not given:
-        time = given.object.time
-        remarks = moved_remarks(remarks, time, np.setdiff1d(fastest.motion.object.time, time))
-    added = interpolated_timing(given, first.duration, fastest.duration)
-    return _played(fastest, "fastest timing", remarks, added)
+    told = interpolated_timing(given, first.duration, fastest.duration)
+    remarks = partial(motion_remarks, cell, given, None, fastest.motion, told)
+    return _played(fastest, "fastest timing", remarks)
 
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
@@ -177,15 +174,14 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     first, *rest = pieces
     torque = np.concatenate([first.torque, *(part.torque[1:] for part in rest)])
     wrench = np.concatenate([first.wrench, *(part.wrench[1:] for part in rest)])
-    remarks, stopped = lasting(constant.warnings), _stopped(answer, found)
-    return _played(found, answer.what, remarks, stopped, torques=(torque, wrench), also=f". {answer}")
+    remarks = lasting(constant.warnings) + _stopped(answer, found)
+    return _played(found, answer.what, remarks, torques=(torque, wrench), also=f". {answer}")
 
 
 def _played(
     timed: RetimingResult,
     what: str,
-    remarks: tuple[Remark, ...],
-    added: tuple[Remark, ...],
+    remarks: Remarks,
     *,
     torques: tuple[Array, Array] | None = None,
     also: str = "",
@@ -207,11 +203,10 @@ def _played(
         fallbacks=0,
         options=replace(timed.options, load="nominal"),
         origin=f"{what} of a path that was given {given[-1]:.4g} s: {own[-1]:.4g} s{also}",
-        warnings=remarks,
+        remarks=remarks,
         excess=excess,
     )
-    played = with_torques(untouched, torques)
-    return replace(timed, retimed=replace(played, warnings=played.warnings + added))
+    return replace(timed, retimed=with_torques(untouched, torques))
 
 
 def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:

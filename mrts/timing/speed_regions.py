@@ -68,18 +68,18 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     effect = default_programs().effects(problem.A, every)
     alone = every[~np.any(problem.A[0, every, :-2], axis=1)]
     alone = alone[~np.any(problem.A[:, alone, :-2], axis=(0, 2))]
-    planes = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone])
     rows = np.setdiff1d(every, alone)
     effect[_at_rest(effect), -2] = 0.0
-    rates = _rates_of_planes(planes, effect[:, -2])
+    planes, rates = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone]), []
+    if planes.size:
+        rates.append(_rates_of_planes(planes, effect[:, -2]))
     if rows.size:
-        rates = np.minimum(rates, _rates_by_projection(problem, rows, effect[:, -2]))
-    likely = _likely_speed(rates, most, length, ends)
+        rates.append(_rates_by_projection(problem, rows, effect[:, -2]))
+    likely = _likely_speed(np.min(rates, axis=0) if rates else np.zeros(0), most, length, ends)
     reached, bound = np.minimum(likely, most), FARTHEST * likely
     effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
-    of_planes = _regions_of_planes(planes, effect, most, bound)
     if not rows.size:
-        return of_planes
+        return _regions_of_planes(planes, effect, most, bound)
     with np.errstate(divide="ignore"):
         unit = 1 / effect
     unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
@@ -99,7 +99,7 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     lower = np.maximum(low, 0.0) * scale[:, -1]
     undecided = tuple(np.flatnonzero(~found).tolist())
     projected = SpeedRegions(start, planes, lower, np.minimum(high, most), bound, undecided)
-    return intersect_regions([projected, of_planes]) if alone.size else projected
+    return intersect_regions([projected, _regions_of_planes(planes, effect, most, bound)]) if alone.size else projected
 
 
 def _regions_of_planes(planes: Array, effect: Array, most: Array, bound: float) -> SpeedRegions:

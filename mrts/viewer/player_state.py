@@ -20,13 +20,13 @@ from mrts.plots.limit_shares import played
 from mrts.program.rate_limits import Rates
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem
-from mrts.program.torque_distribution import torque_weights, torques_by_blocks
+from mrts.program.torque_distribution import motion_torques, torque_weights, torques_by_blocks
 from mrts.program.widening import widening_at
 from mrts.scaling.limit_use import all_quantities
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import LIMIT_TOLERANCE, ScalingResult
-from mrts.scaling.scale import SelectionError, conflict_at, distributed_torques, scale
+from mrts.scaling.scale import SelectionError, conflict_at, scale
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.scene import Scene
 from mrts.timing.result import RetimingResult
@@ -246,7 +246,8 @@ class PlayerState:
             torque, wrench = played(result).torque, played(result).wrench
         elif self._admits(c2):
             rows = options.rows(cell, motion)
-            torque, wrench, _ = distributed_torques(rows, options, c2)
+            weights = torque_weights(options.weights, cell)
+            torque, wrench, _ = motion_torques(rows, options.solver, c2, weights, options.distribute)
         else:
             torque, wrench = widened_torques(cell, motion, options, c2)
         self._take(ScaledTrajectory(cell, motion, c2, torque, wrench))
@@ -262,7 +263,7 @@ class PlayerState:
 def widened_torques(cell: Cell, motion: CoordinatedMotion, options: Options, c2: float) -> tuple[Array, Array]:
     """Torques, Shape (N, m), and wrenches, Shape (N, n w), at any c² > 0.
 
-    At a sample that keeps its limits at this c² they are those of `distributed_torques`. At any other, all limits are
+    At a sample that keeps its limits at this c² they are those of `motion_torques`. At any other, all limits are
     first moved outward by the least share of their size that leaves a solution, so that what is beyond its limit is
     what forbids the speed. A fixed distribution asks no limits.
 
