@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mrts.plots.card import Card
 from mrts.plots.labels import range_text
 from mrts.plots.range_plots import ranked_loads
-from mrts.scaling.limit_use import TITLES, limit_tables, limit_uses, rate_uses
+from mrts.scaling.limit_use import TITLES, by_share, limit_tables, rate_uses
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def limit_table(result: ScalingResult) -> Iterator[str]:
 def _other_lines(result: ScalingResult) -> Iterator[str]:
     """The most used limit of each hand, of torque-speed curves, and of each kind of rate, which no table has."""
     told: set[tuple[str, str]] = set()
-    for use in [*limit_uses(result), *rate_uses(result)]:
+    for use in [*by_share(result.limit_uses), *rate_uses(result)]:
         own = (use.name.kind, use.name.contact)
         if use.name.kind not in TITLES and own not in told:
             told.add(own)

@@ -129,8 +129,10 @@ def _outside(known: SampleRanges, c2: float) -> NDArray[np.bool_]:
 
 def _loads(known: SampleRanges, places: NDArray[np.intp], side: Side) -> Array | None:
     """Loads that set one end at k places, Shape (k, 10); None where the load is known."""
-    loads = known.loads(side)
-    return None if loads is None else np.array([loads[place].load for place in places.tolist()])
+    if known.loads is None:
+        return None
+    loads = known.loads[SIDES.index(side)]
+    return np.array([loads[place].load for place in places.tolist()])
 
 
 def _overstepped(looked: Looked, c2: float, side: Side) -> tuple[NDArray[np.intp], Array]:

@@ -66,8 +66,7 @@ class SampleRanges:
         gaps: Whether a sample admits other intervals of c² as well, Shape (N,).
         conflicts: One for each infeasible sample, in order.
         fallbacks: Programs that the chosen solver did not solve and another did.
-        lower_loads: If the load is uncertain, the load that sets the lower end of each sample.
-        upper_loads: Likewise of the upper end.
+        loads: If the load is uncertain, the loads that set the lower and the upper end of each sample.
         problem: The rows of one sample, with a load if the load is uncertain; None where `codes` has all that bind.
     """
 
@@ -80,8 +79,7 @@ class SampleRanges:
     gaps: NDArray[np.bool_]
     conflicts: tuple[Conflict, ...] = ()
     fallbacks: int = 0
-    lower_loads: Sequence[LoadPoint] | None = None
-    upper_loads: Sequence[LoadPoint] | None = None
+    loads: tuple[Sequence[LoadPoint], Sequence[LoadPoint]] | None = None
     problem: OfSample | None = field(default=None, repr=False, compare=False)
 
     @cached_property
@@ -100,15 +98,14 @@ class SampleRanges:
 
     def at(self, places: NDArray[np.intp]) -> "SampleRanges":
         """The ranges at some samples, without what conflicts there."""
-        of_ends = (self.lower_loads, self.upper_loads)
-        lower_loads, upper_loads = (own and [own[place] for place in places.tolist()] for own in of_ends)
         some: dict[str, Any] = {name: getattr(self, name)[places] for name in AT_SAMPLES}
-        some |= {"codes": self.codes[:, places], "lower_loads": lower_loads, "upper_loads": upper_loads}
-        return replace(self, **some, conflicts=(), problem=None)
+        if self.loads is not None:
+            some["loads"] = tuple([own[place] for place in places.tolist()] for own in self.loads)
+        return replace(self, **some, codes=self.codes[:, places], conflicts=(), problem=None)
 
-    def loads(self, side: Side) -> Sequence[LoadPoint] | None:
-        """The loads that set one end of each sample; None where the load is known."""
-        return self.lower_loads if side == "lower" else self.upper_loads
+    def load_at(self, sample: int, side: Side) -> LoadPoint | None:
+        """The load that sets one end of a sample; None where the load is known."""
+        return None if self.loads is None else self.loads[SIDES.index(side)][sample]
 
     def binding(self, sample: int, side: Side) -> tuple[ActiveRow, ...]:
         """Rows that bind at one end of a sample; where more meet than determine it, some of them."""
@@ -126,8 +123,8 @@ class SampleRanges:
         c2 = float((self.lower if side == "lower" else self.upper)[sample])
         if self.problem is None or not np.isfinite(c2) or (side == "lower" and c2 == 0):
             return self.binding(sample, side)
-        loads = self.loads(side)
-        problem = self.problem(sample, None if loads is None else loads[sample].load)
+        load = self.load_at(sample, side)
+        problem = self.problem(sample, None if load is None else load.load)
         return rows_at_end(problem, c2, side) or self.binding(sample, side)
 
     def to_json(self) -> dict[str, Any]:
@@ -248,13 +245,9 @@ def joined(first: SampleRanges, other: SampleRanges) -> SampleRanges:
     """Ranges at the samples of both along one motion, in the order of time, without what conflicts."""
     both = (first, other)
     whole: dict[str, Any] = {name: np.concatenate([getattr(of, name) for of in both]) for name in AT_SAMPLES}
-    together = replace(
-        first,
-        codes=np.concatenate(same_width([of.codes for of in both]), axis=1),
-        lower_loads=first.lower_loads and (*first.lower_loads, *(other.lower_loads or ())),
-        upper_loads=first.upper_loads and (*first.upper_loads, *(other.upper_loads or ())),
-        **whole,
-    )
+    if first.loads is not None and other.loads is not None:
+        whole["loads"] = tuple((*ours, *theirs) for ours, theirs in zip(first.loads, other.loads, strict=True))
+    together = replace(first, codes=np.concatenate(same_width([of.codes for of in both]), axis=1), **whole)
     return together.at(np.argsort(together.time, kind="stable"))
 
 

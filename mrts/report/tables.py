@@ -13,7 +13,7 @@ from mrts.plots.labels import range_facts, range_text, row_text, short_name
 from mrts.plots.limit_shares import LimitingRows, played
 from mrts.plots.range_plots import ranked_loads
 from mrts.program.infeasibility import Conflict
-from mrts.scaling.limit_use import limit_uses, rate_uses
+from mrts.scaling.limit_use import by_share, rate_uses
 from mrts.scaling.loads import LoadStudy
 from mrts.scaling.result import ScalingResult
 
@@ -81,7 +81,7 @@ def inputs(result: ScalingResult) -> list[tuple[str, str]]:
 def margins_table(result: ScalingResult, limiting: LimitingRows) -> Table:
     """Every limit by falling share that is used; those that set the speed first, each hand's failure once."""
     rows: dict[str, tuple[Entry, ...]] = {}
-    uses = sorted([*limit_uses(result), *rate_uses(result)], key=lambda use: -use.share)
+    uses = by_share([*result.limit_uses, *rate_uses(result)])
     for use in sorted(uses, key=lambda use: use.name not in limiting.setting):
         values = interval_text(use.lower, use.upper, use.name.unit), f"{use.least:.4g}", f"{use.largest:.4g}"
         told = ("", "", "") if use.name.failure else values  # of what there is no value that people know

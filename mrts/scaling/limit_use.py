@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a trajectory makes of the quantities that are limited, and how much of each limit it uses."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Self
 
@@ -152,23 +152,20 @@ class LimitedQuantities:
         )
 
 
-def limit_uses(result: "ScalingResult", kind: str | None = None) -> list[LimitUse]:
-    """All limits of a cell by falling share, velocities enforced or not; empty if there is no trajectory.
+def limit_uses(done: "ScaledTrajectory") -> tuple[LimitUse, ...]:
+    """What a trajectory makes of each quantity that can be limited, velocities enforced or not, in their order."""
+    return all_quantities(done, driven=True).uses(done.time)
 
-    Args:
-        kind: Only rows of one kind, as in `RowName`, in their own order and with those that have no limit.
-    """
-    if kind is not None:
-        return [use for use in result.limit_uses if use.name.kind == kind]
-    return sorted((use for use in result.limit_uses if use.limited), key=lambda use: -use.share)
+
+def by_share(uses: Iterable[LimitUse]) -> list[LimitUse]:
+    """Those that have a limit, by falling share of it."""
+    return sorted((use for use in uses if use.limited), key=lambda use: -use.share)
 
 
 def rate_uses(result: "ScalingResult") -> list[LimitUse]:
     """All rates that are limited by falling share: those that the result keeps, or else those that the cell gives."""
     rates = limited_rates(result)
-    if result.trajectory is None or rates is None:
-        return []
-    return sorted(rates.uses(result.trajectory.time), key=lambda use: -use.share)
+    return [] if result.trajectory is None or rates is None else by_share(rates.uses(result.trajectory.time))
 
 
 def used_shares(done: "ScaledTrajectory") -> tuple[tuple[RowName, ...], Array]:

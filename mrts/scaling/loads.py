@@ -209,8 +209,8 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
         for conflict in found.conflicts:
             of_samples.setdefault(conflict.sample, []).append(replace(conflict, load=point or conflict.load))
     worst = max if every else min
-    lower_loads, upper_loads = (
-        tuple(points[k] or ranges[k].loads(side)[sample] for sample, k in enumerate(chosen))
+    at_low, at_high = (
+        tuple(points[k] or ranges[k].load_at(sample, side) for sample, k in enumerate(chosen))
         for side, chosen in zip(SIDES, choice.tolist(), strict=True)
     )
     return replace(
@@ -225,8 +225,7 @@ def combined_ranges(points: Sequence[LoadPoint | None], ranges: Sequence[SampleR
             if every or len(conflicts) == len(points)
         ),
         fallbacks=sum(found.fallbacks for found in ranges),
-        lower_loads=lower_loads,
-        upper_loads=upper_loads,
+        loads=(at_low, at_high),
     )
 
 
@@ -295,8 +294,8 @@ def _searched(
     total, done = sum(map(len, wanted.values())), 0
     missed: set[int] = set()
     for side, samples in wanted.items():
-        corners = best.lower_loads if side == "lower" else best.upper_loads
-        assert corners is not None  # noqa: S101 (made from points)
+        assert best.loads is not None  # noqa: S101 (made from points)
+        corners = best.loads[SIDES.index(side)]
         tried, c2, success = (
             [box.nominal_point()] * motion.samples,
             np.zeros(len(samples)),
@@ -312,7 +311,7 @@ def _searched(
             progress(done, total)
         loads = np.array([point.load for point in tried])
         checked = sample_ranges(build_sample_problem(rows, load=loads), motion.object.time, solver)
-        checked = replace(checked, lower_loads=tried, upper_loads=tried)
+        checked = replace(checked, loads=(tried, tried))
         reached, sign = (checked.lower, -1.0) if side == "lower" else (checked.upper, 1.0)
         promised = success & ~(sign * (c2 - reached[samples]) <= ACHIEVED_TOLERANCE * np.abs(c2))
         missed |= set(samples[promised | (~success & np.isfinite(best.lower[samples]))].tolist())

@@ -9,7 +9,7 @@ from mrts.base.remark import Remark
 from mrts.base.words import first_names
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.motion.rows_at_rest import pushing_ends
-from mrts.scaling.limit_use import LimitUse, limit_uses, power_uses, rate_uses
+from mrts.scaling.limit_use import LimitUse, by_share, power_uses, rate_uses
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def _overrated(done: ScaledTrajectory) -> tuple[Remark, ...]:
 
 def _above_power(done: ScaledTrajectory) -> tuple[Remark, ...]:
     """Power is a product of torque and speed, so no linear row: the limits are reported against, and not kept."""
-    passed = sorted((use for use in power_uses(done) if use.share > 1), key=lambda use: -use.share)
+    passed = [use for use in by_share(power_uses(done)) if use.share > 1]
     if not passed:
         return ()
     worst, names = passed[0], ["/".join(filter(None, (use.name.robot, use.name.element))) for use in passed]
@@ -111,7 +111,7 @@ def _fast_rates(result: "ScalingResult") -> tuple[Remark, ...]:
 def _fast_joints(result: "ScalingResult") -> tuple[Remark, ...]:
     if result.cell.enforces_velocity_limits:
         return ()
-    uses = [use for use in limit_uses(result) if use.name.kind == "velocity"]
+    uses = by_share(use for use in result.limit_uses if use.name.kind == "velocity")
     return _passing(uses, EXCEEDS_VELOCITY, "Velocity limits are not kept, as was asked.")
 
 

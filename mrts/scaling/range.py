@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The admissible range of c² over the whole motion: the intersection of the ranges of all samples."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
@@ -182,10 +182,10 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     low, high = float(np.max(samples.lower)), float(np.min(samples.upper))
     if high < low <= high * (1 + POINT_TOLERANCE):
         low = high
-    lower = _end(samples, at_low, low, "lower", samples.lower_loads)
+    lower = _end(samples, at_low, low, "lower")
     upper = RangeEnd(high, None, None)
     if np.isfinite(high):
-        upper = _end(samples, at_high, high, "upper", samples.upper_loads)
+        upper = _end(samples, at_high, high, "upper")
     return ScalingRange(range_status(low, high), lower, upper, samples)
 
 
@@ -215,6 +215,6 @@ def common_range(find: Callable[[float], SampleRanges], high: float = np.inf) ->
     return intersect(first)
 
 
-def _end(samples: SampleRanges, sample: int, c2: float, side: Side, loads: Sequence[LoadPoint] | None) -> RangeEnd:
-    load = loads[sample] if loads else None
-    return RangeEnd(c2, sample, float(samples.time[sample]), partial(samples.all_binding, sample, side), load)
+def _end(samples: SampleRanges, sample: int, c2: float, side: Side) -> RangeEnd:
+    rows = partial(samples.all_binding, sample, side)
+    return RangeEnd(c2, sample, float(samples.time[sample]), rows, samples.load_at(sample, side))

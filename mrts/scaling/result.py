@@ -28,7 +28,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.scaling.limit_use import LimitUse, all_quantities, limit_tables, rate_uses
+from mrts.scaling.limit_use import LimitUse, limit_tables, limit_uses, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
 from mrts.scaling.plan_remarks import plan_remarks
@@ -170,8 +170,7 @@ class ScalingResult(Result):
     @cached_property
     def limit_uses(self) -> tuple[LimitUse, ...]:
         """What the trajectory makes of each quantity that can be limited; nothing without a trajectory."""
-        done = self.trajectory
-        return () if done is None else all_quantities(done, driven=True).uses(done.time)
+        return () if self.trajectory is None else limit_uses(self.trajectory)
 
     @property
     def status(self) -> RangeStatus:

@@ -20,7 +20,7 @@ from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName
 from mrts.motion.rows_at_rest import REST
-from mrts.scaling.limit_use import LimitUse, all_quantities, power_uses
+from mrts.scaling.limit_use import LimitUse, limit_uses, power_uses
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.simulation.controller import Controller, PlantErrors
@@ -108,7 +108,7 @@ class Simulation(InNotebooks, JsonOutput):
     @cached_property
     def uses(self) -> tuple[tuple[LimitUse, LimitUse], ...]:
         """What the plan uses of each enforced limit, and what the simulation did, by falling share of that."""
-        planned, used = limit_uses(self.plan), limit_uses(self.played)
+        planned, used = kept_uses(self.plan), kept_uses(self.played)
         order = sorted(range(len(used)), key=lambda row: -used[row].share)
         return tuple((planned[row], used[row]) for row in order)
 
@@ -224,7 +224,7 @@ class Simulation(InNotebooks, JsonOutput):
         """Of each limit what 95 % of the trials stay within, and the worst; empty without trials."""
         if self.trials is None:
             return {}
-        names = (use.name for use in limit_uses(self.played))
+        names = (use.name for use in kept_uses(self.played))
         both = zip(self.trials.likely.tolist(), self.trials.worst.tolist(), strict=True)
         return dict(zip(names, both, strict=True))
 
@@ -314,7 +314,7 @@ def simulate(
     for done in range(int(trials)):
         drawn = errors.drawn(drawing)
         motion, cut = _played(planned, controller, drawn, noises[done])
-        found.append((drawn, [use.share for use in limit_uses(motion)], cut))
+        found.append((drawn, [use.share for use in kept_uses(motion)], cut))
         progress(done + 1, int(trials))
     several = None
     if found:
@@ -325,11 +325,11 @@ def simulate(
     )
 
 
-def limit_uses(done: ScaledTrajectory) -> list[LimitUse]:
+def kept_uses(done: ScaledTrajectory) -> list[LimitUse]:
     """Of all limits that a cell keeps, and of power, in the order of its rows."""
     kept = done.cell.enforces_velocity_limits
-    uses = all_quantities(done, driven=True).uses(done.time)
-    return [*(use for use in uses if use.limited and (kept or use.name.kind != "velocity")), *power_uses(done)]
+    uses = (*limit_uses(done), *power_uses(done))
+    return [use for use in uses if use.limited and (kept or use.name.kind != "velocity")]
 
 
 def course(plan: ScaledTrajectory) -> Any:

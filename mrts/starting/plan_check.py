@@ -32,7 +32,7 @@ from mrts.program.reserve import reserved, without_unmoved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import torque_weights, torques_by_blocks
-from mrts.scaling.limit_use import LIMIT_DIGITS, LimitedQuantities, LimitUse, all_quantities, rate_uses
+from mrts.scaling.limit_use import LIMIT_DIGITS, LimitedQuantities, LimitUse, by_share, limit_uses, rate_uses
 from mrts.scaling.options import Options
 from mrts.scaling.plan_remarks import overload_remarks
 from mrts.scaling.result import ScalingResult
@@ -226,7 +226,7 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
     dq, ddq, at_rows = motion.dq[rows], motion.ddq[rows], _at(motion, rows)
     near, said = clearance_remarks(cell, at_rows)
     uses = [
-        *(use for use in all_quantities(done, driven=True).uses(at) if use.limited),
+        *limit_uses(done),
         *_rates(cell, at_rows, torque[rows], wrench[rows], only_jerk="tau" not in given),
         *_positions(cell, at, motion.q),
         *gaps,
@@ -238,7 +238,7 @@ def check_plan(cell: Cell, plan: Path | str, *, closure: ClosureBound | None = N
         cell=cell.name,
         time=time,
         given=tuple(given),
-        uses=tuple(sorted(uses, key=lambda use: -use.share)),
+        uses=tuple(by_share(uses)),
         contradictions=tuple(_contradictions(cell, time, given["q"], dq, ddq)) if "dq" in given else (),
         remarks=(*_pushing(dq, ddq), *overload_remarks(done), *said),
         clearance=near,

@@ -7,7 +7,6 @@ from shipped_cells import changed_cell
 
 import mrts
 from mrts.cell.hands import pad_contact
-from mrts.scaling.limit_use import limit_uses
 
 PAD = {"friction": 0.5, "normal": [0, 0, 1], "half_width": [0.03, 0.02], "force": [0, 100]}
 CUP = {"holding_force": 80, "friction": 0.5, "radius": 0.03, "normal": [0, 0, 1]}
@@ -117,7 +116,7 @@ def test_tip_axes_of_a_planar_cell_are_those_in_its_plane(tmp_path):
     ours, theirs = mrts.scale(turned, lift), mrts.scale(straight, lift)
     assert ours.range.upper.c2 == pytest.approx(theirs.range.upper.c2, rel=1e-9)
     np.testing.assert_allclose(ours.trajectory.torque, theirs.trajectory.torque, atol=1e-6)
-    assert max(use.share for use in limit_uses(ours, "contact")) > 0.99
+    assert max(use.share for use in ours.limit_uses if use.name.kind == "contact") > 0.99
     change = {"urdf": tilted(tmp_path, "0.3 0 0"), "tip_link": "turned", "wrench": {}}
     askew = {"xyz": [-1.1, 0, 0], "rpy": [0.3, 0, 0]}
     with pytest.raises(mrts.InputError, match="one must be normal to the plane"):

@@ -16,7 +16,7 @@ from mrts.plots.card import MOST_BARS, answer_card
 from mrts.plots.labels import short_name
 from mrts.plots.limit_shares import all_shares, limiting_rows
 from mrts.report.tables import margins_table
-from mrts.scaling.limit_use import limit_uses, limited_quantities, rate_uses
+from mrts.scaling.limit_use import by_share, limited_quantities, rate_uses
 
 pytestmark = pytest.mark.quick
 
@@ -60,7 +60,7 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     cell = mrts.load_cell(shipped / "cell.yaml")
     real = equipped(cell, armature=0.1, coulomb=1.0, viscous=0.5, torque_speed=[[0, 200.0], [4, 20]], rated=30.0)
     result = mrts.scale(real, mrts.load_motion(shipped / "lift_and_turn.yaml"))
-    kinds = {use.name.kind for use in limit_uses(result)}
+    kinds = {use.name.kind for use in by_share(result.limit_uses)}
     assert kinds >= {"torque", "velocity", "contact", TORQUE_SPEED, "motor speed"}
     write_result_plots(result, tmp_path / "plots")
     mrts.write_report(result, tmp_path / "report.html")
@@ -69,7 +69,7 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     assert list(scaling_lines(again, answer_card(again))) == list(scaling_lines(result, answer_card(result)))
     np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
     named = {row[0][0] for row in margins_table(result, limiting_rows(result, None)).rows}
-    assert named == {short_name(use.name) for use in limit_uses(result)}
+    assert named == {short_name(use.name) for use in by_share(result.limit_uses)}
 
 
 def test_the_card_has_speed_durations_and_the_limit_that_decides(turned):

@@ -17,7 +17,7 @@ from mrts.plots.plot import Line
 from mrts.report import report_html
 from mrts.report.player import player
 from mrts.report.tables import margins_table
-from mrts.scaling.limit_use import limit_uses
+from mrts.scaling.limit_use import by_share
 from mrts.scene.cell_shapes import contact_forces
 
 DRAWN = 1e-5
@@ -126,7 +126,7 @@ def test_limits_that_set_the_speed_stand_first(lifted, planar_cell, lift):
     assert set(found.setting) == {row.name for row in end.rows}
     assert limiting_rows(mrts.scale(planar_cell, lift, 0.5 * end.c2), None).setting == {}
     marked = [len(row[0]) > 1 for row in margins_table(lifted, found).rows]
-    assert marked == [True] * len(end.rows) + [False] * (len(limit_uses(lifted)) - len(end.rows))
+    assert marked == [True] * len(end.rows) + [False] * (len(by_share(lifted.limit_uses)) - len(end.rows))
 
 
 @pytest.mark.quick

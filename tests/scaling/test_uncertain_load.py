@@ -122,7 +122,7 @@ def test_a_load_inside_the_box_can_be_the_best(planar_cell, lift):
     sample = int(np.argmax(gain))
     assert gain[sample] > 1.05
     low, high = cell.load_box.ranges["mass"]
-    assert low < best.upper_loads[sample].parameters["mass"] < high
+    assert low < best.loads[1][sample].parameters["mass"] < high
     grid = [cell.load_box.load_at({"mass": float(k)}) for k in np.linspace(low, high, 2001)]
     over_grid = np.max(ends_of_loads(cell, motion, sample, grid).upper)
     assert over_grid * (1 - RANGE_TOLERANCE) <= best.upper[sample] <= over_grid * (1 + GRID)

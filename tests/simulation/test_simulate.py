@@ -160,7 +160,7 @@ def test_trials_draw_errors_by_their_seed(lifted):
     assert len({each.mass for each in drawn}) == 3
     assert np.all(found.trials.likely <= found.trials.worst)
     again = mrts.simulate(lifted, errors=drawn[0])
-    shares = [use.share for use in simulation.limit_uses(again.played)]
+    shares = [use.share for use in simulation.kept_uses(again.played)]
     np.testing.assert_array_equal(found.trials.shares[0], shares)
     as_planned = replace(found, played=found.plan)  # whose trials pass limits all the same
     assert (as_planned.passed, as_planned.kept, as_planned.to_json()["kept"]) == ((), False, False)

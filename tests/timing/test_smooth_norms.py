@@ -12,7 +12,6 @@ from mrts.cell.points import CarriedThing
 from mrts.limits import limit_rows, motion_limits
 from mrts.limits.motion_limits import norm_rows, object_point
 from mrts.limits.rows import RowName
-from mrts.scaling.limit_use import limit_uses
 
 CORNER, MOST = np.array([0.3, 0.4, 0.5]), 3.0
 """A point of the object, whose way is bent, and the largest size of its acceleration [m/s²]."""
@@ -48,7 +47,7 @@ def test_smooth_timing_keeps_norms_themselves(dual_ur5, lift_and_turn, monkeypat
     played = best.retimed.motion
     size = np.linalg.norm(object_point(played, CORNER)[1], axis=1)
     assert MOST * (1 - 2e-5) < np.max(size) <= MOST
-    use = next(use for use in limit_uses(best.retimed) if use.name.element == "corner")
+    use = next(use for use in best.retimed.limit_uses if use.name.element == "corner")
     assert use.largest == pytest.approx(np.max(size), rel=ROUNDING)
     assert use.share == pytest.approx(np.max(size) / MOST, rel=ROUNDING)
 

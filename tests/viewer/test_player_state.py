@@ -10,7 +10,6 @@ from shipped_cells import still_motion
 
 import mrts
 from mrts.base.printable import html_text
-from mrts.scaling.limit_use import limit_uses
 from mrts.scaling.range import intersect
 from mrts.viewer.panel import moment_html, outcome_html, speed_html
 from mrts.viewer.player_state import PlayerState, offered_speeds, widened_torques
@@ -122,5 +121,7 @@ def test_limits_that_are_passed_are_named_the_worst_first(dual_ur5, lift_and_tur
     assert named[0][1] == pytest.approx(state.excess.max(), rel=1e-12)
     assert f"{html_text(named[0][0].short)} by 20 % at {named[0][2]:.3g} s" in speed_html(state)
     free = dual_ur5.without_velocity_limits()
-    passed = [use for use in limit_uses(mrts.scale(free, lift_and_turn), "velocity") if use.share > 1]
+    passed = [
+        use for use in mrts.scale(free, lift_and_turn).limit_uses if use.name.kind == "velocity" and use.share > 1
+    ]
     assert f"{len(passed)} of 12 joints" in speed_html(PlayerState(free, lift_and_turn))
