@@ -152,11 +152,17 @@ class CoordinatedMotion:
 
 
 def unchecked_coordinated_motion(
-    carried: ObjectMotion, q: Array, dq: Array, ddq: Array, travel: Array | None = None
+    carried: ObjectMotion,
+    q: Array,
+    dq: Array,
+    ddq: Array,
+    travel: Array | None = None,
+    remarks: tuple[Remark, ...] = (),
+    course: JointCourse | None = None,
 ) -> CoordinatedMotion:
     """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then."""
     done = object.__new__(CoordinatedMotion)
-    vars(done).update(object=carried, q=q, dq=dq, ddq=ddq, remarks=(), travel=travel, course=None)
+    vars(done).update(object=carried, q=q, dq=dq, ddq=ddq, remarks=remarks, travel=travel, course=course)
     freeze(done)
     return done
 

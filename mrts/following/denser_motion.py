@@ -18,10 +18,15 @@ from mrts.base.arrays import Array
 from mrts.base.errors import MotionError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
-from mrts.following.coordinated_motion import CoordinatedMotion, carried_object, tip_motions
+from mrts.following.coordinated_motion import (
+    CoordinatedMotion,
+    carried_object,
+    tip_motions,
+    unchecked_coordinated_motion,
+)
 from mrts.following.grasp_closure import holds, joints_on_grasps, mean_object, nearest_rates
 from mrts.motion.object_courses import ProfiledPath
-from mrts.motion.object_motion import SHAPES, ObjectMotion
+from mrts.motion.object_motion import SHAPES, ObjectMotion, unchecked_object_motion
 from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS
 
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
@@ -90,13 +95,13 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     def merged(given: Array, added: Array) -> Array:
         return np.concatenate([given, added[chosen]])[order]
 
-    samples: dict[str, Any] = {name: merged(getattr(ours, name), getattr(theirs, name)) for name in SHAPES}
+    samples = [merged(getattr(ours, name), getattr(theirs, name)) for name in SHAPES]
     told = moved_remarks(ours.remarks, ours.time, theirs.time[chosen])
-    carried = ObjectMotion(**samples, smooth=False, remarks=told, course=ours.course)
+    carried = unchecked_object_motion(*samples, remarks=told, course=ours.course)
     q, dq, ddq = (merged(getattr(motion, name), getattr(more, name)) for name in ("q", "dq", "ddq"))
     remarks = moved_remarks(motion.remarks, ours.time, theirs.time[chosen])
     travel = _travel(motion, dq, np.flatnonzero(order < motion.samples))
-    return CoordinatedMotion(carried, q, dq, ddq, remarks, travel=travel, course=motion.course)
+    return unchecked_coordinated_motion(carried, q, dq, ddq, travel, remarks, motion.course)
 
 
 def _travel(motion: CoordinatedMotion, dq: Array, own: Any) -> Array | None:

@@ -137,13 +137,19 @@ class ObjectMotion(InNotebooks):
 
 
 def unchecked_object_motion(
-    time: Array, position: Array, rotation: Array, twist: Array, acceleration: Array
+    time: Array,
+    position: Array,
+    rotation: Array,
+    twist: Array,
+    acceleration: Array,
+    remarks: tuple[Remark, ...] = (),
+    course: ObjectCourse | None = None,
 ) -> ObjectMotion:
     """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then."""
     done = object.__new__(ObjectMotion)
     vars(done).update(
-        time=time, position=position, rotation=rotation, twist=twist, acceleration=acceleration, remarks=(),
-        course=None,
+        time=time, position=position, rotation=rotation, twist=twist, acceleration=acceleration, remarks=remarks,
+        course=course,
     )  # fmt: skip
     freeze(done)
     return done

@@ -70,16 +70,16 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     alone = alone[~np.any(problem.A[:, alone, :-2], axis=(0, 2))]
     rows = np.setdiff1d(every, alone)
     effect[_at_rest(effect), -2] = 0.0
-    planes, rates = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone]), []
-    if planes.size:
-        rates.append(_rates_of_planes(planes, effect[:, -2]))
+    by_row, rates = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone]), []
+    if by_row.size:
+        rates.append(_rates_of_planes(by_row, effect[:, -2]))
     if rows.size:
         rates.append(_rates_by_projection(problem, rows, effect[:, -2]))
     likely = _likely_speed(np.min(rates, axis=0) if rates else np.zeros(0), most, length, ends)
     reached, bound = np.minimum(likely, most), FARTHEST * likely
     effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
     if not rows.size:
-        return _regions_of_planes(planes, effect, most, bound)
+        return _regions_of_planes(by_row, effect, most, bound)
     with np.errstate(divide="ignore"):
         unit = 1 / effect
     unit[:, -1] = np.where(effect[:, -1] > 0, np.minimum(unit[:, -1], reached), np.inf)
@@ -99,7 +99,7 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     lower = np.maximum(low, 0.0) * scale[:, -1]
     undecided = tuple(np.flatnonzero(~found).tolist())
     projected = SpeedRegions(start, planes, lower, np.minimum(high, most), bound, undecided)
-    return intersect_regions([projected, _regions_of_planes(planes, effect, most, bound)]) if alone.size else projected
+    return intersect_regions([projected, _regions_of_planes(by_row, effect, most, bound)]) if alone.size else projected
 
 
 def _regions_of_planes(planes: Array, effect: Array, most: Array, bound: float) -> SpeedRegions:
