@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 """The fastest timing with limits kept at the samples of a path, piece by piece, and why there is none."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array, median
@@ -23,8 +25,8 @@ from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
 from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
 from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus
-from mrts.timing.retimed_motion import FastestPiece, fastest_piece
-from mrts.timing.speed_regions import intersect_regions, speed_regions
+from mrts.timing.retimed_motion import FastestPiece, fastest_piece, fastest_pieces
+from mrts.timing.speed_regions import SpeedRegions, intersect_regions, joined_regions, speed_regions
 from mrts.timing.successive_profiles import successive_profiles
 
 UNBOUNDED_SHARE = 0.5
@@ -54,12 +56,14 @@ def fastest_timing(
     progress: Progress,
     *,
     refined: bool = False,
+    before: RetimingResult | None = None,
 ) -> RetimingResult:
     """The fastest timing with limits kept at the samples of a motion.
 
     Args:
         refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
             parameter by turns would be another one each round, uneven where samples were added.
+        before: The timing before they were added: where its path is the same, so are the admissible speeds.
     """
     cell = compared.cell
     points: tuple[LoadPoint | None, ...] = (None,)
@@ -79,7 +83,7 @@ def fastest_timing(
     by_arc = [closed_piece(cell, part) for part in pieces]
     for number, piece in enumerate(by_arc if refined else map(by_turns, by_arc)):
         progress(number, len(pieces))
-        search = _Search(untimed, piece, points)
+        search = _Search(untimed, piece, points, before)
         found = search.run(progress if len(pieces) == 1 else lambda _done, _total: None)
         if isinstance(found, RetimingResult):
             return found
@@ -107,6 +111,7 @@ class _Search:
     untimed: RetimingResult
     piece: PathPiece
     points: tuple[LoadPoint | None, ...]
+    before: RetimingResult | None = None
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -124,23 +129,14 @@ class _Search:
 
     def run(self, progress: Progress) -> FastestPiece | RetimingResult:
         """The fastest profile, or the outcome without one."""
-        parts, with_root, step = [], [], self.piece.step
-        length = float(np.sum(step))
-        for number, load in enumerate(self.untimed.loads):
-            progress(number, len(self.points))
-            problem = self._problem(load)
-            if problem.speed is None:
-                parts.append(speed_regions(problem, length, self.ends))
-            else:
-                with_root.append(problem)
-        progress(len(self.points), len(self.points))
-        if with_root:
-            steps = successive_profiles(with_root, step, self.ends)
+        step = self.piece.step
+        if self.rows.has_speed_terms:
+            steps = successive_profiles([*self._problems(progress)], step, self.ends)
             if isinstance(steps, Obstacle):
                 return self._explained(steps)
             last = fastest_piece(self.piece, steps[-1])
             return self._unusual(last) or last
-        regions = intersect_regions(parts)
+        regions = self._regions(progress)
         for sample in regions.undecided:
             conflict = self._conflict(sample)
             if conflict is None:
@@ -158,6 +154,38 @@ class _Search:
             return unusual
         faster = rising_profile(found, step, self.ends, timed.segment_times)
         return timed if faster is found else fastest_piece(self.piece, faster)
+
+    def _problems(self, progress: Progress, samples: NDArray[np.intp] | None = None) -> Iterator[SampleProblem]:
+        """The rows of some samples, or all, for each load."""
+        for number, load in enumerate(self.untimed.loads):
+            progress(number, len(self.points))
+            yield build_sample_problem(self.rows, load=load, samples=samples, varying=True)
+        progress(len(self.points), len(self.points))
+
+    def _regions(self, progress: Progress) -> SpeedRegions:
+        """The admissible speeds at all samples; where the path is that of the timing before, they are known."""
+        known = None if self.before is None else self._known(self.before)
+        length = float(np.sum(self.piece.step))
+        if known is None:
+            return intersect_regions([speed_regions(one, length, self.ends) for one in self._problems(progress)])
+        new = np.setdiff1d(np.arange(len(self.piece.arc)), known[0])
+        if not new.size:
+            return known[1]
+        bound = known[1].bound
+        parts = [speed_regions(one, length, self.ends, bound) for one in self._problems(progress, new)]
+        return joined_regions([known, (new, intersect_regions(parts))])
+
+    def _known(self, before: RetimingResult) -> tuple[NDArray[np.intp], SpeedRegions] | None:
+        """Samples at which the path is that of the timing before, and their regions."""
+        first, path = self.piece.first, self.piece.path
+        time = self.untimed.motion.object.time[first:][: path.samples]
+        for part in fastest_pieces(before.pieces):
+            theirs, old = before.motion.object.time[part.piece.first :][: len(part.x)], part.piece.path
+            if theirs[0] == time[0] and theirs[-1] == time[-1]:
+                own = np.searchsorted(time, theirs)
+                same = np.all((path.dq[own] == old.dq) & (path.ddq[own] == old.ddq), axis=1)
+                return own[same], part.profile.regions.at(same)
+        return None
 
     def _none(self, status: RetimingStatus, why: str, conflict: Conflict | None = None) -> RetimingResult:
         return replace(self.untimed, status=status, explanation=why, conflict=conflict)
@@ -213,16 +241,12 @@ class _Search:
         sample += self.piece.first
         return f"t = {self.untimed.motion.object.time[sample]:.6g} s (sample {sample})"
 
-    def _problem(self, load: Array) -> SampleProblem:
-        return build_sample_problem(self.rows, load=load, varying=True)
-
     def _conflict(
         self, sample: int, reach: tuple[float, float] | None = None, x: float | None = None
     ) -> Conflict | None:
         time = self.untimed.motion.object.time[self.piece.first :]
         worst: Conflict | None = None
-        for point, load in zip(self.points, self.untimed.loads, strict=True):
-            problem = self._problem(load)
+        for point, problem in zip(self.points, self._problems(lambda _done, _total: None), strict=True):
             if reach is None:
                 found = sample_conflict(problem, time, sample, x)
             else:

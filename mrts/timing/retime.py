@@ -129,8 +129,8 @@ def retime(
     if options.between is not None:
         check_held_between(cell, given)
 
-    def again(path: CoordinatedMotion, _before: RetimingResult) -> RetimingResult:
-        return fastest_timing(compared, path, end_speeds, progress, refined=True)
+    def again(path: CoordinatedMotion, before: RetimingResult) -> RetimingResult:
+        return fastest_timing(compared, path, end_speeds, progress, refined=True, before=before)
 
     first = fastest_timing(compared, given, end_speeds, progress)
     fastest = refined_timing(first, again, options.between)

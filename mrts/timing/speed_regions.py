@@ -52,8 +52,18 @@ class SpeedRegions:
     bound: float
     undecided: tuple[int, ...]
 
+    def at(self, samples: NDArray[np.bool_]) -> "SpeedRegions":
+        """The regions of some samples, Shape (N,)."""
+        counts = np.diff(self.start)
+        start = np.concatenate([[0], np.cumsum(counts[samples])]).astype(np.int64)
+        undecided = tuple(np.flatnonzero(np.isin(np.flatnonzero(samples), self.undecided)).tolist())
+        planes = self.planes[np.repeat(samples, counts)]
+        return SpeedRegions(start, planes, self.lower[samples], self.upper[samples], self.bound, undecided)
 
-def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, float] = (0.0, 0.0)) -> SpeedRegions:
+
+def speed_regions(
+    problem: SampleProblem, length: float, ends: tuple[float, float] = (0.0, 0.0), bound: float | None = None
+) -> SpeedRegions:
     """Project the polytope of every sample onto (u, x); rows of u and x alone are half-planes as they are.
 
     A projection is the hull of answers of linear programs, so a mixture of its corners is feasible: the region lies
@@ -63,6 +73,7 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     Args:
         problem: Rows of [F, u, x], from `build_sample_problem` with a varying speed.
         length: Of the path: over it u changes x by 2 u times that.
+        bound: An x that no profile reaches, of other samples of the path; None finds one.
     """
     every, most = np.flatnonzero(~problem.is_cap).astype(np.int32), problem.cap()
     effect = default_programs().effects(problem.A, every)
@@ -70,13 +81,12 @@ def speed_regions(problem: SampleProblem, length: float, ends: tuple[float, floa
     alone = alone[~np.any(problem.A[:, alone, :-2], axis=(0, 2))]
     rows = np.setdiff1d(every, alone)
     effect[_at_rest(effect), -2] = 0.0
-    by_row, rates = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone]), []
-    if by_row.size:
-        rates.append(_rates_of_planes(by_row, effect[:, -2]))
-    if rows.size:
-        rates.append(_rates_by_projection(problem, rows, effect[:, -2]))
-    likely = _likely_speed(np.min(rates, axis=0) if rates else np.zeros(0), most, length, ends)
-    reached, bound = np.minimum(likely, most), FARTHEST * likely
+    by_row = _both_sides(problem.A[:, alone, -2:], problem.lower[:, alone], problem.upper[:, alone])
+    if bound is None:
+        rates = [_rates_of_planes(by_row, effect[:, -2])] if by_row.size else []
+        rates += [_rates_by_projection(problem, rows, effect[:, -2])] if rows.size else []
+        bound = FARTHEST * _likely_speed(np.min(rates, axis=0) if rates else np.zeros(0), most, length, ends)
+    reached = np.minimum(bound / FARTHEST, most)
     effect[effect[:, -1] * reached <= NEGLIGIBLE, -1] = 0.0
     if not rows.size:
         return _regions_of_planes(by_row, effect, most, bound)
@@ -115,17 +125,32 @@ def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
     """What is admissible in all of several regions of the same samples."""
     if len(regions) == 1:
         return regions[0]
-    samples = np.concatenate([np.repeat(np.arange(len(part.lower)), np.diff(part.start)) for part in regions])
-    order = np.argsort(samples, kind="stable")
-    counts = np.bincount(samples, minlength=len(regions[0].lower))
+    every = np.arange(len(regions[0].lower))
     return SpeedRegions(
-        np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
-        np.concatenate([part.planes for part in regions])[order],
+        *_in_order([(every, part) for part in regions], len(every)),
         np.max([part.lower for part in regions], axis=0),
         np.min([part.upper for part in regions], axis=0),
         min(part.bound for part in regions),
         tuple(sorted({sample for part in regions for sample in part.undecided})),
     )
+
+
+def joined_regions(parts: Sequence[tuple[NDArray[np.intp], SpeedRegions]]) -> SpeedRegions:
+    """The regions of several parts of a path's samples, each with the places of its samples in the path."""
+    places = np.concatenate([at for at, _ in parts])
+    lower, upper = np.empty((2, len(places)))
+    for at, part in parts:
+        lower[at], upper[at] = part.lower, part.upper
+    undecided = [int(at[sample]) for at, part in parts for sample in part.undecided]
+    bound = min(part.bound for _, part in parts)
+    return SpeedRegions(*_in_order(parts, len(places)), lower, upper, bound, tuple(sorted(undecided)))
+
+
+def _in_order(parts: Sequence[tuple[NDArray[np.intp], SpeedRegions]], count: int) -> tuple[NDArray[np.int64], Array]:
+    """`start` and `planes` of parts together, each with the places of its samples among the `count` of all."""
+    samples = np.concatenate([np.repeat(at, np.diff(part.start)) for at, part in parts])
+    start = np.concatenate([[0], np.cumsum(np.bincount(samples, minlength=count))]).astype(np.int64)
+    return start, np.concatenate([part.planes for _, part in parts])[np.argsort(samples, kind="stable")]
 
 
 def _at_rest(effect: Array) -> NDArray[np.bool_]:
