@@ -95,9 +95,9 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     def merged(given: Array, added: Array) -> Array:
         return np.concatenate([given, added[chosen]])[order]
 
-    samples = [merged(getattr(ours, name), getattr(theirs, name)) for name in SHAPES]
+    samples: dict[str, Any] = {name: merged(getattr(ours, name), getattr(theirs, name)) for name in SHAPES}
     told = moved_remarks(ours.remarks, ours.time, theirs.time[chosen])
-    carried = unchecked_object_motion(*samples, remarks=told, course=ours.course)
+    carried = unchecked_object_motion(**samples, remarks=told, course=ours.course)
     q, dq, ddq = (merged(getattr(motion, name), getattr(more, name)) for name in ("q", "dq", "ddq"))
     remarks = moved_remarks(motion.remarks, ours.time, theirs.time[chosen])
     travel = _travel(motion, dq, np.flatnonzero(order < motion.samples))

@@ -142,6 +142,7 @@ def unchecked_object_motion(
     rotation: Array,
     twist: Array,
     acceleration: Array,
+    *,
     remarks: tuple[Remark, ...] = (),
     course: ObjectCourse | None = None,
 ) -> ObjectMotion:

@@ -71,8 +71,10 @@ def motion_remarks(
     remarks += _rough(cell, motion)
     if found is not None and found.status.admits_motion and found.upper is not None:
         remarks += _fast(found.upper)
-    time = motion.object.time
-    return moved_remarks(tuple(remarks), time, np.setdiff1d(played.object.time, time)) + also
+    if remarks and played is not motion:
+        time = motion.object.time
+        remarks = [*moved_remarks(tuple(remarks), time, np.setdiff1d(played.object.time, time))]
+    return *remarks, *also
 
 
 def lasting(remarks: tuple[Remark, ...]) -> tuple[Remark, ...]:
