@@ -2,7 +2,6 @@
 """Motion of the whole cell from whatever is known of it: the object, a table of joints, or both."""
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from types import NoneType
@@ -50,8 +49,7 @@ def coordinate(
     if motion.q.shape[1] != joints:
         raise InputError("motion.q", f"has {motion.q.shape[1]} columns, cell '{cell.name}' has {joints} joints.")
     check_joint_limits(cell, motion.object.time, motion.q)
-    ours = copy(motion)  # rows are kept by motion: those of one answer must not serve the next
-    return close_chain(cell, ours, bound, "motion", carried=False, source=None)
+    return close_chain(cell, motion, bound, "motion", carried=False, source=None)
 
 
 def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> CoordinatedMotion:

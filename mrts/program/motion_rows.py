@@ -41,14 +41,11 @@ class MotionRows:
         formulation: That of the programs where the distribution is free.
         given: The r rows as they were given.
         rows: The same rows, those of the speed alone in ṙ².
-        size: `LimitRows.units`: what the rows are divided by, Shape (r,).
         unit: What 100 % of a limit near it is, in its own unit; of a squared speed half its size, Shape (r,).
         is_cap: Rows that standstill keeps and nothing but the speed moves: all that they do is bound ṙ² from above,
             Shape (r,).
         cap_share: What each of these s caps is of its limit at ṙ = 1, Shape (N, s).
         cap_code: The side on which it bounds ṙ²: 1 + row by its upper limit, -1 - row by its lower one, Shape (N, s).
-        kept: The rows that are no caps.
-        sparse: The same as C reads them; None where sides cross, as a reserve leaves them: such rows admit nothing.
         motors: What motors add; None where they are ideal.
     """
 
@@ -58,14 +55,26 @@ class MotionRows:
     formulation: FormulationName
     given: LimitRows
     rows: LimitRows
-    size: Array
     unit: Array
     is_cap: NDArray[np.bool_]
     cap_share: Array
     cap_code: NDArray[np.int_]
-    kept: LimitRows
-    sparse: SparseLimits | None
     motors: MotorTerms | None
+
+    @property
+    def size(self) -> Array:
+        """What the rows are divided by, Shape (r,)."""
+        return self.given.units
+
+    @cached_property
+    def kept(self) -> LimitRows:
+        """The rows that are no caps."""
+        return self.rows.only(~self.is_cap)
+
+    @cached_property
+    def sparse(self) -> SparseLimits | None:
+        """The same as C reads them; None where sides cross, as a reserve leaves them: such rows admit nothing."""
+        return None if np.any(self.rows.lower > self.rows.upper) else self.kept.sparse()
 
     @cached_property
     def most(self) -> Array:
@@ -80,7 +89,7 @@ class MotionRows:
     @property
     def has_speed_terms(self) -> bool:
         """Whether a row has a term in ṙ beside others."""
-        return self.kept.speed is not None or (self.motors is not None and self.motors.speed is not None)
+        return self.rows.speed is not None or (self.motors is not None and self.motors.speed is not None)
 
     def along(self, motion: CoordinatedMotion) -> "MotionRows":
         """The rows of the same cell and the same programs along another motion."""
@@ -95,13 +104,11 @@ class MotionRows:
         nothing = np.zeros_like(there.q)
         if sharing is not None and sharing.varies:
             sharing = replace(sharing, internal_wrench=np.asarray(sharing.internal_wrench)[samples])
-        rows, kept = (replace(of.at(samples), rate=None, speed=None, square=None) for of in (self.rows, self.kept))
         return replace(
             self,
             motion=unchecked_coordinated_motion(there.object, there.q, nothing, nothing),
             sharing=sharing,
-            rows=rows,
-            kept=kept,
+            rows=replace(self.rows.at(samples), rate=None, speed=None, square=None),
             cap_share=np.zeros((len(samples), self.cap_share.shape[1])),
             motors=None,
         )
@@ -188,7 +195,6 @@ def motion_rows(
     places = np.flatnonzero(is_cap)
     share = side_share(square, rows.lower[places], rows.upper[places])
     code = np.where(square > 0, 1 + places, -1 - places)
-    kept, crosses = rows.only(~is_cap), np.any(rows.lower > rows.upper)
     return MotionRows(
         cell=cell,
         motion=motion,
@@ -196,13 +202,10 @@ def motion_rows(
         formulation=formulation,
         given=given,
         rows=rows,
-        size=size,
         unit=unit,
         is_cap=is_cap,
         cap_share=share,
         cap_code=code,
-        kept=kept,
-        sparse=None if crosses else kept.sparse(),
         motors=motors,
     )
 
