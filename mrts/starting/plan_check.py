@@ -22,7 +22,7 @@ from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
 from mrts.following.grasp_closure import ClosureBound, grasp_gaps, mean_object
-from mrts.limits.rows import RowName
+from mrts.limits.rows import RowName, row_names
 from mrts.motion.joint_table import joint_contradictions
 from mrts.motion.rounded_samples import derivative
 from mrts.motion.rows_at_rest import moving_rows, pushing_ends
@@ -325,16 +325,13 @@ def _given_torques(
     torque = torques(wrench)
     torque[rows], wrench[rows] = tau, F
     names = [
-        RowName("torque residual", robot.name, joint, unit)
+        name
         for robot in cell.robots
-        for joint, unit in zip(robot.joints, robot.torque_units, strict=True)
+        for name in row_names("torque residual", robot.name, robot.joints, robot.torque_units)
     ]
     limit = np.concatenate([np.maximum(-robot.torque_lower, robot.torque_upper) for robot in cell.robots])
     limit = RESIDUAL * np.where(np.isfinite(limit), limit, np.max(np.abs([tau, asked]), axis=(0, 1)))
-    of_object = [
-        RowName("balance residual", "object", part, unit)
-        for part, unit in zip(cell.wrench_components, cell.wrench_units, strict=True)
-    ]
+    of_object = row_names("balance residual", "object", cell.wrench_components, cell.wrench_units)
     carried = (terms["P"] + terms["Q"])[rows]
     parts = [*np.split(F, len(cell.robots), axis=1), carried, carried - short[rows]]
     sizes = np.max(np.abs(parts), axis=(0, 1))
@@ -366,9 +363,7 @@ def _rates(cell: Cell, at_rows: CoordinatedMotion, torque: Array, wrench: Array,
 def _positions(cell: Cell, at: Array, q: Array) -> list[LimitUse]:
     """How far joints are from the middle of their ranges, as shares of half of these."""
     names = [
-        RowName("position", robot.name, joint, unit)
-        for robot in cell.robots
-        for joint, unit in zip(robot.joints, robot.position_units, strict=True)
+        name for robot in cell.robots for name in row_names("position", robot.name, robot.joints, robot.position_units)
     ]
     lower, upper = (
         np.concatenate([getattr(robot, f"position_{side}") for robot in cell.robots]) for side in ("lower", "upper")
@@ -388,9 +383,9 @@ def _positions(cell: Cell, at: Array, q: Array) -> list[LimitUse]:
 def _ends(cell: Cell, time: Array, dq: Array) -> list[LimitUse]:
     """Velocities at both ends, which must be none."""
     names = [
-        RowName("end velocity", robot.name, joint, f"{unit}/s")
+        name
         for robot in cell.robots
-        for joint, unit in zip(robot.joints, robot.position_units, strict=True)
+        for name in row_names("end velocity", robot.name, robot.joints, robot.position_units, per="/s")
     ]
     units = np.array([name.unit for name in names])
     most = np.max(np.abs(dq), axis=0)

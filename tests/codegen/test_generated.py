@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 from conftest import DATA, ROOT
 from mrts_codegen.generate import generate_cell
-from shipped_cells import cell_of_arms
 
 import mrts
 from mrts.cell.generation import generated_in_cache
-from mrts.cell.record import CellManifest, verified_manifest
 
 COMMITTED = ROOT / "generated" / "planar_dual_arm"
 SHIPPED = ["planar_dual_arm", "dual_ur5"]
@@ -103,37 +101,6 @@ def test_a_hostile_manifest_is_refused(kind, tmp_path):
         mrts.load_cell(folder)
     assert len(str(caught.value)) < 500
     assert sorted(tmp_path.rglob("*")) == before
-
-
-@pytest.fixture(scope="module")
-def redundant(tmp_path_factory):
-    """Of a planar cell of one arm with four joints."""
-    folder = tmp_path_factory.mktemp("redundant")
-    inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
-    links = "".join(f'<link name="l{k}">{inertial}</link>' for k in range(5))
-    joints = "".join(
-        f'<joint name="j{k}" type="continuous"><parent link="l{k}"/><child link="l{k + 1}"/><axis xyz="0 0 1"/>'
-        '<origin xyz="1 0 0"/></joint>'
-        for k in range(4)
-    )
-    (folder / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
-    arm = {"name": "arm", "urdf": "arm.urdf", "tip_link": "l4", "posture": [0.1, 0.2, 0.3, 0.4], "torque": [1.0] * 4}
-    return generate_cell(cell_of_arms(folder, arm, gravity=[0, 0, 0], inertia=[1, 1, 1], plane="xy"))
-
-
-@pytest.mark.parametrize("short", ["geometric_stiffness", "geometric_stiffness_rate"])
-def test_a_cell_with_a_redundant_arm_has_what_tracks_it(short, redundant, tmp_path):
-    manifest = redundant.record
-    without = {name: function for name, function in manifest.functions.items() if name != short}
-    with pytest.raises(mrts.InputError, match=f"functions: its functions must include '{short}'"):
-        verified_manifest("x", manifest.model_copy(update={"functions": without}).sealed().to_json())
-    redundant.write(tmp_path)
-    data = manifest.model_dump()
-    data["functions"][short]["outputs"][0]["shape"] = [5, 5]
-    wrong = CellManifest.model_validate(data).sealed()
-    (tmp_path / "manifest.json").write_text(wrong.to_json())
-    with pytest.raises(mrts.InputError, match=rf"functions\.{short}: the compiled function has other shapes"):
-        mrts.load_cell(tmp_path)
 
 
 def test_the_cache_is_keyed_by_content_and_survives_damage(tmp_path, lift, monkeypatch):

@@ -145,13 +145,6 @@ def test_trials_draw_the_same_cells_for_every_controller(lifted):
     assert drawn[0] == drawn[1]
 
 
-def test_drawn_errors_leave_no_mass_and_no_friction_below_nothing():
-    rng, errors = np.random.default_rng(0), mrts.PlantErrors(mass=3.0, friction_error=2.0)
-    drawn = [errors.drawn(rng) for _ in range(20)]
-    assert min(each.mass for each in drawn) < 0 < max(each.mass for each in drawn)
-    assert min(each.friction_error for each in drawn) < 0 < max(each.friction_error for each in drawn)
-
-
 def test_trials_draw_errors_by_their_seed(lifted):
     errors = mrts.PlantErrors(mass=0.1, friction_error=0.0)
     found, other = (mrts.simulate(lifted, errors=errors, trials=count, seed=count) for count in (2, 1))
@@ -224,12 +217,6 @@ def test_without_a_trajectory_there_is_nothing_to_play(planar_cell, lift):
     with pytest.raises(mrts.InputError) as error:
         mrts.simulate(mrts.scale(planar_cell.with_mass(1e4), lift))
     assert error.value.where == "plan"
-
-
-def test_without_mujoco_the_extra_is_told(lifted, monkeypatch):
-    monkeypatch.setattr("mrts.base.argument_types.find_spec", lambda _name: None)
-    with pytest.raises(mrts.InputError, match=r"mrts\[simulate\]"):
-        mrts.simulate(lifted)
 
 
 class Played:
