@@ -23,12 +23,7 @@ def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
 
 
 def shortened_apart(names: Sequence[str], longest: int = LANE_LETTERS) -> list[str]:
-    """Names as `shortened`, as long as it takes to tell them apart.
-
-    Args:
-        names: Beside each other.
-        longest: Letters of each, where that suffices.
-    """
+    """Names beside each other as `shortened`, as long as it takes to tell them apart."""
     short = [shortened(name, longest) for name in names]
     if len({*short}) == len({*names}) or longest >= MOST_LETTERS:
         return short

@@ -60,14 +60,7 @@ LANE_WORDS: dict[LaneKind, str] = {
 
 @dataclass(frozen=True)
 class Lane:
-    """Where a row binds.
-
-    Attributes:
-        kind: At the upper end of the samples' ranges, at the lower one, or in a conflict that leaves no range.
-        label: The row, or how many rows share the lane.
-        sets: Whether the row sets the range over the motion.
-        binds: Shape (N,).
-    """
+    """Where a row binds, Shape (N,), of which kind, and whether it sets the range; rare rows share a lane."""
 
     kind: LaneKind
     label: str
@@ -185,12 +178,7 @@ def _lanes(kind: LaneKind, rows: Sequence[tuple[ActiveRow, ...]], first: Sequenc
 
 
 def spans(time: Array, where: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """Start and end of spans of consecutive samples, each sample reaching half way to its neighbours [s].
-
-    Args:
-        time: Shape (N,) [s].
-        where: Which samples count, Shape (N,).
-    """
+    """Start and end [s] of spans of samples that count, Shape (N,), each reaching half way to its neighbours."""
     edges = np.concatenate([time[:1], (time[1:] + time[:-1]) / 2, time[-1:]])
     return neighbours(edges, where)
 

@@ -43,12 +43,7 @@ def variant_text(table: StudyTable, row: int) -> str:
 
 
 def managed(table: StudyTable, share: int) -> float | None:
-    """The duration within which a share of all variants finishes [s]; None if fewer have one at all.
-
-    Args:
-        table: The study.
-        share: From 1 to 100 [%].
-    """
+    """The duration within which a share [%] of all variants finishes [s]; None if fewer have one at all."""
     needed = -(-share * table.variants // 100)
     return float(table.duration[table.ranked[needed - 1]]) if needed <= len(table.ranked) else None
 

@@ -29,11 +29,8 @@ def packed(text: str) -> str:
 def document(template: str, title: str, data: dict[str, Any], **context: Any) -> str:
     """A document that opens offline; the same parts give the same text.
 
-    Args:
-        template: Of its head and its sections, in `templates`.
-        title: Of the window.
-        data: What its script needs beside the plots.
-        **context: What the template names.
+    `template` has its head and its sections, `data` is what its script needs beside the plots, `context` what the
+    template names.
 
     Raises:
         InputError: If plotly or Jinja is not installed.

@@ -64,13 +64,7 @@ class ArmMesh:
 
 
 def drawn_arms(cell: Cell, urdfs: Urdfs, warn: Warn) -> list[list[ArmMesh]]:
-    """The parts of each arm of a cell.
-
-    Args:
-        cell: The cell.
-        urdfs: As far as there are any.
-        warn: Told why an arm is drawn without its meshes.
-    """
+    """The parts of each arm of a cell; it is told why an arm is drawn without the meshes of its URDF."""
     found = []
     for index, robot in enumerate(cell.robots):
         meshes = []
@@ -118,16 +112,10 @@ def bars(robot: Robot, colour: Rgb) -> list[ArmMesh]:
 def arm_meshes(
     path: Path, base_link: str | None, joints: tuple[str, ...], held: Mapping[str, float] | None = None
 ) -> "list[tuple[int, Trimesh]]":
-    """Body and mesh, as in `ArmMesh`, of every visual of an arm.
+    """Body and mesh, as in `ArmMesh`, of every visual of an arm from a base link, None for the URDF's root.
 
-    Other joints stand where they are held, else at zero; what they could still move and no joint of the chain carries,
-    such as the other arm of a torso, is left out.
-
-    Args:
-        path: The URDF.
-        base_link: First link of the chain; None takes the URDF's root.
-        joints: Moving joints of the chain, base to tip.
-        held: Positions of joints that are held still [rad or m].
+    Other joints than those of the chain stand where they are held, else at zero; what they could still move and no
+    joint of the chain carries, such as the other arm of a torso, is left out.
 
     Raises:
         InputError: If the file or one of its meshes cannot be read.

@@ -89,10 +89,7 @@ class CellView:
 def look_at_cell(cell: Cell, q: Array, position: Array) -> CellView:
     """Look at a cell from the front: along the level line that is normal to its widest extent.
 
-    Args:
-        cell: The cell.
-        q: Joint positions along its motion, Shape (N, m) [rad or m].
-        position: Of the object, Shape (N, 3) [m].
+    Seen are joint positions q, Shape (N, m), and those of the object, Shape (N, 3).
     """
     slices = cell.joint_slices
     lines = [joint_points(robot, q[:, slices[robot.name]]).reshape(-1, 3) for robot in cell.robots]

@@ -60,12 +60,9 @@ Loc = Literal["center left", "center right"]
 
 
 class Composition:
-    """Frames of clips, drawn when they are asked for; closed by the thread that made it.
+    """Frames of one to four clips, seen from one place and with forces to one scale, drawn when they are asked for.
 
-    Args:
-        clips: One to four; all are seen from one place, and their forces drawn to one scale.
-        pace: How fast the film plays, in words; empty where nothing plays.
-        warn: Told which arm is drawn without its meshes, and why.
+    `pace` says how fast the film plays, in words. It is closed by the thread that made it.
 
     Attributes:
         duration: Of the longest [s].

@@ -63,11 +63,7 @@ def held_body(cell: Cell, most: int = MOST_DRAWN) -> Surface:
     """The object as it is drawn: its shape, or a box with about its inertia that its hands touch, or hold by handles.
 
     Such a box that reaches beyond a contact is drawn narrower, so that the hand is at its surface; a contact beside it
-    is joined to it by a bar.
-
-    Args:
-        cell: The cell.
-        most: Triangles of a mesh, which is drawn coarser than it is known where it has more.
+    is joined to it by a bar. A mesh of more than `most` triangles is made coarser.
     """
     if cell.object_shape is not None:
         return shape_surface(cell.object_shape, most)
@@ -113,12 +109,7 @@ def shape_surface(shape: ShapeRecord, most: int = MOST_DRAWN) -> Surface:
 
 
 def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Sides of triangles at which a surface bends, or ends, as pairs of vertices, Shape (E, 2).
-
-    Args:
-        vertices: Shape (V, 3) [m].
-        triangles: Shape (T, 3).
-    """
+    """Sides of triangles at which a surface bends, or ends, as pairs of vertices, Shape (E, 2)."""
     corners = vertices[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)

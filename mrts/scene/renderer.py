@@ -77,14 +77,7 @@ def silent(_text: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Clip:
-    """A motion that is played.
-
-    Attributes:
-        title: What it is, for people.
-        trajectory: Motion, speed, torques and wrenches.
-        card: What is said of it.
-        urdfs: URDF and base link by robot, for meshes; robots that are not named are drawn with simple shapes.
-    """
+    """A motion that is played, what is said of it, and URDF and base link of robots that are drawn with meshes."""
 
     title: str
     trajectory: ScaledTrajectory
@@ -140,16 +133,7 @@ def _no_renderer(error: Exception) -> InputError:
 
 
 class SceneRenderer:
-    """Draws moments of one clip; it is closed by the thread that made it.
-
-    Args:
-        clip: What is played.
-        view: What there is to see.
-        camera: From where.
-        size: Width and height [pixels].
-        metres_per_newton: Length of a force's arrow for 1 N [m].
-        warn: Told which arm is drawn without its meshes, and why.
-    """
+    """Draws moments of one clip, in a size [pixels]; it is closed by the thread that made it."""
 
     def __init__(
         self, clip: Clip, view: CellView, camera: Camera, size: tuple[int, int], metres_per_newton: float, warn: Warn

@@ -76,10 +76,8 @@ class Scene:
     """Arms and object along a motion, at k samples.
 
     Attributes:
-        cell: The cell.
         q: Joint positions, Shape (k, m) [rad or m].
-        position: Of the object, Shape (k, 3) [m].
-        rotation: Of the object, Shape (k, 3, 3).
+        position, rotation: Of the object, Shape (k, 3) [m] and (k, 3, 3).
         passed: Where a limit is passed, or an arm does not reach, Shape (k,).
     """
 
@@ -105,11 +103,9 @@ class Scene:
         )
 
     def moment(self, place: float) -> "Moment":
-        """Where everything is.
+        """Where everything is at a sample, or between two of them.
 
-        Args:
-            place: A sample, or between two of them: every point of a body is then on the line between where it is at
-                both, so that hands stay at their grasps.
+        Every point of a body is then on the line between where it is at both, so that hands stay at their grasps.
         """
         return Moment(
             cell=self.cell,
@@ -124,9 +120,7 @@ class Moment:
     """Poses at one moment; between samples rotations are so only to the square of the step.
 
     Attributes:
-        cell: The cell.
-        position: Of the object, Shape (3,) [m].
-        rotation: Of the object, Shape (3, 3).
+        position, rotation: Of the object, Shape (3,) [m] and (3, 3).
         bodies: By arm, Shape (n_i + 1, 3, 3), and Shape (n_i + 1, 3) [m].
     """
 

@@ -22,10 +22,7 @@ MAX_DEATHS = 2
 
 
 def solve_chunk(pickled: bytes, version: str, chunk: range) -> list[Columns]:
-    """Solve variants: what a worker does.
-
-    Returns:
-        Rows in one piece or, around a defect, more.
+    """Solve variants in a worker: rows in one piece or, around a defect, more.
 
     Raises:
         InputError: If this is another mrts: rows of two would stand side by side.
@@ -51,10 +48,7 @@ def _study(pickled: bytes) -> Study:
 def solved_chunks(
     study: Study, chunks: Iterable[range], workers: int | None, scheduler: str | None
 ) -> Generator[tuple[range, list[Columns]]]:
-    """Every chunk of variants once, as they get done.
-
-    Yields:
-        A chunk and the columns of its rows in one piece or more, in order.
+    """Every chunk of variants with the columns of its rows, in one piece or more in order, as they get done.
 
     Raises:
         InputError: If a limit of the study cannot be sent to workers.

@@ -46,15 +46,7 @@ PATHS_SHOWN = 3
 
 @dataclass(frozen=True)
 class Target:
-    """A number that a parameter sets to offset + factor × its own value.
-
-    Attributes:
-        path: Of the number: `robots.left.base.xyz[0]`.
-        keys: The same as keys and indices, from "cell" or "motion" inward.
-        unit: Of the number; empty if it has none.
-        factor: Of the parameter's value.
-        offset: Added to it.
-    """
+    """A number, by its path and the same as keys, that a parameter sets to offset + factor × its own value."""
 
     path: str
     keys: Keys
@@ -71,11 +63,7 @@ class Target:
 class Parameter:
     """What a study varies: one number, or several that move together.
 
-    Attributes:
-        path: Of the number, or the name of what moves several; heads its column in the table.
-        unit: Empty if it has none.
-        distribution: Of its values.
-        targets: The numbers that it sets.
+    `path` is that of the number, or the name of what moves several; it heads a column. A unit may be empty.
     """
 
     path: str
@@ -102,16 +90,7 @@ Factors = Annotated[dict[str, Finite], Rule(min_length=1)]
 
 
 class ParameterDescription(Record):
-    """An entry of `vary` that is no list; see docs/study_file.md.
-
-    Attributes:
-        from_: Where a range begins.
-        to: Where it ends.
-        steps: Of a range, in a grid.
-        values: Some values.
-        normal: A distribution.
-        sets, shifts, scales: Numbers that it moves; an entry without them is itself the path to one.
-    """
+    """An entry of `vary` that is no list; without `sets`, `shifts` and `scales` it is itself the path to a number."""
 
     from_: Finite | None = None
     to: Finite | None = None
@@ -174,8 +153,7 @@ def read_parameters(
         path: The study file, for messages.
         vary: Its key of that name.
         sample: How points are chosen.
-        given: Keys and values of the "cell" and the "motion" file; what they leave out on the way to a number that
-            varies is written into them.
+        given: Keys and values of the "cell" and the "motion" file; numbers that vary are written into them.
         filled: The same with all that they leave out.
         cell: The cell.
 

@@ -56,10 +56,8 @@ class StudyFile:
     """A URDF or a mesh that a cell file names, so that a study can be solved where its files are not.
 
     Attributes:
-        keys: Where the cell file names it.
-        reference: As it does.
+        keys: Where the cell file names it, by `reference`.
         path: Where it is, absolute.
-        content: Its bytes.
     """
 
     keys: Keys
@@ -153,13 +151,10 @@ class Study:
         return sample_points(distributions, self.sample, self.seed, (int(first), int(last)))
 
     def descriptions(self, point: Array) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Keys and values of the cell file and the motion file of one variant.
-
-        Args:
-            point: Values of the parameters, Shape (P,).
+        """Keys and values of the cell file and the motion file of a variant whose parameters are a point, Shape (P,).
 
         Raises:
-            InputError: If they are something else.
+            InputError: If these are something else.
         """
         values = as_array("point", point)
         if values.shape != (len(self.parameters),) or not np.all(np.isfinite(values)):
@@ -215,12 +210,7 @@ class Study:
         return cell_file, motion_file
 
     def cell_text(self, keys: dict[str, Any], folder: Path) -> str:
-        """The text of a cell file.
-
-        Args:
-            keys: Its keys and values, as from `descriptions`.
-            folder: Where it is to stand: paths of its files are relative to it.
-        """
+        """The text of a cell file with some keys, in a folder that paths of its files are relative to."""
         written = deepcopy(keys)
         for file in self.files:
             set_value(written, file.keys, file.named_in(folder))

@@ -37,16 +37,7 @@ from mrts.studies.study import Study, StudyFile, StudyQuestion
 
 
 class StudyDescription(StudyQuestion):
-    """A validated study file; see docs/study_file.md.
-
-    Attributes:
-        cell: Cell file, relative to the study file.
-        motion: Motion file, table or bag, likewise.
-        vary: What varies: a path to a number, or a name, and how; `ParameterDescription` or a list of values.
-        sample: How points are chosen.
-        count: How many are drawn; a grid has as many as it has.
-        seed: Of what is drawn.
-    """
+    """A validated study file; docs/study_file.md has its keys."""
 
     cell: Annotated[str, Rule(min_length=1)]
     motion: Annotated[str, Rule(min_length=1)]

@@ -57,12 +57,7 @@ logger = logging.getLogger("mrts")
 
 @dataclass(frozen=True)
 class StudyFolder:
-    """A study and the part of its rows that is solved.
-
-    Attributes:
-        path: The folder.
-        record: What `study.json` holds.
-    """
+    """A study and the part of its rows that is solved, in the folder `path`; `record` is what `study.json` holds."""
 
     path: Path
     record: Mapping[str, Any]

@@ -101,14 +101,7 @@ def _of_joints_and_object(cell: Cell) -> bool:
 
 
 class VariantBatch:
-    """Variants of one cell, solved at once.
-
-    Args:
-        study: Whose variants they are, as from `Study.at_hand`.
-        cell: Its cell, unvaried.
-        motion: Its motion, unvaried.
-        entries: What is varied.
-    """
+    """Variants of an unvaried cell and motion, in which entries differ, solved at once."""
 
     def __init__(self, study: Study, cell: Cell, motion: ObjectMotion, entries: Sequence[Entry]) -> None:
         self._study, self._cell, self._motion, self._entries = study, cell, motion, entries
@@ -144,12 +137,7 @@ class VariantBatch:
         self.block = max(1, BLOCK_BYTES // each)
 
     def solve(self, points: Array, first: int) -> Columns:
-        """The rows of variants, as `mrts.studies.variant_rows.solve_variants` gives them.
-
-        Args:
-            points: Values of the parameters, Shape (V, P).
-            first: Number of the first variant.
-        """
+        """The rows of variants at points, Shape (V, P), from a first number, as `solve_variants` gives them."""
         rows: list[Row] = []
         for start in range(0, len(points), self.block):
             part = points[start : start + self.block]

@@ -50,15 +50,7 @@ ARRAYS |= {("motion", *name.split("_")): name for name in PATH_ENDS[:4]}
 
 @dataclass(frozen=True)
 class Entry:
-    """A place in an array that a parameter sets to offset + factor × its value.
-
-    Attributes:
-        column: Of the parameter.
-        name: Of the array.
-        index: In it, after V.
-        factor: Of the parameter's value.
-        offset: Added to it.
-    """
+    """A place in an array, after V, that a parameter sets to offset + factor × its value."""
 
     column: int
     name: str
@@ -141,13 +133,7 @@ def _triples(poses: Sequence[Mapping[str, Any]], part: str) -> Array:
 
 
 def variant_numbers(base: Mapping[str, Array], entries: Sequence[Entry], points: Array) -> dict[str, Array]:
-    """The arrays of V variants by name, each with V first, or 1 where all share one.
-
-    Args:
-        base: As from `base_numbers`.
-        entries: What is varied of them.
-        points: Values of the parameters, Shape (V, P).
-    """
+    """The arrays of V variants at points, Shape (V, P), each with V first, or 1 where all share that of `base`."""
     varied = {entry.name for entry in entries}
     numbers = {name: np.repeat(of, len(points), axis=0) if name in varied else of for name, of in base.items()}
     for entry in entries:
@@ -180,12 +166,7 @@ def load_vectors(numbers: Mapping[str, Array]) -> Array:
 
 
 def doubtful(numbers: Mapping[str, Array], varied: set[str]) -> NDArray[np.bool_]:
-    """Which variants a rule of the cell file or the motion file may refuse, Shape (V,) or (1,).
-
-    Args:
-        numbers: As from `variant_numbers`.
-        varied: Names of those that differ.
-    """
+    """Which variants a rule of the cell file or the motion file may refuse, for what is varied, Shape (V,) or (1,)."""
     doubt = np.zeros(1, dtype=bool)
     for name in varied:
         values = numbers[name].reshape(len(numbers[name]), -1)

@@ -61,39 +61,20 @@ def solve_variants(study: Study, first: int, last: int) -> Columns:
 
 
 def solve_one_by_one(study: Study, points: Array, first: int) -> Columns:
-    """The rows of variants, each solved as `mrts.scale` solves its files.
-
-    Args:
-        study: The study.
-        points: Values of its parameters, Shape (V, P).
-        first: Number of the first of them.
-    """
+    """The rows of variants at points, Shape (V, P), from a first number, each solved as `mrts.scale` does."""
     study = study.at_hand()
     return columns_of(study, points, first, [solved_row(study, point) for point in points])
 
 
 def columns_of(study: Study, points: Array, first: int, rows: Sequence[Row]) -> Columns:
-    """The rows of variants as columns.
-
-    Args:
-        study: The study.
-        points: Values of its parameters, Shape (V, P).
-        first: Number of the first variant.
-        rows: One a variant, without its number and its parameters.
-    """
+    """The rows of variants at points, Shape (V, P), from a first number as columns; rows have what is found alone."""
     columns: Columns = {"variant": np.arange(first, first + len(points))}
     columns |= {parameter.path: points[:, place] for place, parameter in enumerate(study.parameters)}
     return columns | {name: [row.get(name) for row in rows] for name in column_types(study) if name not in columns}
 
 
 def ends_row(lower: RangeEnd, upper: RangeEnd, given_duration: float) -> Row:
-    """What the ends of a range that admits motion say of a variant.
-
-    Args:
-        lower: c²⁻.
-        upper: c²⁺.
-        given_duration: Of the motion as it is given [s].
-    """
+    """What the ends of a range that admits motion say of a variant whose given motion lasts some time [s]."""
     row: Row = {"c2_lower": lower.c2}
     if lower.c2 > 0 and lower.time is not None:
         row |= {"lower_limit": _labels(lower), "lower_time": lower.time}
@@ -108,23 +89,13 @@ def _labels(end: RangeEnd) -> str:
 
 
 def fastest_first(variant: NDArray[np.int_], duration: Array) -> NDArray[np.intp]:
-    """Rows of the variants that have a duration, the shortest first; of equals, that with the lower number.
-
-    Args:
-        variant: Their numbers, Shape (V,).
-        duration: NaN or infinite where there is none, Shape (V,) [s].
-    """
+    """Rows of the variants that have a duration, Shape (V,), the shortest first; of equals, the lower number."""
     rows = np.flatnonzero(np.isfinite(duration))
     return rows[np.lexsort((variant[rows], duration[rows]))]
 
 
 def solved_row(study: Study, point: Array) -> Row:
-    """The row of one variant, without its number and its parameters, solved as `mrts.scale` solves its files.
-
-    Args:
-        study: The study, as from `Study.at_hand`.
-        point: Values of its parameters, Shape (P,).
-    """
+    """What is found of a variant, at a point of a study as from `Study.at_hand`, Shape (P,), as `mrts.scale` does."""
     try:
         keys, motion_keys = study.descriptions(point)
         cell = Cell.from_description(keys, folder=study.folder).with_limits(*study.limits)

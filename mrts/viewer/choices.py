@@ -42,9 +42,8 @@ class Given:
         description: Of a motion from pose to pose or through waypoints, whose ends can be moved; None of a table.
         cell_path: File that the cell is from; None where there is none that can be written anew.
         motion_path: File that the motion is from; likewise.
-        sharing: A fixed distribution of the load; None leaves it free.
-        closure: As in `mrts.scale`.
-        stands: Whether the motion is one of `still_motion`, because none was given: the cell is looked at.
+        sharing, closure: As in `mrts.scale`.
+        stands: Whether no motion was given: the cell is looked at, with `still_motion`.
     """
 
     cell: Cell
@@ -59,12 +58,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Place:
-    """Something with a pose that can be moved.
-
-    Attributes:
-        kind: A base in the world, a grasp in the object's frame, or an end of the motion in the world.
-        robot: Whose it is; empty of the motion.
-    """
+    """What can be moved: a base in the world, a grasp in the object's frame, or an end of the motion, no robot."""
 
     kind: Literal["base", "grasp", "start", "end"]
     robot: str = ""
@@ -101,7 +95,6 @@ class Choices:
         mass: Of the object [kg]; None is the given one.
         limits: Share of a given limit by its name, both sides alike.
         poses: Of places that were moved.
-        profile: How the speed may vary.
         torque_rate: Of the smooth profile, for joints whose rate is not known [1/s].
         simulated: Whether a controller plays the motion too, as `mrts.simulate` does.
     """

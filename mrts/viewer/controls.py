@@ -44,14 +44,7 @@ Later = Callable[[Callable[[], None]], None]
 
 @dataclass(eq=False)
 class BoundControl:
-    """A control whose value is part of the choices.
-
-    Attributes:
-        handle: The control.
-        read: Its value for some choices.
-        apply: Choices with another value.
-        shown: Value that was taken over last.
-    """
+    """A control whose value is part of the choices; `shown` is the value that was taken over last."""
 
     handle: viser.GuiInputHandle[Any]
     read: Callable[[Choices], Any]
@@ -90,10 +83,7 @@ class ChangeControls:
         self.show()
 
     def follow(self, speed_at: Callable[[Choices], float | None]) -> None:
-        """Take over what was changed since the last call, and ask for its answer.
-
-        Args:
-            speed_at: The speed to play choices at; None is the first one.
+        """Take over what was changed since the last call, and ask for its answer at a speed; None is the first one.
 
         Raises:
             InputError: If a value breaks a rule.

@@ -19,10 +19,9 @@ MOST_SAMPLES = 41
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HeldPoses:
-    """Where arms are at some poses of the object.
+    """Where arms are at k poses of the object, by joint positions that come nearest.
 
     Attributes:
-        scene: What is drawn of it: joint positions that come nearest, at k poses.
         time: Of the samples looked at, Shape (k,) [s].
         gap: What is left between tip and grasp, Shape (k, robots) [m].
         reached: Whether an arm holds its grasp, Shape (k, robots); by itself, perhaps in another branch.
@@ -45,13 +44,7 @@ def still_motion(cell: Cell) -> ObjectMotion:
 
 
 def held_poses(cell: Cell, motion: ObjectMotion, message: str = "") -> HeldPoses:
-    """Where the arms are: how near they come to their grasps, or while the object stands still.
-
-    Args:
-        cell: The cell.
-        motion: Of the object, which the arms cannot follow, or that rests, as of `still_motion`.
-        message: Why they cannot.
-    """
+    """How near arms come to their grasps along a motion that they cannot follow, or one as of `still_motion`."""
     count = min(MOST_SAMPLES, len(motion.time))
     samples = np.unique(np.linspace(0, len(motion.time) - 1, count).round().astype(np.intp))
     held = solve_grasps(cell, motion, samples, np.tile(cell.posture, (len(samples), 1)), FURTHER_STEPS, near=None)

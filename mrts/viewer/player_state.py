@@ -52,14 +52,9 @@ Profile = Literal["constant", "optimal", "smooth"]
 
 @dataclass(frozen=True)
 class Speeds:
-    """The speeds that are offered.
+    """The speeds c that are offered: from `lower` to `upper` by `step`, a power of ten; `start` is the first choice.
 
-    Attributes:
-        ends: c² of "c⁻" and "c⁺", as far as they are finite and > 0.
-        lower: Least c on offer.
-        upper: Largest.
-        step: Between neighbours, a power of ten; `lower` and `upper` are multiples of it.
-        start: First choice.
+    `ends` are c² of "c⁻" and "c⁺", as far as they are finite and > 0.
     """
 
     ends: dict[str, float]
@@ -107,19 +102,12 @@ OF_TIMINGS = Speeds(ends={"r(t)": 1.0}, lower=0.1, upper=BEYOND, step=1e-3, star
 class PlayerState:
     """A motion at a chosen speed, at a chosen time: at first the fastest admissible one, or c = 1 if there is none.
 
-    Args:
-        cell: The cell.
-        motion: As given.
-        profile: One factor of speed, the fastest timing, or a smooth one.
-        rates: Of the smooth profile, as in `mrts.retime`.
-        **asked: Options of `mrts.scale` and `mrts.retime` alike.
+    It takes options of `mrts.scale` and `mrts.retime`.
 
     Attributes:
         result: The range, or of a timing what is played, whose c² = 1 is the timing itself.
         timing: The timing that was found; None of the constant profile, and where there is none.
         refusal: Why there is no timing though one was asked for, in a sentence; empty if there is one.
-        speeds: On offer.
-        trajectory: The motion at the chosen speed.
         excess: Share by which a limit is overstepped at most at each sample, 0 for rounding, Shape (N,).
         sample: Index of the chosen time.
 

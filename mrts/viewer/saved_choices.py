@@ -39,20 +39,13 @@ Edits = dict[tuple[Key, ...], Any]
 def save_choices(
     given: Given, choices: Choices, cell_name: str, motion_name: str, *, overwrite: bool
 ) -> tuple[list[Path], str]:
-    """Write the cell and, where it is described by poses, the motion as they were chosen; both or none.
-
-    Args:
-        given: What was given.
-        choices: What was changed since.
-        cell_name: Of the cell file, without a folder.
-        motion_name: Of the motion file; empty leaves it out.
-        overwrite: Whether files that exist may be replaced.
+    """Write the cell and, where it is described by poses and has a name, the motion as they were chosen; both or none.
 
     Returns:
         The files, and a remark, empty where there is none.
 
     Raises:
-        InputError: If a name is no name of a file, a file exists, or cannot be written.
+        InputError: If a name is no name of a file, a file exists and may not be replaced, or cannot be written.
     """
     if given.cell_path is None:
         raise InputError("saving", "takes a cell file; this cell is from generated files, or a variant of a study.")
@@ -134,10 +127,7 @@ def _numbers(cell: Cell) -> Array:
 
 
 def motion_text(given: Given, choices: Choices) -> tuple[str, str]:
-    """The original text with the edited ends; where that does not read back to the motion, a text written anew.
-
-    Returns:
-        The text, and a remark, empty where there is none.
+    """The original text with the edited ends, or one written anew where that does not read back, and a remark on that.
 
     Raises:
         InputError: If the motion is from a table, or its file cannot be read.

@@ -67,16 +67,10 @@ MOVED_AWAY = 0.02
 class ViewerScene:
     """Draws answers and moments.
 
-    Args:
-        server: Where.
-        shown: What is shown first.
-        urdfs: URDF and base link by robot, as far as there are any.
-        warn: Told which arm is drawn without its meshes, and why.
-
     Attributes:
         size: Radius of a ball that holds all parts at all times [m].
         metres_per_newton: Length of a force's arrow for 1 N, 1, 2 or 5 times a power of ten [m].
-        metres_per_newton_metre: Likewise of a moment's.
+        metres_per_newton_metre: The same of a moment's.
     """
 
     def __init__(self, server: viser.ViserServer, shown: Scene, urdfs: Urdfs, warn: Warn) -> None:

@@ -40,12 +40,7 @@ CAMERA = {"wxyz": 4, "position": 3, "look_at": 3, "up_direction": 3,
 
 
 def open_server(host: str, port: int, label: str) -> "GuardedServer":
-    """Start the server, guarded against other pages and other users.
-
-    Args:
-        host: Name or address of this machine to listen at.
-        port: 0 takes any free one.
-        label: Title of the panel.
+    """Start the server at a host and a port, 0 for any free one, guarded against other pages and other users.
 
     Raises:
         InputError: If the address is not one of this machine, the port is taken, or this viser cannot be guarded.

@@ -64,9 +64,7 @@ FIXED = "A saved result is played at the speed it was saved with. To change some
 class Playback:
     """The time of a motion that is played: its slider and Play; `add_pace` adds how fast.
 
-    Attributes:
-        duration: Of the motion as it is shown [s].
-        plays: Whether the time goes on by itself.
+    `duration` is that of the motion as it is shown [s].
     """
 
     def __init__(self, gui: viser.GuiApi, duration: float, later: Later, *, start: float, visible: bool) -> None:
@@ -93,10 +91,7 @@ class Playback:
         self._play.icon = viser.Icon.PLAYER_PAUSE if self.plays else viser.Icon.PLAYER_PLAY
 
     def follow(self, elapsed: float) -> tuple[bool, bool]:
-        """Take over what was changed since the last call, and play on.
-
-        Args:
-            elapsed: Since then [s].
+        """Take over what was changed since the last call, some time ago [s], and play on.
 
         Returns:
             Whether another moment is to be shown, and whether its numbers are to be read too.
@@ -122,17 +117,8 @@ class Playback:
 class Viewer:
     """The scene and the panel: the outcome, speed and time, limits, changes and files.
 
-    Args:
-        server: Where.
-        bench: Whose answers are shown; or the state of a saved result, of which nothing can be changed.
-        urdfs: URDF and base link by robot, for their meshes; empty draws simple shapes.
-        warn: Told which arm is drawn without its meshes, and why.
-
-    Attributes:
-        server: As given.
-        bench: As given; None of a saved result.
-        playback: Its time.
-        plots: Along time; None of a cell that is looked at without a motion.
+    It shows the answers of a workbench, or the state of a saved result, of which nothing can be changed: `bench` is
+    None then, and `plots` are where a cell is looked at without a motion.
     """
 
     def __init__(self, server: viser.ViserServer, bench: Workbench | PlayerState, urdfs: Urdfs, warn: Warn) -> None:
@@ -314,14 +300,9 @@ class Viewer:
 def set_slider(
     slider: viser.GuiSliderHandle[float], ends: tuple[float, float], digits: int, value: float, shown: float
 ) -> float:
-    """Give a slider other ends, steps and another value; what is as it was is not sent again.
+    """Give a slider other ends, decimals and another value; what is as it was is not sent again.
 
-    Args:
-        slider: The slider.
-        ends: Multiples of a step.
-        digits: Decimal places of a step, if they are more than `DECIMALS`.
-        value: Rounded to a step between the ends.
-        shown: Value that was set or taken over last: a user who has moved it since keeps what is under the hand.
+    A user who has moved it since `shown` was set or taken over keeps what is under the hand.
 
     Returns:
         What is shown now, for the next call.

@@ -111,16 +111,7 @@ _Request = tuple[Choices, float | None]
 
 
 class Workbench:
-    """Choices of one user, and the answer to the newest.
-
-    Args:
-        given: The cell and its motion as they were read.
-        progress: Told how far the first answer is.
-
-    Attributes:
-        given: As given.
-        choices: As they are now.
-        answer: The newest that was taken.
+    """Choices of one user, and the newest answer that was taken.
 
     Raises:
         MrtsError: As `PlayerState`, where what was given has no answer.

@@ -143,10 +143,6 @@ def place(
 class LayoutSearch:
     """Tries layouts of a study and improves them.
 
-    Args:
-        study: The study.
-        between: As in `place`.
-
     Attributes:
         given: What the cell can do as its file has it; None if it can do nothing.
         found: All layouts that can be played at the samples.
@@ -192,12 +188,7 @@ class LayoutSearch:
         return counts
 
     def tried(self, values: Array, postures: dict[str, list[float]] | None = None) -> PlayedLayout | None:
-        """What the cell can do in a layout at the given samples; None if it can do nothing.
-
-        Args:
-            values: Of the numbers, Shape (P,).
-            postures: By robot, instead of the study's [rad or m].
-        """
+        """What the cell can do at values, Shape (P,), with postures in place of the study's; None if nothing."""
         return self._scaled(self._keys(values, postures), values, postures)
 
     def _keys(self, values: Array, postures: dict[str, list[float]] | None) -> dict[str, Any]:

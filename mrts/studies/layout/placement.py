@@ -73,7 +73,7 @@ class Placement:
         reason: Why a layout that was looked at cannot be played; empty if all can.
         looked_at: Number of layouts that were looked at.
         playable: How many of them can be played.
-        searches: Number of layouts from which IPOPT searched.
+        searches: Number of layouts from which a search began.
         interrupted: Whether Ctrl-C ended the search early.
         colliding: Number of faster layouts that were passed over because bodies collide.
     """
