@@ -62,8 +62,7 @@ def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
     arms = [
         joint_points(robot, q[:, joints]) for robot, joints in zip(cell.robots, cell.joint_slices.values(), strict=True)
     ]
-    held = held_body(cell, MOST_TRIANGLES)
-    vertices, triangles = held.vertices, held.faces
+    vertices, triangles = held_body(cell, MOST_TRIANGLES)
     box = given.position[frames, None] + np.einsum("nij,kj->nki", given.rotation[frames], vertices)
     holds = [np.stack([given.position[frames], arm[:, -1]], axis=1) for arm in arms]
     segments = [box[:, edge] for edge in object_edges(vertices, triangles)] + holds
@@ -82,9 +81,9 @@ def player(result: ScalingResult, way: Array | None = None) -> dict[str, Any]:
         moving.append((arrows, _line_trace("force on the object", f"rgb{FORCE}", 5)))
     path = _line_trace("path of the object", "#888", 2) | _coordinates(given.position[frames])
     obstacles = [
-        _surface_trace(one.name, around.faces, SURROUNDINGS, SEE_THROUGH) | _coordinates(around.vertices)
+        _surface_trace(one.name, faces, SURROUNDINGS, SEE_THROUGH) | _coordinates(points)
         for one in cell.surroundings
-        for around in [shape_surface(one, MOST_TRIANGLES)]
+        for points, faces in [shape_surface(one, MOST_TRIANGLES)]
     ]
     still = [trace | {axis: values[0] for axis, values in _coordinates(points).items()} for points, trace in moving]
     view = look_at_cell(cell, q, given.position[frames])

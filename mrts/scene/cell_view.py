@@ -93,7 +93,7 @@ def look_at_cell(cell: Cell, q: Array, position: Array) -> CellView:
     """
     slices = cell.joint_slices
     lines = [joint_points(robot, q[:, slices[robot.name]]).reshape(-1, 3) for robot in cell.robots]
-    reach = float(np.max(np.linalg.norm(held_body(cell).vertices, axis=1)))
+    reach = float(np.max(np.linalg.norm(held_body(cell)[0], axis=1)))
     around = [position + sign * reach * axis for sign in (-1, 1) for axis in np.eye(3)]
     points = np.concatenate([*lines, *around])
     middle = (np.min(points, axis=0) + np.max(points, axis=0)) / 2

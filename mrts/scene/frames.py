@@ -3,7 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -18,7 +18,7 @@ from mrts.plots.limit_shares import limit_shares
 from mrts.scene.arm_meshes import Warn
 from mrts.scene.cell_view import look_at_cell
 from mrts.scene.renderer import Clip, Frame, SceneRenderer, silent
-from mrts.scene.scene import OVER_LIMIT, arm_colour, rgba
+from mrts.scene.scene import OVER_LIMIT, rgba
 
 WIDTHS = {1: 720, 2: 480, 3: 360, 4: 300}
 """Of a clip by the number of clips [pixels]."""
@@ -35,11 +35,11 @@ LEFT, RIGHT, TOP, BOTTOM = 40, 14, 8, 20
 DPI = 72
 """A point is a pixel."""
 
-TITLE, TEXT, SMALL, SMALLEST = 15, 12, 10, 6
-"""Of letters [pixels]; what does not fit at the smallest is cut in its middle."""
+TITLE, TEXT, SMALL = 15, 12, 10
+"""Of letters [pixels]."""
 
-LETTER = 0.6
-"""Width of a letter by its size, about."""
+LETTER, SPACE = 0.56, 6
+"""Width of a letter by its size, about; and letters that a name in a legend takes beside its own."""
 
 INK, FAINT, GRID = "#242a32", "#68707a", "#d8dce2"
 
@@ -54,9 +54,6 @@ HEADROOM = 1.08
 
 KIND_COLOURS = tuple(COLOURS[place] for place in (2, 3, 6, 4, 5, 0, 1))
 """Of lines, by kind of limit: last come those of the first two arms."""
-
-
-Loc = Literal["center left", "center right"]
 
 
 class Composition:
@@ -161,9 +158,7 @@ class Composition:
 
     def _put_heading(self, number: int, clip: Clip) -> None:
         left, room, done = number * self._width + RIGHT, self._width - 2 * RIGHT, clip.trajectory
-        alone = len(self._clips) == 1
-        title = f"{done.cell.name}: {clip.title}"
-        self._put(left, 22, title, TITLE, (0.55 if alone else 0.9) * room, color=INK, weight="bold")
+        self._put(left, 22, f"{done.cell.name}: {clip.title}", TITLE, 0.9 * room, color=INK, weight="bold")
         text = f"{done.duration:.3g} s"
         if number > 0:
             text += f", {self._clips[0].trajectory.duration / done.duration:.3g} × as fast"
@@ -171,9 +166,6 @@ class Composition:
         if (limit := clip.card.deciding) is not None:
             used = f"limit: {limit.label}, {100 * limit.share:.0f} % at {limit.time:.2g} s"
             self._put(left, 60, used, TEXT, room, color=FAINT if limit.nearness != "reached" else rgba(OVER_LIMIT))
-        if alone:
-            arms = [(robot.name, rgba(arm_colour(place))) for place, robot in enumerate(done.cell.robots)]
-            self._put_legend(arms, "center right", self._width - RIGHT, 17, 0.36 * room)
 
     def _put_foot(self, titles: dict[str, str], colours: dict[str, str], pace: str) -> None:
         width, height = self.size
@@ -182,33 +174,17 @@ class Composition:
         self._put(width - RIGHT - clock, height - 10, pace, TEXT, color=FAINT, ha="right")
         left = LEFT + LETTER * TEXT * len(first)
         room = width - RIGHT - clock - LETTER * TEXT * len(pace) - left
-        self._put_legend(
-            [(text, colours[kind]) for kind, text in titles.items()], "center left", left, height - 14, room
-        )
-
-    def _put_legend(
-        self, entries: Sequence[tuple[str, Any]], loc: Loc, across: float, down: float, room: float
-    ) -> None:
-        width, height = self.size
-        size, _ = _fitted("".join(f"{name}      " for name, _ in entries), TEXT, room)
-        handles = [Line2D([], [], color=colour, label=printable(name)) for name, colour in entries]
-        legend = self._figure.legend(
-            handles=handles, loc=loc, bbox_to_anchor=(across / width, 1 - down / height), ncols=len(handles),
-            fontsize=size, labelcolor="linecolor", handlelength=1, columnspacing=1, borderpad=0, borderaxespad=0,
-            frameon=False,
+        handles = [Line2D([], [], color=colours[kind], label=text) for kind, text in titles.items()]
+        self._figure.legend(
+            handles=handles, loc="center left", bbox_to_anchor=(left / width, 14 / height), ncols=len(handles),
+            fontsize=min(TEXT, room / (LETTER * sum(len(text) + SPACE for text in titles.values()))),
+            labelcolor="linecolor", handlelength=1, columnspacing=1, borderpad=0, borderaxespad=0, frameon=False,
         )  # fmt: skip
-        for text in legend.get_texts():
-            text.set_parse_math(False)
 
     def _put(self, across: float, down: float, text: str, size: int, room: float = np.inf, **style: Any) -> Text:
-        """One line of text, smaller where it would be wider than its room, and at last cut."""
+        """One line of text, cut in its middle where it would be wider than its room."""
         width, height = self.size
-        fitted, shown = _fitted(printable(text), size, room)
+        shown = printable(text) if room == np.inf else cut(printable(text), int(room / (LETTER * size)))
         return self._figure.text(
-            across / width, 1 - down / height, shown, fontsize=fitted, parse_math=False, va="baseline", **style
+            across / width, 1 - down / height, shown, fontsize=size, parse_math=False, va="baseline", **style
         )
-
-
-def _fitted(text: str, size: int, room: float) -> tuple[float, str]:
-    fitted = min(size, max(SMALLEST, room / (LETTER * max(len(text), 1))))
-    return fitted, text if len(text) * LETTER * fitted <= room else cut(text, int(room / (LETTER * fitted)))

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The carried object as triangles in its own frame: its shape, or a box with about its inertia that hands hold."""
 
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -40,23 +39,8 @@ HANDLE = 0.04
 """Half width of a bar from the box to a contact beside it, as a share of the box's diagonal."""
 
 
-@dataclass(frozen=True, eq=False)
-class Surface:
-    """Triangles in the frame of what carries them.
-
-    Attributes:
-        vertices: Shape (V, 3) [m].
-        faces: Indices of vertices, Shape (F, 3).
-    """
-
-    vertices: Array
-    faces: NDArray[np.int_]
-
-    def __add__(self, other: "Surface") -> "Surface":
-        return Surface(
-            np.concatenate([self.vertices, other.vertices]),
-            np.concatenate([self.faces, other.faces + len(self.vertices)]),
-        )
+Surface = tuple[Array, NDArray[np.int64]]
+"""Vertices in the frame of what carries them, Shape (V, 3) [m], and triangles of these, Shape (F, 3)."""
 
 
 def held_body(cell: Cell, most: int = MOST_DRAWN) -> Surface:
@@ -70,12 +54,13 @@ def held_body(cell: Cell, most: int = MOST_DRAWN) -> Surface:
     contacts = np.array([robot.T_object_tip.p for robot in cell.robots])
     half = _narrowed(object_box(cell) / 2, contacts)
     size = 2 * float(np.linalg.norm(half))
-    body = Surface(CORNERS * 2 * half, TRIANGLES)
+    boxes = [CORNERS * 2 * half]
     for contact in contacts:
         nearest = np.clip(contact, -half, half)
         if np.linalg.norm(contact - nearest) > REACHED * size:
-            body = body + _bar(nearest, contact, HANDLE * size)
-    return body
+            boxes.append(_bar(nearest, contact, HANDLE * size))
+    triangles = [TRIANGLES + number * len(CORNERS) for number in range(len(boxes))]
+    return np.concatenate(boxes), np.concatenate(triangles)
 
 
 def _narrowed(half: Array, contacts: Array) -> Array:
@@ -89,11 +74,12 @@ def _narrowed(half: Array, contacts: Array) -> Array:
     return half
 
 
-def _bar(start: Array, end: Array, half_width: float) -> Surface:
+def _bar(start: Array, end: Array, half_width: float) -> Array:
     along = (end - start) / np.linalg.norm(end - start)
     across = perpendicular(along)
     axes = np.stack([2 * half_width * across, 2 * half_width * np.cross(along, across), end - start])
-    return Surface((start + end) / 2 + CORNERS @ axes, TRIANGLES)
+    corners: Array = (start + end) / 2 + CORNERS @ axes
+    return corners
 
 
 def shape_surface(shape: ShapeRecord, most: int = MOST_DRAWN) -> Surface:
@@ -105,7 +91,15 @@ def shape_surface(shape: ShapeRecord, most: int = MOST_DRAWN) -> Surface:
     else:
         assert shape.mesh is not None  # noqa: S101 (the record has one of the three)
         vertices, triangles = coarser_surface(*unpacked_surface(shape.mesh.vertices, shape.mesh.triangles), most)
-    return Surface(vertices @ shape.pose.R.T + shape.pose.p, triangles)
+    return vertices @ shape.pose.R.T + shape.pose.p, triangles
+
+
+def outlines(surface: Surface) -> Array:
+    """Lines along its edges, Shape (E, 2, 3) [m]; of a ball, which has none, along all of its triangles."""
+    vertices, faces = surface
+    edges = object_edges(vertices, faces)
+    lines: Array = vertices[edges if len(edges) else faces[:, :2]]
+    return lines
 
 
 def object_edges(vertices: Array, triangles: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -18,7 +18,7 @@ from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import contact_forces
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, CellView
-from mrts.scene.held_body import Surface, held_body, object_edges, shape_surface
+from mrts.scene.held_body import Surface, held_body, outlines, shape_surface
 from mrts.scene.scene import (
     FORCE,
     OBJECT,
@@ -143,8 +143,8 @@ class SceneRenderer:
         cell, scene = clip.trajectory.cell, clip.scene
         self._spec = mujoco.MjSpec()
         self._add_stage(size)
-        self._body = held_body(cell)
-        self._add_surface(self._spec.worldbody.add_body(name="object", mocap=True), "object", self._body, OBJECT)
+        body = held_body(cell)
+        self._add_surface(self._spec.worldbody.add_body(name="object", mocap=True), "object", body, OBJECT)
         for number, one in enumerate(cell.surroundings):
             name = f"surroundings/{number}"
             self._add_surface(self._spec.worldbody, name, shape_surface(one), SURROUNDINGS, SEE_THROUGH)
@@ -165,8 +165,7 @@ class SceneRenderer:
         self._model = self._spec.compile()
         self._data = mujoco.MjData(self._model)
         self._renderer = mujoco.Renderer(self._model, size[1], size[0])
-        edges = object_edges(self._body.vertices, self._body.faces)
-        self._edges = self._body.vertices[edges if len(edges) else self._body.faces[:, :2]]  # a ball has no edges
+        self._edges = outlines(body)
         chosen = np.unique(np.linspace(0, len(scene.position) - 1, PATH_POINTS).astype(int))
         self._path = scene.position[chosen]
 
@@ -242,7 +241,8 @@ class SceneRenderer:
         world.add_geom(type=plane, size=(0, 0, 0.1), pos=view.floor, material="floor", quat=wxyz(view.level))
 
     def _add_surface(self, body: Any, name: str, surface: Surface, colour: Rgb, opacity: float = 1.0) -> None:
-        corners = surface.vertices[surface.faces]
+        vertices, faces = surface
+        corners = vertices[faces]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
         flat = np.arange(3 * len(corners)).reshape(-1, 3)

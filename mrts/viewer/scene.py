@@ -14,7 +14,7 @@ from mrts.plots.card import LimitBar
 from mrts.scene.arm_meshes import Urdfs, Warn, drawn_arms
 from mrts.scene.cell_shapes import contact_forces, name_place
 from mrts.scene.cell_view import FIELD_OF_VIEW, Camera, look_at_cell
-from mrts.scene.held_body import held_body, object_edges, shape_surface
+from mrts.scene.held_body import held_body, outlines, shape_surface
 from mrts.scene.scene import (
     FORCE,
     MOMENT,
@@ -239,27 +239,27 @@ class ViewerScene:
             hand, radius = f"{names[-1]}/hand", HAND * THICKNESS * self.size
             scene.add_icosphere(hand, radius, arm_colour(index), position=robot.T_base_tip.p)
         for number, one in enumerate(cell.surroundings):
-            surface = shape_surface(one)
+            vertices, faces = shape_surface(one)
             scene.add_mesh_simple(
-                f"/surroundings/{number}", surface.vertices.astype(np.float32), surface.faces.astype(np.uint32),
+                f"/surroundings/{number}", vertices.astype(np.float32), faces.astype(np.uint32),
                 color=SURROUNDINGS, opacity=SEE_THROUGH, flat_shading=True, side="double", cast_shadow=False,
             )  # fmt: skip
         self._carried = scene.add_frame("/carried", show_axes=False)
 
     def _draw_body(self, cell: Cell) -> None:
         """The object where its shape is another one, and its edges at the start and the goal."""
-        body = held_body(cell)
-        if body.vertices.tobytes() == self._body_key:
+        vertices, faces = body = held_body(cell)
+        if vertices.tobytes() == self._body_key:
             return
-        self._body_key = body.vertices.tobytes()
+        self._body_key = vertices.tobytes()
         self._scene.add_mesh_simple(
-            "/carried/object", body.vertices.astype(np.float32), body.faces.astype(np.uint32),
+            "/carried/object", vertices.astype(np.float32), faces.astype(np.uint32),
             color=OBJECT, opacity=OPACITY, flat_shading=True,
         )  # fmt: skip
-        edges = object_edges(body.vertices, body.faces)
-        lines = body.vertices[edges if len(edges) else body.faces[:, :2]]  # a ball has no edges
         self._outlines = [
-            self._scene.add_line_segments(f"/{name}", lines, OUTLINE, thickness=OUTLINE_WIDTH, thickness_units="screen")
+            self._scene.add_line_segments(
+                f"/{name}", outlines(body), OUTLINE, thickness=OUTLINE_WIDTH, thickness_units="screen"
+            )
             for name in ("start", "goal")
         ]
 

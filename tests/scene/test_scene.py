@@ -147,13 +147,13 @@ def test_the_body_is_closed_has_the_inertia_and_spans_the_grasps(dual_ur5):
     bare = replace(dual_ur5, object_shape=None)
     far = bare.with_values({"robots.left.grasp.xyz": [-0.6, 0.1, 0.3], "robots.right.grasp.xyz": [0.05, 0.02, 0.01]})
     for cell in (dual_ur5, bare, far):
-        body = held_body(cell)
-        mesh = trimesh.Trimesh(body.vertices, body.faces, process=False)
+        vertices, faces = held_body(cell)
+        mesh = trimesh.Trimesh(vertices, faces, process=False)
         assert mesh.is_watertight
         assert mesh.volume > 0
         contacts = np.array([robot.T_object_tip.p for robot in cell.robots])
         _, distance, _ = trimesh.proximity.closest_point(mesh, contacts)
-        assert np.max(distance) < 0.1 * np.ptp(body.vertices)
+        assert np.max(distance) < 0.1 * np.ptp(vertices)
 
 
 @pytest.mark.parametrize(("make", "arms"), [(random_planar_cell, 3), (random_spatial_cell, 1)])

@@ -288,9 +288,9 @@ def test_no_peak_is_lost_and_names_are_text():
 
 
 def test_a_saved_result_plays_without_a_compiler(lifted, tmp_path, monkeypatch):
+    mrts.save_result(lifted, tmp_path / "fast.npz")
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    mrts.save_result(lifted, tmp_path / "fast.npz")
     state = PlayerState.saved(mrts.load_result(tmp_path / "fast.npz"))
     assert state.admissible
     with shown_viewer(state) as opened:
