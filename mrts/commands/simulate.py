@@ -16,6 +16,7 @@ from mrts.commands.console.terminal import warn
 from mrts.commands.options import HTML, Named
 
 if TYPE_CHECKING:
+    from mrts.base.arrays import Array
     from mrts.cell.cell import Cell
     from mrts.scaling.result import ScalingResult
     from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -25,6 +26,7 @@ EXAMPLES = """\
 examples:
   mrts simulate cell.yaml result.npz
   mrts simulate cell.yaml trajectory.csv --set delay=2e-3 --set mass=0.05 --set com=0.002,0,0
+  mrts simulate cell.yaml result.npz --override random:1
   mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest"""
 
 
@@ -35,6 +37,9 @@ examples:
           "them")  # fmt: skip
 @option("--set", "given", multiple=True, metavar="KEY=VALUE",
         help="a number of the controller or of the cell's errors; once for each (docs/simulate.md)")  # fmt: skip
+@option("--override", metavar="FILE|random:SEED",
+        help="play it at the speeds that a CSV table of t and speed wants, or at random ones "
+        "(docs/override.md)")  # fmt: skip
 @option("--trials", type=int, metavar="N", help="play it again so often with drawn errors (default: 0)")
 @option("--seed", type=int, metavar="N", help="of the drawn errors and of noise (default: 0)")
 @options.json
@@ -48,6 +53,7 @@ def run(
     plot_format: str,
     given: tuple[str, ...] = (),
     *,
+    override: str | None = None,
     json: Path | None = None,
     plot: Path | None = None,
     report: Path | None = None,
@@ -63,6 +69,8 @@ def run(
     compiled = options.compiled_cell(cell)
     with working(f"reading {plan}"):
         planned = _plan(compiled, plan)
+    if override is not None:
+        draw["override"] = _wishes(override, planned)
     with working(f"simulating {compiled.name}") as progress:
         found = simulate(planned, controller, errors, progress=progress, **draw)
     outputs = Outputs()
@@ -91,6 +99,17 @@ def _plan(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult | ScaledT
         warn(f"{path} seems to be a plan of another cell: {off.name} up to {off.largest:.3g} {off.name.unit}; "
              f"mrts check {path} --cell tells more")  # fmt: skip
     return planned
+
+
+def _wishes(given: str, planned: "ScalingResult | RetimingResult | ScaledTrajectory") -> "Array":
+    from mrts.override.wishes import random_wishes, read_wishes
+
+    word, sign, seed = given.partition(":")
+    if (word, sign) != ("random", ":"):
+        return read_wishes(given)
+    if not seed.isdecimal():
+        raise InputError("override", "must be random:SEED with a whole number, or a CSV table.", value=given)
+    return random_wishes(int(seed), planned.duration or 1.0)
 
 
 def _setting(text: str) -> tuple[str, Any]:

@@ -52,7 +52,7 @@ def read_table(
         InputError: If a column is missing, unknown or malformed, a value is not a finite number, the times do not
             increase, a quaternion is not of length 1, or the velocities contradict the positions.
     """
-    columns = _read_columns(path)
+    columns = read_columns(path)
     of_object = any(name in columns for name in POSE_COLUMNS) and not any(name.startswith("q.") for name in columns)
     if kind == "object" or (kind is None and of_object):
         return _object_table(path, columns, samples)
@@ -60,7 +60,7 @@ def read_table(
 
 
 def _object_table(path: Path, columns: dict[str, Array], samples: int | None) -> ObjectMotion:
-    time = _time(path, columns)
+    time = row_times(path, columns)
     rates = tuple(name for name in RATE_COLUMNS if name in columns)
     missing = [name for name in POSE_COLUMNS if name not in columns]
     if missing:
@@ -102,7 +102,7 @@ def _joint_table(path: Path, columns: dict[str, Array], samples: int | None) -> 
         raise InputError(path, "holds no column q.ROBOT/JOINT.")
     if all(name.startswith("q.") for name in columns):
         return joint_waypoints(path, parts["q"], samples)
-    time = _time(path, columns)
+    time = row_times(path, columns)
     for below, part in (("q", "dq"), ("dq", "ddq")):
         for joint in parts[part]:
             if joint not in parts[below]:
@@ -116,8 +116,8 @@ def read_joint_columns(path: Path) -> tuple[Array, dict[str, dict[str, Array]]]:
     Raises:
         InputError: If a column is malformed, a value is not a finite number, or the times do not increase.
     """
-    columns = _read_columns(path)
-    return _time(path, columns), _joint_parts(path, columns)
+    columns = read_columns(path)
+    return row_times(path, columns), _joint_parts(path, columns)
 
 
 def _joint_parts(path: Path, columns: dict[str, Array]) -> dict[str, dict[str, Array]]:
@@ -136,7 +136,12 @@ def _joint_parts(path: Path, columns: dict[str, Array]) -> dict[str, dict[str, A
     return parts
 
 
-def _read_columns(path: Path) -> dict[str, Array]:
+def read_columns(path: Path, least: int = 2) -> dict[str, Array]:
+    """Read a table of numbers: each column by its name, Shape (N,), N at least `least`.
+
+    Raises:
+        InputError: If the table is malformed, or a value is not a finite number.
+    """
     text = read_text(path, "table").removeprefix("\ufeff")  # the mark that spreadsheets put in front of UTF-8
     rows = _rows(path, text)
     try:
@@ -149,8 +154,8 @@ def _read_columns(path: Path) -> dict[str, Array]:
     except csv.Error as error:
         raise InputError(path, f"is no CSV table: {error}.") from None
     count = len(values) // len(names)
-    if count < 2:  # noqa: PLR2004 (both ends)
-        raise InputError(path, f"holds {count} rows of values; a motion has at least 2.")
+    if count < least:
+        raise InputError(path, f"holds {count} rows of values; at least {least} are needed.")
     columns = np.frombuffer(values).reshape(count, len(names)).T.copy()
     return dict(zip(names, columns, strict=True))
 
@@ -200,13 +205,18 @@ def _column_names(path: Path, row: list[str] | None) -> list[str]:
     return names
 
 
-def _time(path: Path, columns: dict[str, Array]) -> Array:
+def row_times(path: Path, columns: dict[str, Array]) -> Array:
+    """The column t, Shape (N,) [s], from 0.
+
+    Raises:
+        InputError: If there is none, or the times do not increase.
+    """
     if "t" not in columns:
         waypoints = "Waypoints of joints without times have columns q.JOINT alone."
         raise InputError(path, f"a column 't' in s is needed; there are {', '.join(columns)}. {waypoints}")
     time = columns["t"]
     steps = np.diff(time)
-    if np.min(steps) < SHORTEST_STEP:
+    if np.min(steps, initial=np.inf) < SHORTEST_STEP:
         late = np.min(steps) > 0
         row = int(np.argmin(steps) if late else np.argmax(steps <= 0)) + 2
         rule = (

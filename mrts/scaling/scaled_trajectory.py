@@ -87,6 +87,12 @@ class ScaledTrajectory:
         """New traversal time t_1 = t_f / c [s]."""
         return float(self.motion.object.time[-1] / self.c)
 
+    def course(self) -> Any:
+        """The joints by time, a cubic spline through positions and velocities, as a controller interpolates them."""
+        from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 (slow to import)
+
+        return CubicHermiteSpline(self.time, self.q, self.dq)
+
     @property
     def friction(self) -> Array:
         """The part of `torque` that overcomes friction, Shape (N, m) [N m or N]; controllers add it or not."""

@@ -20,10 +20,13 @@ from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName
 from mrts.motion.rows_at_rest import REST
+from mrts.override.speed_override import SpeedOverride
+from mrts.override.wishes import commanded, wanted_at_ticks
 from mrts.scaling.limit_use import LimitUse, limit_uses, power_uses
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.simulation.controller import Controller, PlantErrors
+from mrts.simulation.speed_scaling import SpeedScaling, speed_scaling
 from mrts.timing.result import RetimingResult
 
 STEP, FINEST = 1e-5, 1e-6
@@ -90,12 +93,13 @@ class Simulation(InNotebooks, JsonOutput):
     """What `mrts.simulate` found.
 
     Attributes:
-        plan: What was to be played.
+        plan: What was to be played; under a speed override what that commanded.
         played: What became of it, until 0.2 s after its end, as measured: torques are those of the motors.
         controller: What played it.
         errors: Of the cell.
         saturated: Share of the motion's commands of which a motor's limit cut some joint's torque.
         trials: With drawn errors; None without.
+        speed_scaling: What slowing the plan's clock alone would ask for on the same wishes; None without an override.
     """
 
     plan: ScaledTrajectory
@@ -104,6 +108,7 @@ class Simulation(InNotebooks, JsonOutput):
     errors: PlantErrors
     saturated: float
     trials: Trials | None = None
+    speed_scaling: SpeedScaling | None = None
 
     @cached_property
     def uses(self) -> tuple[tuple[LimitUse, LimitUse], ...]:
@@ -125,7 +130,7 @@ class Simulation(InNotebooks, JsonOutput):
     @cached_property
     def joint_error(self) -> Array:
         """Of the joints against the plan, Shape (N, m) [rad or m]."""
-        return np.asarray(self.played.q - course(self.plan)(np.minimum(self.played.time, self.plan.duration)))
+        return np.asarray(self.played.q - self.plan.course()(np.minimum(self.played.time, self.plan.duration)))
 
     @cached_property
     def object_error(self) -> Array:
@@ -194,6 +199,8 @@ class Simulation(InNotebooks, JsonOutput):
                 f"{len(most)} trials with drawn errors: {LIKELY:g} % stay within {within} of every limit, the worst "
                 f"uses {worst}; {self.trials.kept} keep all limits"
             )
+        if self.speed_scaling is not None:
+            yield self.speed_scaling.sentence()
         for title, of in (("controller", self.controller), ("cell", self.errors)):
             numbers = (f"{name} {_told(value)}" for name, value in of.to_json().items())
             yield f"{title}: {', '.join(numbers)}"
@@ -257,6 +264,8 @@ class Simulation(InNotebooks, JsonOutput):
                 "largest": self.trials.largest.tolist(),
                 "saturated": self.trials.saturated.tolist(),
             }
+        if self.speed_scaling is not None:
+            found["speed_scaling"] = self.speed_scaling.to_json()
         return found
 
 
@@ -265,6 +274,7 @@ def simulate(
     controller: Controller | None = None,
     errors: PlantErrors | None = None,
     *,
+    override: Array | None = None,
     cell: Cell | None = None,
     trials: int = 0,
     seed: int = 0,
@@ -279,6 +289,8 @@ def simulate(
         plan: What `mrts.scale` or `mrts.retime` found, or its trajectory.
         controller: None is `Controller()`.
         errors: None is `PlantErrors()`.
+        override: Times from 0 [s] and speeds that are wanted from then on, Shape (k, 2): the controller plays the plan
+            by its `SpeedOverride` until nothing moves any more; None plays it as planned.
         cell: With the limits and motors that count; None is the plan's, without a reserve.
         trials: How often it is played again, with errors drawn evenly between minus and plus `errors`.
         seed: Of the draws and of the noise.
@@ -289,7 +301,7 @@ def simulate(
 
     Raises:
         InputError: If MuJoCo is missing, a number breaks a rule, the URDFs of the cell are not there as they were, or
-            the plan has no trajectory, or does not start and end at rest.
+            the plan has no trajectory, or does not start and end at rest; of an override, as `SpeedOverride` too.
         SolverError: If the simulation runs away.
     """
     require_extra("simulate", "simulate", "mujoco")
@@ -300,7 +312,13 @@ def simulate(
     if not is_number(seed, 0) or seed != int(seed):
         raise InputError("seed", "must be a whole number >= 0.", value=seed)
     controller, errors = controller or Controller(), errors or PlantErrors()
-    planned = _trajectory(plan)
+    planned, scaling = _trajectory(plan), None
+    if override is not None:
+        if isinstance(plan, ScaledTrajectory):
+            raise InputError("override", "is of a result, such as mrts scale --save writes: this plan is a table.")
+        governor, dt = SpeedOverride(plan), 1 / controller.rate
+        wanted = wanted_at_ticks(override, governor.duration, dt)
+        scaling, planned = speed_scaling(planned, wanted, dt), commanded(governor, wanted, dt)
     check_type("cell", cell, Cell, NoneType)
     counts = (planned.cell if cell is None else cell).with_reserve(0.0)
     if counts.joint_names != planned.cell.joint_names:
@@ -321,8 +339,9 @@ def simulate(
         drawn_errors, shares, cuts = zip(*found, strict=True)
         several = Trials(drawn_errors, np.array(shares), np.array(cuts))
     return Simulation(
-        plan=planned, played=played, controller=controller, errors=errors, saturated=saturated, trials=several
-    )
+        plan=planned, played=played, controller=controller, errors=errors, saturated=saturated, trials=several,
+        speed_scaling=scaling,
+    )  # fmt: skip
 
 
 def kept_uses(done: ScaledTrajectory) -> list[LimitUse]:
@@ -330,13 +349,6 @@ def kept_uses(done: ScaledTrajectory) -> list[LimitUse]:
     kept = done.cell.enforces_velocity_limits
     uses = (*limit_uses(done), *power_uses(done))
     return [use for use in uses if use.limited and (kept or use.name.kind != "velocity")]
-
-
-def course(plan: ScaledTrajectory) -> Any:
-    """The joints of a plan by time, as a controller interpolates them."""
-    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 (slow to import)
-
-    return CubicHermiteSpline(plan.time, plan.q, plan.dq)
 
 
 def _trajectory(plan: ScalingResult | RetimingResult | ScaledTrajectory) -> ScaledTrajectory:
@@ -360,7 +372,7 @@ def _reference(plan: ScaledTrajectory, controller: Controller) -> tuple[Array, A
     """Times of the controller's commands, Shape (k,) [s], with the plan's q, q̇ and torques then, each Shape (k, m)."""
     period, torque, end = 1 / controller.rate, plan.torque, plan.duration
     time = np.arange(-np.ceil(BEFORE / period), np.ceil((end + AFTER) / period) + 1) * period
-    inside, joints = np.clip(time, 0.0, end), course(plan)
+    inside, joints = np.clip(time, 0.0, end), plan.course()
     if not controller.friction:
         torque = torque - plan.friction
     forward = np.column_stack([np.interp(time, plan.time, column) for column in torque.T])

@@ -32,6 +32,7 @@ DOCS = ROOT / "docs"
         pytest.param("optimal_profile", 2, marks=pytest.mark.slow),
         pytest.param("smooth", 3, marks=pytest.mark.slow),
         pytest.param("simulate", 3, marks=pytest.mark.slow),
+        pytest.param("override", 2, marks=pytest.mark.slow),
         pytest.param("real_cell", 6, marks=pytest.mark.slow),
         pytest.param("studies", 7, marks=pytest.mark.slow),
         pytest.param("limits", 1, marks=pytest.mark.slow),
