@@ -7,19 +7,23 @@ from pathlib import Path
 from posixpath import dirname, join, normpath
 
 import casadi as ca
-from mrts_codegen.embedded.words import UNLIMITED, Precision, cell_words, vector_words
+from mrts_codegen.embedded.words import UNLIMITED, Precision, cell_words, plan_words, vector_words
 from mrts_codegen.model_c import model_c
 
 from mrts.base.atomic_file import check_own, is_marked, text_writer, write_together
-from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
+from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedPlan, EmbeddedVector
 from mrts.base.errors import InputError
 from mrts.base.input_file import IDENTIFIER, LONGEST_NAME
 from mrts.cell.record import CellRecord
 
 PARTS = ("terms", "range", "share", "torques")
-"""What `--functions` chooses from."""
+"""What `--functions` chooses from; a library of a plan has "override" besides."""
 
-MODEL_FUNCTIONS = {"terms": "HAS_TERMS", "wrench_form": "HAS_FORM", "fixed_distribution": "HAS_SHARE"}
+OVERRIDE = "override"
+
+MODEL_FUNCTIONS = {"terms": "HAS_TERMS", "wrench_form": "HAS_FORM", "fixed_distribution": "HAS_SHARE"} | {
+    "played_torques": "HAS_OVERRIDE"
+}
 """Generated functions, by the condition on which they are wanted."""
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -56,6 +60,7 @@ def export_library(
     kernel: Callable[[str], str],
     precision: Precision = "double",
     parts: Sequence[str] = PARTS,
+    plan: EmbeddedPlan | None = None,
 ) -> dict[str, str]:
     """Texts of all files of the library, by path inside its folder.
 
@@ -63,11 +68,7 @@ def export_library(
         InputError: If a part or the precision does not exist, the name cannot be taken, or a function holds an
             operation that no C is known of.
     """
-    for part in parts:
-        if part not in PARTS:
-            raise InputError("--functions", f"there are {', '.join(PARTS)}.", value=part)
-    if not parts:
-        raise InputError("--functions", f"choose at least one of {', '.join(PARTS)}.")
+    _check_parts(parts, plan)
     if precision not in UNLIMITED:
         raise InputError("--precision", "must be double or float.", value=precision)
     _check_name(cell.name)
@@ -102,12 +103,40 @@ def export_library(
         texts["examples/main.c"] = implementation("example.c")
         texts["tests/test_main.c"] = implementation("test_main.c")
         texts[f"tests/{name}_vectors.h"] = template("cell_vectors.h")
+    words |= dict.fromkeys(("MAKE_PLAN", "README_PLAN", "PLAN_OBJECTS", "PLAN_SOURCES", "PLAN_HEADER"), "")
+    if plan is not None:
+        words |= plan_words(plan, precision) | _files_of_plan(name)
+        texts[f"include/{name}_override.h"] = implementation("cell_override.h")
+        texts[f"src/{name}_override.c"] = implementation("cell_override.c")
+        texts[f"src/{name}_plan.c"] = template("cell_plan.c")
+        texts["examples/override.c"] = implementation("example_override.c")
+        words |= {
+            word: template(f"project/{file}") for word, file in (("MAKE_PLAN", "plan.mk"), ("README_PLAN", "plan.md"))
+        }
     for word, file in (("MAKE_TESTS", "tests.mk"), ("CMAKE_TESTS", "tests.cmake"), ("README_TESTS", "tests.md")):
         words[word] = template(f"project/{file}") if holds["WHOLE"] else ""
     words["HEADERS"] = " \\\n  ".join(
         file for file in texts if Path(file).parts[0] in {"include", "src"} and file[-1] != "c"
     )
     return texts | {file: template(f"project/{file}") for file in ("Makefile", "CMakeLists.txt", "README.md")}
+
+
+def _check_parts(parts: Sequence[str], plan: EmbeddedPlan | None) -> None:
+    known = PARTS if plan is None else (*PARTS, OVERRIDE)
+    for part in parts:
+        if part not in known:
+            more = " With --plan there is override." if part == OVERRIDE else ""
+            raise InputError("--functions", f"there are {', '.join(known)}.{more}", value=part)
+    if not parts:
+        raise InputError("--functions", f"choose at least one of {', '.join(known)}.")
+
+
+def _files_of_plan(name: str) -> dict[str, str]:
+    return {
+        "PLAN_OBJECTS": f" build/{name}_override.o build/{name}_plan.o",
+        "PLAN_SOURCES": f" src/{name}_override.c src/{name}_plan.c",
+        "PLAN_HEADER": f" include/{name}_override.h",
+    }
 
 
 def _check_name(name: str) -> None:
@@ -136,8 +165,9 @@ def conditions(limits: EmbeddedLimits, precision: Precision, parts: Iterable[str
         "TURNED": "BASE" in tables,
         "SINGLE": precision == "float",
         "WHOLE": is_whole(wanted),
-        **{f"HAS_{part.upper()}": part in wanted for part in PARTS},
-        "HAS_ROWS": wanted != {"terms"},
+        "GEOMETRY": False,
+        **{f"HAS_{part.upper()}": part in wanted for part in (*PARTS, OVERRIDE)},
+        "HAS_ROWS": not wanted <= {"terms", OVERRIDE},
         "HAS_FORM": not wanted.isdisjoint({"range", "torques"}),
         "HAS_SPEEDS": motors and not wanted.isdisjoint({"range", "share"}),
     }
@@ -145,7 +175,7 @@ def conditions(limits: EmbeddedLimits, precision: Precision, parts: Iterable[str
 
 def is_whole(parts: Iterable[str]) -> bool:
     """Whether these are all parts: tests and example use all of them."""
-    return set(parts) == set(PARTS)
+    return set(parts) >= set(PARTS)
 
 
 def decided(text: str, holds: dict[str, bool]) -> str:

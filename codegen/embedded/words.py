@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
+from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedPlan, EmbeddedVector
 from mrts.base.torque_weights import weights_by_limits
 from mrts.cell.record import CellRecord
 
@@ -101,6 +101,33 @@ def vector_words(
         "REST_SPEED": c_number(rest * fastest, precision),
         "REST_ACCELERATION": c_number(rest * changing, precision),
     }
+
+
+def plan_words(plan: EmbeddedPlan, precision: Precision) -> dict[str, str]:
+    """What stands for each @WORD@ of a plan's tables."""
+
+    def of(name: str) -> str:
+        return c_numbers(getattr(plan, name), precision)
+
+    return {
+        "NODES": str(len(plan.nodes)),
+        "NODE_ROWS": "\n".join(f"    {_braces(node, precision)}," for node in plan.nodes),
+        "LIMIT_TEXT": "\n".join(f"    {c_string(text)}," for text in plan.limits),
+        "SWITCHES": f"{int(plan.backwards)}, {int(plan.varies)}, {plan.keeps_rates}",
+        **{f"PLAN_{name.upper()}": of(name) for name in ("load", "armature", "coulomb", "viscous")},
+    }
+
+
+def _braces(value: Any, precision: Precision) -> str:
+    """A structure or an array, of which the last axis stands in one line."""
+    if isinstance(value, np.void):
+        parts = [_braces(np.asarray(value[name]), precision) for name in value.dtype.names or ()]
+    elif value.ndim > 1:
+        parts = [_braces(part, precision) for part in value]
+    else:
+        text = c_numbers(value, precision)
+        return f"{{{text}}}" if value.ndim else text
+    return f"{{{', '.join(parts)}}}"
 
 
 def _vector_row(vector: EmbeddedVector, precision: Precision, macro: str | None) -> str:

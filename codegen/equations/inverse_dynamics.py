@@ -5,7 +5,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from mrts_codegen.equations.kinematics import ChainMotion, chain_motion
+from mrts_codegen.equations.kinematics import ChainMotion, chain_motion, spin
 from mrts_codegen.urdf.robot_model import RobotModel
 
 from mrts.base.arrays import Array
@@ -43,7 +43,7 @@ def transmitted_torques(robot: RobotModel, motion: ChainMotion, force: Any, mome
         joint = robot.joints[index]
         w, dw = motion.w[index], motion.dw[index]
         com, inertia = ca.SX(joint.body.com), ca.SX(joint.body.at_com)
-        own_f = joint.body.mass * (motion.a[index] + ca.cross(dw, com) + ca.cross(w, ca.cross(w, com)))
+        own_f = joint.body.mass * (motion.a[index] + spin(w, dw) @ com)
         own_n = inertia @ dw + ca.cross(w, inertia @ w) + ca.cross(com, own_f)
         f, n = f + own_f, n + own_n
         axis = ca.SX(joint.axis)

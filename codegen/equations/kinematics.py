@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
-from mrts_codegen.equations.spatial_algebra import axis_rotation
+from mrts_codegen.equations.spatial_algebra import axis_rotation, skew
 from mrts_codegen.urdf.robot_model import Joint, RobotModel
 
 
@@ -80,7 +80,7 @@ def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration
     for index, joint in enumerate(robot.joints):
         R, p = joint_transform(joint, q[index])
         axis = ca.SX(joint.axis)
-        a = R.T @ (a + ca.cross(dw, p) + ca.cross(w, ca.cross(w, p)))
+        a = R.T @ (a + spin(w, dw) @ p)
         w, dw = R.T @ w, R.T @ dw
         if joint.kind == "revolute":
             dw = dw + axis * ddq[index] + ca.cross(w, axis) * dq[index]
@@ -92,6 +92,12 @@ def chain_motion(robot: RobotModel, q: Any, dq: Any, ddq: Any, base_acceleration
     return motion
 
 
+def spin(w: Any, dw: Any) -> Any:
+    """The matrix of a ↦ ω̇ × a + ω × (ω × a), Shape (3, 3)."""
+    products = w @ w.T
+    return skew(dw) + products - ca.trace(products) * ca.SX.eye(3)
+
+
 def bias_acceleration(robot: RobotModel, q: Any, dq: Any) -> Any:
     """J̇q̇ of the tip, the acceleration [v̇; ω̇] at q̈ = 0, in base axes, Shape (6,)."""
     rest = ca.SX.zeros(len(robot.joints))
@@ -99,4 +105,4 @@ def bias_acceleration(robot: RobotModel, q: Any, dq: Any) -> Any:
     w, dw, a = motion.w[-1], motion.dw[-1], motion.a[-1]
     p = ca.SX(robot.tip.p)
     R = forward_kinematics(robot, q)[-2][0]
-    return ca.vertcat(R @ (a + ca.cross(dw, p) + ca.cross(w, ca.cross(w, p))), R @ dw)
+    return ca.vertcat(R @ (a + spin(w, dw) @ p), R @ dw)

@@ -7,7 +7,7 @@ import casadi as ca
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.equations.geometry import Geometry
 from mrts_codegen.equations.inverse_dynamics import transmitted_torques
-from mrts_codegen.equations.kinematics import ChainMotion, chain_motion, forward_kinematics
+from mrts_codegen.equations.kinematics import ChainMotion, chain_motion, forward_kinematics, spin
 from mrts_codegen.equations.object_dynamics import angular_balance, linear_balance, load_inertia
 
 
@@ -68,7 +68,7 @@ def _needed(geometry: Geometry, motion: ChainMotion, load: Any) -> tuple[Any, An
     R, p = ca.SX(tip.R) @ ca.SX(grasp.R).T, ca.SX(tip.p)
     origin = p - R @ ca.SX(grasp.p)  # of the object, in the frame of the last joint
     w, dw = motion.w[-1], motion.dw[-1]
-    a = motion.a[-1] + ca.cross(dw, origin) + ca.cross(w, ca.cross(w, origin))
+    a = motion.a[-1] + spin(w, dw) @ origin
     w, dw, a = R.T @ w, R.T @ dw, R.T @ a
     h = load[1:4]
     return linear_balance(load[0], h, a, w, dw), angular_balance(load_inertia(load), h, a, w, dw)

@@ -28,6 +28,31 @@ class EmbeddedLimits:
 
 
 @dataclass(frozen=True, kw_only=True)
+class EmbeddedPlan:
+    """A plan that is played at any speed, as `cell_plan` of the exported header has it.
+
+    Attributes:
+        nodes: `cell_plan_node`, Shape (n,), with the fields of the header.
+        limits: Names of what may be active.
+        backwards: Whether limits hold against the plan's direction too.
+        varies: Whether the largest speed does.
+        keeps_rates: The place in `limits` of the rates that are kept; 0 where none are.
+        load: Load vector, Shape (10,).
+        armature: Of the motors, Shape (m,); likewise `coulomb` and `viscous`.
+    """
+
+    nodes: NDArray[Any]
+    limits: tuple[str, ...]
+    backwards: bool
+    varies: bool
+    keeps_rates: int
+    load: Array
+    armature: Array
+    coulomb: Array
+    viscous: Array
+
+
+@dataclass(frozen=True, kw_only=True)
 class EmbeddedVector:
     """One sample, a mass, and the answers; statuses are those of the exported header.
 

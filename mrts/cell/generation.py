@@ -19,7 +19,7 @@ from mrts.kernel.c_text import one_file
 from mrts.kernel.cache_folder import cache_folder, only_ours
 
 if TYPE_CHECKING:
-    from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedVector
+    from mrts.base.embedded_inputs import EmbeddedLimits, EmbeddedPlan, EmbeddedVector
 
 Record = TypeVar("Record", bound=ChainsRecord)
 
@@ -124,6 +124,7 @@ def export_to(
     precision: Literal["double", "float"],
     parts: tuple[str, ...],
     name: str | None = None,
+    plan: "EmbeddedPlan | None" = None,
 ) -> list[str]:
     """Export a cell as a self-contained C library.
 
@@ -136,11 +137,13 @@ def export_to(
         precision: "double" or "float".
         parts: Of `mrts_codegen.embedded.export_library.PARTS`; none at all is all.
         name: Prefix of every name in the library; None is the cell's.
+        plan: What the library plays at any speed.
 
     Returns:
         The files, relative to the folder.
     """
     from mrts_codegen.embedded.export_library import (  # noqa: PLC0415 (build time, on demand)
+        OVERRIDE,
         PARTS,
         export_library,
         write_library,
@@ -156,7 +159,8 @@ def export_to(
         path_samples=path_samples,
         kernel=one_file,
         precision=precision,
-        parts=parts or PARTS,
+        parts=parts or (PARTS if plan is None else (*PARTS, OVERRIDE)),
+        plan=plan,
     )
     write_library(folder, texts)
     return sorted(texts)

@@ -15,12 +15,15 @@ from mrts.commands.console.terminal import say
 from mrts.commands.options import Named, Written
 
 if TYPE_CHECKING:
+    from mrts.cell.cell import Cell
     from mrts.following.grasp_closure import ClosureBound
+    from mrts.override.speed_override import SpeedOverride
 
 EXAMPLES = """\
 examples:
   mrts export cell.yaml -o embedded/my_cell --precision float
   mrts export cell.yaml -o embedded/my_cell --functions range,torques --name arms
+  mrts export cell.yaml -o embedded/my_cell --plan result.npz --precision float
   make -C embedded/my_cell test example"""
 
 
@@ -29,10 +32,15 @@ examples:
 @option("-o", "--output", type=Written(folder=True), required=True, metavar="DIR", help="folder for the library")
 @option("--precision", type=Choice(["double", "float"]), default="double", show_default=True, help="of its numbers")
 @option(
-    "--functions", metavar="A,B,…", help="of terms, range, share, torques (default: all, with tests and an example)"
+    "--functions",
+    metavar="A,B,…",
+    help="of terms, range, share, torques, override (default: all, with tests and an example)",
 )
 @option("--name", help="prefix of all names (default: the cell's name)")
 @option("--motion", type=Named(), metavar="MOTION", help="motion of the test vectors (default: a short lift)")
+@option("--plan", type=Named(), metavar="RESULT.npz", help="a plan to be played at any speed (docs/override.md)")
+@option("--fastest-override", type=float, metavar="W", help="largest speed along the plan (default: 1, the plan's)")
+@option("--backwards", is_flag=True, help="the plan may run back as well")
 @options.closure
 def run(
     cell: Path,
@@ -40,6 +48,10 @@ def run(
     functions: str = "",
     motion: Path | None = None,
     closure: "ClosureBound | None" = None,
+    *,
+    plan: Path | None = None,
+    fastest_override: float = 1.0,
+    backwards: bool = False,
     **given: Any,
 ) -> int:
     """Write a self-contained C library of a cell for a controller."""
@@ -52,14 +64,32 @@ def run(
     if is_folder(cell):
         raise InputError(cell, "an export starts from the cell file, not from a generated folder.")
     compiled = options.compiled_cell(cell)
+    played = None
+    if plan is not None:
+        with working(f"tables of {plan}"):
+            played = _override(plan, compiled, fastest_override, backwards=backwards)
+    elif backwards or fastest_override != 1:
+        raise InputError("--plan", "there is none that could be played faster, or backwards. Give a saved result.")
     limits = embedded_limits(compiled)
     parts = tuple(part for part in functions.split(",") if part)
     vectors, samples = [], 0
     if comes_with_tests(parts):
-        played = own_motion(compiled) if motion is None else coordinate(compiled, load_motion(motion), closure)
-        vectors, samples = make_vectors(compiled, played), played.samples
+        along = own_motion(compiled) if motion is None else coordinate(compiled, load_motion(motion), closure)
+        vectors, samples = make_vectors(compiled, along), along.samples
+    tables = None if played is None else played.tables
     with working(f"writing {output}"):
-        written = export_to(cell, output, limits=limits, vectors=vectors, path_samples=samples, parts=parts, **given)
+        written = export_to(
+            cell, output, limits=limits, vectors=vectors, path_samples=samples, parts=parts, plan=tables, **given
+        )
     say(f"{compiled.name}: {given['precision']} precision, {len(vectors)} test vectors, in {output}:")
     say("\n".join(f"  {name}" for name in written))
+    if played is not None:
+        say(played.stops().sentence())
     return FEASIBLE
+
+
+def _override(path: Path, cell: "Cell", fastest: float, *, backwards: bool) -> "SpeedOverride":
+    from mrts.output.saved_result import load_result
+    from mrts.override.speed_override import SpeedOverride
+
+    return SpeedOverride(load_result(path, cell), fastest=fastest, backwards=backwards)

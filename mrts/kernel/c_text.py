@@ -155,6 +155,7 @@ def override_source(manifest: Manifest, generated: str) -> str:
         "CELL_WRENCHES": components * len(manifest.robots),
         "CELL_LOAD": len(LOAD_ENTRIES),
         "CELL_GEOMETRY": 1,
+        "CELL_MOTORS": 1,
         "cell_model_played_torques": record.symbol,
     }
     exported = OURS_INCLUDED.sub("", one_file(f"{OVERRIDE}.h") + one_file(f"{OVERRIDE}.c"))

@@ -28,6 +28,7 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.motor_terms import travel_directions
 from mrts.program.reserve import reserved
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
+from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER, solve_programs
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.widening import least_widening
@@ -37,12 +38,15 @@ from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import TimedPiece, at_segment_ends, fastest_pieces, new_times
 
 HARDEST = 0.98
-"""Share of the hardest braking and acceleration that is used: at the end itself wrenches are one point, and jump from
-node to node."""
+"""Share of the hardest braking and acceleration, and of the largest x, that is used: at the end itself wrenches are one
+point, and jump from node to node."""
 
 STEEPEST = 2.0
 """Times the acceleration of the nodes beside that a node may have: near an end of the plan, where nothing moves, any
 would do, and a line between two nodes would not."""
+
+BRAKES = 0.8
+"""Share of the braking at two nodes that a largest speed may ask for between them: ticks are not nodes."""
 
 SAME_ACCELERATION = 1e-3
 """Share of the largest acceleration of a joint up to which those before and after a sample are one."""
@@ -111,6 +115,7 @@ class Plan:
         loads: Load vectors that it carries, each Shape (10,).
         weights: W of the torques that are chosen, Shape (m, m).
         keeps_reserve: Whether they keep most of every limit free.
+        most: Largest x, 1 unless it may be played faster, Shape (n,).
     """
 
     cell: Cell
@@ -120,10 +125,15 @@ class Plan:
     loads: tuple[Array, ...]
     weights: Array
     keeps_reserve: bool
+    most: Array
 
 
-def plan_of(result: ScalingResult | RetimingResult) -> Plan:
+def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
     """The plan of a result.
+
+    Args:
+        result: The result.
+        fastest: The largest speed along it, 1 or more; less where limits leave less.
 
     Raises:
         InputError: If it has none, or one that does not start and end at rest.
@@ -140,14 +150,21 @@ def plan_of(result: ScalingResult | RetimingResult) -> Plan:
     cell, options = result.cell.with_reserve(0.0), result.options
     varies = cell.load_box is not None and options.load == "guaranteed"
     loads = tuple(point.load for point in cell.load_box.corners()) if varies and cell.load_box else (cell.load,)
+    loads = timed.loads if timed else loads
+    most = np.full(motion.samples, fastest**2)
+    if fastest > 1:
+        rows = motion_rows(cell, motion, options.sharing)
+        upper = [motion_ranges(rows, DEFAULT_SOLVER, load, fastest**2).upper for load in loads]
+        most = np.maximum(np.minimum(most, HARDEST * np.min(upper, axis=0)), 1.0)
     return Plan(
         cell,
         motion,
         None if jumps else done.wrench,
         options.sharing,
-        timed.loads if timed else loads,
+        loads,
         torque_weights(options.weights, cell),
         options.distribute == "reserve",
+        most,
     )
 
 
@@ -198,7 +215,20 @@ def divided(plan: Plan, segments: NDArray[np.intp], states: NDArray[Any]) -> Pla
     directions = travel_directions(motion)
     travel = np.insert(directions, after, np.stack([directions[1, segments]] * 2), axis=1)
     planned = None if plan.wrench is None else np.insert(plan.wrench, after, states["wrench"], axis=0)
-    return replace(plan, motion=unchecked_coordinated_motion(carried, q, dq, ddq, travel), wrench=planned)
+    motion = unchecked_coordinated_motion(carried, q, dq, ddq, travel)
+    most = np.insert(plan.most, after, np.minimum(plan.most[segments], plan.most[after]))
+    return replace(plan, motion=motion, wrench=planned, most=most)
+
+
+def reachable(corners: Corners, *, backwards: bool) -> Array:
+    """Largest x at every node from which braking leads below it at all others, Shape (n,)."""
+    most, step = corners.most.copy(), np.diff(corners.motion.object.time)
+    for side, order in ((BRAKE, range(len(step) - 1, -1, -1)), *([(PUSH, range(len(step)))] if backwards else [])):
+        least = BRAKES * np.min(np.abs(corners.acceleration[:, side]), axis=1)
+        for k in order:
+            node, ahead = (k, k + 1) if side == BRAKE else (k + 1, k)
+            most[node] = min(most[node], most[ahead] + 2 * min(least[node], least[ahead]) * step[k])
+    return np.asarray(np.maximum(most, 1.0))
 
 
 def motion_of(cell: Cell, states: NDArray[Any]) -> CoordinatedMotion:
@@ -271,14 +301,15 @@ def corners_of(plan: Plan, *, backwards: bool, margin: Array) -> Corners:
     cell, motion, count = plan.cell, plan.motion, plan.motion.samples
     rows = motion_rows(cell, motion, plan.sharing)
     dry = np.zeros((count, 1)) if rows.motors is None else rows.motors.dry @ rows.rows.torque_matrix.T / rows.size
-    most, none = np.ones(count), np.zeros(count)
+    most, none = plan.most, np.zeros(count)
     of_loads = []
     for load in (cell.load, *(load for load in plan.loads if not np.array_equal(load, cell.load))):
         problem = build_sample_problem(rows, load=load, varying=True)
         of_loads.append(_with_standing(plan, _Limits(problem, most, dry, backwards, none), margin))
     nominal = of_loads[0]
     if plan.wrench is not None:
-        nominal = of_loads[0] = replace(nominal, used=(nominal.wrenches(AT_REST), plan.wrench))
+        planned = np.where(most[:, None] > 1, nominal.wrenches(AT_MOST), plan.wrench)
+        nominal = of_loads[0] = replace(nominal, used=(nominal.wrenches(AT_REST), planned))
     names = ("", *dict.fromkeys(map(str, nominal.problem.names)))
     place = np.array([names.index(str(name)) for name in nominal.problem.names], dtype=np.int16)
 

@@ -2,7 +2,7 @@
 """A plan at a speed that changes while it runs: the C that an exported library has, called tick by tick."""
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array
+from mrts.base.embedded_inputs import EmbeddedPlan
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import LOAD_ENTRIES
 from mrts.cell.cell import Cell
@@ -20,10 +21,14 @@ from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 from mrts.kernel.foreign_arrays import INFINITY
 from mrts.limits import limit_rows
 from mrts.limits.rows import object_axes
-from mrts.override.plan_nodes import Corners, Plan, corners_of, divided, motion_of, plan_of
+from mrts.override.plan_nodes import Corners, Plan, corners_of, divided, motion_of, plan_of, reachable
+from mrts.override.stops import Stops
 from mrts.program.excess import BETWEEN
 from mrts.scaling.result import ScalingResult
 from mrts.timing.result import RetimingResult
+
+MOST_SPEED = 4.0
+"""Of a plan; as in the C, where it keeps squares small."""
 
 TICK = 1e-3
 """Time between two steps where none is given: the 1 kHz of most torque interfaces [s]."""
@@ -49,6 +54,9 @@ LESS = 0.7
 PLAYED = 1
 """The place of the plan itself among the six points."""
 
+STARTS = np.array([(place, part) for place in (0.0, 0.5) for part in (1.0, 0.75, 0.5, 0.25)])
+"""Where in each segment stops begin, and with which parts of the largest speed."""
+
 NOT_ADMITTED, WRONG = 2, 5
 REFUSED = {
     NOT_ADMITTED: "limits do not admit that speed there",
@@ -73,6 +81,15 @@ def _state_type(cell: Cell) -> np.dtype[Any]:
     fields += [(name, "f8", joints) for name in ("q", "dq", "ddq", "torque")]
     fields += [("wrench", "f8", wrenches), *((name, "i4") for name in ("active", "finished", "node", "direction"))]
     return np.dtype([*fields, ("inside", "f8"), ("aim", "f8")], align=True)
+
+
+def _plan_type(cell: Cell) -> np.dtype[Any]:
+    """`cell_plan` of the exported header, for Python."""
+    joints = len(cell.joint_names)
+    fields: list[Any] = [("nodes", "u8"), *((name, "i4") for name in ("count", "backwards", "varies", "keeps_rates"))]
+    fields += [("limits", "u8"), ("load", "f8", len(LOAD_ENTRIES))]
+    fields += [(name, "f8", joints) for name in ("armature", "coulomb", "viscous")]
+    return np.dtype([*fields, ("geometry", "u8")], align=True)
 
 
 def plan_nodes(cell: Cell, corners: Corners) -> NDArray[Any]:
@@ -166,6 +183,7 @@ class SpeedOverride:
 
     Args:
         result: What `mrts.scale` or `mrts.retime` found, with a trajectory that starts and ends at rest.
+        fastest: The largest speed along the plan, 1 to 4; less where limits leave less.
         backwards: Whether it may run against the plan's direction.
 
     Raises:
@@ -174,15 +192,24 @@ class SpeedOverride:
         SolverError: If no solver answers.
     """
 
-    def __init__(self, result: ScalingResult | RetimingResult, *, backwards: bool = False) -> None:
+    def __init__(
+        self, result: ScalingResult | RetimingResult, *, fastest: float = 1.0, backwards: bool = False
+    ) -> None:
         check_type("result", result, ScalingResult, RetimingResult)
         check_type("backwards", backwards, bool)
-        self.plan: Plan = plan_of(result)
+        if not is_number(fastest, 1, MOST_SPEED):
+            raise InputError("fastest", f"must be a number from 1 to {MOST_SPEED:g}.", value=fastest)
+        self.plan: Plan = plan_of(result, fastest)
         self.cell: Cell = self.plan.cell
         self.backwards = backwards
         self._library = _library(self.cell)
-        self._kept: list[NDArray[Any]] = []
         self._make()
+        for _ in range(ROUNDS):
+            slower = reachable(self.corners, backwards=backwards)
+            if np.all(slower >= self.plan.most):
+                break
+            self.plan = replace(self.plan, most=slower)
+            self._make()
 
     def _make(self) -> None:
         """The tables, with what they pass between nodes taken off."""
@@ -209,7 +236,8 @@ class SpeedOverride:
     @property
     def _chosen(self) -> NDArray[np.bool_]:
         """Of the six points those whose wrenches are found here, Shape (6,): a plan without jumps has its own."""
-        return np.asarray(np.arange(6) != (PLAYED if self.plan.wrench is not None else -1))
+        planned = self.plan.wrench is not None and bool(np.all(self.plan.most == 1))
+        return np.asarray(np.arange(6) != (PLAYED if planned else -1))
 
     def _at(self, segment: NDArray[np.intp], place: float) -> NDArray[Any]:
         """States of the plan as planned at a place in (0, 1) of some segments."""
@@ -229,24 +257,31 @@ class SpeedOverride:
         return found
 
     def _take(self, corners: Corners) -> None:
-        cell, robots = self.cell, self.cell.robots
+        cell, motors = self.cell, [robot.motors for robot in self.cell.robots]
         self.corners = corners
-        self.nodes = plan_nodes(cell, corners)
-        joints = len(cell.joint_names)
-        fields: list[Any] = [
-            ("nodes", "u8"),
-            *((name, "i4") for name in ("count", "backwards", "varies", "keeps_rates")),
-        ]
-        fields += [("limits", "u8"), ("load", "f8", len(LOAD_ENTRIES))]
-        fields += [(name, "f8", joints) for name in ("armature", "coulomb", "viscous")]
-        self._c = np.zeros((), np.dtype([*fields, ("geometry", "u8")], align=True))
+        self.tables = EmbeddedPlan(
+            nodes=plan_nodes(cell, corners),
+            limits=corners.names,
+            backwards=self.backwards,
+            varies=bool(np.ptp(corners.most)),
+            keeps_rates=0,
+            load=cell.load,
+            armature=np.concatenate([motor.armature for motor in motors]),
+            coulomb=np.concatenate([motor.coulomb for motor in motors]),
+            viscous=np.concatenate([motor.viscous for motor in motors]),
+        )
         self._geometry = np.ascontiguousarray(cell.geometry)
-        self._c["nodes"], self._c["geometry"] = self.nodes.ctypes.data, self._geometry.ctypes.data
-        self._c["count"], self._c["backwards"], self._c["load"] = len(self.nodes), self.backwards, cell.load
-        self._c["varies"] = bool(np.ptp(corners.most))
-        for name in ("armature", "coulomb", "viscous"):
-            self._c[name] = np.concatenate([getattr(robot.motors, name) for robot in robots])
+        addresses = {"nodes": self.nodes.ctypes.data, "geometry": self._geometry.ctypes.data, "count": len(self.nodes)}
+        self._c = np.zeros((), _plan_type(cell))
+        for name in self._c.dtype.names or ():
+            if name != "limits":  # names are looked up here
+                self._c[name] = addresses[name] if name in addresses else getattr(self.tables, name)
         self.passed = self._between_nodes()
+
+    @property
+    def nodes(self) -> NDArray[Any]:
+        """The tables, Shape (n,)."""
+        return self.tables.nodes
 
     @property
     def duration(self) -> float:
@@ -312,6 +347,34 @@ class SpeedOverride:
         speed = np.zeros(1)
         self._library.mrts_override_speed_for_stop(self._c, state.numbers, seconds, dt, speed)
         return float(speed[0])
+
+    def stops(self, dt: float = TICK) -> Stops:
+        """How soon and how far on all arms stand still wherever they are stopped, from any speed.
+
+        Args:
+            dt: Between ticks [s]; the first goes by before braking begins.
+        """
+        _check_tick(dt)
+        step = np.diff(self.nodes["time"])
+        segment = np.repeat(np.flatnonzero(step), len(STARTS))
+        place, part = np.tile(STARTS, (len(segment) // len(STARTS), 1)).T
+        most = self.nodes["most"][segment] + place * np.diff(self.nodes["most"])[segment]
+        states = self._states(segment, place * step[segment], part * np.sqrt(most), np.zeros(len(segment)))
+        seconds, stands = self._stops(states, dt)
+        tips = self.cell.functions("kinematics", len(self.nodes), {"q": self.nodes["q"]})["position"]
+        way = np.linalg.norm(np.diff(tips.reshape(len(self.nodes), 3, -1), axis=0), axis=1)
+        gone = np.concatenate([np.zeros((1, way.shape[1])), np.cumsum(way, axis=0)])
+        nodes, places = self.nodes["time"], (states["time"], stands)
+        begun, ended = (np.array([np.interp(at, nodes, of) for of in gone.T]) for at in places)
+        each = (-1, len(STARTS))
+        return Stops(
+            cell=self.cell.name,
+            time=states["time"].reshape(each)[:, 0],
+            stop_time=np.max(seconds.reshape(each), axis=1),
+            distance=np.max(np.max(ended - begun, axis=0).reshape(each), axis=1),
+            loads=len(self.plan.loads),
+            excess=float(np.max(self.passed)),
+        )
 
     def resume(self, q: Array, within: float) -> OverrideState:
         """Stand still at the place of the plan nearest to measured joint positions.

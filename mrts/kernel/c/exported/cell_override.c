@@ -16,7 +16,6 @@
 enum { JOINTS = CELL_JOINTS, WRENCHES = CELL_WRENCHES, MOST_TICKS = 100000, HALVINGS = 24, MOST_SPEED = 4 };
 
 static cell_real absolute(cell_real a) { return a < 0 ? -a : a; }
-static cell_real least(cell_real a, cell_real b) { return a < b ? a : b; }
 static cell_real between(cell_real a, cell_real b, cell_real share) { return a + share * (b - a); }
 static cell_real within(cell_real a, cell_real low, cell_real high) { return a < low ? low : a > high ? high : a; }
 
@@ -78,8 +77,8 @@ static void advance(const cell_plan *plan, cell_real dt, cell_override *state) {
     if (before + after != 0) state->direction = before + after < 0 ? -1 : 1;
     state->finished = 0;
     if (moved(plan, state, (before + after) / 2 * dt)) {
-        const int outward = state->node == 0 && state->inside == 0 ? -1 : 1;
-        if (outward * after > 0 || (outward * after == 0 && outward > 0)) {
+        const int at_start = state->node == 0 && state->inside == 0;
+        if (at_start ? after < 0 : after >= 0) {
             state->finished = 1;
             state->speed = state->acceleration = 0;
         }
@@ -151,18 +150,19 @@ static void play(const cell_plan *plan, cell_override *state) {
     const cell_segment at = segment_of(plan, state);
     const cell_plan_node *a = at.here, *b = at.next;
     const cell_real z = at.share, h = at.step, v = state->speed, x = v * v, u = state->acceleration;
-    const cell_real zz = z * z, zzz = zz * z, zzzz = zz * zz, per = 1 / h;
+    const cell_real zz = z * z, zzz = zz * z, zzzz = zz * zz;
     /* by s: velocities are cubic between nodes, of their values and slopes; positions their integral, and a line that
-     * closes what is left */
-    const cell_real of_q[4] = {h * (z / 2 - zzz + zzzz / 2), h * (zzz - zzzz / 2 - z / 2),
-                               h * h * (zz / 2 - 2 * zzz / 3 + zzzz / 4 - z / 12), h * h * (zzzz / 4 - zzz / 3 + z / 12)};
-    const cell_real of_dq[4] = {1 - 3 * zz + 2 * zzz, 3 * zz - 2 * zzz, h * (z - 2 * zz + zzz), h * (zzz - zz)};
-    const cell_real of_ddq[4] = {6 * (zz - z) * per, 6 * (z - zz) * per, 1 - 4 * z + 3 * zz, 3 * zz - 2 * z};
+     * closes what is left; the first factor is of the difference of the velocities */
+    const cell_real of_q[3] = {h * (zzz - zzzz / 2 - z / 2), h * h * (zz / 2 - 2 * zzz / 3 + zzzz / 4 - z / 12),
+                               h * h * (zzzz / 4 - zzz / 3 + z / 12)};
+    const cell_real of_dq[3] = {3 * zz - 2 * zzz, h * (z - 2 * zz + zzz), h * (zzz - zz)};
+    const cell_real of_ddq[3] = {6 * (z - zz) / h, 1 - 4 * z + 3 * zz, 3 * zz - 2 * z};
     const cell_real most = most_at(&at), fast = within(x / most, 0, 1);
     const int side = u < 0 ? CELL_BRAKE : CELL_PUSH;
     const cell_real end = acceleration_at(&at, side, fast);
     const cell_real mixed = end != 0 ? within(u / end, 0, 1) : 0;
-    const cell_real weight[4] = {(1 - fast) * (1 - mixed), fast * (1 - mixed), (1 - fast) * mixed, fast * mixed};
+    const cell_real *const ours = a->accelerate[side][0], *const theirs = b->accelerate[side][0];
+    cell_real weight[8];
     cell_real shares[WRENCHES];
     const cell_real *given[] = {state->q, state->dq, state->ddq, plan->load, shares,
 #if CELL_GEOMETRY
@@ -171,26 +171,28 @@ static void play(const cell_plan *plan, cell_override *state) {
     };
     cell_real *found[] = {state->torque, state->wrench};
     for (int j = 0; j < JOINTS; ++j) {
-        const cell_real dq = of_dq[0] * a->dq[j] + of_dq[1] * b->dq[j] + of_dq[2] * a->ddq[j] + of_dq[3] * b->ddq[j];
-        const cell_real ddq =
-            of_ddq[0] * a->dq[j] + of_ddq[1] * b->dq[j] + of_ddq[2] * a->ddq[j] + of_ddq[3] * b->ddq[j];
-        state->q[j] = between(a->q[j], b->q[j], z) + of_q[0] * a->dq[j] + of_q[1] * b->dq[j] + of_q[2] * a->ddq[j] +
-                      of_q[3] * b->ddq[j];
+        const cell_real faster = b->dq[j] - a->dq[j], before = a->ddq[j], after = b->ddq[j];
+        const cell_real dq = a->dq[j] + of_dq[0] * faster + of_dq[1] * before + of_dq[2] * after;
+        const cell_real ddq = of_ddq[0] * faster + of_ddq[1] * before + of_ddq[2] * after;
+        state->q[j] = between(a->q[j], b->q[j], z) + of_q[0] * faster + of_q[1] * before + of_q[2] * after;
         state->dq[j] = dq * v;
         state->ddq[j] = ddq * x + dq * u;
     }
+    for (int k = 0; k < 8; ++k) {
+        weight[k] = (k & 1 ? z : 1 - z) * (k & 2 ? fast : 1 - fast) * (k & 4 ? mixed : 1 - mixed);
+    }
     for (int i = 0; i < WRENCHES; ++i) {
-        const cell_real here = weight[0] * a->hold[0][i] + weight[1] * a->hold[1][i] +
-                               weight[2] * a->accelerate[side][0][i] + weight[3] * a->accelerate[side][1][i];
-        const cell_real next = weight[0] * b->hold[0][i] + weight[1] * b->hold[1][i] +
-                               weight[2] * b->accelerate[side][0][i] + weight[3] * b->accelerate[side][1][i];
-        shares[i] = between(here, next, z);
+        shares[i] = weight[0] * a->hold[0][i] + weight[1] * b->hold[0][i] + weight[2] * a->hold[1][i] +
+                    weight[3] * b->hold[1][i] + weight[4] * ours[i] + weight[5] * theirs[i] +
+                    weight[6] * ours[WRENCHES + i] + weight[7] * theirs[WRENCHES + i];
     }
     cell_model_played_torques(given, found);
+#if CELL_MOTORS
     for (int j = 0; j < JOINTS; ++j) {
-        const cell_real ahead = b->q[j] - a->q[j], way = (cell_real)((ahead > 0) - (ahead < 0)) * state->direction;
+        const cell_real ahead = b->q[j] - a->q[j], way = (cell_real)(((ahead > 0) - (ahead < 0)) * state->direction);
         state->torque[j] += plan->armature[j] * state->ddq[j] + plan->viscous[j] * state->dq[j] + plan->coulomb[j] * way;
     }
+#endif
 }
 
 cell_status cell_override_start(const cell_plan *plan, cell_real time, cell_real speed, cell_override *state) {
@@ -254,7 +256,7 @@ cell_real cell_override_stop_time(const cell_plan *plan, const cell_override *st
         ++ticks;
     }
     if (stands) *stands = ahead.time;
-    return ticks < MOST_TICKS ? ticks * dt : CELL_UNLIMITED;
+    return ticks < MOST_TICKS ? (cell_real)ticks * dt : CELL_UNLIMITED;
 }
 
 cell_real cell_override_speed_for_stop(const cell_plan *plan, const cell_override *state, cell_real seconds,

@@ -38,7 +38,9 @@ typedef struct {
     int keeps_rates;         /* whether rates of torques are kept */
     const char *const *limits; /* names of what is active */
     cell_real load[CELL_LOAD];
-    cell_real armature[CELL_JOINTS], coulomb[CELL_JOINTS], viscous[CELL_JOINTS]; /* of motors, as in cell_settings */
+#if CELL_MOTORS
+    cell_real armature[CELL_JOINTS], coulomb[CELL_JOINTS], viscous[CELL_JOINTS]; /* as in cell_settings */
+#endif
 #if CELL_GEOMETRY
     const cell_real *geometry;
 #endif
@@ -78,6 +80,11 @@ cell_real cell_override_stop_time(const cell_plan *plan, const cell_override *st
 cell_real cell_override_speed_for_stop(const cell_plan *plan, const cell_override *state, cell_real seconds,
                                        cell_real dt);
 
+#if !CELL_GEOMETRY
+/* The exported plan. */
+extern const cell_plan cell_planned;
+
+#endif
 #ifdef __cplusplus
 }
 #endif
