@@ -16,14 +16,17 @@ from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 from mrts.kernel.foreign_arrays import INFINITY, interruptible
 from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 
-NEAR = 0.1
-"""Share by which a step may have moved any x for the next one to start from its iterates: tangents change as much."""
-
 DURATIONS = 100.0
 """Weight of the share by which limits of rates are passed, against the duration of the profile that is started from."""
 
 KEPT = 1e-7
 """Excess over a limit that an answer may have, as a share of it: far below any tolerance."""
+
+SAME_LENGTH = 1e-9
+"""Share by which σ at the end of a path may differ where nodes were added to it: rounding."""
+
+OF_PATH = 2
+"""Slots of the whole path, behind those of the nodes: of the duration, and of the share; see smooth_program.h."""
 
 FOUND = 0
 """The kernel's status of an answer, `MRTS_SMOOTH_FOUND` of interior_point.h."""
@@ -34,6 +37,9 @@ PROGRAM = structure("smooth/smooth_program.h", "mrts_smooth_program")
 class KernelSolver:
     """A primal-dual interior point whose Newton steps are solved node by node.
 
+    A step starts from the iterates of the last one of the same kind, which is near: the one before, or one with fewer
+    nodes.
+
     Attributes:
         iterations: How many the last program took.
         steps: Profiles that were found.
@@ -41,7 +47,7 @@ class KernelSolver:
 
     def __init__(self) -> None:
         self._rows: tuple[SmoothProgram, dict[str, Any]] | None = None
-        self._last: tuple[SmoothProgram, Goal, Array, Array] | None = None  # program, goal, x and iterates
+        self._iterates: dict[tuple[Any, ...], tuple[Array, Array]] = {}  # of a kind: σ at the nodes, what C keeps
         self.iterations = self.steps = 0
 
     def step(self, program: SmoothProgram, around: Array, goal: Goal, *, moving: bool = False) -> SmoothProfile | None:
@@ -51,18 +57,19 @@ class KernelSolver:
         its tangent on the side of a row where it presses towards the limit, and so root² √x of the effort. Where the
         tangents move with the iterates, steps from the answer would hardly better it. None where none is found.
         """
-        last, self._last = self._last, None
-        evened = replace(goal, uneven=0.0)
-        known = last and last[0] is program and last[1] == evened and np.array_equal(last[2], around)
-        for warm in (last[3], None) if last and known else (None,):  # the start far from the limits is the safer one
+        changes = np.count_nonzero(np.isfinite(program.change))
+        sizes = *program.free.shape[1:], program.gram.shape[1], changes, len(program.jerk)
+        kind = *sizes, goal.time > 0, goal.effort > 0, goal.longest is None
+        sigma = np.append(0.0, np.cumsum(program.step))
+        last = self._iterates.pop(kind, None)
+        near = None if last is None else _at_nodes(*last, sigma, program.free.shape[2])
+        for kept in (None,) if near is None else (near, None):  # the start far from the limits is the safer one
             found = _start(program, around)
-            solved, _, work = self._solve(program, found, around, goal, moving=moving, last=warm)
-            if not (solved and program.keeps(found, KEPT)):
-                continue
-            self.steps += 1
-            if moving or np.max(np.abs(found.x / around - 1)) <= NEAR:
-                self._last = program, evened, found.x.copy(), work
-            return found
+            solved, _, left = self._solve(program, found, around, goal, kept, moving=moving)
+            if solved and program.keeps(found, KEPT):
+                self.steps += 1
+                self._iterates[kind] = sigma, left
+                return found
         return None
 
     def torques(self, program: SmoothProgram, x: Array, u: Array) -> Array | None:
@@ -91,15 +98,13 @@ class KernelSolver:
         found: SmoothProfile,
         around: Array,
         goal: Goal,
-        *,
-        last: Array | None = None,
-        timed: bool = False,
+        kept: Array | None = None,
         **settings: float,
     ) -> tuple[bool, float, Array]:
         """Solve a program; the answer is written to the profile, whose ends may be given.
 
         Returns:
-            Whether there is an answer, by what share rates are passed in it, and its iterates.
+            Whether there is an answer, by what share rates are passed in it, and the iterate that it leaves.
         """
         if self._rows is None or self._rows[0] is not program:
             self._rows = program, _arrays(program)
@@ -111,20 +116,22 @@ class KernelSolver:
             effort=goal.effort,
             uneven=goal.uneven,
             longest=INFINITY if goal.longest is None else goal.longest,
-            timed=timed,
-            again=last is not None,
+            again=kept is not None,
         )
-        given.given_start, given.given_end = (end is not None and not timed for end in program.ends)
+        given.given_start, given.given_end = (end is not None and not given.timed for end in program.ends)
         given.held_start, given.held_end = (end is not None for end in program.end_free)
         given.kept = arrays  # by a call that is left behind
         library, share, iterations = _library(), ctypes.c_double(), ctypes.c_int()
-        work = np.empty(library.mrts_smooth_work(given)) if last is None else last
+        work = np.empty(library.mrts_smooth_work(given))
+        left = work[-library.mrts_smooth_kept(given) :]
+        if kept is not None:
+            left[:] = kept
         reached = ctypes.byref(share), ctypes.byref(iterations)
         status = interruptible(
             lambda: int(library.mrts_smooth_solve(given, found.x, found.u, found.free, *reached, work))
         )
         self.iterations = iterations.value
-        return status == FOUND, share.value, work
+        return status == FOUND, share.value, left.copy()
 
 
 def _start(program: SmoothProgram, x: Array) -> SmoothProfile:
@@ -133,6 +140,23 @@ def _start(program: SmoothProgram, x: Array) -> SmoothProfile:
         if given is not None:
             x[place] = given
     return SmoothProfile(x, np.zeros(program.nodes), program.given_free())
+
+
+def _at_nodes(before: Array, kept: Array, sigma: Array, free: int) -> Array | None:
+    """What C keeps of an iterate, at the nodes of before and some between; None where it is of another path.
+
+    Slacks and multipliers are those of the nearest node before, F and control points of x lie on lines between.
+    """
+    n, places = len(before), np.arange(len(before))
+    if len(sigma) < n or not np.isclose(sigma[-1], before[-1], rtol=SAME_LENGTH, atol=0.0):
+        return None
+    nearest = np.rint(np.interp(sigma, before, places)).astype(int)
+    slots, coarse, control, unit = np.split(kept, np.cumsum([len(kept) - n * (free + 1) - 2, n * free, n + 1]))
+    of_nodes, of_path = np.split(slots.reshape(2, -1), [-OF_PATH], axis=1)
+    slots = np.concatenate([of_nodes.reshape(2, n, -1)[:, nearest].reshape(2, -1), of_path], axis=1)
+    F = np.reshape([np.interp(sigma, before, of_one) for of_one in coarse.reshape(n, free).T], (free, len(sigma)))
+    at, was = (np.concatenate([nodes[:1], (nodes[1:] + nodes[:-1]) / 2, nodes[-1:]]) for nodes in (sigma, before))
+    return np.concatenate([slots.ravel(), F.T.ravel(), np.interp(at, was, control), unit])
 
 
 def _arrays(program: SmoothProgram) -> dict[str, int | NDArray[Any]]:

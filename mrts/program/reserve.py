@@ -146,20 +146,33 @@ def of_shares(program: SmoothProgram) -> SmoothProgram:
     return whole.only(np.isfinite(change) | np.any(np.isfinite(lower) | np.isfinite(upper), axis=0))
 
 
-def reserved_torques(program: SmoothProgram, x: Array, u: Array, solver: KernelSolver) -> Array | None:
+def reserved_torques(
+    program: SmoothProgram, x: Array, u: Array, solver: KernelSolver, shares: Array | None = None
+) -> Array | None:
     """F of the least effort at a given timing among those with the least ∫ s² dt of `of_shares`, Shape (n, f).
 
     Where no rates join the nodes these are the torques of `reserved`; where no share counts, those of the least effort
     alone. None where none keep the limits and the rates.
+
+    Args:
+        program: The limits.
+        x: The timing, Shape (n,).
+        u: Likewise.
+        solver: Solves the programs.
+        shares: s of the least ∫ s² dt where it is known, Shape (n,).
     """
     if program.free.shape[2] == 0 or not np.any(program.sizes):
         return solver.torques(program, x, u)
-    found = solver.torques(of_shares(program), x, u)
-    if found is None:
+    found = None if shares is not None else solver.torques(of_shares(program), x, u)
+    if found is not None:
+        shares = found[:, -1]
+    if shares is None:
         return None
-    low, high = (1 - np.minimum(found[:, -1:] + SHARE_MARGIN, 1.0)) * whole_sides(program.free, program.sizes)
+    low, high = (1 - np.minimum(shares[:, None] + SHARE_MARGIN, 1.0)) * whole_sides(program.free, program.sizes)
     least = solver.torques(replace(program, lower=program.lower + low, upper=program.upper - high), x, u)
-    return found[:, :-1] if least is None else least
+    if least is None and found is None:
+        return reserved_torques(program, x, u, solver)
+    return least if found is None or least is not None else found[:, :-1]
 
 
 def without_unmoved(problem: SampleProblem) -> SampleProblem:

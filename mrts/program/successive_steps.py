@@ -42,12 +42,14 @@ class StepsTaken:
         best: The last that is the best one, before any room was given: what binds there limits the speed.
         costs: Cost of every profile in turn, falling.
         gain: Share of the cost by which the last step lowered it, 0 where it did not; None where no solver took it.
+        shares: The largest share of any limit that the profile uses at each node, where room was made, Shape (n,).
     """
 
     profile: SmoothProfile
     best: SmoothProfile
     costs: tuple[float, ...]
     gain: float | None
+    shares: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,8 @@ def successive_steps(
     best = _descent(program, found, goal, solver, told)
     spacious = _with_room(program, best.profile, goal.room, solver)
     if spacious is not None:
-        return replace(best, profile=spacious)
+        free, shares = spacious.free[:, :-1], spacious.free[:, -1]
+        return replace(best, profile=replace(spacious, free=free), shares=shares)
     uneven = EVEN * best.costs[-1] / max(_jumps(program, best.profile), np.finfo(float).tiny)
     even = _descent(program, best.profile, replace(goal, uneven=uneven), solver, told)
     return StepsTaken(even.profile, even.profile, (*best.costs, *even.costs[1:]), best.gain)
@@ -98,14 +101,13 @@ def successive_steps(
 def _with_room(program: SmoothProgram, best: SmoothProfile, room: float, solver: KernelSolver) -> SmoothProfile | None:
     """The profile of a step from the best one towards the least ∫ s² dt, which takes by a share `room` longer at most.
 
-    A second step would lower ∫ s² dt by less than a hundredth. None where there is no room, nothing to choose, or none
-    is found.
+    Its last free unknown is s. A second step would lower ∫ s² dt by less than a hundredth. None where there is no room,
+    nothing to choose, or none is found.
     """
     if not room or not program.free.shape[2]:
         return None
     longest = (1 + room) * float(np.sum(program.times(best.x)))
-    found = solver.step(of_shares(program), best.x, Goal(0.0, 1.0, longest))
-    return None if found is None else replace(found, free=found.free[:, :-1])
+    return solver.step(of_shares(program), best.x, Goal(0.0, 1.0, longest))
 
 
 def _descent(

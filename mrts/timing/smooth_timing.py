@@ -277,7 +277,8 @@ def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothP
         x, u = steps.profile.x, steps.profile.u
         held = question.held([problem], held, last=number == len(timed) - 1)
         limits = question.program(piece, [problem], held, question.weights)
-        plan = reserved_torques(limits, x, u, question.solver)
+        known = steps.shares if len(question.bare.loads) == 1 else None  # of several loads they are no single one's
+        plan = reserved_torques(limits, x, u, question.solver, known)
         if plan is None:
             raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
         unknowns = np.column_stack([plan, u, x])

@@ -8,7 +8,7 @@ from conic_timing import ConicSolver
 from smooth_paths import smooth_path
 
 from mrts.program.path_solver import KernelSolver
-from mrts.program.smooth_program import Goal
+from mrts.program.smooth_program import OF_NODES, Goal
 from mrts.program.successive_steps import cost
 
 KINDS = {
@@ -129,20 +129,40 @@ def test_what_is_foreseen_is_where_steps_end(kind):
         assert best * (1 - FORESEEN) <= cost(program, after, goal) <= best * (1 + AGREES)
 
 
+def with_middles(program):
+    """The same program with a node in the middle of every segment, on lines between its neighbours."""
+
+    def of_nodes(values):
+        finer = np.repeat(values, 2, axis=0)[: 2 * len(values) - 1]
+        finer[1::2] = (values[:-1] + values[1:]) / 2
+        return finer
+
+    nodes = {name: of_nodes(getattr(program, name)) for name in (*OF_NODES, "q1", "q2", "gram", "bound")}
+    return replace(program, step=np.repeat(program.step / 2, 2), q3=np.repeat(program.q3, 2, axis=0), **nodes)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_answer_does_not_depend_on_what_was_asked_before(kind):
-    """A step that starts from the last one's iterates finds what a new solver finds."""
+    """A step that starts from the last one's iterates, on its nodes or on more, finds what a new solver finds."""
+    iterations = np.zeros(2)
     for program, base, goal in programs(kind, 4, 5):
         solver = KernelSolver()
         first = solver.step(program, base.x, goal, moving=True)
         if first is None:
             continue
-        again, cold = solver.step(program, first.x, goal), KernelSolver()
-        alone = cold.step(program, first.x, goal)
-        assert solver.iterations < cold.iterations
-        assert replaced_cost(program, again, first.x, goal) == pytest.approx(
-            replaced_cost(program, alone, first.x, goal), rel=AGREES
-        )
+        sigma = np.append(0.0, np.cumsum(program.step))
+        finer = with_middles(program)
+        for asked, x in ((program, first.x), (finer, np.interp(np.append(0.0, np.cumsum(finer.step)), sigma, first.x))):
+            again, cold = solver.step(asked, x, goal), KernelSolver()
+            alone = cold.step(asked, x, goal)
+            assert (again is None) == (alone is None)
+            if again is None:
+                continue
+            iterations += solver.iterations, cold.iterations
+            assert replaced_cost(asked, again, x, goal) == pytest.approx(
+                replaced_cost(asked, alone, x, goal), rel=AGREES
+            )
+    assert iterations[0] < iterations[1]
 
 
 @pytest.mark.parametrize("name", ["square", "rate", "offset", "lower", "upper", "step", "weight", "gram", "bound"])

@@ -10,8 +10,8 @@
 #define MRTS_SMOOTH_BOUNDARY 0.995 /* of the way to the nearest limit */
 #define MRTS_SMOOTH_SLACK 0.3      /* least one to start with, of a limit */
 #define MRTS_SMOOTH_FIRST 10       /* the gap to start with, of the objective */
-#define MRTS_SMOOTH_CENTRAL 1e-2   /* the gap, of the objective, of the iterate kept for a program that is near */
-#define MRTS_SMOOTH_CLOSE 1e-4     /* likewise, where tangents have moved: those of the next program hardly differ */
+#define MRTS_SMOOTH_CENTRAL 0.3    /* the gap, of the objective, and the excess, of a limit, of the iterate kept for a program that is near: with less it
+                                   * is too near limits that have moved, with more it gains little */
 #define MRTS_SMOOTH_LAID 1e-3      /* the gap, of the objective, below which tangents move no more */
 #define MRTS_SMOOTH_LONG 0.3       /* a step this long needs no correction */
 #define MRTS_SMOOTH_PULLS 2        /* corrections of one step at most */
@@ -57,8 +57,7 @@ static int mrts_smooth_relaxes(const mrts_smooth_program *p, long long slot) {
     return slot < mrts_smooth_duration_slot(p) && slot % mrts_smooth_slots(p) >= mrts_smooth_node_slots(p);
 }
 
-/* Reals of an iterate that is kept. */
-static long long mrts_smooth_kept(const mrts_smooth_program *p) {
+MRTS_EXPORT long long mrts_smooth_kept(const mrts_smooth_program *p) {
     return 2 * mrts_smooth_all_slots(p) + (long long)p->nodes * (p->free + 1) + 2;
 }
 
@@ -318,15 +317,36 @@ static double mrts_smooth_advance(const mrts_smooth_program *p, mrts_smooth_stat
     return length;
 }
 
-/* Keeps the iterate for a program that is near, or, `back`, takes what was kept. */
-static void mrts_smooth_keep(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at,
-                             int back) {
-    double *of[] = {at->s, at->y, state->free, state->control, &state->unit}, *kept = at->kept;
+/* Keeps the iterate for a program that is near. */
+static void mrts_smooth_keep(const mrts_smooth_program *p, const mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const double *of[] = {at->s, at->y, state->free, state->control, &state->unit};
     const long long counts[] = {at->slots, at->slots, (long long)p->nodes * p->free, p->nodes + 1, 1};
-    for (int i = 0; i < 5; kept += counts[i++]) {
-        if (back) mrts_smooth_copy(counts[i], kept, of[i]);
-        else mrts_smooth_copy(counts[i], of[i], kept);
+    double *kept = at->kept;
+    for (int i = 0; i < 5; kept += counts[i++]) mrts_smooth_copy(counts[i], of[i], kept);
+}
+
+/* Takes the iterate that was kept of a program that is near, but what is given; a slot that had no limit there begins at
+ * the centre. */
+static void mrts_smooth_take_kept(const mrts_smooth_program *p, mrts_smooth_state *state, mrts_smooth_iterate *at) {
+    const double *s = at->kept, *y = s + at->slots, *free = y + at->slots, *control = free + (long long)p->nodes * p->free;
+    double gap = 0;
+    int both = 0;
+    for (long long i = 0; i < at->slots; ++i) {
+        if (!(at->y[i] > 0 && y[i] > 0)) continue;
+        gap += s[i] * y[i];
+        ++both;
     }
+    for (long long i = 0; i < at->slots; ++i) {
+        const int is = at->y[i] > 0, was = y[i] > 0;
+        at->s[i] = !is ? MRTS_INFINITY : was ? s[i] : MRTS_SMOOTH_SLACK;
+        at->y[i] = !is ? 0 : was ? y[i] : gap / (both * MRTS_SMOOTH_SLACK);
+    }
+    const int held = p->held_start * p->free;
+    mrts_smooth_copy((long long)(p->nodes - p->held_end) * p->free - held, free + held, state->free + held);
+    mrts_smooth_copy(p->nodes + 1 - p->given_start - p->given_end, control + p->given_start,
+                     state->control + p->given_start);
+    state->unit = control[p->nodes + 1];
+    mrts_smooth_profile(p, state);
 }
 
 /* Slacks and multipliers to start with, and a share that leaves room to all that it relaxes. */
@@ -371,7 +391,6 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
     const long long n = p->nodes, nf = n * p->free;
     mrts_smooth_state state;
     mrts_smooth_iterate at;
-    const double central = p->moving ? MRTS_SMOOTH_CLOSE : MRTS_SMOOTH_CENTRAL;
     int found = MRTS_SMOOTH_STOPPED, kept = 0;
     mrts_smooth_state_in(p, work, &state);
     mrts_smooth_iterate_in(p, work + mrts_smooth_state_size(p), &at);
@@ -383,22 +402,19 @@ MRTS_EXPORT int mrts_smooth_solve(const mrts_smooth_program *p, double *x, doubl
     mrts_smooth_tangents(p, &state, p->around);
     mrts_smooth_start(p, &state);
     mrts_smooth_present(p, &at);
-    if (p->again) {
-        mrts_smooth_keep(p, &state, &at, 1);
-        mrts_smooth_profile(p, &state);
-    }
+    if (p->again) mrts_smooth_take_kept(p, &state, &at);
     for (*iterations = 0; *iterations < MRTS_SMOOTH_MOST; ++*iterations) {
         const mrts_smooth_distance is = mrts_smooth_judge(p, &state, &at, *iterations == 0 && !p->again);
         const double size = is.objective + MRTS_SMALL;
         if (is.missed <= MRTS_SMOOTH_KEPT && is.gap <= MRTS_SMOOTH_GAP * size &&
             *iterations > 0 && mrts_smooth_decrement(p, &state, &at) <= MRTS_SMOOTH_GAP * size) {
             found = MRTS_SMOOTH_FOUND;
-            if (!kept) mrts_smooth_keep(p, &state, &at, 0);
+            if (!kept) mrts_smooth_keep(p, &state, &at);
             break;
         }
         if (at.present == 0 || !(is.gap < MRTS_INFINITY) || !(is.largest < MRTS_SMOOTH_LARGE)) break;
-        if (!kept && !p->timed && is.gap <= central * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
-            mrts_smooth_keep(p, &state, &at, 0);
+        if (!kept && !p->timed && is.gap <= MRTS_SMOOTH_CENTRAL * size && is.missed <= MRTS_SMOOTH_CENTRAL) {
+            mrts_smooth_keep(p, &state, &at);
             kept = 1;
         }
         if (!(mrts_smooth_advance(p, &state, &at, is.gap, size) > MRTS_SMOOTH_SHORT)) break;

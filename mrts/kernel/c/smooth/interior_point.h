@@ -12,8 +12,10 @@
 /* How a program ends. */
 enum { MRTS_SMOOTH_FOUND = 0, MRTS_SMOOTH_STOPPED = 1 };
 
-/* Reals of work. */
+/* Reals of work, and of the iterate at its end that a program leaves for one that is near: slacks and multipliers of all
+ * slots, F, control points of x, and the unit of the objective. */
 MRTS_EXPORT long long mrts_smooth_work(const mrts_smooth_program *p);
+MRTS_EXPORT long long mrts_smooth_kept(const mrts_smooth_program *p);
 
 /* Solves a program.
  *

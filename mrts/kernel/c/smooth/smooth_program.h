@@ -34,7 +34,7 @@ typedef struct {
     int changes;     /* rows whose change is limited */
     int jerks;       /* joints whose jerk is limited */
     int timed;       /* x and u are given: F alone is looked for */
-    int again;       /* `work` is as the answer to a program of the same rows left it: start from there */
+    int again;       /* `work` ends with the iterate of a program that is near: start from there */
     int moving;      /* tangents are laid anew in each iteration, until it is near its end */
     int given_start; /* x at the first node is given */
     int given_end;
