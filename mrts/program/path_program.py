@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -185,7 +186,7 @@ def path_program(
         q2=path.ddq[:, limited],
         q3=(third_derivatives(step, path.dq, path.ddq) if third is None else third)[..., limited],
         jerk=rates.jerk[limited],
-        names=tuple(name for rows in parts for name in rows.names),
+        names=tuple(chain.from_iterable(rows.names for rows in parts)),
         joints=tuple(np.array(cell.joint_names)[limited].tolist()),
         ends=ends,
         end_free=end_free,

@@ -7,7 +7,6 @@ a linear program over the free wrenches and that share; the least torques are ch
 join the samples, it is one quadratic program over the shares of all of them.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +19,7 @@ from mrts.base.words import first_names
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits import limit_rows
-from mrts.limits.rows import ActiveRow, LimitRows, RowName, side_size
+from mrts.limits.rows import ActiveRow, LimitRows, side_size
 from mrts.program.motion_rows import MotionRows
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_ends import BINDING_TOLERANCE
@@ -93,10 +92,10 @@ def counted_sizes(lower: Array, upper: Array, units: Array) -> Array:
     return np.stack([side_size(limit, units) / units for limit in (lower, upper)]) * (lower < upper)
 
 
-def given_sizes(cell: Cell, motion: CoordinatedMotion, names: Sequence[RowName]) -> Array:
-    """`counted_sizes` of the limits with some names as they are given, whatever reserve the cell keeps."""
-    rows, wanted = limit_rows(cell.with_reserve(0.0), motion), set(names)
-    rows = rows.only(np.array([name in wanted for name in rows.names]))
+def given_sizes(cell: Cell, motion: CoordinatedMotion, *, polygons: bool = True) -> Array:
+    """`counted_sizes` of the limits as they are given, whatever reserve the cell keeps, with or without polygons."""
+    rows = limit_rows(cell.with_reserve(0.0), motion)
+    rows = rows if polygons else rows.only(np.array([not name.sides for name in rows.names]))
     return counted_sizes(rows.lower, rows.upper, rows.units)
 
 

@@ -308,7 +308,7 @@ def torques_within_rates(
         SolverError: If there are none.
     """
     cell, motion, problem = rows.cell, rows.motion, build_sample_problem(rows, varying=True)
-    sizes = given_sizes(cell, motion, problem.names) if distribute == "reserve" else None
+    sizes = given_sizes(cell, motion) if distribute == "reserve" else None
     program = _with_margins(path_program(cell, motion, [problem], rates, weights, sizes=sizes))
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
     free = reserved_torques(program, square, nothing, KernelSolver())

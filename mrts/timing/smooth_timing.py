@@ -99,10 +99,12 @@ class SmoothQuestion:
             return given if self.bare.duration is None else self.bare.duration
         return best.duration
 
-    @property
-    def keeps_reserve(self) -> bool:
-        """Whether torques are chosen to keep most of every limit free."""
-        return self.bare.options.distribute == "reserve"
+    @cached_property
+    def sizes(self) -> Array | None:
+        """What 100 % of each limit is, where torques are chosen to keep most of every limit free; else None."""
+        if self.bare.options.distribute != "reserve":
+            return None
+        return given_sizes(self.bare.cell, self.bare.motion, polygons=False)
 
     @cached_property
     def weights(self) -> Array:
@@ -120,8 +122,7 @@ class SmoothQuestion:
         third = np.stack([piece.third[::STRIDE, 0], piece.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
         rows = [without_polygons(problem) for problem in problems]
         cell, path = self.bare.cell, piece.path
-        sizes = given_sizes(cell, path, rows[0].names) if self.keeps_reserve else None
-        program = path_program(cell, path, rows, self.rates, weights, (start, end), held, third, sizes)
+        program = path_program(cell, path, rows, self.rates, weights, (start, end), held, third, self.sizes)
         return with_circles(program, problems[0])  # they are the same for all loads
 
     def held(self, problems: Sequence[SampleProblem], before: Held | None, *, last: bool) -> Held:
