@@ -54,16 +54,16 @@ OF_CONSTANT_FACTOR = ("not-at-rest", "factor-above-10")
 def motion_remarks(
     cell: Cell,
     motion: CoordinatedMotion,
-    found: ScalingRange | None,
     played: CoordinatedMotion,
-    also: tuple[Remark, ...] = (),
+    also: tuple[Remark, ...],
+    found: ScalingRange | None,
 ) -> tuple[Remark, ...]:
     """All remarks of a cell and its motion as they are given, but for what is taken for granted.
 
     Args:
-        found: The range of c² of a constant factor; None where the speed varies from rest to rest.
         played: The same motion with the samples that were added; remarks name its samples.
         also: What else is to be said.
+        found: The range of c² of a constant factor; None where the speed varies from rest to rest.
     """
     remarks = [remark for remark in (*cell.all_remarks, *motion.remarks) if remark.severity != "assumption"]
     if found is not None:

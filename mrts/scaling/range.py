@@ -183,9 +183,7 @@ def intersect(samples: SampleRanges) -> ScalingRange:
     if high < low <= high * (1 + POINT_TOLERANCE):
         low = high
     lower = _end(samples, at_low, low, "lower")
-    upper = RangeEnd(high, None, None)
-    if np.isfinite(high):
-        upper = _end(samples, at_high, high, "upper")
+    upper = _end(samples, at_high, high, "upper") if np.isfinite(high) else RangeEnd(high, None, None)
     return ScalingRange(range_status(low, high), lower, upper, samples)
 
 

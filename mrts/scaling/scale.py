@@ -151,7 +151,6 @@ def chosen_factor(
     result, rows, refinement = admissible_range(cell, motion, options, progress)
     result, factors = within_rate_limits(result, rows)
     found = result.range
-    result = replace(result, remarks=partial(motion_remarks, cell, motion, found, result.motion, result.warnings))
     if not found.status.admits_motion or options.load == "possible":
         return result, rows
     try:
@@ -182,7 +181,7 @@ def admissible_range(
     """
     rows = options.rows(cell, motion)
     found, study = range_at_samples(rows, options, progress)
-    refined, remarks = None, tuple[Remark, ...]()
+    refined, told = None, tuple[Remark, ...]()
     prescribed = options.sharing is not None and options.sharing.varies
     if options.between is not None and options.load != "possible" and not prescribed and found.status.admits_motion:
         assert found.lower is not None and found.upper is not None  # noqa: S101, PT018 (the range admits motion)
@@ -197,7 +196,7 @@ def admissible_range(
         if refined.motion is not motion:
             given, rows = found, rows.along(refined.motion)
             found, study = range_at_samples(rows, options, progress)
-            remarks = interpolated(motion, given, found)
+            told = interpolated(motion, given, found)
     result = ScalingResult(
         cell=cell,
         motion=rows.motion,
@@ -207,7 +206,7 @@ def admissible_range(
         fallbacks=found.samples.fallbacks,
         load=study,
         options=options,
-        remarks=remarks,
+        remarks=partial(motion_remarks, cell, motion, rows.motion, told),
     )
     return result, rows, refined
 

@@ -139,7 +139,7 @@ def retime(
     if first.duration is None or fastest.duration is None:
         return fastest
     told = interpolated_timing(given, first.duration, fastest.duration)
-    remarks = partial(motion_remarks, cell, given, None, fastest.motion, told)
+    remarks = partial(motion_remarks, cell, given, fastest.motion, told)
     return _played(fastest, "fastest timing", remarks)
 
 
