@@ -439,18 +439,22 @@ def stack_rows(given: Sequence[LimitRows]) -> LimitRows:
                 columns[name] = np.zeros((len(names), len(part))).T
             columns[name][:, start : start + len(piece.names)] = part
         start += len(piece.names)
-    turned = [piece for piece in pieces if piece.object_matrix is not None]
+
+    def joined(name: str) -> Array:
+        return np.concatenate([getattr(piece, name) for piece in pieces])
+
+    axes = next((piece.object_axes for piece in pieces if piece.object_matrix is not None), None)
     sized = any(piece.size is not None for piece in pieces)
     return LimitRows(
         names=names,
-        lower=np.concatenate([piece.lower for piece in pieces]),
-        upper=np.concatenate([piece.upper for piece in pieces]),
-        torque_matrix=np.concatenate([piece.torque_matrix for piece in pieces]),
-        wrench_matrix=np.concatenate([piece.wrench_matrix for piece in pieces]),
-        object_matrix=np.concatenate([piece.in_object_axes for piece in pieces]) if turned else None,
-        object_axes=turned[0].object_axes if turned else None,
+        lower=joined("lower"),
+        upper=joined("upper"),
+        torque_matrix=joined("torque_matrix"),
+        wrench_matrix=joined("wrench_matrix"),
+        object_matrix=None if axes is None else joined("in_object_axes"),
+        object_axes=axes,
         **columns,
-        size=np.concatenate([piece.units for piece in pieces]) if sized else None,
+        size=joined("units") if sized else None,
     )
 
 
