@@ -42,10 +42,6 @@ AT_LIMIT = 1e-4
 AT_END = 1e-6
 """Share of c² within which it is at an end of what a sample admits: ends that tie are right to 1e-7."""
 
-AT_END_RETIMED = 1e-2
-"""Share of c² within which it is at an end of what a sample of a retimed motion admits, where the acceleration is the
-mean of before and after."""
-
 
 @dataclass(frozen=True)
 class LimitShares:
@@ -160,11 +156,8 @@ def limiting_rows(result: ScalingResult, timing: "RetimingResult | None") -> Lim
     names, shares = all_shares(result)
     if timing is not None and timing.retimed is not None:
         setting = _of_timing(timing, names)
-    elif result.origin:
-        binding = _of_retimed(result)
-        setting = {name: "sets the speed" for name in names if name in binding}
-    else:
-        setting = _of_range(result)
+    else:  # what sets the speed of a retimed motion, its timing alone tells
+        setting = {} if result.origin else _of_range(result)
     return LimitingRows(names, shares, setting)
 
 
@@ -195,13 +188,3 @@ def _of_range(result: ScalingResult) -> dict[RowName, str]:
         said = f"sets {words[side]} at {(end.time or 0.0) / sqrt(end.c2):.4g} s{load}"
         told |= dict.fromkeys((row.name for row in end.rows), said)
     return told
-
-
-def _of_retimed(result: ScalingResult) -> set[RowName]:
-    """Rows that set an end of what a sample of a retimed motion admits, where c² is at it."""
-    found, c2 = result.range, played(result).c2
-    at_lower = (found.samples.lower > 0) & (found.samples.lower >= c2 * (1 - AT_END_RETIMED))
-    at_upper = found.samples.upper <= c2 * (1 + AT_END_RETIMED)
-    rows = [row for sample in np.flatnonzero(at_lower).tolist() for row in found.binding(sample, "lower")]
-    rows += [row for sample in np.flatnonzero(at_upper).tolist() for row in found.binding(sample, "upper")]
-    return {row.name for row in rows}

@@ -213,6 +213,13 @@ def one_panel(name: str, panel: Panel, clock: str = "") -> Plot:
     return Plot(name=name, title=panel.title, rows=[[panel]], clock=clock)
 
 
+def curves_panel(title: str, label: str, lines: Sequence[Line], below: Sequence[Item] = ()) -> Panel:
+    """Curves along time, over other items, on an axis that shows all of them, and limits as far as these are near."""
+    sides = [side for line in lines for side in (line.lower, line.upper) if side is not None]
+    ends = value_ends(np.concatenate([line.y for line in lines]), np.concatenate([np.empty(0), *sides]))
+    return Panel(title=title, x=time_axis(lines[0].x), y=Axis(label=label, ends=ends), items=[*below, *lines])
+
+
 def look(index: int) -> dict[str, Any]:
     """Colour and dashes of the line with this number."""
     return {"color": COLOURS[index % len(COLOURS)], "dash": index + index // len(COLOURS)}

@@ -5,8 +5,9 @@ import numpy as np
 
 from mrts.plots.limit_plots import percent_panel
 from mrts.plots.limit_shares import LimitShares
-from mrts.plots.plot import Axis, Item, Line, Panel, Plot, look, time_axis, value_ends
-from mrts.scaling.limit_use import LimitedQuantities, all_quantities, used_shares
+from mrts.plots.plot import Line, Panel, Plot, curves_panel, look
+from mrts.plots.trajectory_plots import quantities_panel
+from mrts.scaling.limit_use import all_quantities, used_shares
 from mrts.simulation.simulate import Simulation
 
 KINDS = {"torque": ("torque", ""), "force": ("wrench", "f"), "moment": ("wrench", "n")}
@@ -22,7 +23,11 @@ def simulation_plot(found: Simulation) -> Plot:
         for robot in found.plan.cell.robots:
             planned, used = (side.of(kind, robot.name) for side in sides)
             own = [name.startswith(first) for name in used.names]
-            row.append(_panel(found, f"{robot.name}: {what}", what, planned.only(own), used.only(own)))
+            thin = [
+                Line(x=found.plan.time, y=y, unit=None, color=look(k)["color"], dash=1, width=0.8)
+                for k, y in enumerate(planned.only(own).values.T)
+            ]
+            row.append(quantities_panel(f"{robot.name}: {what}", what, found.played.time, used.only(own), thin))
         rows.append(row)
     time = found.played.time
     errors = (
@@ -33,10 +38,7 @@ def simulation_plot(found: Simulation) -> Plot:
     lines = [
         Line(x=time, y=y, label=f"{name} [{unit}]", unit=unit, **look(k)) for k, (name, y, unit) in enumerate(errors)
     ]
-    ends = value_ends(np.stack([line.y for line in lines]), np.empty(0))
-    errors_panel = Panel(
-        title="Errors of tracking", x=time_axis(time), y=Axis(label="error [mrad, mm]", ends=ends), items=lines
-    )
+    errors_panel = curves_panel("Errors of tracking", "error [mrad, mm]", lines)
     title = f"{found.plan.cell.name}: {found.sentence()}"
     return Plot(name="simulation", title=title, rows=[[closed_loop_panel(found), errors_panel], *rows])
 
@@ -47,20 +49,3 @@ def closed_loop_panel(found: Simulation) -> Panel:
     moving = found.played.time <= found.plan.duration
     of = LimitShares("in closed loop", tuple(name.short for name in names), share[moving])
     return percent_panel(of, found.played.time[moving])
-
-
-def _panel(found: Simulation, title: str, what: str, planned: LimitedQuantities, used: LimitedQuantities) -> Panel:
-    items: list[Item] = []
-    for index, name in enumerate(used.names):
-        looks = look(index)
-        thin = looks | {"dash": 1, "width": 0.8}
-        items.append(Line(x=found.plan.time, y=planned.values[:, index], unit=None, **thin))
-        items.append(
-            Line(
-                x=found.played.time, y=used.values[:, index], label=name, unit=used.units[index],
-                lower=used.lower[:, index], upper=used.upper[:, index], color=looks["color"],
-            )
-        )  # fmt: skip
-    units = ", ".join(dict.fromkeys(used.units))
-    y = Axis(label=f"{what} [{units}]", ends=value_ends(used.values, np.stack([used.lower, used.upper])))
-    return Panel(title=title, x=time_axis(found.played.time), y=y, items=items)

@@ -4,12 +4,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from mrts.base.arrays import Array
 from mrts.plots.labels import shortened
 from mrts.plots.limit_shares import played
-from mrts.plots.plot import Axis, Line, Panel, Plot, look, one_panel, time_axis, value_ends
+from mrts.plots.plot import Line, Panel, Plot, curves_panel, look, one_panel
 from mrts.scaling.limit_use import LimitedQuantities, limited_quantities
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import accumulated_energy
@@ -27,7 +25,8 @@ def torque_plots(result: ScalingResult) -> list[Plot]:
     plots = []
     for number, robot in enumerate(result.cell.robots):
         drawn = limited_quantities(result, "torque", robot.name)
-        plots.append(_quantities(result, f"torque-{number}", f"{robot.name}: joint torques", "torque", drawn))
+        panel = quantities_panel(f"{robot.name}: joint torques", "torque", played(result).time, drawn)
+        plots.append(one_panel(f"torque-{number}", panel, "played"))
     return plots
 
 
@@ -42,8 +41,8 @@ def wrench_plots(result: ScalingResult) -> list[Plot]:
         wrenches = limited_quantities(result, "wrench", robot.name)
         for first, what in (("f", "force"), ("n", "moment")):
             part = wrenches.only([name.startswith(first) for name in wrenches.names])
-            title = f"{robot.name}: contact {what} on the object"
-            plots.append(_quantities(result, f"{what}-{number}", title, what, part))
+            panel = quantities_panel(f"{robot.name}: contact {what} on the object", what, played(result).time, part)
+            plots.append(one_panel(f"{what}-{number}", panel, "played"))
     return plots
 
 
@@ -56,22 +55,18 @@ def power_plots(result: ScalingResult) -> list[Plot]:
     done, plots, lines = played(result), [], []
     for number, robot in enumerate(result.cell.robots):
         values = done.power[:, result.cell.joint_slices[robot.name]]
-        names = [(joint, "W") for joint in robot.joints]
-        title = f"{robot.name}: power of the joints"
-        plots.append(_limited(result, f"power-{number}", title, "power", values, names, np.empty((0, *values.shape))))
+        of_joints = [
+            Line(x=done.time, y=values[:, k], label=joint, unit="W", **look(k)) for k, joint in enumerate(robot.joints)
+        ]
+        panel = curves_panel(f"{robot.name}: power of the joints", "power [W]", of_joints)
+        plots.append(one_panel(f"power-{number}", panel, "played"))
         energy = accumulated_energy(done.time, values)
         label = f"{shortened(robot.name)}: {energy[-1]:.4g} J"
         lines.append(Line(x=done.time, y=energy, label=label, unit="J", **look(number)))
     if len(lines) > 1:
         total = accumulated_energy(done.time, done.power)
         lines.append(Line(x=done.time, y=total, label=f"all: {done.energy:.4g} J", unit="J", color="#000", width=2.2))
-    ends = value_ends(np.stack([line.y for line in lines]), np.empty(0))
-    panel = Panel(
-        title="Energy that the motors have given",
-        x=time_axis(done.time),
-        y=Axis(label="energy [J]", ends=ends),
-        items=lines,
-    )
+    panel = curves_panel("Energy that the motors have given", "energy [J]", lines)
     return [*plots, one_panel("energy", panel, "played")]
 
 
@@ -110,20 +105,14 @@ def _by_robot(name: str, title: str, result: ScalingResult, plots: Sequence[Sequ
     return Plot(name=name, title=title, rows=rows)
 
 
-def _quantities(result: ScalingResult, name: str, title: str, label: str, drawn: LimitedQuantities) -> Plot:
-    names, limits = list(zip(drawn.names, drawn.units, strict=True)), np.stack([drawn.lower, drawn.upper])
-    return _limited(result, name, title, label, drawn.values, names, limits)
-
-
-def _limited(result: ScalingResult, name: str, title: str, label: str, values: Array, names: Sequence[tuple[str, str]],
-             limits: Array) -> Plot:  # fmt: skip
-    done, units = played(result), dict.fromkeys(unit for _, unit in names)
-    lines = []
-    for index, (of_line, unit) in enumerate(names):
-        lower, upper = limits[:, :, index] if len(limits) else (None, None)
-        shown = of_line if len(units) == 1 else f"{of_line} [{unit}]"
-        lines.append(
-            Line(x=done.time, y=values[:, index], label=shown, unit=unit, lower=lower, upper=upper, **look(index))
+def quantities_panel(title: str, what: str, time: Array, drawn: LimitedQuantities, below: Sequence[Line] = ()) -> Panel:
+    """Quantities along time, Shape (N,) [s], with their limits, over other lines."""
+    units, solid = dict.fromkeys(drawn.units), {"dash": 0} if below else {}
+    lines = [
+        Line(
+            x=time, y=drawn.values[:, k], label=name if len(units) == 1 else f"{name} [{unit}]", unit=unit,
+            lower=drawn.lower[:, k], upper=drawn.upper[:, k], **look(k) | solid,
         )
-    y = Axis(label=f"{label} [{', '.join(units)}]", ends=value_ends(values, limits))
-    return one_panel(name, Panel(title=title, x=time_axis(done.time), y=y, items=lines), "played")
+        for k, (name, unit) in enumerate(zip(drawn.names, drawn.units, strict=True))
+    ]  # fmt: skip
+    return curves_panel(title, f"{what} [{', '.join(units)}]", lines, below)

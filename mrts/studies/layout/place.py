@@ -229,22 +229,22 @@ class LayoutSearch:
         for _ in range(MAX_STEPS):
             if self.over() or reach < LEAST_REACH or not np.isfinite(best.c2):
                 break
-            if program is None:
-                try:
-                    program = self.program(best)
-                except MrtsError as error:  # of a layout beside it
-                    self.failures.append(str(error))
-                    break
-                best = replace(best, slope=program.slope)
             far = reach * (self.upper - self.lower)
             lower, upper = (np.clip(best.values + side, self.lower, self.upper) for side in (-far, far))
-            change, promised = program.best_change(lower - best.values, upper - best.values)
+            try:
+                program = program or self.program(best)
+                change, promised = program.best_change(lower - best.values, upper - best.values)
+            except MrtsError as error:  # arms do not follow in a layout beside it, or no solver answers
+                self.failures.append(str(error))
+                break
+            best = replace(best, slope=program.slope)
             if promised < best.c2 * (1 + WORTH_A_STEP):
                 break
             reached = self._reached(best, self._rounded(best.values + change), promised)
             gain = -1.0 if reached is None else (reached.c2 - best.c2) / (promised - best.c2)
             reach *= 2.0 if gain > KEPT_PROMISE else 0.5 if gain > 0 else 0.25
             if reached is not None and gain > 0:
+                self.found.append(best)
                 best, program = reached, None
         self.found.append(best)
 
