@@ -12,6 +12,7 @@ from mrts.base.remark import Remark
 from mrts.base.words import interval_text
 from mrts.collisions.clearance import Clearance
 from mrts.limits.rows import Side
+from mrts.override.speed_override import OverrideState
 from mrts.plots.card import Card, Nearness
 from mrts.scene.scene import FORCE, MOMENT
 from mrts.simulation.simulate import Simulation
@@ -122,6 +123,12 @@ def speed_html(state: PlayerState | None) -> str:
     else:
         text += "Where torques or wrenches do, all limits are moved outward by the least share that leaves torques."
     return _paragraph("speed", text, OVER)
+
+
+def override_html(state: OverrideState) -> str:
+    """The speed at which an override plays, and the limit that keeps it from the wanted one."""
+    held = f", held by {html_text(state.active)}" if state.active else ""
+    return _paragraph("override", f"{100 * state.speed:.0f} % of the planned speed{held}")
 
 
 def moment_html(state: PlayerState | None) -> str:

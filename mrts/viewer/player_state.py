@@ -47,6 +47,7 @@ STEPS = 400
 INTERIOR = 1e-6
 """A widened limit is widened by this share more: at the least widening the feasible set is a point."""
 
+Plan = ScalingResult | RetimingResult
 Profile = Literal["constant", "optimal", "smooth"]
 
 
@@ -170,6 +171,13 @@ class PlayerState:
         """The result with the trajectory at the chosen speed, whether or not that is admissible."""
         done, result = self.trajectory, self.result
         return replace(result, found=result.range, c2=done.c2, trajectory=done)
+
+    @property
+    def plan(self) -> Plan | None:
+        """What a speed override plays; None of a speed that limits do not admit."""
+        if not self.admissible:
+            return None
+        return self.timing if self.timing is not None and self.trajectory.c2 == 1 else self.played
 
     @property
     def card(self) -> Card:

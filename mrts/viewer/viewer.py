@@ -43,6 +43,7 @@ from mrts.viewer.panel import (
 )
 from mrts.viewer.player_state import PlayerState, Speeds
 from mrts.viewer.scene import ViewerScene
+from mrts.viewer.speed_knob import SpeedKnob
 from mrts.viewer.time_plots import PlotPanel
 from mrts.viewer.workbench import Answer, Workbench
 
@@ -62,7 +63,7 @@ FIXED = "A saved result is played at the speed it was saved with. To change some
 
 
 class Playback:
-    """The time of a motion that is played: its slider and Play; `add_pace` adds how fast.
+    """The time of a motion that is played: its slider, Play and the speed override; `add_pace` adds how fast.
 
     `duration` is that of the motion as it is shown [s].
     """
@@ -73,6 +74,7 @@ class Playback:
         self._time = gui.add_slider("time [s]", 0.0, 1.0, 1.0, 0.0, visible=visible)
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, visible=visible)
         self._play.on_click(lambda _: later(self.toggle))
+        self.knob = SpeedKnob(gui, later, visible=visible)
 
     def add_pace(self, gui: viser.GuiApi) -> None:
         """Add how fast it plays to the container that is open."""
@@ -102,7 +104,7 @@ class Playback:
             self._share = min(self._shown / self.duration, 1.0)  # which was rounded
         if self.plays:
             self._unread += elapsed
-            self._share += elapsed * PACE_NAMED[self._pace.value] / self.duration
+            self._share = self.knob.after(self.time, elapsed * PACE_NAMED[self._pace.value]) / self.duration
             if self._share > 1:
                 self._share %= 1
         return changed or self.plays or self._toggled, changed or self._unread >= READING
@@ -261,6 +263,7 @@ class Viewer:
             near, said = answer.clearance()
             self._scene.show_nearest(near)
             if state is not None:
+                self.playback.knob.take(state)
                 if others:
                     self._scene.rescale(state)
                 self._outcome = outcome_html(state) + simulation_html(answer.simulation) + collisions_html(near, said)
