@@ -26,7 +26,7 @@ from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profil
 from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
 from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import FastestPiece, fastest_piece, fastest_pieces
-from mrts.timing.speed_regions import SpeedRegions, intersect_regions, joined_regions, speed_regions
+from mrts.timing.speed_regions import SpeedRegions, intersect_regions, speed_regions
 from mrts.timing.successive_profiles import successive_profiles
 
 UNBOUNDED_SHARE = 0.5
@@ -164,28 +164,29 @@ class _Search:
 
     def _regions(self, progress: Progress) -> SpeedRegions:
         """The admissible speeds at all samples; where the path is that of the timing before, they are known."""
-        known = None if self.before is None else self._known(self.before)
-        length = float(np.sum(self.piece.step))
-        if known is None:
-            return intersect_regions([speed_regions(one, length, self.ends) for one in self._problems(progress)])
-        new = np.setdiff1d(np.arange(len(self.piece.arc)), known[0])
-        if not new.size:
-            return known[1]
-        bound = known[1].bound
-        parts = [speed_regions(one, length, self.ends, bound) for one in self._problems(progress, new)]
-        return joined_regions([known, (new, intersect_regions(parts))])
+        length, (kept, regions) = float(np.sum(self.piece.step)), self._known()
+        new = np.setdiff1d(np.arange(len(self.piece.arc)), kept)
+        places = [kept] * len(regions)
+        if new.size:
+            bound = regions[0].bound if regions else None
+            problems = self._problems(progress, new if regions else None)
+            regions = [*regions, *(speed_regions(one, length, self.ends, bound) for one in problems)]
+        return intersect_regions(regions, [*places, *[new] * (len(regions) - len(places))])
 
-    def _known(self, before: RetimingResult) -> tuple[NDArray[np.intp], SpeedRegions] | None:
-        """Samples at which the path is that of the timing before, and their regions."""
-        first, path = self.piece.first, self.piece.path
-        time = self.untimed.motion.object.time[first:][: path.samples]
-        for part in fastest_pieces(before.pieces):
-            theirs, old = before.motion.object.time[part.piece.first :][: len(part.x)], part.piece.path
+    def _known(self) -> tuple[NDArray[np.intp], list[SpeedRegions]]:
+        """Samples at which the path is that of the timing before, and their regions; none without one."""
+        nothing = np.zeros(0, dtype=np.intp)
+        if self.before is None:
+            return nothing, []
+        path, times = self.piece.path, self.before.motion.object.time
+        time = self.untimed.motion.object.time[self.piece.first :][: path.samples]
+        for part in fastest_pieces(self.before.pieces):
+            theirs, old = times[part.piece.first :][: len(part.x)], part.piece.path
             if theirs[0] == time[0] and theirs[-1] == time[-1]:
                 own = np.searchsorted(time, theirs)
                 same = np.all((path.dq[own] == old.dq) & (path.ddq[own] == old.ddq), axis=1)
-                return own[same], part.profile.regions.at(same)
-        return None
+                return (own[same], [part.profile.regions.at(same)]) if np.any(same) else (nothing, [])
+        return nothing, []
 
     def _none(self, status: RetimingStatus, why: str, conflict: Conflict | None = None) -> RetimingResult:
         return replace(self.untimed, status=status, explanation=why, conflict=conflict)

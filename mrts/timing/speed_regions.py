@@ -121,36 +121,28 @@ def _regions_of_planes(planes: Array, effect: Array, most: Array, bound: float) 
     return SpeedRegions(start, planes.reshape(-1, 3), np.zeros(count), most, bound, ())
 
 
-def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
-    """What is admissible in all of several regions of the same samples."""
+def intersect_regions(
+    regions: Sequence[SpeedRegions], places: Sequence[NDArray[np.intp]] | None = None
+) -> SpeedRegions:
+    """What is admissible in all of several regions of the same samples, or of those at some places of all, each."""
     if len(regions) == 1:
         return regions[0]
-    every = np.arange(len(regions[0].lower))
+    places = [np.arange(len(part.lower)) for part in regions] if places is None else places
+    count = 1 + int(max(np.max(at) for at in places))
+    lower, upper = np.zeros(count), np.full(count, np.inf)
+    undecided = set[int]()
+    for at, part in zip(places, regions, strict=True):
+        lower[at], upper[at] = np.maximum(lower[at], part.lower), np.minimum(upper[at], part.upper)
+        undecided |= {*at[list(part.undecided)].tolist()}
+    samples = np.concatenate([np.repeat(at, np.diff(part.start)) for at, part in zip(places, regions, strict=True)])
     return SpeedRegions(
-        *_in_order([(every, part) for part in regions], len(every)),
-        np.max([part.lower for part in regions], axis=0),
-        np.min([part.upper for part in regions], axis=0),
+        np.concatenate([[0], np.cumsum(np.bincount(samples, minlength=count))]).astype(np.int64),
+        np.concatenate([part.planes for part in regions])[np.argsort(samples, kind="stable")],
+        lower,
+        upper,
         min(part.bound for part in regions),
-        tuple(sorted({sample for part in regions for sample in part.undecided})),
+        tuple(sorted(undecided)),
     )
-
-
-def joined_regions(parts: Sequence[tuple[NDArray[np.intp], SpeedRegions]]) -> SpeedRegions:
-    """The regions of several parts of a path's samples, each with the places of its samples in the path."""
-    places = np.concatenate([at for at, _ in parts])
-    lower, upper = np.empty((2, len(places)))
-    for at, part in parts:
-        lower[at], upper[at] = part.lower, part.upper
-    undecided = [int(at[sample]) for at, part in parts for sample in part.undecided]
-    bound = min(part.bound for _, part in parts)
-    return SpeedRegions(*_in_order(parts, len(places)), lower, upper, bound, tuple(sorted(undecided)))
-
-
-def _in_order(parts: Sequence[tuple[NDArray[np.intp], SpeedRegions]], count: int) -> tuple[NDArray[np.int64], Array]:
-    """`start` and `planes` of parts together, each with the places of its samples among the `count` of all."""
-    samples = np.concatenate([np.repeat(at, np.diff(part.start)) for at, part in parts])
-    start = np.concatenate([[0], np.cumsum(np.bincount(samples, minlength=count))]).astype(np.int64)
-    return start, np.concatenate([part.planes for _, part in parts])[np.argsort(samples, kind="stable")]
 
 
 def _at_rest(effect: Array) -> NDArray[np.bool_]:
