@@ -5,11 +5,15 @@ from pathlib import Path
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
+from mrts.base.errors import MrtsError
+from mrts.override.speed_override import SpeedOverride
+from mrts.override.stops import Stops
 from mrts.plots import limit_plots, phase_plane, range_plots, trajectory_plots
 from mrts.plots.card import answer_card
 from mrts.plots.limit_shares import limiting_rows
 from mrts.plots.plot import Plot, one_panel
 from mrts.plots.simulation_plots import simulation_plot
+from mrts.plots.stops_plot import stops_plot
 from mrts.report import tables
 from mrts.report.document import document
 from mrts.report.player import player
@@ -64,6 +68,8 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
         phase_plane=phase_plane,
         range_plots=range_plots,
         trajectory_plots=trajectory_plots,
+        stops=_stops(result),
+        stops_plot=stops_plot,
     )
 
 
@@ -89,6 +95,14 @@ def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]
         load = "" if shown.load is None else f"The torques below are those of a load of {shown.cell.mass:.4g} kg. "
         told.append(f"{load}The motors give {shown.trajectory.energy:.4g} J.")
     return told
+
+
+def _stops(result: ScalingResult | RetimingResult) -> Stops | None:
+    """Of a plan that a speed override plays; None of others, and where no compiler makes it."""
+    try:
+        return SpeedOverride(result).stops()
+    except MrtsError:
+        return None
 
 
 def _notes(result: ScalingResult) -> list[str]:

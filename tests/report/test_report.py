@@ -88,7 +88,8 @@ def test_a_saved_result_is_reported(lifted, tmp_path, capsys):
     target = tmp_path / "report.html"
     assert main(["report", str(tmp_path / "result.npz"), "-o", str(target)]) == 0
     assert "planar_dual_arm: feasible" in capsys.readouterr().out
-    assert target.read_text(encoding="utf-8") == report_html(lifted)
+    assert target.read_text(encoding="utf-8") == report_html(mrts.load_result(tmp_path / "result.npz"))
+    assert report_html(mrts.load_result(tmp_path / "result.npz", cell=lifted.cell)) == report_html(lifted)
     with pytest.raises(mrts.InputError, match="cannot be written"):
         mrts.write_report(lifted, tmp_path / "result.npz" / "report.html")
     (tmp_path / "no.npz").write_text("nothing")
@@ -137,3 +138,12 @@ def test_changes_are_a_table_of_what_each_does_and_what_limits_then(lifted):
     assert f"<td>{first.change}</td><td>{first.amount}</td>" in text
     assert "Nothing else matters: 2 torque limits may be changed as much, one at a time, and the speed stays." in text
     assert "Nothing else matters" not in report_html(lifted)
+
+
+def test_stops_are_drawn_of_plans_that_an_override_plays(planar_cell, lift, lifted):
+    text, stops = report_html(lifted), mrts.SpeedOverride(lifted).stops()
+    assert "stops" in sections(text)
+    time, way = (np.array(trace["y"], dtype=float) for trace in data_of(text)["plots"]["plot-stops"]["data"])
+    np.testing.assert_allclose(time, 1e3 * stops.stop_time, rtol=DRAWN)
+    np.testing.assert_allclose(way, 1e3 * stops.distance, rtol=DRAWN)
+    assert "stops" not in sections(report_html(mrts.scale(planar_cell.with_mass(24.0), lift)))
