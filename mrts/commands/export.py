@@ -15,9 +15,8 @@ from mrts.commands.console.terminal import say
 from mrts.commands.options import Named, Written
 
 if TYPE_CHECKING:
-    from mrts.cell.cell import Cell
     from mrts.following.grasp_closure import ClosureBound
-    from mrts.override.speed_override import SpeedOverride
+    from mrts.program.rate_limits import Rates
 
 EXAMPLES = """\
 examples:
@@ -41,6 +40,7 @@ examples:
 @option("--plan", type=Named(), metavar="RESULT.npz", help="a plan to be played at any speed (docs/override.md)")
 @option("--fastest-override", type=float, metavar="W", help="largest speed along the plan (default: 1, the plan's)")
 @option("--backwards", is_flag=True, help="the plan may run back as well")
+@options.rates
 @options.closure
 def run(
     cell: Path,
@@ -52,6 +52,7 @@ def run(
     plan: Path | None = None,
     fastest_override: float = 1.0,
     backwards: bool = False,
+    rates: "Rates | None" = None,
     **given: Any,
 ) -> int:
     """Write a self-contained C library of a cell for a controller."""
@@ -60,6 +61,8 @@ def run(
     from mrts.motion.motion_file import load_motion
     from mrts.output.embedded_limits import embedded_limits
     from mrts.output.embedded_test_vectors import make_vectors, own_motion
+    from mrts.output.saved_result import load_result
+    from mrts.override.speed_override import SpeedOverride
 
     if is_folder(cell):
         raise InputError(cell, "an export starts from the cell file, not from a generated folder.")
@@ -67,9 +70,12 @@ def run(
     played = None
     if plan is not None:
         with working(f"tables of {plan}"):
-            played = _override(plan, compiled, fastest_override, backwards=backwards)
-    elif backwards or fastest_override != 1:
-        raise InputError("--plan", "there is none that could be played faster, or backwards. Give a saved result.")
+            played = SpeedOverride(
+                load_result(plan, compiled), fastest=fastest_override, backwards=backwards, rates=rates
+            )
+    elif backwards or fastest_override != 1 or rates is not None:
+        rule = "there is none that could be played faster, backwards or within rates. Give a saved result."
+        raise InputError("--plan", rule)
     limits = embedded_limits(compiled)
     parts = tuple(part for part in functions.split(",") if part)
     vectors, samples = [], 0
@@ -86,10 +92,3 @@ def run(
     if played is not None:
         say(played.stops().sentence())
     return FEASIBLE
-
-
-def _override(path: Path, cell: "Cell", fastest: float, *, backwards: bool) -> "SpeedOverride":
-    from mrts.output.saved_result import load_result
-    from mrts.override.speed_override import SpeedOverride
-
-    return SpeedOverride(load_result(path, cell), fastest=fastest, backwards=backwards)

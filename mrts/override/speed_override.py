@@ -2,6 +2,7 @@
 """A plan at a speed that changes while it runs: the C that an exported library has, called tick by tick."""
 
 import ctypes
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from mrts.base.embedded_inputs import EmbeddedPlan
 from mrts.base.errors import InputError, as_array
 from mrts.base.manifest import LOAD_ENTRIES
 from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import unchecked_coordinated_motion
 from mrts.kernel.binding import bind
 from mrts.kernel.c_text import override_source
 from mrts.kernel.compiler import find_compiler, library_or_rebuilt
@@ -22,10 +24,20 @@ from mrts.kernel.foreign_arrays import INFINITY
 from mrts.limits import limit_rows
 from mrts.limits.rows import object_axes
 from mrts.override.plan_nodes import Corners, Plan, corners_of, divided, motion_of, plan_of, reachable
+from mrts.override.rates import followed, largest_changes, levelled
 from mrts.override.stops import Stops
 from mrts.program.excess import BETWEEN
+from mrts.program.motion_rows import motion_rows
+from mrts.program.rate_limits import RateLimits, Rates, rate_limits
+from mrts.program.widening import motion_widening
 from mrts.scaling.result import ScalingResult
 from mrts.timing.result import RetimingResult
+
+PARTS = (0.5, 0.35, 0.25, 0.18, 0.12, 0.09, 0.06, 0.045, 0.03, 0.02)
+"""Of the hardest accelerations, tried where rates are kept: the harder they are, the less is left to change them."""
+
+RATES = "rates"
+"""What is active where they keep the acceleration from changing sooner."""
 
 MOST_SPEED = 4.0
 """Of a plan; as in the C, where it keeps squares small."""
@@ -33,8 +45,8 @@ MOST_SPEED = 4.0
 TICK = 1e-3
 """Time between two steps where none is given: the 1 kHz of most torque interfaces [s]."""
 
-PLACES = (0.25, 0.5, 0.75)
-"""Where between two nodes limits are looked at."""
+PLACES = (0.25, MIDDLE := 0.5, 0.75)
+"""Where between two nodes limits are looked at, in the middle for every load."""
 
 ROUNDS, DIVISIONS = 8, 5
 """Times that tables are made: in the first segments are divided, then limits are moved inward by what is passed."""
@@ -185,15 +197,23 @@ class SpeedOverride:
         result: What `mrts.scale` or `mrts.retime` found, with a trajectory that starts and ends at rest.
         fastest: The largest speed along the plan, 1 to 4; less where limits leave less.
         backwards: Whether it may run against the plan's direction.
+        rates: Rates of torques, wrenches and accelerations that are kept, as in `mrts.retime`; None keeps none. A plan
+            that uses them all leaves none to slow down with: give some more than it was made with.
 
     Raises:
-        InputError: If the result has no such trajectory, or the cell cannot stand still somewhere on it.
+        InputError: If the result has no such trajectory, the cell cannot stand still somewhere on it, or its
+            accelerations jump, or use too much of the rates, where these are to be kept.
         CompilerError: If there is no C compiler, or it fails.
         SolverError: If no solver answers.
     """
 
     def __init__(
-        self, result: ScalingResult | RetimingResult, *, fastest: float = 1.0, backwards: bool = False
+        self,
+        result: ScalingResult | RetimingResult,
+        *,
+        fastest: float = 1.0,
+        backwards: bool = False,
+        rates: Rates | None = None,
     ) -> None:
         check_type("result", result, ScalingResult, RetimingResult)
         check_type("backwards", backwards, bool)
@@ -210,6 +230,35 @@ class SpeedOverride:
                 break
             self.plan = replace(self.plan, most=slower)
             self._make()
+        if rates is not None:
+            self._keep(rate_limits(self.cell, rates), rates)
+
+    def _keep(self, limits: RateLimits, rates: Rates) -> None:
+        """Accelerations with which stops within the limits of rates are soonest."""
+        if self.plan.wrench is None or np.ptp(self.plan.most):
+            rule = (
+                "go with a plan whose accelerations do not jump, at its own speed: take one by a constant factor or a "
+                "smooth one, and leave `fastest` out."
+            )
+            raise InputError("rates", rule, value=rates)
+        whole, best, changes = self.corners, None, np.zeros((1, 2))
+        for part in PARTS:
+            self._take(levelled(whole, part))
+            self._lower()
+            self._take(levelled(self.corners, 1.0))
+            changes = largest_changes(self.corners, self._states, limits)
+            self._take(followed(self.corners, changes, backwards=self.backwards), keeps_rates=True)
+            longest = float(np.max(self.stops().stop_time))
+            if np.all(self.corners.acceleration) and (best is None or longest < best[0]):
+                best = longest, self.corners
+        if best is None:
+            worst = self.nodes["time"][int(np.argmin(changes[:, 1]))]
+            rule = (
+                f"the plan leaves too little of these rates for a speed that changes, least at {worst:.4g} s of it. "
+                "Give more than it was made with, or make it with less."
+            )
+            raise InputError("rates", rule, value=rates)
+        self._take(best[1], keeps_rates=True)
 
     def _make(self) -> None:
         """The tables, with what they pass between nodes taken off."""
@@ -226,6 +275,10 @@ class SpeedOverride:
             else:
                 over = np.append(np.where(over > BETWEEN, over, 0.0), 0.0)
                 margin = np.minimum(margin + np.maximum(over, np.roll(over, 1)), MOST_MARGIN)
+        self._lower()
+
+    def _lower(self) -> None:
+        """Take off accelerations that pass limits between nodes."""
         for _ in range(LOWERINGS):
             over = np.append((self.passed > BETWEEN)[:, 2:], np.zeros((1, 4), dtype=bool), axis=0)
             if not np.any(over):
@@ -254,17 +307,32 @@ class SpeedOverride:
                 u, x = (of[segment] + place * (of[segment + 1] - of[segment]) for of in ends)
                 states = self._states(segment, place * step[segment], np.sqrt(x), u)
                 found[segment, corner] = np.maximum(found[segment, corner], self.excess(states))
+                if place == MIDDLE:
+                    for share in self._excess_of_loads(segment, states):
+                        found[segment, corner] = np.maximum(found[segment, corner], share)
         return found
 
-    def _take(self, corners: Corners) -> None:
+    def _excess_of_loads(self, segment: NDArray[np.intp], states: NDArray[Any]) -> Iterator[Array]:
+        """By how much each other load passes a limit in some states, whatever carries it, Shape (k,)."""
+        others = [load for load in self.plan.loads if not np.array_equal(load, self.cell.load)]
+        if not others:
+            return
+        moving = motion_of(self.cell, states)
+        way = np.sign(self.nodes["q"][segment + 1] - self.nodes["q"][segment])
+        motion = unchecked_coordinated_motion(moving.object, moving.q, moving.dq, moving.ddq, np.stack([way, way]))
+        rows = motion_rows(self.cell, motion, self.plan.sharing)
+        for load in others:
+            yield motion_widening(rows, np.ones(len(segment)), load)
+
+    def _take(self, corners: Corners, *, keeps_rates: bool = False) -> None:
         cell, motors = self.cell, [robot.motors for robot in self.cell.robots]
         self.corners = corners
         self.tables = EmbeddedPlan(
             nodes=plan_nodes(cell, corners),
-            limits=corners.names,
+            limits=(*corners.names, RATES),
             backwards=self.backwards,
             varies=bool(np.ptp(corners.most)),
-            keeps_rates=0,
+            keeps_rates=len(corners.names) if keeps_rates else 0,
             load=cell.load,
             armature=np.concatenate([motor.armature for motor in motors]),
             coulomb=np.concatenate([motor.coulomb for motor in motors]),
@@ -394,7 +462,7 @@ class SpeedOverride:
         return self._state(numbers)
 
     def _state(self, numbers: NDArray[Any]) -> OverrideState:
-        return OverrideState(numbers, self.corners.names)
+        return OverrideState(numbers, self.tables.limits)
 
     def _stops(self, states: NDArray[Any], dt: float) -> tuple[Array, Array]:
         seconds, stands = np.zeros((2, len(states)))

@@ -137,6 +137,37 @@ def test_a_stop_takes_what_is_promised(played):
         assert override.stop_time(slower) <= 0.01 + 1e-12
 
 
+def test_rates_are_kept_where_they_are_asked_for():
+    name, motion, rates = PLANS["dual smooth"]
+    cell, given = mrts.load_cell(DATA / name / "cell.yaml"), mrts.load_motion(DATA / name / f"{motion}.yaml")
+    result = mrts.retime(cell, given, **rates)
+    override = mrts.SpeedOverride(result, rates=40)
+    size = 40 * np.concatenate([robot.torque_upper for robot in cell.robots])
+    for seed in range(4):
+        states = override.play(wishes(np.random.default_rng(seed), 700))
+        change = np.abs(np.diff(states["torque"][states["finished"] == 0], axis=0)) / 1e-3
+        assert np.max(change / size) <= 1 + BETWEEN
+        assert np.max(states["time"]) == override.duration
+    longest = np.max(override.stops().stop_time)
+    assert 0.05 < longest < 0.12  # 22 ms where rates are not kept
+    with pytest.raises(mrts.InputError, match="too little of these rates"):
+        mrts.SpeedOverride(result, rates=10)
+
+
+def test_it_runs_faster_than_the_plan_and_back():
+    folder = DATA / "dual_ur5"
+    result = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
+    override = mrts.SpeedOverride(result, fastest=1.3, backwards=True)
+    there = override.play(np.full(1000, 1.3))
+    assert np.max(there["speed"]) == pytest.approx(1.3)
+    assert np.sum(there["finished"] == 0) < 0.95 * override.duration / 1e-3
+    state = override.start(override.duration)
+    back = override.play(np.full(1000, -1.0), state=state)
+    assert (back["time"][-1], back["finished"][-1]) == (0.0, 1)
+    for states in (there, back):
+        assert np.max(override.excess(states)) <= BETWEEN
+
+
 def test_from_full_speed_the_dual_cell_stops_within_30_ms():
     name, motion, rates = PLANS["dual smooth"]
     result = mrts.retime(

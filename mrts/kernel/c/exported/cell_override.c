@@ -105,7 +105,7 @@ static void choose(const cell_plan *plan, cell_real wanted, cell_real dt, cell_o
         /* steps of `change` that end at 0 when the wanted speed is reached */
         const cell_real ahead = between(at.here->rate_ahead, at.next->rate_ahead, at.share) * dt;
         const cell_real left = absolute(aim - speed) / dt;
-        const cell_real reach = ahead > 0 ? SQRT(ahead * ahead / 4 + 2 * ahead * left) - ahead / 2 : 0;
+        const cell_real reach = ahead > 0 ? 2 * ahead * left / (SQRT(ahead * ahead / 4 + 2 * ahead * left) + ahead / 2) : 0;
         if (absolute(chosen) > reach) {
             chosen = chosen < 0 ? -reach : reach;
             active = plan->keeps_rates;
