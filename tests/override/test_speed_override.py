@@ -144,7 +144,7 @@ def test_rates_are_kept_where_they_are_asked_for():
     override = mrts.SpeedOverride(result, rates=40)
     size = 40 * np.concatenate([robot.torque_upper for robot in cell.robots])
     for seed in range(4):
-        states = override.play(wishes(np.random.default_rng(seed), 700))
+        states = override.play(np.append(wishes(np.random.default_rng(seed), 700), np.ones(1500)))
         change = np.abs(np.diff(states["torque"][states["finished"] == 0], axis=0)) / 1e-3
         assert np.max(change / size) <= 1 + BETWEEN
         assert np.max(states["time"]) == override.duration
