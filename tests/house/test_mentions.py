@@ -26,6 +26,7 @@ ELSEWHERE = {
     "tests/test_main.c": "in an exported library",
     "tests/example.c": "in an exported library",
     "tests/vectors.h": "in an exported library",
+    "dual_ur5_override.h": "in an exported library",
     "model.c": "in an exported library",
     "NAME.c": "in a generated cell",
     "math.h": "of the system",

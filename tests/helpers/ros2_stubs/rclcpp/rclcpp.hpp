@@ -1,0 +1,2 @@
+#pragma once
+#include "controller_interface/controller_interface.hpp"
