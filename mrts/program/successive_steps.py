@@ -72,12 +72,14 @@ def successive_steps(
     goal: Goal,
     solver: KernelSolver,
     told: Callable[[int, float], None] = lambda _step, _cost: None,
-) -> StepsTaken | NoProfile:
+    accepted: Callable[[SmoothProfile], bool] = lambda _profile: True,
+) -> StepsTaken | NoProfile | SmoothProfile:
     """Profiles within all limits, each better than the one before, from one whose x is `likely`, > 0, Shape (n,).
 
     In each step Δt of limited changes and 1/√x of limited jerks are replaced by their tangents at the last profile,
     which lie below them: a convex program inside the given one, which the last profile keeps. So the cost only falls.
-    Within a longest duration it starts from a profile that is fast enough.
+    Within a longest duration it starts from a profile that is fast enough. Where the best one is not `accepted`, or not
+    the one that it leads to by room or evenness, it is the answer by itself.
     """
     found = _first(program, likely, goal if goal.longest is None else Goal(), solver)
     if isinstance(found, NoProfile):
@@ -89,6 +91,20 @@ def successive_steps(
             return NoProfile(duration=duration)
         found = solver.step(program, fast.profile.x, goal) or fast.profile
     best = _descent(program, found, goal, solver, told)
+    if not accepted(best.profile):
+        return best.profile
+    taken = _played(program, best, goal, solver, told)
+    return taken if accepted(taken.profile) else best.profile
+
+
+def _played(
+    program: SmoothProgram,
+    best: StepsTaken,
+    goal: Goal,
+    solver: KernelSolver,
+    told: Callable[[int, float], None],
+) -> StepsTaken:
+    """What the best profile leads to: one with room where there is to be some, else one whose u does not jump."""
     spacious = _with_room(program, best.profile, goal.room, solver)
     if spacious is not None:
         free, shares = spacious.free[:, :-1], spacious.free[:, -1]

@@ -2,7 +2,7 @@
 """The best timing of a path within limits of torques and of how fast they change, with nodes at its samples."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,15 +15,16 @@ from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.limits.circles import in_circles
 from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import path_program, with_circles, without_polygons
-from mrts.program.path_solver import KernelSolver
+from mrts.program.path_solver import KEPT, KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits
 from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import SampleProblem, build_sample_problem
-from mrts.program.smooth_program import Goal, SmoothProgram
+from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import NoProfile, StepsTaken, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
+from mrts.program.widening import least_widening
 from mrts.timing.path_pieces import (
     PLACES,
     STRIDE,
@@ -62,9 +63,6 @@ GivenTorques = tuple[Array | None, Array | None]
 Held = tuple[Array | None, Array | None]
 """The free wrenches at the start and at the end of a piece, of all loads, or None where they are free."""
 
-_Part = tuple[SmoothPath, SampleProblem, SmoothProgram, Array]
-"""A piece that is to be timed: its rows for the cell's load, its limits for all loads, and x for the first step."""
-
 _Timed = tuple[SmoothPath, SampleProblem, SmoothProgram, StepsTaken]
 
 
@@ -77,12 +75,20 @@ class SmoothQuestion:
         goal: What is the best.
         end_torques: Torques that hold still at the start and at the end, Shape (m,); None leaves them free [N m].
         solver: Solves the programs.
+        corners: Loads whose limits the programs of a duration have so far, by their place among those of `bare`: the
+            heaviest, and what was passed.
     """
 
     bare: RetimingResult
     goal: Goal
     end_torques: GivenTorques
     solver: KernelSolver
+    corners: list[int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        loads = self.bare.loads
+        heaviest = max(range(len(loads)), key=lambda place: 0.0 if loads[place] is None else float(loads[place][0]))
+        object.__setattr__(self, "corners", [heaviest])
 
     @property
     def rates(self) -> RateLimits:
@@ -138,6 +144,18 @@ class SmoothQuestion:
         return start, end
 
 
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A piece that is to be timed: its rows of [F, u, x] for each load and for the cell's, and what is given of it."""
+
+    piece: SmoothPath
+    problems: list[SampleProblem]
+    own: SampleProblem
+    held: Held
+    weights: Array | None
+    before: SmoothPiece | None
+
+
 def smooth_timing(
     question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[TimedPiece], progress: Progress
 ) -> RetimingResult:
@@ -184,20 +202,20 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
             if why is not None:
                 return why
         held = question.held(problems, held, last=number == len(paths) - 1)
-        program = question.program(piece, problems, held, question.weights if question.goal.effort > 0 else None)
-        likely = _likely(question, piece, program, before[number] if before else None)
+        weights = question.weights if question.goal.effort > 0 else None
         own = problems[0] if len(problems) == 1 else build_sample_problem(rows, varying=True)
-        parts.append((piece, own, program.narrowed(NARROWING), likely))
+        parts.append(_Part(piece, problems, own, held, weights, before[number] if before else None))
     return parts
 
 
-def _likely(question: SmoothQuestion, piece: SmoothPath, program: SmoothProgram, before: SmoothPiece | None) -> Array:
-    if before is None:
+def _likely(question: SmoothQuestion, part: _Part, ends: tuple[float | None, float | None]) -> Array:
+    time = part.piece.path.object.time
+    if part.before is None:
         fastest = question.bare.duration
-        x = np.full(program.nodes, 1.0 if fastest is None else (question.usual / fastest) ** 2)
+        x = np.full(len(time), 1.0 if fastest is None else (question.usual / fastest) ** 2)
     else:
-        x = np.interp(piece.path.object.time, before.piece.path.object.time, before.x)
-    for place, known in zip((0, -1), program.ends, strict=True):
+        x = np.interp(time, part.before.piece.path.object.time, part.before.x)
+    for place, known in zip((0, -1), ends, strict=True):
         if known is not None:
             x[place] = known
     return x
@@ -207,12 +225,68 @@ def _timed(question: SmoothQuestion, parts: Sequence[_Part], progress: Progress)
     goal, timed = question.goal, []
     if goal.longest is not None and len(parts) > 1:
         return _within(question, parts, goal.longest, progress)
-    for piece, problem, program, likely in parts:
-        found = successive_steps(program, likely, goal, question.solver, lambda step, _cost: progress(step, step + 1))
+    for part in parts:
+        program, found = _timed_part(question, part, progress)
         if isinstance(found, NoProfile):
             return found
-        timed.append((piece, problem, program, found))
+        timed.append((part.piece, part.own, program, found))
     return timed
+
+
+def _timed_part(
+    question: SmoothQuestion, part: _Part, progress: Progress
+) -> tuple[SmoothProgram, StepsTaken | NoProfile]:
+    """The timing of a piece, and the limits that it was found with.
+
+    Few corners of a box bind. So programs have the limits of one load, and while a best profile, or one with room,
+    admits no wrenches within those of others, of the one besides that it passes most. An effort is one of all loads.
+    """
+    loads = range(len(question.bare.loads))
+    corners = question.corners if question.goal.effort == 0 else [*loads]
+    carried: dict[int, Array] = {}
+
+    def told(step: int, _cost: float) -> None:
+        progress(step, step + 1)
+
+    def limits(chosen: Sequence[int]) -> SmoothProgram:
+        held = [None if given is None else given.reshape(len(loads), -1)[[*chosen]].ravel() for given in part.held]
+        problems = [part.problems[place] for place in chosen]
+        return question.program(part.piece, problems, (held[0], held[1]), part.weights)
+
+    def accepted(profile: SmoothProfile) -> bool:
+        passed: dict[int, float] = {}
+        for place in [place for place in loads if place not in corners]:
+            program = limits([place])
+            free = question.solver.torques(program, profile.x, profile.u)
+            if free is None or not program.keeps(replace(profile, free=free), KEPT):
+                passed[place] = _widening(program, profile)
+            else:
+                carried[place] = free
+        if passed:
+            corners.append(max(passed, key=lambda place: passed[place]))
+        return not passed
+
+    program = limits(corners).narrowed(NARROWING)
+    likely = _likely(question, part, program.ends)
+    while True:
+        found = successive_steps(program, likely, question.goal, question.solver, told, accepted)
+        if isinstance(found, NoProfile):
+            return program, found
+        if isinstance(found, StepsTaken):
+            carried |= zip(corners, np.split(found.profile.free, len(corners), axis=1), strict=True)
+            free = np.concatenate([carried[place] for place in loads], axis=1)
+            return program, replace(found, profile=replace(found.profile, free=free))
+        program, likely = limits(corners).narrowed(NARROWING), found.x
+
+
+def _widening(program: SmoothProgram, profile: SmoothProfile) -> float:
+    """The share of limits by which those of some node must widen to admit wrenches, whatever these do elsewhere."""
+    rows, free = program.free.shape[1:]
+    given = program.values(profile.x, profile.u, np.zeros((program.nodes, free)))
+    limits = program.lower - given, program.upper - given
+    anywhere, all_rows = np.full(free, -np.inf), np.ones(rows, dtype=bool)
+    what = "by how much a corner's limits are passed"
+    return float(np.max(least_widening(program.free, *limits, all_rows, anywhere, DEFAULT_SOLVER, what, least=-1.0)[0]))
 
 
 def _within(

@@ -15,11 +15,15 @@ from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.successive_steps import CONVERGED
+from mrts.timing import smooth_timing
 from mrts.timing.retime import ROOM
 
 RATES = 11.5
 KEPT = 1e-6
 """Share of a limit: the solver's own tolerance is less, differences of a table add rounding."""
+
+SAME_TIMING = 1e-5
+"""Share of the duration: what steps may gain less than, and nodes that are added elsewhere."""
 
 NEAR_FASTEST = 5e-3
 """Share of the duration by which nodes in σ and samples by arc length differ: the fastest timing has its own."""
@@ -259,3 +263,27 @@ def test_with_rates_a_hundredth_of_the_duration_leaves_most_of_the_limits(dual_u
 def test_least_torque_stays_where_there_is_nothing_to_distribute(planar_cell, lift):
     shared = mrts.retime(planar_cell, lift, rates=RATES, sharing=mrts.LoadSharing())
     assert (shared.options.distribute, shared.smooth.room) == ("least-torque", 0.0)
+
+
+@pytest.mark.parametrize("sharing", [None, mrts.LoadSharing(shares=[0.5, 0.5])], ids=["free", "shared"])
+def test_corners_of_a_box_that_do_not_bind_are_kept_without_their_limits(monkeypatch, sharing, planar_cell, lift):
+    """The timing of the corners that were passed is that of all, and admits wrenches for each of them."""
+    cell = planar_cell.with_variation(mass=(0.5, 1.5), mx=(-0.05, 0.05))
+    asked, stood = [], smooth_timing.successive_steps
+
+    def counted(program, *rest):
+        asked.append(len(program.change))
+        return stood(program, *rest)
+
+    monkeypatch.setattr(smooth_timing, "successive_steps", counted)
+    some = mrts.retime(cell, lift, rates=RATES, sharing=sharing)
+    most = max(asked)
+    all_corners = property(lambda question: [*range(len(question.bare.loads))])
+    monkeypatch.setattr(smooth_timing.SmoothQuestion, "__post_init__", lambda _question: None)
+    monkeypatch.setattr(smooth_timing.SmoothQuestion, "corners", all_corners, raising=False)
+    asked.clear()
+    every = mrts.retime(cell, lift, rates=RATES, sharing=sharing)
+    assert len(some.loads) == len(every.loads) == 4
+    assert most < 0.8 * max(asked)
+    assert some.duration == pytest.approx(every.duration, rel=SAME_TIMING)
+    assert not some.excess.passes  # of any corner, with its wrenches, between the nodes too
