@@ -32,9 +32,6 @@ HEAD = 0.25
 NO_LENGTH = 1e-12
 """What is shorter is not divided by [m]."""
 
-ALONG = 1e-6
-"""An arrow that leaves an axis by less than this share lies along it: any direction across will do."""
-
 EYE = 1.7
 """How far a camera stands from the middle, in sides of the scene."""
 
@@ -114,20 +111,15 @@ def _force_arrows(result: ScalingResult, frames: Array, longest: float) -> tuple
     point, force, _ = contact_forces(cell, given.position[frames], given.rotation[frames], wrench[frames])
     largest = float(np.max(np.linalg.norm(force, axis=-1)))
     scale = longest / largest if largest > NO_FORCE else 0.0
-    sideways = np.eye(3)[{"xy": 2, "xz": 1, "yz": 0}.get(cell.plane or "", 2)]
-    return _arrows(point, scale * force, sideways).reshape(len(frames), -1, 3), largest
+    return _arrows(point, scale * force).reshape(len(frames), -1, 3), largest
 
 
-def _arrows(start: Array, along: Array, sideways: Array) -> Array:
-    """Arrows as lines: shaft, two barbs at right angles to `sideways` and two along it, a gap, Shape (…, 10, 3)."""
-    tip = start + along
-    across = np.cross(along, sideways)
-    length = np.linalg.norm(along, axis=-1, keepdims=True)
-    width = np.linalg.norm(across, axis=-1, keepdims=True)
-    steep = width < ALONG * np.maximum(length, NO_LENGTH)
-    across = np.where(steep, np.cross(along, sideways[[1, 2, 0]]), across)
+def _arrows(start: Array, along: Array) -> Array:
+    """Arrows as lines: a shaft, two pairs of barbs at right angles, a gap, Shape (…, 10, 3)."""
+    tip, length = start + along, np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), NO_LENGTH)
+    across = np.cross(along, np.eye(3)[np.argmin(np.abs(along), axis=-1)])
     across *= length / np.maximum(np.linalg.norm(across, axis=-1, keepdims=True), NO_LENGTH)
-    other = np.cross(along, across) / np.maximum(length, NO_LENGTH)
+    other = np.cross(along, across) / length
     back, half = tip - HEAD * along, HEAD / 2
     barbs = [back + half * across, back - half * across, back + half * other, back - half * other]
     line = [start, tip, barbs[0], tip, barbs[1], tip, barbs[2], tip, barbs[3], np.full_like(tip, np.nan)]

@@ -62,7 +62,7 @@ FIRST_REACH, LEAST_REACH = 0.25, 1e-4
 MAX_STEPS = 60
 """From one start; ten to thirty are usual."""
 
-WORTH_A_STEP = 1e-7
+WORTH_A_STEP = 1e-6
 """Share of c²⁺ that a program must promise."""
 
 KEPT_PROMISE = 0.5
