@@ -35,7 +35,7 @@ class EmbeddedPlan:
         nodes: `cell_plan_node`, Shape (n,), with the fields of the header.
         limits: Names of what may be active.
         backwards: Whether limits hold against the plan's direction too.
-        varies: Whether the largest speed does.
+        varies: Whether the largest speed is not 1 everywhere.
         keeps_rates: The place in `limits` of the rates that are kept; 0 where none are.
         load: Load vector, Shape (10,).
         armature: Of the motors, Shape (m,); likewise `coulomb` and `viscous`.

@@ -331,7 +331,7 @@ class SpeedOverride:
             nodes=plan_nodes(cell, corners),
             limits=(*corners.names, RATES),
             backwards=self.backwards,
-            varies=bool(np.ptp(corners.most)),
+            varies=bool(np.any(corners.most != 1)),
             keeps_rates=len(corners.names) if keeps_rates else 0,
             load=cell.load,
             armature=np.concatenate([motor.armature for motor in motors]),
@@ -386,7 +386,7 @@ class SpeedOverride:
         if not is_number(wanted):
             raise InputError("wanted", "must be a finite number.", value=wanted)
         _check_tick(dt)
-        numbers = state.numbers.copy()
+        numbers = self._numbers(state).copy()
         self._library.mrts_override_step(self._c, wanted, dt, numbers)
         return self._state(numbers)
 
@@ -403,17 +403,21 @@ class SpeedOverride:
             raise InputError("wanted", "must have Shape (k,) and be finite.")
         _check_tick(dt)
         states = np.zeros(len(given), _state_type(self.cell))
-        self._library.mrts_override_play(self._c, len(given), given, dt, (state or self.start()).numbers, states)
+        self._library.mrts_override_play(self._c, len(given), given, dt, self._numbers(state or self.start()), states)
         return states
 
     def stop_time(self, state: OverrideState, dt: float = TICK) -> float:
         """Seconds until the cell stands still if that is wanted from now on [s]."""
-        return float(self._stops(state.numbers.reshape(1), dt)[0][0])
+        _check_tick(dt)
+        return float(self._stops(self._numbers(state).reshape(1), dt)[0][0])
 
     def speed_for_stop(self, state: OverrideState, seconds: float, dt: float = TICK) -> float:
         """The largest speed here from which the cell stands still within some seconds."""
+        _check_tick(dt)
+        if not is_number(seconds, 0):
+            raise InputError("seconds", "must be a time >= 0 in s.", value=seconds)
         speed = np.zeros(1)
-        self._library.mrts_override_speed_for_stop(self._c, state.numbers, seconds, dt, speed)
+        self._library.mrts_override_speed_for_stop(self._c, self._numbers(state), seconds, dt, speed)
         return float(speed[0])
 
     def stops(self, dt: float = TICK) -> Stops:
@@ -457,9 +461,17 @@ class SpeedOverride:
         given, numbers = np.ascontiguousarray(as_array("q", q)), np.zeros((), _state_type(self.cell))
         if given.shape != (len(self.cell.joint_names),):
             raise InputError("q", f"must have Shape ({len(self.cell.joint_names)},).")
+        if not is_number(within, 0):
+            raise InputError("within", "must be a distance >= 0.", value=within)
         if self._library.mrts_override_resume(self._c, given, within, numbers):
             raise InputError("q", f"no place of the plan is within {within:g} of it in every joint.")
         return self._state(numbers)
+
+    def _numbers(self, state: OverrideState) -> NDArray[Any]:
+        check_type("state", state, OverrideState)
+        if state.limits is not self.tables.limits:  # its node may be none of these
+            raise InputError("state", "must come from this override: those of another plan stand elsewhere.")
+        return state.numbers
 
     def _state(self, numbers: NDArray[Any]) -> OverrideState:
         return OverrideState(numbers, self.tables.limits)

@@ -72,6 +72,7 @@ static int moved(const cell_plan *plan, cell_override *state, cell_real by) {
 static void advance(const cell_plan *plan, cell_real dt, cell_override *state) {
     const cell_real before = state->speed;
     cell_real after = before + state->acceleration * dt;
+    if (state->finished && state->acceleration == 0) return;
     if ((before - state->aim) * (after - state->aim) <= 0) after = state->aim;
     state->speed = after;
     if (before + after != 0) state->direction = before + after < 0 ? -1 : 1;
@@ -81,6 +82,7 @@ static void advance(const cell_plan *plan, cell_real dt, cell_override *state) {
         if (at_start ? after < 0 : after >= 0) {
             state->finished = 1;
             state->speed = state->acceleration = 0;
+            state->active = 0;
         }
     }
 }
@@ -249,7 +251,7 @@ cell_status cell_override_resume(const cell_plan *plan, const cell_real q[CELL_J
 
 cell_real cell_override_stop_time(const cell_plan *plan, const cell_override *state, cell_real dt, cell_real *stands) {
     cell_override ahead = *state;
-    int ticks = 0;
+    int ticks = dt > 0 && dt < CELL_UNLIMITED ? 0 : MOST_TICKS;
     while ((ahead.speed != 0 || ahead.acceleration != 0) && ticks < MOST_TICKS) {
         advance(plan, dt, &ahead);
         if (!ahead.finished) choose(plan, 0, dt, &ahead);

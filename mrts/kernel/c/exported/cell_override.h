@@ -34,7 +34,7 @@ typedef struct {
     const cell_plan_node *nodes; /* in the order of s; two with one s where the plan's acceleration jumps */
     int count;
     int backwards;           /* whether limits hold against the plan's direction too */
-    int varies;              /* whether the largest speed does */
+    int varies;              /* whether the largest speed is not 1 everywhere */
     int keeps_rates;         /* whether rates of torques are kept */
     const char *const *limits; /* names of what is active */
     cell_real load[CELL_LOAD];
@@ -73,7 +73,7 @@ cell_status cell_override_resume(const cell_plan *plan, const cell_real q[CELL_J
                                  cell_override *state);
 
 /* Seconds until the cell stands still if 0 is wanted from now on at ticks of dt, and the s where it then stands, or null;
- * CELL_UNLIMITED if that takes more than 100 000 ticks. Costs about a tenth of a tick for each of these. */
+ * CELL_UNLIMITED if that takes more than 100 000 ticks, or dt is not > 0. Costs about a tenth of a tick for each of these. */
 cell_real cell_override_stop_time(const cell_plan *plan, const cell_override *state, cell_real dt, cell_real *stands);
 
 /* The largest speed at the place of a state from which the cell stands still within some seconds. */
