@@ -26,7 +26,7 @@ EXAMPLES = """\
 examples:
   mrts simulate cell.yaml result.npz
   mrts simulate cell.yaml trajectory.csv --set delay=2e-3 --set mass=0.05 --set com=0.002,0,0
-  mrts simulate cell.yaml result.npz --override random:1
+  mrts simulate cell.yaml result.npz --override random:1 --rates 20
   mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest"""
 
 
@@ -40,6 +40,7 @@ examples:
 @option("--override", metavar="FILE|random:SEED",
         help="play it at the speeds that a CSV table of t and speed wants, or at random ones "
         "(docs/override.md)")  # fmt: skip
+@options.rates
 @option("--trials", type=int, metavar="N", help="play it again so often with drawn errors (default: 0)")
 @option("--seed", type=int, metavar="N", help="of the drawn errors and of noise (default: 0)")
 @options.json

@@ -22,6 +22,7 @@ from mrts.limits.rows import RowName
 from mrts.motion.rows_at_rest import REST
 from mrts.override.speed_override import SpeedOverride
 from mrts.override.wishes import commanded, wanted_at_ticks
+from mrts.program.rate_limits import Rates
 from mrts.scaling.limit_use import LimitUse, limit_uses, power_uses
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -275,6 +276,7 @@ def simulate(
     errors: PlantErrors | None = None,
     *,
     override: Array | None = None,
+    rates: Rates | None = None,
     cell: Cell | None = None,
     trials: int = 0,
     seed: int = 0,
@@ -291,6 +293,7 @@ def simulate(
         errors: None is `PlantErrors()`.
         override: Times from 0 [s] and speeds that are wanted from then on, Shape (k, 2): the controller plays the plan
             by its `SpeedOverride` until nothing moves any more; None plays it as planned.
+        rates: That the override keeps, as in `SpeedOverride`; without, it brakes and accelerates in steps of torques.
         cell: With the limits and motors that count; None is the plan's, without a reserve.
         trials: How often it is played again, with errors drawn evenly between minus and plus `errors`.
         seed: Of the draws and of the noise.
@@ -316,9 +319,12 @@ def simulate(
     if override is not None:
         if isinstance(plan, ScaledTrajectory):
             raise InputError("override", "is of a result, such as mrts scale --save writes: this plan is a table.")
-        governor, dt = SpeedOverride(plan), 1 / controller.rate
-        wanted = wanted_at_ticks(override, governor.duration, dt)
+        dt = 1 / controller.rate
+        wanted = wanted_at_ticks(override, planned.duration, dt)
+        governor = SpeedOverride(plan, backwards=bool(np.any(wanted < 0)), rates=rates)
         scaling, planned = speed_scaling(planned, wanted, dt), commanded(governor, wanted, dt)
+    elif rates is not None:
+        raise InputError("rates", "are those that an override keeps: give one too.", value=rates)
     check_type("cell", cell, Cell, NoneType)
     counts = (planned.cell if cell is None else cell).with_reserve(0.0)
     if counts.joint_names != planned.cell.joint_names:

@@ -48,6 +48,16 @@ def test_random_wishes_keep_all_limits_until_the_end(smooth):
     assert not np.any(found.plan.dq[-1])
     assert found.plan.duration > 1.2 * smooth.duration
     assert found.speed_scaling.excess.max() > 1
+    assert found.passed[0].share > 1.3  # torques that step are not had by motors that lag
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_with_rates_the_closed_loop_keeps_what_the_plan_keeps(smooth, seed):
+    asked, wishes = mrts.simulate(smooth), random_wishes(seed, smooth.duration)
+    found = mrts.simulate(smooth, override=wishes, rates=20.0)
+    assert found.uses[0][1].share <= asked.uses[0][1].share
+    assert found.kept
+    assert found.saturated == 0
 
 
 def test_a_stop_ends_where_it_stands(smooth):
@@ -89,6 +99,8 @@ def test_wishes_that_lead_nowhere_are_refused(turned):
     for wishes in ([[0.1, 1.0]], [[0.0, 1.0], [1e4, 1.0]], [[0.0, np.nan]], [0.0, 1.0], []):
         with pytest.raises(mrts.InputError, match=r"^override"):
             wanted_at_ticks(wishes, turned.duration, 1e-3)
+    with pytest.raises(mrts.InputError, match=r"^rates"):
+        mrts.simulate(turned, rates=20.0)
     for plan, wishes in ((turned, [[0.0, 0.0]]), (turned.trajectory, [[0.0, 1.0]])):
         with pytest.raises(mrts.InputError, match=r"^override"):
             mrts.simulate(plan, override=wishes)
