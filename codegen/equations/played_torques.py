@@ -7,7 +7,7 @@ import casadi as ca
 from mrts_codegen.cell_model import CellModel
 from mrts_codegen.equations.geometry import Geometry
 from mrts_codegen.equations.inverse_dynamics import transmitted_torques
-from mrts_codegen.equations.kinematics import ChainMotion, chain_motion, forward_kinematics, spin
+from mrts_codegen.equations.kinematics import ChainMotion, chain_motion, spin
 from mrts_codegen.equations.object_dynamics import angular_balance, linear_balance, load_inertia
 
 
@@ -39,16 +39,19 @@ def played_torques(
     for grasp, force, moment in zip(geometry.grasps, forces, moments, strict=True):
         lacking_force -= force
         lacking_moment -= moment + ca.cross(ca.SX(grasp.p), force)
-    arms = sum((ca.cross(ca.SX(grasp.p), lacking_force) for grasp in geometry.grasps), ca.SX.zeros(3)) / count
+    lacking_moment -= (
+        sum((ca.cross(ca.SX(grasp.p), lacking_force) for grasp in geometry.grasps), ca.SX.zeros(3)) / count
+    )
     rows, torques, wrenches = list(cell.components), [], []
-    for model, grasp, motion, of_arm, force, moment in zip(
-        geometry.models, geometry.grasps, motions, q, forces, moments, strict=True
-    ):
+    arms = zip(geometry.models, geometry.grasps, motions, forces, moments, strict=True)
+    for model, grasp, motion, force, moment in arms:
         turn = ca.SX(grasp.R).T  # from the object to the tip
-        f, n = turn @ (force + lacking_force / count), turn @ (moment + (lacking_moment - arms) / count)
+        f, n = turn @ (force + lacking_force / count), turn @ (moment + lacking_moment / count)
         torques += transmitted_torques(model, motion, f, n)
-        R = forward_kinematics(model, of_arm)[-1][0]
-        wrenches.append(ca.vertcat(R @ f, R @ n)[rows])
+        both = ca.horzcat(f, n)
+        for R in (*motion.R, ca.SX(model.tip.R))[::-1]:
+            both = R @ both
+        wrenches.append(ca.vec(both)[rows])
     return ca.vertcat(*torques), ca.vertcat(*wrenches)
 
 
