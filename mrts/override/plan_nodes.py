@@ -60,6 +60,9 @@ HOLDS = 1e-7
 LEAST = 1e-3
 """Acceleration below which nodes are alike [1/s²]: from rest it takes a quarter of an hour to the planned speed."""
 
+SPEEDS = "range of speeds"
+"""What is active where a speed is wanted that no place of the plan has."""
+
 BRAKE, PUSH = 0, 1
 AT_REST, AT_MOST = 0, 1
 
@@ -72,7 +75,7 @@ class Corners:
         motion: The plan at the nodes; its time is s, twice the same where the acceleration jumps.
         most: Largest x, Shape (n,).
         acceleration: Least and largest u, at rest and at the largest x, Shape (n, 2, 2) [1/s²].
-        active: Rows that set these, and the largest x, as places in `names`, Shape (n, 5).
+        active: Rows that set these, and what bounds the speed, as places in `names`, Shape (n, 5).
         hold: Wrenches at u = 0, at rest and at the largest x, Shape (n, 2, n w).
         accelerate: Wrenches at `acceleration`, Shape (n, 2, 2, n w).
         names: What is active, "" first.
@@ -310,10 +313,10 @@ def corners_of(plan: Plan, *, backwards: bool, margin: Array) -> Corners:
     if plan.wrench is not None:
         planned = np.where(most[:, None] > 1, nominal.wrenches(AT_MOST), plan.wrench)
         nominal = of_loads[0] = replace(nominal, used=(nominal.wrenches(AT_REST), planned))
-    names = ("", *dict.fromkeys(map(str, nominal.problem.names)))
+    names = ("", SPEEDS, *dict.fromkeys(map(str, nominal.problem.names)))
     place = np.array([names.index(str(name)) for name in nominal.problem.names], dtype=np.int16)
 
-    acceleration, active = np.zeros((count, 2, 2)), np.zeros((count, 5), dtype=np.int16)
+    acceleration, active = np.zeros((count, 2, 2)), np.full((count, 5), names.index(SPEEDS), dtype=np.int16)
     for end in (AT_REST, AT_MOST):
         for side, sign in ((BRAKE, -1.0), (PUSH, 1.0)):
             u, row = map(np.array, zip(*(_hardest(limits, end, sign) for limits in of_loads), strict=True))

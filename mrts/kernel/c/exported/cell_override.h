@@ -27,7 +27,7 @@ typedef struct {
     cell_real rate_ahead;    /* the least of these until the acceleration has become 0 again */
     cell_real hold[2][CELL_WRENCHES];          /* wrenches without acceleration, at rest and at the largest speed */
     cell_real accelerate[2][2][CELL_WRENCHES]; /* with the least and with the largest, likewise */
-    short active[5]; /* limits that set the accelerations, in the order above, and the largest speed */
+    short active[5]; /* limits that set the accelerations, in the order above, and that of the speed */
 } cell_plan_node;
 
 typedef struct {
