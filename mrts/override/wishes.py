@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Speeds that are wanted while a plan is played, and what its override makes of them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -80,7 +81,9 @@ def commanded(override: SpeedOverride, wanted: Array, dt: float) -> ScaledTrajec
     played = states[: moves[-1] + 3]
     q, dq, ddq, torque, wrench = (np.array(played[name]) for name in ("q", "dq", "ddq", "torque", "wrench"))
     time = dt * np.arange(len(played), dtype=np.float64)
-    motion, still = carried_by_first(override.cell, time, q, dq, ddq, smooth=False), override.start(0.0)
+    way = np.sign(np.diff(override.nodes["q"], axis=0))[played["node"]] * played["direction"][:, None]
+    carried = carried_by_first(override.cell, time, q, dq, ddq, smooth=False)
+    motion, still = replace(carried, travel=np.stack([way, way])), override.start(0.0)
     held = Holding(pushing_ends(dq, ddq), np.stack([still.torque, torque[-1]]), np.stack([still.wrench, wrench[-1]]))
     return ScaledTrajectory(override.cell, motion, 1.0, torque, wrench, held)
 

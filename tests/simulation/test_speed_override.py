@@ -5,10 +5,11 @@ import json
 import numpy as np
 import pytest
 from command_line import mrts_command
+from random_motors import equipped
 from shipped_cells import DATA
 
 import mrts
-from mrts.override.wishes import random_wishes, read_wishes, wanted_at_ticks
+from mrts.override.wishes import commanded, random_wishes, read_wishes, wanted_at_ticks
 from mrts.simulation.simulate import kept_uses
 from mrts.simulation.speed_scaling import speed_scaling
 
@@ -17,6 +18,9 @@ SAME = 1e-6
 
 ROUNDED = 1e-12
 """Share by which ticks are longer than the time between samples, so that the last is not just before the end."""
+
+NEAR = 6
+"""Ticks about the reversal of a joint, whose way is that of the piece between two samples of the plan."""
 
 TICK = 1e-3
 """Share of a limit that is passed at most at a tick, as by the plan between its samples."""
@@ -65,6 +69,20 @@ def test_a_stop_ends_where_it_stands(smooth):
     assert 0.1 < found.plan.duration < 0.14
     assert not np.any(found.plan.dq[-1])
     assert np.max(np.abs(found.joint_error)) < 0.03
+
+
+def test_friction_is_that_of_the_way_on_even_where_it_stands(dual_ur5, lift_and_turn):
+    """What a controller takes off its torques that feeds no friction forward."""
+    override = mrts.SpeedOverride(mrts.scale(equipped(dual_ur5, coulomb=2.0, viscous=1.0), lift_and_turn))
+    done = commanded(override, np.repeat([1.0, 0.0, 1.0], [150, 100, 1000]), 1e-3)
+    moving = np.abs(done.dq) > 1e-6 * np.max(np.abs(done.dq))
+    last = np.maximum.accumulate(np.where(moving, np.arange(len(moving))[:, None], 0), axis=0)
+    way = np.take_along_axis(np.sign(done.dq), last, axis=0)
+    turning = np.cumsum(np.abs(np.diff(way, axis=0, prepend=way[:1])) > 0, axis=0)
+    near = turning[2 * NEAR :] != turning[: -2 * NEAR]
+    off = (done.friction - done.dq - 2.0 * way)[NEAR:-NEAR]
+    assert np.count_nonzero(~moving[NEAR:-NEAR] & ~near) > 1000
+    assert np.max(np.abs(off[~near])) < 1e-9
 
 
 def test_a_clock_keeps_limits_only_while_its_speed_is_constant(turned):
