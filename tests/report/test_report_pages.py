@@ -1,6 +1,7 @@
 """Reports of results in a real browser: they open offline and play."""
 
 import re
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -68,6 +69,9 @@ def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell
         expected |= {f"plot-limits-{number}" for number in range(len(kinds))}
     if found.load is not None and found.load.points:
         expected.add("plot-load-study")
+    with suppress(mrts.MrtsError):  # of what no override plays
+        mrts.SpeedOverride(found).stops()
+        expected.add("plot-stops")
     assert opened(page, tmp_path / "report.html") == expected
     assert page.problems == []
 
