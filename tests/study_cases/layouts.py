@@ -56,4 +56,5 @@ class Layouts:
         search = LayoutSearch(self.study)
         layout = search.tried(values)
         assert layout is not None
-        return search.program(layout).slope
+        fixed = np.zeros(len(values))
+        return search.program(layout).best_change(fixed, fixed)[2]

@@ -27,9 +27,6 @@ class LayoutProgram:
         steps: By how much, Shape (P,); below 0 it is smaller.
         c2: c²⁺ here.
 
-    Attributes:
-        slope: ∂ ln c²⁺/∂θ, Shape (P,).
-
     Raises:
         SolverError: If HiGHS does not solve it.
     """
@@ -53,16 +50,19 @@ class LayoutProgram:
 
         changes = [beyond(problems) - beyond(here) for problems in beside]
         self._by_layout = np.stack(changes, axis=1) / steps
-        self.slope = found.ineqlin.marginals @ self._by_layout / c2
+        self._c2 = c2
 
-    def best_change(self, lower: Array, upper: Array) -> tuple[Array, float]:
-        """The best change of the layout between bounds, each Shape (P,), and c²⁺ that the program has there.
+    def best_change(self, lower: Array, upper: Array) -> tuple[Array, float, Array]:
+        """The best change of the layout between bounds, each Shape (P,), c²⁺ that the program has there, and its slope.
+
+        The slope is ∂ ln c²⁺/∂θ by its multipliers, Shape (P,): of several rows that bind alike, those are weighed so
+        that it vanishes for what is at no bound.
 
         Raises:
             SolverError: If HiGHS does not solve it.
         """
         found = self._solved(self._by_layout, np.stack([lower, upper], axis=1))
-        return found.x[-len(lower) :], float(found.x[0])
+        return found.x[-len(lower) :], float(found.x[0]), found.ineqlin.marginals @ self._by_layout / self._c2
 
     def _solved(self, by_layout: Array, bounds: Array) -> OptimizeResult:
         free = [(None, None)] * self._matrix.shape[1]

@@ -233,11 +233,11 @@ class LayoutSearch:
             lower, upper = (np.clip(best.values + side, self.lower, self.upper) for side in (-far, far))
             try:
                 program = program or self.program(best)
-                change, promised = program.best_change(lower - best.values, upper - best.values)
+                change, promised, slope = program.best_change(lower - best.values, upper - best.values)
             except MrtsError as error:  # arms do not follow in a layout beside it, or no solver answers
                 self.failures.append(str(error))
                 break
-            best = replace(best, slope=program.slope)
+            best = replace(best, slope=slope)
             if promised < best.c2 * (1 + WORTH_A_STEP):
                 break
             reached = self._reached(best, self._rounded(best.values + change), promised)
@@ -278,7 +278,7 @@ class LayoutSearch:
         if reached is None or reached.c2 < promised * (1 - OTHER_POSITIONS):
             q, parts = start.result.motion.q[0], start.result.cell.joint_slices.items()
             again = self.tried(values, {name: np.round(q[part], POSTURE_DIGITS).tolist() for name, part in parts})
-            if again is not None and (reached is None or again.c2 > reached.c2):
+            if again is not None and (reached is None or again.c2 > reached.c2 * (1 + OTHER_POSITIONS)):
                 return again
         return reached
 
