@@ -64,7 +64,7 @@ def test_every_kind_of_result_opens_offline_with_all_its_plots(kind, planar_cell
     robots = len(found.cell.robots)
     if found.trajectory is not None:
         expected |= {f"plot-{what}-{n}" for what in ("torque", "force", "moment", "power") for n in range(robots)}
-        expected.add("plot-energy")
+        expected |= {"plot-energy", "plot-stops"}
         kinds = {name.kind for name in all_shares(found)[0]}
         expected |= {f"plot-limits-{number}" for number in range(len(kinds))}
     if found.load is not None and found.load.points:

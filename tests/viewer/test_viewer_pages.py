@@ -72,7 +72,7 @@ def test_the_page_follows_the_speed_slider(chromium):
         assert "Inside the admissible range [0, 3.062]" in text(page, "speed")
         assert page.evaluate(USED) == 100
         before = page.locator("[data-bars]").inner_text()
-        speed, time = page.get_by_role("slider").all()
+        speed, time, _ = page.get_by_role("slider").all()
         speed.press("Home")
         waits_for(page, "speed", "c = 0.0")
         assert page.locator("[data-bars]").inner_text() != before
