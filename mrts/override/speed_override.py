@@ -66,6 +66,10 @@ LESS = 0.7
 PLAYED = 1
 """The place of the plan itself among the six points."""
 
+ON_THE_WAY = 0.75
+"""Share of the largest x at which limits with terms in the speed are looked at besides: below it the chord of the speed
+lies well above the speed, at most of it nodes are nearest to their limits."""
+
 STARTS = np.array([(place, part) for place in (0.0, 0.5) for part in (1.0, 0.75, 0.5, 0.25)])
 """Where in each segment stops begin, and with which parts of the largest speed."""
 
@@ -223,6 +227,7 @@ class SpeedOverride:
         self.cell: Cell = self.plan.cell
         self.backwards = backwards
         self._library = _library(self.cell)
+        self._has_speed_terms = motion_rows(self.cell, self.plan.motion, self.plan.sharing).has_speed_terms
         self._make()
         for _ in range(ROUNDS):
             slower = reachable(self.corners, backwards=backwards)
@@ -298,18 +303,29 @@ class SpeedOverride:
         return self._states(segment, inside, np.ones(len(segment)), np.zeros(len(segment)))
 
     def _between_nodes(self) -> Array:
-        """By how much the six points pass a limit between nodes, Shape (n - 1, 6)."""
+        """By how much the six points pass a limit between nodes, Shape (n - 1, 6).
+
+        With terms in the speed also on the way from rest to the largest speed; both then pass what is passed there.
+        """
         step = np.diff(self.nodes["time"])
         segment = np.flatnonzero(step)
         found = np.full((len(step), 6), -1.0)
-        for corner, ends in enumerate(self.corners.corners):
+        points: list[tuple[tuple[int, ...], tuple[Array, Array]]] = [
+            ((corner,), ends) for corner, ends in enumerate(self.corners.corners)
+        ]
+        if self._has_speed_terms:
+            for k in range(0, len(points), 2):
+                (_, (u, x)), (_, (u_most, x_most)) = points[k : k + 2]
+                points.append(((k, k + 1), (u + ON_THE_WAY * (u_most - u), x + ON_THE_WAY * (x_most - x))))
+        for shown, ends in points:
             for place in PLACES:
                 u, x = (of[segment] + place * (of[segment + 1] - of[segment]) for of in ends)
                 states = self._states(segment, place * step[segment], np.sqrt(x), u)
-                found[segment, corner] = np.maximum(found[segment, corner], self.excess(states))
+                shares = [self.excess(states)]
                 if place == MIDDLE:
-                    for share in self._excess_of_loads(segment, states):
-                        found[segment, corner] = np.maximum(found[segment, corner], share)
+                    shares += self._excess_of_loads(segment, states)
+                for corner in shown:
+                    found[segment, corner] = np.max([found[segment, corner], *shares], axis=0)
         return found
 
     def _excess_of_loads(self, segment: NDArray[np.intp], states: NDArray[Any]) -> Iterator[Array]:
