@@ -33,11 +33,13 @@ class SpeedKnob:
         self._stop.on_click(lambda _: later(lambda: assign(self._wanted, 0)))
         self._text, self._worker = gui.add_html("", visible=visible), ThreadPoolExecutor(1, "mrts override")
 
-    def take(self, shown: PlayerState) -> None:
-        """Turn to another motion, or another speed of it."""
-        if shown.trajectory is self._trajectory:
+    def take(self, shown: PlayerState | None) -> None:
+        """Turn to another motion, or another speed of it; None where arms do not reach."""
+        trajectory = None if shown is None else shown.trajectory
+        if trajectory is self._trajectory:
             return
-        self._trajectory, self._plan, self._made, self._state = shown.trajectory, shown.plan, None, None
+        self._trajectory, self._made, self._state = trajectory, None, None
+        self._plan = None if shown is None else shown.plan
         self._wanted.disabled = self._stop.disabled = self._plan is None
         self._text.content = ""
 

@@ -262,8 +262,8 @@ class Viewer:
             self._scene.mark(None if state is None else state.card.deciding)
             near, said = answer.clearance()
             self._scene.show_nearest(near)
+            self.playback.knob.take(state)
             if state is not None:
-                self.playback.knob.take(state)
                 if others:
                     self._scene.rescale(state)
                 self._outcome = outcome_html(state) + simulation_html(answer.simulation) + collisions_html(near, said)
