@@ -11,6 +11,7 @@ from typing import Any
 
 import yaml
 
+import mrts
 from mrts.cli import main as mrts_main
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "helpers" / "embedded"))
@@ -51,6 +52,9 @@ def main() -> None:
             for precision in ("double", "float"):
                 with tempfile.TemporaryDirectory() as name:
                     _count(cell, what, motors, precision, Path(name))
+        for precision in ("double", "float"):
+            with tempfile.TemporaryDirectory() as name:
+                _count_override(cell, precision, Path(name))
 
 
 def _count(cell: str, what: str, motors: dict[str, Any] | None, precision: str, place: Path) -> None:
@@ -60,15 +64,31 @@ def _count(cell: str, what: str, motors: dict[str, Any] | None, precision: str, 
             robot["urdf"] = str(DATA / cell / robot["urdf"])
         robot.update({} if motors is None else {"motors": motors})
     (place / "cell.yaml").write_text(yaml.safe_dump(description))
-    library = place / "library"
-    with redirect_stdout(io.StringIO()):
-        mrts_main(["export", str(place / "cell.yaml"), "-o", str(library), "--precision", precision])
+    library = _exported(place / "cell.yaml", precision, place)
     headers = (f'-DLIBRARY_HEADER="{cell}.h"', f'-DVECTORS_HEADER="{cell}_vectors.h"')
     defines = (f"-DPREFIX={cell}", f"-DMACRO={cell.upper()}", *headers)
     image = cross_compile(library, FOLDER / "count_main.c", place / "image.elf", *defines)
     print(f"\n{cell}, {what}, {precision}: code and tables {code_size(library)} bytes (-O2)")
     print(f"{'call':<22} {'mean':>9} {'most':>9} {'stack':>7}   instructions, instructions, bytes")
     print(run_on_target(image).stdout)
+
+
+def _count_override(cell: str, precision: str, place: Path) -> None:
+    folder = DATA / cell
+    motion = next(path for path in (folder / "lift.yaml", folder / "lift_and_turn.yaml") if path.exists())
+    plan = place / "plan.npz"
+    mrts.save_result(mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(motion)), plan)
+    library = _exported(folder / "cell.yaml", precision, place, "--plan", str(plan))
+    defines = (f"-DPREFIX={cell}", f'-DLIBRARY_HEADER="{cell}_override.h"')
+    image = cross_compile(library, FOLDER / "count_override.c", place / "image.elf", *defines)
+    print(f"\n{cell}, speed override, {precision}: instructions of a")
+    print(run_on_target(image).stdout)
+
+
+def _exported(cell: Path, precision: str, place: Path, *plan: str) -> Path:
+    with redirect_stdout(io.StringIO()):
+        mrts_main(["export", str(cell), "-o", str(place / "library"), "--precision", precision, *plan])
+    return place / "library"
 
 
 if __name__ == "__main__":
