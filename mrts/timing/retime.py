@@ -135,7 +135,8 @@ def retime(
     first = fastest_timing(compared, given, end_speeds, progress)
     fastest = refined_timing(first, again, options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
-        return _smooth(SmoothQuestion(fastest, goal, (start, end), KernelSolver()), progress)
+        unrated = replace(compared, options=replace(options, rates=None)).factor
+        return _smooth(SmoothQuestion(fastest, unrated, goal, (start, end), KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
     told = interpolated_timing(given, first.duration, fastest.duration)
@@ -145,7 +146,7 @@ def retime(
 
 def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     bare = question.bare
-    constant = bare.factor
+    constant = question.constant
     nodes = smooth_nodes(bare.cell, constant.motion, bare.end_speeds)
     if isinstance(nodes, NoPath):
         return bare
@@ -154,6 +155,9 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
         return smooth_timing(question, motion, before.pieces, progress)
 
     coarse = smooth_timing(question, nodes, (), progress)
+    if coarse.status is RetimingStatus.RATES_TOO_SMALL:  # they may slow it down by far: by how much takes longer to ask
+        question = replace(question, constant=bare.factor)
+        coarse = smooth_timing(question, nodes, (), progress)
     found = refined_timing(coarse, again, bare.options.between)
     pieces = smooth_pieces(found.pieces)
     gains = [part.steps.gain for part in pieces]

@@ -25,6 +25,7 @@ from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import NoProfile, StepsTaken, successive_steps
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.widening import least_widening
+from mrts.scaling.result import ScalingResult
 from mrts.timing.path_pieces import (
     PLACES,
     STRIDE,
@@ -72,6 +73,7 @@ class SmoothQuestion:
 
     Attributes:
         bare: The fastest timing without limits of rates; nothing bounds it, or it has a duration.
+        constant: A constant factor, whose duration is of the size of the answer's.
         goal: What is the best.
         end_torques: Torques that hold still at the start and at the end, Shape (m,); None leaves them free [N m].
         solver: Solves the programs.
@@ -80,6 +82,7 @@ class SmoothQuestion:
     """
 
     bare: RetimingResult
+    constant: ScalingResult
     goal: Goal
     end_torques: GivenTorques
     solver: KernelSolver
@@ -100,7 +103,7 @@ class SmoothQuestion:
     @cached_property
     def usual(self) -> float:
         """A duration of the size of the answer, whatever the given one is: what σ is measured in [s]."""
-        best, given = self.bare.factor, float(self.bare.motion.object.time[-1])
+        best, given = self.constant, float(self.bare.motion.object.time[-1])
         if best.duration is None or best.status is RangeStatus.UNBOUNDED:
             return given if self.bare.duration is None else self.bare.duration
         return best.duration
