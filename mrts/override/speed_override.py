@@ -63,6 +63,9 @@ MOST_MARGIN = 0.05
 LESS = 0.7
 """What is left of an acceleration each time."""
 
+MOST_PASSED = 0.01
+"""Share of a limit passed between two nodes from which there is no override: samples do not tell what is between."""
+
 PLAYED = 1
 """The place of the plan itself among the six points."""
 
@@ -205,8 +208,8 @@ class SpeedOverride:
             that uses them all leaves none to slow down with: give some more than it was made with.
 
     Raises:
-        InputError: If the result has no such trajectory, the cell cannot stand still somewhere on it, or its
-            accelerations jump, or use too much of the rates, where these are to be kept.
+        InputError: If the result has no such trajectory, the cell cannot stand still somewhere on it, limits are passed
+            between its samples, or its accelerations jump, or use too much of the rates, where these are to be kept.
         CompilerError: If there is no C compiler, or it fails.
         SolverError: If no solver answers.
     """
@@ -235,6 +238,13 @@ class SpeedOverride:
                 break
             self.plan = replace(self.plan, most=slower)
             self._make()
+        over = np.max(self.passed, axis=1)
+        if np.max(over) > MOST_PASSED:
+            where = f"between {', '.join(f'{time:.4g}' for time in self.nodes['time'][np.argmax(over) :][:2])} s"
+            rule = (
+                f"{where} of the plan a limit would be passed by {100 * np.max(over):.2g} %: sample its motion finer."
+            )
+            raise InputError("result", rule)
         if rates is not None:
             self._keep(rate_limits(self.cell, rates), rates)
 

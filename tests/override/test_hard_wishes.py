@@ -1,11 +1,16 @@
 """Wishes that try a speed override: random, the worst that a search finds, other loads, and what is no wish at all."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from changed_robots import with_robots
+from gantries import gantries, there_and_back
 from random_motors import equipped
 from shipped_cells import DATA
 
 import mrts
+from mrts.cell.points import CarriedThing
 from mrts.following.coordinated_motion import carried_by_first
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
@@ -239,3 +244,46 @@ def test_a_search_finds_no_wish_that_passes_a_limit(name, profile):
                 if (share := worst(other)) > found:
                     best, found = other, share
         assert found <= plan + BETWEEN
+
+
+@pytest.mark.quick
+def test_samples_that_do_not_tell_what_is_between_have_no_override(tmp_path):
+    """At the turning point the object waits, and its samples accelerate all the time."""
+    plan = mrts.scale(gantries(tmp_path), there_and_back(0.5, wait=5))
+    with pytest.raises(mrts.InputError) as refused:
+        mrts.SpeedOverride(plan)
+    assert str(refused.value).startswith("result")
+
+
+@pytest.mark.quick
+def test_where_a_cup_needs_speed_there_is_no_override(tmp_path):
+    """Around a vertical circle from its lowest point, inward up: above it only swinging keeps the cup on."""
+    time, radius = np.linspace(0.0, 1.0, 201), 0.5
+    turned, speed, rate = (
+        2
+        * np.pi
+        * np.array(
+            [
+                10 * time**3 - 15 * time**4 + 6 * time**5 - 0.5,
+                30 * time**2 - 60 * time**3 + 30 * time**4,
+                60 * time - 180 * time**2 + 120 * time**3,
+            ]
+        )
+    )
+    none, up = np.zeros_like(time), np.tile([0.0, 0.0, 1.0], (len(time), 1))
+    out = np.column_stack([np.sin(turned), np.cos(turned), none])
+    along = np.column_stack([np.cos(turned), -np.sin(turned), none])
+    twist, acceleration = np.zeros((2, len(time), 6))
+    twist[:, :3], twist[:, 5] = radius * speed[:, None] * along, -speed
+    acceleration[:, :3] = radius * (rate[:, None] * along - (speed**2)[:, None] * out)
+    acceleration[:, 5] = -rate
+    motion = mrts.ObjectMotion(time, radius * out, np.stack([-along, -out, up], axis=2), twist, acceleration)
+    strong = {"torque_lower": np.full(3, -1e6), "torque_upper": np.full(3, 1e6), "posture": np.array([0, 0, 2 * np.pi])}
+    cell = with_robots(gantries(tmp_path, gravity=(0, -9.81, 0)), **strong)
+    cup = CarriedThing(name="cup", normal=[0, 1, 0], friction=1.5)
+    plan = mrts.scale(replace(cell, carried=(cup,), object_acceleration_limit=np.array([900.0, np.inf])), motion)
+    assert plan.range.lower.c2 > 0
+    with pytest.raises(mrts.InputError) as refused:
+        mrts.SpeedOverride(plan)
+    assert str(refused.value).startswith("result")
+    assert "object/cup" in str(refused.value)

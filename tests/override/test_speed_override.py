@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from random_cells import configuration
+from random_motors import equipped
 from reference import ReferenceCell
 from shipped_cells import DATA
 
@@ -15,6 +16,9 @@ ROUNDING = 1e-9
 BETWEEN = 1e-3
 """Share of a limit by which a plan that was followed between its samples to 1e-4 is passed at most at a tick."""
 
+STILL = 1e-2
+"""Share of the fastest joint's speed below which dry friction may have either sign: that of the way between nodes."""
+
 AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 PLANS = {
@@ -22,7 +26,9 @@ PLANS = {
     "dual constant": ("dual_ur5", "lift_and_turn", None),
     "dual smooth": ("dual_ur5", "lift_and_turn", {"rates": 10}),
     "squeeze constant": ("squeeze", "lift_and_turn", None),
+    "motors fastest": ("planar_dual_arm", "lift", {}),
 }
+MOTORS = {"armature": [0.5, 0.4, 0.1], "coulomb": [6, 5, 2], "viscous": [8, 8, 3]}
 
 
 @pytest.fixture(scope="module", params=PLANS)
@@ -30,6 +36,7 @@ def played(request):
     """A plan, and a thousand wishes that it was played by."""
     name, motion, rates = PLANS[request.param]
     cell, given = mrts.load_cell(DATA / name / "cell.yaml"), mrts.load_motion(DATA / name / f"{motion}.yaml")
+    cell = equipped(cell, **MOTORS) if request.param.startswith("motors") else cell
     result = mrts.scale(cell, given) if rates is None else mrts.retime(cell, given, **rates)
     override = mrts.SpeedOverride(result)
     return override, override.play(wishes(np.random.default_rng(1), 1000)), DATA / name / "cell.yaml"
@@ -54,7 +61,9 @@ def test_torques_carry_the_object_as_pinocchio_has_it(played):
             wrench[reference.rows] = state["wrench"][wrenches]
             free = pin.rnea(arm.model, arm.data, full, dq, ddq)
             J = pin.computeFrameJacobian(arm.model, arm.data, full, arm.frame, AXES)
-            own = free + J.T @ wrench
+            motors, moves = robot.motors, np.abs(dq) > STILL * np.max(np.abs(dq))
+            own = free + J.T @ wrench + motors.armature * ddq + motors.viscous * dq + motors.coulomb * np.sign(dq)
+            own, torque = (np.where(moves | (motors.coulomb == 0), of, 0.0) for of in (own, torque))
             assert np.max(np.abs(own - torque) / robot.torque_upper) <= ROUNDING
             pin.forwardKinematics(arm.model, arm.data, full, dq, ddq)
             pose = arm.base * pin.updateFramePlacement(arm.model, arm.data, arm.frame) * arm.grasp.inverse()
