@@ -104,6 +104,7 @@ bench: install $(VENV)/bench  ## measure speed against what a user would otherwi
 	$(BIN)/python benchmarks/timing/two_arm_timing.py
 	$(BIN)/python benchmarks/timing/coarse_grids.py
 	$(BIN)/python benchmarks/smooth_timing.py
+	$(BIN)/python benchmarks/smooth_growth.py
 	$(BIN)/python benchmarks/closed_loop.py
 	$(BIN)/python benchmarks/startup/end_to_end.py
 	$(BIN)/python benchmarks/startup/generation_cost.py

@@ -110,9 +110,9 @@ def ring(folder: Path, arms: int) -> mrts.Cell:
     return cell if arms > 1 else cell.without_wrench_limits()
 
 
-def straight_up(start: mrts.ObjectMotion) -> mrts.ObjectMotion:
+def straight_up(start: mrts.ObjectMotion, samples: int = 101) -> mrts.ObjectMotion:
     """Straight up by 50 mm from the start of a motion."""
-    description = {"duration": 0.5, "samples": 101, "profile": "quintic"}
+    description = {"duration": 0.5, "samples": samples, "profile": "quintic"}
     x, y, z = start.position[0].tolist()
     ends = {"start": {"xyz": [x, y, z]}, "end": {"xyz": [x, y, z + 0.05]}}
     return mrts.sample_motion(mrts.MotionDescription.model_validate(description | ends))
