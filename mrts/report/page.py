@@ -2,11 +2,10 @@
 """The page of a result."""
 
 from pathlib import Path
+from types import NoneType
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import MrtsError
-from mrts.override.speed_override import SpeedOverride
 from mrts.override.stops import Stops
 from mrts.plots import limit_plots, phase_plane, range_plots, trajectory_plots
 from mrts.plots.card import answer_card
@@ -23,21 +22,23 @@ from mrts.simulation.simulate import Simulation
 from mrts.timing.result import RetimingResult
 
 
-def write_report(result: ScalingResult | RetimingResult, path: Path | str) -> None:
+def write_report(result: ScalingResult | RetimingResult, path: Path | str, stops: Stops | None = None) -> None:
     """Write the report of a result: one HTML file that opens offline.
 
     Args:
         result: Any result, feasible or not; of `mrts.retime`, the report begins with its timing.
         path: The file.
+        stops: What stops take, from `SpeedOverride.stops`, where it is to be drawn too.
 
     Raises:
         InputError: If plotly or Jinja is not installed, or the file cannot be written.
     """
     check_type("result", result, ScalingResult, RetimingResult)
-    write_text_atomically(as_path("path", path), report_html(result))
+    check_type("stops", stops, Stops, NoneType)
+    write_text_atomically(as_path("path", path), report_html(result, stops))
 
 
-def report_html(result: ScalingResult | RetimingResult) -> str:
+def report_html(result: ScalingResult | RetimingResult, stops: Stops | None = None) -> str:
     """The report of any result as text; the same result gives the same text.
 
     Raises:
@@ -68,7 +69,7 @@ def report_html(result: ScalingResult | RetimingResult) -> str:
         phase_plane=phase_plane,
         range_plots=range_plots,
         trajectory_plots=trajectory_plots,
-        stops=_stops(result),
+        stops=stops,
         stops_plot=stops_plot,
     )
 
@@ -95,14 +96,6 @@ def _sentences(timing: RetimingResult | None, shown: ScalingResult) -> list[str]
         load = "" if shown.load is None else f"The torques below are those of a load of {shown.cell.mass:.4g} kg. "
         told.append(f"{load}The motors give {shown.trajectory.energy:.4g} J.")
     return told
-
-
-def _stops(result: ScalingResult | RetimingResult) -> Stops | None:
-    """Of a plan that a speed override plays; None of others, and where no compiler makes it."""
-    try:
-        return SpeedOverride(result).stops()
-    except MrtsError:
-        return None
 
 
 def _notes(result: ScalingResult) -> list[str]:

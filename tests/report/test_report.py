@@ -140,10 +140,11 @@ def test_changes_are_a_table_of_what_each_does_and_what_limits_then(lifted):
     assert "Nothing else matters" not in report_html(lifted)
 
 
-def test_stops_are_drawn_of_plans_that_an_override_plays(planar_cell, lift, lifted):
-    text, stops = report_html(lifted), mrts.SpeedOverride(lifted).stops()
+def test_stops_are_drawn_where_they_are_given(lifted):
+    stops = mrts.SpeedOverride(lifted).stops()
+    text = report_html(lifted, stops)
     assert "stops" in sections(text)
     time, way = (np.array(trace["y"], dtype=float) for trace in data_of(text)["plots"]["plot-stops"]["data"])
     np.testing.assert_allclose(time, 1e3 * stops.stop_time, rtol=DRAWN)
     np.testing.assert_allclose(way, 1e3 * stops.distance, rtol=DRAWN)
-    assert "stops" not in sections(report_html(mrts.scale(planar_cell.with_mass(24.0), lift)))
+    assert "stops" not in sections(report_html(lifted))
