@@ -23,7 +23,7 @@ from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 from mrts.kernel.foreign_arrays import INFINITY
 from mrts.limits import limit_rows
 from mrts.limits.rows import object_axes
-from mrts.override.plan_nodes import Corners, Plan, corners_of, divided, motion_of, plan_of, reachable
+from mrts.override.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, plan_of, reachable
 from mrts.override.rates import followed, largest_changes, levelled
 from mrts.override.stops import Stops
 from mrts.program.excess import BETWEEN
@@ -51,7 +51,7 @@ PLACES = (0.25, MIDDLE := 0.5, 0.75)
 ROUNDS, DIVISIONS = 8, 5
 """Times that tables are made: in the first segments are divided, then limits are moved inward by what is passed."""
 
-LOWERINGS = 20
+LOWERINGS = 60
 """Times that accelerations which pass limits between nodes even so are lowered."""
 
 BENT = 1e-3
@@ -293,9 +293,11 @@ class SpeedOverride:
         self._lower()
 
     def _lower(self) -> None:
-        """Take off accelerations that pass limits between nodes."""
+        """Take off accelerations that pass limits between nodes, where the plan does not do so without any."""
         for _ in range(LOWERINGS):
-            over = np.append((self.passed > BETWEEN)[:, 2:], np.zeros((1, 4), dtype=bool), axis=0)
+            without, passed = self.passed[:, [AT_REST, AT_MOST] * 2], self.passed[:, 2:]
+            over = (passed > BETWEEN) & (passed > without + BETWEEN / 10)
+            over = np.append(over, np.zeros((1, 4), dtype=bool), axis=0)
             if not np.any(over):
                 return
             part = np.where(over | np.roll(over, 1, axis=0), LESS, 1.0)
