@@ -148,6 +148,11 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
         raise InputError("result", "has no trajectory: there is no speed at which it keeps its limits.")
     if np.max(np.abs(done.dq[[0, -1]])) > REST * np.max(np.abs(done.dq)):
         raise InputError("result", "must start and end at rest: there a speed that changes is no speed of the joints.")
+    sharing = result.options.sharing
+    if sharing is not None and sharing.varies:
+        raise InputError(
+            "result", "has an internal wrench of each sample: between them none is known. Give one for all."
+        )
     jumps = fastest_pieces(timed.pieces) if timed else ()
     motion = _both_sides(jumps) if jumps else _played(done)
     cell, options = result.cell.with_reserve(0.0), result.options

@@ -256,6 +256,18 @@ def test_samples_that_do_not_tell_what_is_between_have_no_override(tmp_path):
 
 
 @pytest.mark.quick
+def test_an_internal_wrench_of_each_sample_has_no_override():
+    cell, motion = shipped_motion_of("planar_dual_arm")
+    given = [np.zeros((len(motion.time), 6)), np.zeros(6)]
+    known, fixed = (mrts.scale(cell, motion, sharing=mrts.LoadSharing(internal_wrench=of)) for of in given)
+    with pytest.raises(mrts.InputError) as refused:
+        mrts.SpeedOverride(known)
+    assert str(refused.value).startswith("result")
+    override = mrts.SpeedOverride(fixed)
+    assert np.max(passed(override.cell, override.play(np.ones(500)))) <= BETWEEN
+
+
+@pytest.mark.quick
 def test_where_a_cup_needs_speed_there_is_no_override(tmp_path):
     """Around a vertical circle from its lowest point, inward up: above it only swinging keeps the cup on."""
     time, radius = np.linspace(0.0, 1.0, 201), 0.5
