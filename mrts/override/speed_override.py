@@ -23,6 +23,7 @@ from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 from mrts.kernel.foreign_arrays import INFINITY
 from mrts.limits import limit_rows
 from mrts.limits.rows import object_axes
+from mrts.motion.rows_at_rest import REST
 from mrts.override.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, plan_of, reachable
 from mrts.override.rates import followed, largest_changes, levelled
 from mrts.override.stops import Stops
@@ -117,6 +118,7 @@ def plan_nodes(cell: Cell, corners: Corners) -> NDArray[Any]:
     nodes = np.zeros(motion.samples, node_type(cell))
     for name in ("q", "dq", "ddq"):
         nodes[name] = getattr(motion, name)
+    nodes["dq"][np.abs(nodes["dq"]) <= REST * np.max(np.abs(nodes["dq"]))] = 0.0  # friction is against the way ahead
     nodes["time"] = motion.object.time
     for name in ("most", "acceleration", "active", "rate", "rate_ahead"):
         nodes[name] = getattr(corners, name)

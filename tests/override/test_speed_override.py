@@ -16,9 +16,6 @@ ROUNDING = 1e-9
 BETWEEN = 1e-3
 """Share of a limit by which a plan that was followed between its samples to 1e-4 is passed at most at a tick."""
 
-STILL = 1e-2
-"""Share of the fastest joint's speed below which dry friction may have either sign: that of the way between nodes."""
-
 AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 PLANS = {
@@ -61,7 +58,7 @@ def test_torques_carry_the_object_as_pinocchio_has_it(played):
             wrench[reference.rows] = state["wrench"][wrenches]
             free = pin.rnea(arm.model, arm.data, full, dq, ddq)
             J = pin.computeFrameJacobian(arm.model, arm.data, full, arm.frame, AXES)
-            motors, moves = robot.motors, np.abs(dq) > STILL * np.max(np.abs(dq))
+            motors, moves = robot.motors, dq != 0
             own = free + J.T @ wrench + motors.armature * ddq + motors.viscous * dq + motors.coulomb * np.sign(dq)
             own, torque = (np.where(moves | (motors.coulomb == 0), of, 0.0) for of in (own, torque))
             assert np.max(np.abs(own - torque) / robot.torque_upper) <= ROUNDING

@@ -166,6 +166,9 @@ static void play(const cell_plan *plan, cell_override *state) {
     const cell_real *const ours = a->accelerate[side][0], *const theirs = b->accelerate[side][0];
     cell_real weight[8];
     cell_real shares[WRENCHES];
+#if CELL_MOTORS
+    cell_real travel[JOINTS];
+#endif
     const cell_real *given[] = {state->q, state->dq, state->ddq, plan->load, shares,
 #if CELL_GEOMETRY
                                 plan->geometry
@@ -178,6 +181,9 @@ static void play(const cell_plan *plan, cell_override *state) {
         const cell_real ddq = of_ddq[0] * faster + of_ddq[1] * before + of_ddq[2] * after;
         state->q[j] = between(a->q[j], b->q[j], z) + of_q[0] * faster + of_q[1] * before + of_q[2] * after;
         state->dq[j] = dq * v;
+#if CELL_MOTORS
+        travel[j] = dq;
+#endif
         state->ddq[j] = ddq * x + dq * u;
     }
     for (int k = 0; k < 8; ++k) {
@@ -191,7 +197,8 @@ static void play(const cell_plan *plan, cell_override *state) {
     cell_model_played_torques(given, found);
 #if CELL_MOTORS
     for (int j = 0; j < JOINTS; ++j) {
-        const cell_real ahead = b->q[j] - a->q[j], way = (cell_real)(((ahead > 0) - (ahead < 0)) * state->direction);
+        const cell_real ahead = travel[j] != 0 ? travel[j] : b->q[j] - a->q[j];
+        const cell_real way = (cell_real)(((ahead > 0) - (ahead < 0)) * state->direction);
         state->torque[j] += plan->armature[j] * state->ddq[j] + plan->viscous[j] * state->dq[j] + plan->coulomb[j] * way;
     }
 #endif
