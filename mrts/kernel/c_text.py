@@ -51,6 +51,9 @@ INCLUDED = re.compile(r'^#include "((?:\.\./)?(?:\w+/)?\w+\.(?:h|inc))"\n', re.M
 OVERRIDE = "exported/cell_override"
 """The governor of a plan's speed, as an exported library has it."""
 
+CALLS = "exported/override_calls"
+"""What Python asks of it."""
+
 OURS_INCLUDED = re.compile(r'^#include "cell\w*\.h"\n', re.MULTILINE)
 
 
@@ -159,8 +162,8 @@ def override_source(manifest: Manifest, generated: str) -> str:
         "cell_model_played_torques": record.symbol,
     }
     exported = OURS_INCLUDED.sub("", one_file(f"{OVERRIDE}.h") + one_file(f"{OVERRIDE}.c"))
-    head = function_source(generated, record.symbol) + one_text(("override.h",))
-    return f"{head}\n{_defined(macros)}{exported}{one_file('override.c')}"
+    head = function_source(generated, record.symbol) + one_text((f"{CALLS}.h",))
+    return f"{head}\n{_defined(macros)}{exported}{one_file(f'{CALLS}.c')}"
 
 
 def _functions(generated: str) -> tuple[str, dict[str, str]]:

@@ -4,7 +4,6 @@
 import ctypes
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,13 +13,10 @@ from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedPlan
 from mrts.base.errors import InputError, as_array
-from mrts.base.manifest import LOAD_ENTRIES
 from mrts.cell.cell import Cell
 from mrts.following.coordinated_motion import unchecked_coordinated_motion
-from mrts.kernel.binding import bind
-from mrts.kernel.c_text import override_source
-from mrts.kernel.compiler import find_compiler, library_or_rebuilt
 from mrts.kernel.foreign_arrays import INFINITY
+from mrts.kernel.override_library import node_type, override_library, plan_type, state_type
 from mrts.limits import limit_rows
 from mrts.limits.rows import object_axes
 from mrts.motion.rows_at_rest import REST
@@ -85,37 +81,15 @@ REFUSED = {
 """What the statuses of the C say."""
 
 
-def node_type(cell: Cell) -> np.dtype[Any]:
-    """`cell_plan_node` of the exported header."""
-    joints, wrenches = len(cell.joint_names), len(cell.robots) * len(cell.wrench_components)
-    fields: list[Any] = [("time", "f8"), ("q", "f8", joints), ("dq", "f8", joints), ("ddq", "f8", joints)]
-    fields += [("most", "f8"), ("acceleration", "f8", (2, 2)), ("rate", "f8", 2), ("rate_ahead", "f8")]
-    fields += [("hold", "f8", (2, wrenches)), ("accelerate", "f8", (2, 2, wrenches)), ("active", "i2", 5)]
-    return np.dtype(fields, align=True)
-
-
-def _state_type(cell: Cell) -> np.dtype[Any]:
-    """`cell_override` of the exported header."""
-    joints, wrenches = len(cell.joint_names), len(cell.robots) * len(cell.wrench_components)
-    fields: list[Any] = [("time", "f8"), ("speed", "f8"), ("acceleration", "f8")]
-    fields += [(name, "f8", joints) for name in ("q", "dq", "ddq", "torque")]
-    fields += [("wrench", "f8", wrenches), *((name, "i4") for name in ("active", "finished", "node", "direction"))]
-    return np.dtype([*fields, ("inside", "f8"), ("aim", "f8")], align=True)
-
-
-def _plan_type(cell: Cell) -> np.dtype[Any]:
-    """`cell_plan` of the exported header, for Python."""
-    joints = len(cell.joint_names)
-    fields: list[Any] = [("nodes", "u8"), *((name, "i4") for name in ("count", "backwards", "varies", "keeps_rates"))]
-    fields += [("limits", "u8"), ("load", "f8", len(LOAD_ENTRIES))]
-    fields += [(name, "f8", joints) for name in ("armature", "coulomb", "viscous")]
-    return np.dtype([*fields, ("geometry", "u8")], align=True)
+def sizes_of(cell: Cell) -> tuple[int, int]:
+    """Joints, and components of all wrenches."""
+    return len(cell.joint_names), len(cell.robots) * len(cell.wrench_components)
 
 
 def plan_nodes(cell: Cell, corners: Corners) -> NDArray[Any]:
     """The tables of a plan as C reads them, Shape (n,)."""
     motion, axes = corners.motion, object_axes(cell, corners.motion)
-    nodes = np.zeros(motion.samples, node_type(cell))
+    nodes = np.zeros(motion.samples, node_type(*sizes_of(cell)))
     for name in ("q", "dq", "ddq"):
         nodes[name] = getattr(motion, name)
     nodes["dq"][np.abs(nodes["dq"]) <= REST * np.max(np.abs(nodes["dq"]))] = 0.0  # friction is against the way ahead
@@ -231,7 +205,7 @@ class SpeedOverride:
         self.plan: Plan = plan_of(result, fastest)
         self.cell: Cell = self.plan.cell
         self.backwards = backwards
-        self._library = _library(self.cell)
+        self._library, self._kind = _opened(self.cell), state_type(*sizes_of(self.cell))
         self._has_speed_terms = motion_rows(self.cell, self.plan.motion, self.plan.sharing).has_speed_terms
         self._make()
         for _ in range(ROUNDS):
@@ -370,7 +344,7 @@ class SpeedOverride:
         )
         self._geometry = np.ascontiguousarray(cell.geometry)
         addresses = {"nodes": self.nodes.ctypes.data, "geometry": self._geometry.ctypes.data, "count": len(self.nodes)}
-        self._c = np.zeros((), _plan_type(cell))
+        self._c = np.zeros((), plan_type(len(cell.joint_names)))
         for name in self._c.dtype.names or ():
             if name != "limits":  # names are looked up here
                 self._c[name] = addresses[name] if name in addresses else getattr(self.tables, name)
@@ -392,7 +366,7 @@ class SpeedOverride:
         Raises:
             InputError: If it is no place of the plan, or limits do not admit the speed there.
         """
-        numbers = np.zeros((), _state_type(self.cell))
+        numbers = np.zeros((), self._kind)
         for name, value in (("time", time), ("speed", speed)):
             if not is_number(value):
                 raise InputError(name, "must be a finite number.", value=value)
@@ -432,7 +406,7 @@ class SpeedOverride:
         if given.ndim != 1 or not np.all(np.isfinite(given)):
             raise InputError("wanted", "must have Shape (k,) and be finite.")
         _check_tick(dt)
-        states = np.zeros(len(given), _state_type(self.cell))
+        states = np.zeros(len(given), self._kind)
         self._library.mrts_override_play(self._c, len(given), given, dt, self._numbers(state or self.start()), states)
         return states
 
@@ -488,7 +462,7 @@ class SpeedOverride:
         Raises:
             InputError: If a joint is farther off.
         """
-        given, numbers = np.ascontiguousarray(as_array("q", q)), np.zeros((), _state_type(self.cell))
+        given, numbers = np.ascontiguousarray(as_array("q", q)), np.zeros((), self._kind)
         if given.shape != (len(self.cell.joint_names),):
             raise InputError("q", f"must have Shape ({len(self.cell.joint_names)},).")
         if not is_number(within, 0):
@@ -512,7 +486,7 @@ class SpeedOverride:
         return np.where(seconds < INFINITY, seconds, np.inf), stands
 
     def _states(self, node: NDArray[Any], inside: Array, speed: Array, acceleration: Array) -> NDArray[Any]:
-        states = np.zeros(len(node), _state_type(self.cell))
+        states = np.zeros(len(node), self._kind)
         given = [np.ascontiguousarray(of, dtype=np.float64) for of in (inside, speed, acceleration)]
         self._library.mrts_override_states(
             self._c, len(node), np.ascontiguousarray(node, dtype=np.int32), *given, states
@@ -534,12 +508,8 @@ def _check_tick(dt: float) -> None:
         raise InputError("dt", "must be a time > 0 in s.", value=dt)
 
 
-def _library(cell: Cell) -> ctypes.CDLL:
+def _opened(cell: Cell) -> ctypes.CDLL:
     manifest, generated = cell.functions.manifest, cell.functions.origin
     if not isinstance(generated, str):
         cell.functions.library  # noqa: B018 (it says what is missing)
-    return library_or_rebuilt(find_compiler(), "override", override_source(manifest, str(generated)), _bound)
-
-
-def _bound(path: Path) -> ctypes.CDLL:
-    return bind(ctypes.CDLL(str(path)), ("override.c",))
+    return override_library(manifest, str(generated))

@@ -87,7 +87,7 @@ def good(planar_cell):
         "load_motion": {"motion": DATA / "lift.yaml", "smooth": None},
         "check_plan": {"cell": planar_cell, "plan": "good.csv", "closure": None},
         "simulate": {"plan": result, "controller": None, "errors": None, "cell": None, "trials": 0, "seed": 0}
-        | {"progress": lambda _done, _total: None},
+        | {"override": None, "rates": None, "progress": lambda _done, _total: None},
         "least_reserve": {"solve": lambda reserve: mrts.scale(planar_cell, motion, reserve=reserve)}
         | {"controller": None, "errors": None, "progress": lambda _done, _total: None},
         "load_result": {"path": "good.npz", "cell": planar_cell},
@@ -103,7 +103,7 @@ def good(planar_cell):
         "sweep": {"study": study, "folder": "swept", "workers": 1, "scheduler": None, "top": 0}
         | {"progress": lambda _progress: None},
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
-        "write_report": {"result": result, "path": "report.html"},
+        "write_report": {"result": result, "path": "report.html", "stops": None},
         "write_plot": {"plot": range_plot(result), "path": "figure.png"},
         "write_result_plots": {"result": result, "folder": "figures", "form": "png"},
         "write_ros_bag": {"result": result, "folder": "bag", "merged": False},

@@ -31,7 +31,8 @@ def compiled(functions, precision, folder):
     words = {"NOTICE": "", "MODEL": model_c({f"x_{short}": one for short, one in functions.items()})}
     template = decided((TEMPLATES / "cell_model.c").read_text(), {"SINGLE": precision == "float"})
     text = filled(template.replace("cell_", "x_"), words)
-    (folder / "x_model.h").write_text(f"typedef {precision} x_real;\n")
+    joints = min(one.numel_in(0) for one in functions.values())  # all take them first
+    (folder / "x_model.h").write_text(f"typedef {precision} x_real;\n#define CELL_JOINTS {joints}\n")
     if precision == "double":
         text += f'#include "lanes/lanes.h"\n#include "lanes/model_of_lanes.inc"\n{words["MODEL"]}'
     (folder / "model.c").write_text(text)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What Python asks of a plan that is played; exported/cell_override.c and .h stand before it.
+ * What Python asks of a plan that is played; cell_override.h and .c stand before it.
  */
 
 /* States at `count` places, inside[k] after node[k], with their speeds and accelerations, signs as they are. */
