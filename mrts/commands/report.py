@@ -2,6 +2,7 @@
 """`mrts report`."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from click import argument, option
 
@@ -11,6 +12,9 @@ from mrts.commands import options
 from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
 from mrts.commands.console.terminal import say
 from mrts.commands.options import HTML, Named
+
+if TYPE_CHECKING:
+    from mrts.program.rate_limits import Rates
 
 EXAMPLES = """\
 examples:
@@ -26,18 +30,21 @@ examples:
 @option(
     "--cell", type=Named(), metavar="CELL", help="its cell file: draw how soon and how far on a speed override stops"
 )
-def run(result: Path, output: Path, cell: Path | None = None) -> int:
+@options.rates
+def run(result: Path, output: Path, cell: Path | None = None, rates: "Rates | None" = None) -> int:
     """Write a saved result or a study as an HTML page that opens offline."""
     from mrts.output.saved_result import load_result
     from mrts.override.speed_override import SpeedOverride
     from mrts.report import write_report
 
+    if rates is not None and cell is None:
+        raise InputError("--rates", "are of stops, which take --cell.", value=rates)
     if is_folder(result):
         if cell is not None:
             raise InputError("--cell", "goes with a saved result, not with a study.", value=cell)
         return _report_study(result, output)
     found = load_result(result, None if cell is None else options.compiled_cell(cell))
-    write_report(found, output, None if cell is None else SpeedOverride(found).stops())
+    write_report(found, output, None if cell is None else SpeedOverride(found, rates=rates).stops())
     say(f"{found.cell.name}: {found.status.value}; the report is {output}")
     return FEASIBLE if found.status.admits_motion else INFEASIBLE
 

@@ -32,16 +32,20 @@ AHEAD = 1e-4
 """Part of a segment over which a rate is a difference."""
 
 
-def levelled(corners: Corners, part: float) -> Corners:
+def levelled(corners: Corners, part: float, hold: Array) -> Corners:
     """Accelerations alike at rest and at the largest speed, up to a part of the median one, and steady wrenches.
 
     What the object takes for them goes to all arms alike, as what wrenches lack does while it plays: the wrenches of
     the hardest accelerations are found node by node, and change from one to the next faster than rates allow.
+
+    Args:
+        corners: As they are found for limits alone.
+        part: Of the median acceleration.
+        hold: Wrenches at rest and at the largest speed, Shape (n, 2, n w).
     """
     size = np.abs(corners.acceleration)
     most = part * np.median(size)
     least = np.minimum(np.min(size, axis=2, keepdims=True), most) * np.sign(corners.acceleration)
-    hold = np.broadcast_to(corners.hold[:, 1:], corners.hold.shape)
     accelerate = np.broadcast_to(hold[:, None], corners.accelerate.shape)
     return replace(corners, acceleration=least, hold=hold, accelerate=accelerate)
 

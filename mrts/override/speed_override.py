@@ -76,7 +76,7 @@ STARTS = np.array([(place, part) for place in (0.0, 0.5) for part in (1.0, 0.75,
 NOT_ADMITTED, WRONG = 2, 5
 REFUSED = {
     NOT_ADMITTED: "limits do not admit that speed there",
-    WRONG: "must be a place of the plan, from 0 to its duration",
+    WRONG: "must be a place of the plan",
 }
 """What the statuses of the C say."""
 
@@ -217,37 +217,46 @@ class SpeedOverride:
         over = np.max(self.passed, axis=1)
         if np.max(over) > MOST_PASSED:
             where = f"between {', '.join(f'{time:.4g}' for time in self.nodes['time'][np.argmax(over) :][:2])} s"
-            rule = (
-                f"{where} of the plan a limit would be passed by {100 * np.max(over):.2g} %: sample its motion finer."
-            )
-            raise InputError("result", rule)
+            rule = f"{where} of the plan a limit would be passed by {100 * np.max(over):.2g} %"
+            what = "played in either direction: leave `backwards` out" if backwards else "between samples: give more"
+            raise InputError("result", f"{rule}, {what}, or plan with a reserve.")
         if rates is not None:
             self._keep(rate_limits(self.cell, rates), rates)
 
     def _keep(self, limits: RateLimits, rates: Rates) -> None:
         """Accelerations with which stops within the limits of rates are soonest."""
         if self.plan.wrench is None or np.ptp(self.plan.most):
-            rule = (
-                "go with a plan whose accelerations do not jump, at its own speed: take one by a constant factor or a "
-                "smooth one, and leave `fastest` out."
-            )
+            jumps = "whose accelerations do not jump: take one by a constant factor, or a smooth one."
+            rule = f"go with a plan {jumps}" if self.plan.wrench is None else "do not go with a speed above the plan's."
             raise InputError("rates", rule, value=rates)
         whole, best, changes = self.corners, None, np.zeros((1, 2))
+        kept = max(BETWEEN, float(np.max(self.passed)))
+        hold = np.broadcast_to(whole.hold[:, 1:], whole.hold.shape)  # the plan's wrenches hold too, if limits admit it
+        self._take(replace(whole, hold=hold))
+        steady = bool(np.max(self.passed[:, AT_REST]) <= kept)
+        hold = hold if steady else whole.hold
         for part in PARTS:
-            self._take(levelled(whole, part))
+            self._take(levelled(whole, part, hold))
             self._lower()
-            self._take(levelled(self.corners, 1.0))
+            self._take(levelled(self.corners, 1.0, hold))
+            self._c["coulomb"] = 0.0  # rates are of torques without dry friction, which jumps
             changes = largest_changes(self.corners, self._states, limits)
             self._take(followed(self.corners, changes, backwards=self.backwards), keeps_rates=True)
             longest = float(np.max(self.stops().stop_time))
-            if np.all(self.corners.acceleration) and (best is None or longest < best[0]):
+            sound = np.all(self.corners.acceleration) and np.max(self.passed) <= kept
+            if sound and (best is None or longest < best[0]):
                 best = longest, self.corners
         if best is None:
             worst = self.nodes["time"][int(np.argmin(changes[:, 1]))]
             rule = (
-                f"the plan leaves too little of these rates for a speed that changes, least at {worst:.4g} s of it. "
-                "Give more than it was made with, or make it with less."
+                f"the plan leaves too little of its limits of rates for a speed that changes, least at {worst:.4g} s. "
+                "Give about twice those that it was made with, or make it with reserve=0.5."
             )
+            if not steady:
+                rule = (
+                    "the plan's wrenches do not hold the object at rest, and those that do change too fast for rates. "
+                    "Leave rates out, or plan with a reserve."
+                )
             raise InputError("rates", rule, value=rates)
         self._take(best[1], keeps_rates=True)
 
@@ -373,7 +382,11 @@ class SpeedOverride:
         status = self._library.mrts_override_start(self._c, time, speed, numbers)
         if status:
             key, value = ("speed", speed) if status == NOT_ADMITTED else ("time", time)
-            raise InputError(key, f"{REFUSED[status]} (0 to {self.duration:g} s).", value=value)
+            known = f"0 to {self.duration:g} s"
+            if status == NOT_ADMITTED:
+                most = float(np.sqrt(np.interp(time, self.nodes["time"], self.nodes["most"])))
+                known = f"{-most if self.backwards else 0:.4g} to {most:.4g}"
+            raise InputError(key, f"{REFUSED[status]} ({known}).", value=value)
         return self._state(numbers)
 
     def step(self, state: OverrideState, wanted: float, dt: float = TICK) -> OverrideState:
@@ -450,6 +463,7 @@ class SpeedOverride:
             distance=np.max(np.max(ended - begun, axis=0).reshape(each), axis=1),
             loads=len(self.plan.loads),
             excess=float(np.max(self.passed)),
+            rates=bool(self.tables.keeps_rates),
         )
 
     def resume(self, q: Array, within: float) -> OverrideState:

@@ -20,6 +20,7 @@ class Stops:
         distance: What the tip that goes farthest goes meanwhile, Shape (n,) [m].
         loads: How many loads the accelerations are for.
         excess: By how much of itself a limit is passed at most, at nodes and between.
+        rates: Whether limits of rates are kept.
     """
 
     cell: str
@@ -28,6 +29,7 @@ class Stops:
     distance: Array
     loads: int
     excess: float
+    rates: bool
 
     def __repr__(self) -> str:
         return f"<Stops: {self.sentence()}>"
@@ -40,6 +42,7 @@ class Stops:
             return f"not every stop ends: from {where} braking within the limits does not bring it to rest"
         longest, way = float(np.max(self.stop_time)), float(np.max(self.distance))
         kept = "inside all limits" if self.excess <= 0 else f"no limit passed by more than {100 * self.excess:.2g} %"
+        kept += ", rates of torques too" if self.rates else ", whatever the rates of torques"
         return printable(
             f"from every point of this plan{loads} all arms come to rest on the path within {1e3 * longest:.3g} ms and "
             f"{1e3 * way:.3g} mm, {kept}"

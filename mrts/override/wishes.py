@@ -81,7 +81,8 @@ def commanded(override: SpeedOverride, wanted: Array, dt: float) -> ScaledTrajec
     played = states[: moves[-1] + 3]
     q, dq, ddq, torque, wrench = (np.array(played[name]) for name in ("q", "dq", "ddq", "torque", "wrench"))
     time = dt * np.arange(len(played), dtype=np.float64)
-    way = np.sign(np.diff(override.nodes["q"], axis=0))[played["node"]] * played["direction"][:, None]
+    ahead = np.sign(np.diff(override.nodes["q"], axis=0))[played["node"]] * played["direction"][:, None]
+    way = np.where(dq != 0, np.sign(dq), ahead)
     carried = carried_by_first(override.cell, time, q, dq, ddq, smooth=False)
     motion, still = replace(carried, travel=np.stack([way, way])), override.start(0.0)
     held = Holding(pushing_ends(dq, ddq), np.stack([still.torque, torque[-1]]), np.stack([still.wrench, wrench[-1]]))
@@ -103,6 +104,10 @@ def wanted_at_ticks(wishes: Array, duration: float, dt: float) -> Array:
     if given.ndim != 2 or given.shape[1:] != (2,) or not len(given) or not np.all(np.isfinite(given)):  # noqa: PLR2004
         raise InputError("override", "must have Shape (k, 2): times and wanted speeds, all finite.")
     time, speed = given.T
+    if np.max(np.abs(speed)) > 1:
+        raise InputError(
+            "override", "wants speeds up to 1, the plan's own.", value=float(speed[np.argmax(np.abs(speed))])
+        )
     if time[0] != 0 or np.any(np.diff(time) <= 0):
         raise InputError("override", "must have times from 0 on that increase.", value=time.tolist())
     last = abs(float(speed[-1]))

@@ -156,7 +156,7 @@ def test_rates_are_kept_where_they_are_asked_for():
         assert np.max(states["time"]) == override.duration
     longest = np.max(override.stops().stop_time)
     assert 0.05 < longest < 0.12  # 22 ms where rates are not kept
-    with pytest.raises(mrts.InputError, match="too little of these rates"):
+    with pytest.raises(mrts.InputError, match="too little of its limits of rates"):
         mrts.SpeedOverride(result, rates=10)
 
 
