@@ -26,7 +26,7 @@ EXAMPLES = """\
 examples:
   mrts simulate cell.yaml result.npz
   mrts simulate cell.yaml trajectory.csv --set delay=2e-3 --set mass=0.05 --set com=0.002,0,0
-  mrts simulate cell.yaml result.npz --override random:1 --rates 20
+  mrts simulate cell.yaml result.npz --override random:1
   mrts simulate cell.yaml result.npz --trials 100 -q --json - | jq .trials.largest"""
 
 

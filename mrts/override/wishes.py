@@ -18,8 +18,9 @@ from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 COLUMNS = ("t", "speed")
 """Of a table of wishes."""
 
-SETTLING = 1.0
-"""Time after the last wish in which a wanted speed is reached [s]: most cells take a tenth of it."""
+SETTLING = 10.0
+"""Time after the last wish in which a wanted speed is reached [s]: cells take a hundredth of it, some within rates a
+tenth."""
 
 MOST_TICKS = 100_000
 """Of a run: a hundred seconds at 1 kHz."""

@@ -130,7 +130,9 @@ def _draw(axes: Axes, panel: Panel, longest: int, *, labelled: bool) -> None:
     axes.margins(x=0)
     axes.set(xlabel=_label(panel.x.label, longest) if labelled else "", ylabel=_label(panel.y.label, longest))
     axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
-    axes.set(xlim=panel.x.ends or (None, None), ylim=panel.y.ends or (None, None))
+    for name, axis in (("xlim", panel.x), ("ylim", panel.y)):
+        if axis.ends:  # else they follow what is drawn
+            axes.set(**{name: axis.ends})
     for item in panel.drawn:
         _add(axes, item)
     if panel.y.names:
