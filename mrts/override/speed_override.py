@@ -509,12 +509,9 @@ class SpeedOverride:
 
     def excess(self, states: NDArray[Any]) -> Array:
         """By how much of itself each state passes a limit, below 0 within all, Shape (k,)."""
-        rows, value = self._rows(states)
-        return np.asarray(np.max(rows.excess(value), axis=1, initial=-1.0))
-
-    def _rows(self, states: NDArray[Any]) -> tuple[Any, Array]:
         rows = limit_rows(self.cell, motion_of(self.cell, states))
-        return rows, rows.value(np.array(states["torque"]), np.array(states["wrench"]), 0.0, 1.0)
+        value = rows.value(np.array(states["torque"]), np.array(states["wrench"]), 0.0, 1.0)
+        return np.asarray(np.max(rows.excess(value), axis=1, initial=-1.0))
 
 
 def _check_tick(dt: float) -> None:

@@ -56,12 +56,10 @@ def speed_scaling(plan: ScaledTrajectory, wanted: Array, dt: float) -> SpeedScal
         wanted: At each tick, Shape (k,); below 0 it is 0, as the controller takes it.
         dt: Between ticks [s].
     """
-    from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 (slow to import)
-
     speed = np.maximum(wanted, 0.0)
     place = np.minimum(dt * np.concatenate([[0.0], np.cumsum(speed)]), plan.duration)
     count = int(np.searchsorted(place, plan.duration)) + 1
-    joints = CubicHermiteSpline(plan.time, plan.q, plan.dq)
+    joints = plan.course()
     q, dq = joints(place[:count]), joints(place[:count], 1) * np.append(speed, speed[-1])[:count, None]
     ddq = np.diff(dq, axis=0) / dt
     time = dt * np.arange(len(ddq), dtype=np.float64)

@@ -18,7 +18,7 @@ MRTS_EXPORT void mrts_override_states(const cell_plan *plan, long long count, co
     }
 }
 
-/* As many ticks of dt as there are wishes; every state, or only the last one, and how many are written. */
+/* As many ticks of dt as there are wishes, and the state after each; the status of the last. */
 MRTS_EXPORT int mrts_override_play(const cell_plan *plan, long long count, const double *wanted, double dt,
                                    const cell_override *start, cell_override *states) {
     cell_override now = *start;
