@@ -23,10 +23,10 @@ DOCS = ROOT / "docs"
     ("name", "blocks"),
     [
         ("tutorial", 8),
-        pytest.param("gallery", 8, marks=pytest.mark.slow),
+        pytest.param("gallery", 1, marks=pytest.mark.slow),
         pytest.param("own_cell", 6, marks=pytest.mark.slow),
         pytest.param("own_robot", 3, marks=pytest.mark.slow),
-        pytest.param("check", 5, marks=pytest.mark.slow),
+        pytest.param("check", 4, marks=pytest.mark.slow),
         pytest.param("command_line", 4, marks=pytest.mark.slow),
         pytest.param("ros2", 2, marks=pytest.mark.slow),
         pytest.param("optimal_profile", 2, marks=pytest.mark.slow),
