@@ -70,9 +70,9 @@ if TYPE_CHECKING:
     from mrts.starting.hold import hold_here as hold_here
     from mrts.starting.plan_check import check_plan as check_plan
     from mrts.studies.configurations import rank_configurations as rank_configurations
-    from mrts.studies.layout.place import place as place
+    from mrts.studies.place import place as place
     from mrts.studies.study import Study as Study
-    from mrts.studies.study_file import read_study as read_study
+    from mrts.studies.study import read_study as read_study
     from mrts.studies.study_folder import read_study_folder as read_study_folder
     from mrts.studies.sweep import sweep as sweep
     from mrts.timing.result import RetimingResult as RetimingResult
@@ -96,7 +96,6 @@ __all__, __getattr__, __dir__ = lazy_names(
         "following.coordinated_motion": "CoordinatedMotion follow_object",
         "following.grasp_closure": "ClosureBound",
         "identification.identify": "identify",
-        "studies.layout.place": "place",
         "limits.rows": "ActiveRow RowName",
         "motion.joint_recording": "JointRecording RecordedJoint load_recording",
         "motion.joint_table": "JointTable",
@@ -121,8 +120,8 @@ __all__, __getattr__, __dir__ = lazy_names(
         "starting.hold": "hold_here",
         "starting.plan_check": "check_plan",
         "studies.configurations": "rank_configurations",
-        "studies.study": "Study",
-        "studies.study_file": "read_study",
+        "studies.place": "place",
+        "studies.study": "Study read_study",
         "studies.study_folder": "read_study_folder",
         "studies.sweep": "sweep",
         "timing.result": "RetimingResult RetimingStatus",

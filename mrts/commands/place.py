@@ -29,8 +29,8 @@ examples:
 @options.between
 def run(study: Path, output: Path, **given: Any) -> int:
     """Where to put the arms and how to hold the object: the layout that may be played fastest."""
-    from mrts.studies.layout.place import place
-    from mrts.studies.study_file import read_study
+    from mrts.studies.place import place
+    from mrts.studies.study import read_study
 
     with working(f"reading {study}"):
         asked = read_study(study)

@@ -46,7 +46,7 @@ def run(
     plot: Path | None = None,
 ) -> int:
     """Solve all variants of a study: numbers of cell and motion that vary."""
-    from mrts.studies.study_file import read_study
+    from mrts.studies.study import read_study
 
     with working(f"reading {study}"):
         asked = read_study(study)

@@ -25,8 +25,7 @@ from mrts.cell.number_paths import (
     value_at,
     with_place,
 )
-from mrts.studies.distributions import Distribution
-from mrts.studies.sampling import MAX_STEPS, SampleName
+from mrts.studies.sampling import MAX_STEPS, Distribution, SampleName
 
 ANSWERS = dict.fromkeys(("status", "reason", "lower_limit", "upper_limit"), "string")
 ANSWERS |= dict.fromkeys(("c2_lower", "c2_upper", "lower_time", "upper_time", "duration"), "float64")

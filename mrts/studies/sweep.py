@@ -18,12 +18,10 @@ import numpy as np
 
 from mrts.base.argument_types import as_path, check_callable, check_type, require_extra
 from mrts.base.errors import InputError
-from mrts.studies.chunks import solved_chunks
-from mrts.studies.study import Study
-from mrts.studies.study_file import read_study
+from mrts.studies.study import Study, read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder
 from mrts.studies.variant_rows import fastest_first, solve_variants
-from mrts.studies.worker_pools import check_workers
+from mrts.studies.workers import check_workers, solved_chunks
 
 if TYPE_CHECKING:
     import pyarrow as pa

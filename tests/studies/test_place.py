@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from shipped_cells import shipped
 
 import mrts
-from mrts.studies.layout.place import LayoutSearch
+from mrts.studies.place import LayoutSearch
 
 BETTER = 1e-3
 """Share of c²⁺ by which no other search may be better."""

@@ -14,9 +14,8 @@ from study_files import planar_study
 
 import mrts
 from mrts.cell.number_paths import numbers_below, path_text, value_at
-from mrts.studies.distributions import Distribution
-from mrts.studies.sampling import grid_size, sample_points
-from mrts.studies.variant_numbers import base_numbers, varied_entries
+from mrts.studies.sampling import Distribution, grid_size, sample_points
+from mrts.studies.variant_batch import base_numbers, varied_entries
 from mrts.studies.variant_rows import solve_variants
 
 BASE = "vary: {object.mass: [1, 2]}"

@@ -9,7 +9,7 @@ import yaml
 
 import mrts
 from mrts.base.arrays import Array
-from mrts.studies.layout.place import LayoutSearch
+from mrts.studies.place import LayoutSearch
 
 DATA = Path(mrts.__file__).parent / "data"
 
