@@ -80,11 +80,8 @@ def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
         "from rest (default: 0)")  # fmt: skip
 @option("--end-speed", type=float, metavar="R", help="the same at the end")
 @options.rates
-@option("--weigh", type=lambda text: options.named_numbers("weigh", text, "time=1,energy=1"), metavar="KEY=VALUE,…",
-        help="what the smooth profile makes least: time=1,energy=1 (default: time=1); the energy is "
-        "∫ τᵀWτ dt")  # fmt: skip
 @option("--least-energy-in", type=float, metavar="SECONDS",
-        help="the smooth profile of least energy that takes at most so long")  # fmt: skip
+        help="the smooth profile of least energy ∫ τᵀWτ dt that takes at most so long")  # fmt: skip
 @options.share
 @option("--load", metavar="QUESTION",
         help="of a load that varies: guaranteed (for every load; the default if the cell gives object.variation), "

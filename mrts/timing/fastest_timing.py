@@ -27,14 +27,13 @@ from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, p
 from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import FastestPiece, fastest_piece, fastest_pieces
 from mrts.timing.speed_regions import SpeedRegions, intersect_regions, speed_regions
-from mrts.timing.successive_profiles import successive_profiles
+from mrts.timing.successive_profiles import successive_profiles, weaker_rows
 
 UNBOUNDED_SHARE = 0.5
 """Speeds squared above this share of the bound of the regions are those that nothing limits."""
 
 STUCK = 1e6
 """A segment that takes this many times as long as most others takes no finite time, but for rounding."""
-
 
 SLOWEST = 1e-6
 """Least speed squared at which rows with terms in √x are looked at, of one that moves a row by its limit."""
@@ -44,9 +43,6 @@ FASTEST = 10.0
 
 TRIED = 48
 """How many there are, beside standstill."""
-
-REACHED = 3
-"""Speeds at the next sample, from the least to the largest, that are looked at with each of them."""
 
 
 def fastest_timing(
@@ -247,7 +243,10 @@ class _Search:
     ) -> Conflict | None:
         time = self.untimed.motion.object.time[self.piece.first :]
         worst: Conflict | None = None
-        for point, problem in zip(self.points, self._problems(lambda _done, _total: None), strict=True):
+        problems = [*self._problems(lambda _done, _total: None)]
+        if self.rows.has_speed_terms and reach is not None:
+            problems = weaker_rows(problems, self.piece.step, self.ends)
+        for point, problem in zip(self.points, problems, strict=True):
             if reach is None:
                 found = sample_conflict(problem, time, sample, x)
             else:
@@ -332,8 +331,6 @@ def segment_conflict(
         reach: Least and largest x at its end.
         x: The speed squared that is asked for at its start; None leaves it free.
     """
-    if problem.speed is not None:
-        return _at_pairs(problem, time, sample, step, reach, x)
     here, there = problem.at(np.array([sample])), problem.at(np.array([sample + 1]))
     free = problem.unknowns - 2
     none = np.zeros((1, problem.A.shape[1], free))
@@ -376,24 +373,6 @@ def _least(found: list[Conflict | None], sample: int) -> Conflict | None:
     if len(conflicts) < len(found):
         return None
     return replace(min(conflicts, key=lambda one: one.widening), sample=sample)
-
-
-def _at_pairs(
-    problem: SampleProblem, time: Array, sample: int, step: float, reach: tuple[float, float], x: float | None
-) -> Conflict | None:
-    """`segment_conflict` where rows have terms in √x: with x given at both ends, u is known, and each is by itself."""
-    starts = _tried(problem, sample) if x is None else np.array([x])
-    pairs = np.array([(start, end) for start in starts for end in np.linspace(*reach, REACHED)])
-    u = (pairs[:, 1] - pairs[:, 0]) / (2 * step)
-    ends = []
-    for place in (0, 1):
-        rows = _at_speeds(problem, sample + place, pairs[:, place])
-        given, A = rows.rate * u[:, None], rows.A.copy()
-        A[:, :, -2] = 0.0
-        rows = replace(rows, A=A, lower=rows.lower - given, upper=rows.upper - given)
-        ends.append(find_conflicts(rows, np.full(len(u), time[sample]), np.arange(len(u)), DEFAULT_SOLVER))
-    worse = [max(filter(None, pair), key=lambda one: one.widening, default=None) for pair in zip(*ends, strict=True)]
-    return _least(worse, sample)
 
 
 def _with_law(problem: SampleProblem, name: RowName, column: Array, lower: float, upper: float) -> SampleProblem:

@@ -49,7 +49,6 @@ class RetimingStatus(Enum):
     LOCALLY_AT_SAMPLES = "locally optimal at samples only"
     RATES_TOO_SMALL = "rates too small"
     TOO_SHORT = "duration too short"
-    HOLDING = "infeasible holding torque"
     INFEASIBLE = "infeasible"
     NOT_CONTROLLABLE = "not controllable"
     START_SPEED = "start speed not admissible"
@@ -122,14 +121,12 @@ class SmoothAnswer:
         """What the timing is, for people."""
         if self.goal.effort == 0:
             return "smooth timing"
-        if self.goal.longest is None:
-            return f"smooth timing with time = {self.goal.time:g} and energy = {self.goal.effort:g}"
         return f"smooth timing of least energy within {self.goal.longest:g} s"
 
     def to_json(self) -> dict[str, Any]:
         """The answer as JSON values."""
         return {
-            "goal": {"time": self.goal.time, "energy": self.goal.effort, "longest": self.goal.longest},
+            "longest": self.goal.longest,
             "bound": self.bound,
             "steps": self.steps,
             "last_gain": self.gain,

@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: MIT
 """The fastest admissible r(t): a speed that varies along the path, where `mrts.scale` keeps its factor constant."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable, check_type, is_number
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, as_array
+from mrts.base.errors import InputError
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
@@ -24,7 +23,7 @@ from mrts.program.excess import BETWEEN
 from mrts.program.formulation import DistributionName
 from mrts.program.load_sharing import LoadSharing
 from mrts.program.path_solver import KernelSolver
-from mrts.program.rate_limits import Rates, rate_limits
+from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import CONVERGED
 from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
@@ -42,9 +41,6 @@ ROOM = 0.01
 """Share of the least duration that a timing which keeps a reserve may add: near the fastest are many that need far less
 of the limits. On the shipped cells the mean of the largest shares falls from 86 to 34, 98 to 43 and 100 to 72 %."""
 
-WEIGHTS = ("time", "energy")
-"""What `weigh` may weigh."""
-
 
 def retime(
     cell: Cell,
@@ -61,10 +57,7 @@ def retime(
     end_speed: float = 0.0,
     between: float | None = BETWEEN,
     rates: Rates = False,
-    weigh: Mapping[str, float] | None = None,
     least_energy_in: float | None = None,
-    start_torque: Array | None = None,
-    end_torque: Array | None = None,
     progress: Progress = lambda _done, _total: None,
 ) -> RetimingResult:
     """Find the fastest r(t) within all limits, and distribute its torques.
@@ -92,12 +85,8 @@ def retime(
         rates: Whether torques, accelerations and contact wrenches may only change at limited rates: True for the limits
             of the cell, a number for the torque rate of the joints that have none, as a multiple of their torque limit
             [1/s]; docs/smooth.md.
-        weigh: With rates: weights of what is to be least, the "time" [1/s] and the "energy" ∫ τᵀWτ dt [1/s; with W = 1
-            1/(N² m² s)]; None is the time alone.
-        least_energy_in: With rates: the longest duration, within which the energy is to be least [s].
-        start_torque: With rates: torques that hold still where the motion begins, Shape (m,); None leaves them free
-            within the limits, as part of the answer [N m].
-        end_torque: Likewise where it ends.
+        least_energy_in: With rates: the longest duration, within which the energy ∫ τᵀWτ dt is to be least [s]; None
+            makes the duration least.
         progress: Told how many of how many loads, or with rates of how many steps, are done.
 
     Returns:
@@ -112,18 +101,15 @@ def retime(
     check_callable("progress", progress)
     cell = limited_cell(cell, reserve, limits)
     kept = None if rates is False else rate_limits(cell, rates)
-    goal = _smooth_goal(weigh, least_energy_in)
+    goal = Goal() if least_energy_in is None else _least_energy(kept, least_energy_in)
     if distribute is None:
         chosen = kept is not None and goal.effort == 0 and sharing is None and len(cell.robots) > 1
         distribute = "reserve" if chosen else "least-torque"
     options = Options(sharing=sharing, weights=weights, load=load, distribute=distribute, between=between, rates=kept)
     options = options.checked(cell)
-    of_rates = {"weigh": weigh, "least_energy_in": least_energy_in}
-    _check_timing(options, start_speed, end_speed, start_torque=start_torque, end_torque=end_torque, **of_rates)
+    _check_timing(options, start_speed, end_speed)
     if options.distribute == "reserve" and goal.effort == 0:
         goal = replace(goal, room=ROOM)
-    start = _holding_torque(cell, options, "start_torque", start_torque)
-    end = _holding_torque(cell, options, "end_torque", end_torque)
     given, end_speeds = coordinate(cell, motion, closure), (start_speed, end_speed)
     compared = ConstantFactor(cell, given, options)
     if options.between is not None:
@@ -136,7 +122,7 @@ def retime(
     fastest = refined_timing(first, again, options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
         unrated = replace(compared, options=replace(options, rates=None)).factor
-        return _smooth(SmoothQuestion(fastest, unrated, goal, (start, end), KernelSolver()), progress)
+        return _smooth(SmoothQuestion(fastest, unrated, goal, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
     told = interpolated_timing(given, first.duration, fastest.duration)
@@ -224,7 +210,7 @@ def _stopped(answer: SmoothAnswer, found: RetimingResult) -> tuple[Remark, ...]:
     return (Remark("search-stopped", f"this is the best timing found in {answer.steps} steps: {', and '.join(left)}."),)
 
 
-def _check_timing(options: Options, start_speed: float, end_speed: float, **of_rates: Any) -> None:
+def _check_timing(options: Options, start_speed: float, end_speed: float) -> None:
     if options.load not in {"guaranteed", "nominal"}:
         raise InputError("load", "must be guaranteed or nominal where the speed varies.", value=options.load)
     if options.sharing is not None and options.sharing.varies:
@@ -233,39 +219,11 @@ def _check_timing(options: Options, start_speed: float, end_speed: float, **of_r
         if not is_number(speed, 0, LARGEST_NUMBER):
             rule = f"must be a number from 0 to {LARGEST_NUMBER:.0e}, a multiple of the given motion's speed."
             raise InputError(name, rule, value=speed)
-    for name, value in of_rates.items():
-        if options.rates is None and value is not None:
-            raise InputError(name, "needs limits of rates: give rates too.", value=value)
 
 
-def _holding_torque(cell: Cell, options: Options, name: str, given: Array | None) -> Array | None:
-    if given is None:
-        return None
-    torque, joints = as_array(name, given), len(cell.joint_names)
-    if torque.shape != (joints,) or not np.all(np.isfinite(torque)):
-        raise InputError(name, f"must be finite with Shape ({joints},), one a joint.", value=given)
-    if options.load == "guaranteed":
-        raise InputError(name, "holds one load, but the cell's varies: ask for load='nominal'.")
-    return torque
-
-
-def _smooth_goal(weigh: Mapping[str, float] | None, least_energy_in: float | None) -> Goal:
-    if weigh is not None and least_energy_in is not None:
-        raise InputError("weigh", "does not go with least_energy_in, which weighs the energy alone.")
-    if least_energy_in is not None:
-        if not is_number(least_energy_in, 0, LARGEST_NUMBER) or least_energy_in == 0:
-            raise InputError("least_energy_in", "must be a duration > 0 [s].", value=least_energy_in)
-        return Goal(0.0, 1.0, float(least_energy_in))
-    if weigh is None:
-        return Goal()
-    check_type("weigh", weigh, Mapping)
-    for name, weight in weigh.items():
-        if name not in WEIGHTS:
-            raise InputError("weigh", f"may have the keys {' and '.join(WEIGHTS)} only.", value=name)
-        if not is_number(weight, 0, LARGEST_NUMBER):
-            raise InputError("weigh", f"must be >= 0 and at most {LARGEST_NUMBER:.0e}.", key=name, value=weight)
-    goal = Goal(float(weigh.get("time", 0.0)), float(weigh.get("energy", 0.0)))
-    if goal.time == 0:
-        rule = "must be > 0: with the energy alone a motion may last for ever. Or ask for the least in a duration."
-        raise InputError("weigh", rule, key="time", value=goal.time)
-    return goal
+def _least_energy(rates: RateLimits | None, duration: float) -> Goal:
+    if rates is None:
+        raise InputError("least_energy_in", "needs limits of rates: give rates too.", value=duration)
+    if not is_number(duration, 0, LARGEST_NUMBER) or duration == 0:
+        raise InputError("least_energy_in", "must be a duration > 0 [s].", value=duration)
+    return Goal(time=0.0, effort=1.0, longest=float(duration))

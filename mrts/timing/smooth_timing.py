@@ -9,10 +9,8 @@ import numpy as np
 
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError, SolverError
-from mrts.cell.cell import Cell
+from mrts.base.errors import SolverError
 from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.circles import in_circles
 from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import path_program, with_circles, without_polygons
 from mrts.program.path_solver import KEPT, KernelSolver
@@ -52,15 +50,6 @@ ON_TIME = 1e-3
 MOST_WEIGHTS = 30
 """Weights of time that are tried for it."""
 
-HOLDS = 1e-4
-"""Share of the largest torque by which given torques may miss those that hold still: digits of a file."""
-
-ON_LIMIT = 1e-6
-"""Share of a limit by which they may pass it: the same."""
-
-GivenTorques = tuple[Array | None, Array | None]
-"""Torques that hold still at the start and at the end of a motion, each Shape (m,), or None [N m]."""
-
 Held = tuple[Array | None, Array | None]
 """The free wrenches at the start and at the end of a piece, of all loads, or None where they are free."""
 
@@ -75,7 +64,6 @@ class SmoothQuestion:
         bare: The fastest timing without limits of rates; nothing bounds it, or it has a duration.
         constant: A constant factor, whose duration is of the size of the answer's.
         goal: What is the best.
-        end_torques: Torques that hold still at the start and at the end, Shape (m,); None leaves them free [N m].
         solver: Solves the programs.
         corners: Loads whose limits the programs of a duration have so far, by their place among those of `bare`: the
             heaviest, and what was passed.
@@ -84,7 +72,6 @@ class SmoothQuestion:
     bare: RetimingResult
     constant: ScalingResult
     goal: Goal
-    end_torques: GivenTorques
     solver: KernelSolver
     corners: list[int] = field(init=False)
 
@@ -134,17 +121,15 @@ class SmoothQuestion:
         program = path_program(cell, path, rows, self.rates, weights, (start, end), held, third, self.sizes)
         return with_circles(program, problems[0])  # they are the same for all loads
 
-    def held(self, problems: Sequence[SampleProblem], before: Held | None, *, last: bool) -> Held:
-        """Wrenches at both ends of a piece: those given, or at a stop on the way those of the least torques.
+    def held(self, problems: Sequence[SampleProblem], before: Held, *, last: bool) -> Held:
+        """Wrenches at both ends of a piece: free at those of the motion, of the least torques at a stop on the way.
 
         Args:
             problems: Rows of [F, u, x] at its nodes, one a load.
-            before: Those of the piece before; None for the first.
+            before: Those of the piece before.
             last: Whether it is the last.
         """
-        start = _given_wrenches(problems, self.end_torques[0], 0) if before is None else before[1]
-        end = _given_wrenches(problems, self.end_torques[1], -1) if last else _stopped_wrenches(problems, self.weights)
-        return start, end
+        return before[1], None if last else _stopped_wrenches(problems, self.weights)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,15 +150,11 @@ def smooth_timing(
     """The best timing with limits kept at the nodes, the samples of a motion.
 
     Raises:
-        InputError: If torques that hold still are given for an end at which the motion moves.
         SolverError: If no solver answers.
     """
     bare = question.bare
     untimed = RetimingResult(bare.cell, motion, RetimingStatus.LOCALLY_OPTIMAL, "", bare.compared, bare.loads)
-    parts = _parts(question, motion, smooth_pieces(before))
-    if isinstance(parts, str):
-        return replace(untimed, status=RetimingStatus.HOLDING, explanation=parts)
-    timed = _timed(question, parts, progress)
+    timed = _timed(question, _parts(question, motion, smooth_pieces(before)), progress)
     if isinstance(timed, NoProfile):
         status, why = _why(question, timed)
         return replace(untimed, status=status, explanation=why)
@@ -183,27 +164,20 @@ def smooth_timing(
     return replace(untimed, pieces=_planned(question, timed))
 
 
-def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part] | str:
+def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part]:
     cell, time = question.bare.cell, motion.object.time
     fine = with_samples(cell, motion, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel())
     found = path_pieces(fine)
     if isinstance(found, NoPath):
         raise SolverError("a path that could be timed without limits of rates is no path with them: please report it.")
     pieces = [closed_piece(cell, piece) for piece in found]
-    for name, speed, torque in zip(("start", "end"), question.bare.end_speeds, question.end_torques, strict=True):
-        if speed > 0 and torque is not None:
-            raise InputError(f"{name}_torque", "is what holds still, but the motion is not to be at rest there.")
     usual = question.usual / float(time[-1])
     paths = joined_at_stops([smooth_path(motion, piece, question.bare.end_speeds, usual) for piece in pieces])
     parts: list[_Part] = []
-    held: Held | None = None
+    held: Held = None, None
     for number, piece in enumerate(paths):
         rows = motion_rows(cell, piece.path, question.bare.options.sharing, circles=True)
         problems = [build_sample_problem(rows, load=load, varying=True) for load in question.bare.loads]
-        for end, place in ((0, 0), (1, len(paths) - 1)):
-            why = _unheld(cell, problems[0], question.end_torques, end) if number == place else None
-            if why is not None:
-                return why
         held = question.held(problems, held, last=number == len(paths) - 1)
         weights = question.weights if question.goal.effort > 0 else None
         own = problems[0] if len(problems) == 1 else build_sample_problem(rows, varying=True)
@@ -335,22 +309,20 @@ def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, st
             f"the motion cannot be done in {question.goal.longest:.6g} s; the fastest timing within the limits of "
             f"rates takes {found.duration:.6g} s. Allow {1 + ON_TIME:g} times that at least."
         )
-    given = [name for name, torque in zip(("start", "end"), question.end_torques, strict=True) if torque is not None]
-    also = f", or leave the torques at the {' and the '.join(given)} free" if given else ""
     if np.isfinite(found.share):
         return RetimingStatus.RATES_TOO_SMALL, (
             "no timing within the limits of rates was found; the nearest passes them by "
-            f"{100 * found.share:.3g} %. Raise the torque rates or the jerk, change the end speeds{also}."
+            f"{100 * found.share:.3g} %. Raise the torque rates or the jerk, or change the end speeds."
         )
     return RetimingStatus.RATES_TOO_SMALL, (
         "no timing was found that keeps the other limits where torques cannot jump. Raise the limits that bind in the "
-        f"fastest timing, or leave limits of rates out{also}."
+        "fastest timing, or leave limits of rates out."
     )
 
 
 def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothPiece, ...]:
     planned: list[SmoothPiece] = []
-    held: Held | None = None
+    held: Held = None, None
     for number, (piece, problem, program, steps) in enumerate(timed):
         x, u = steps.profile.x, steps.profile.u
         held = question.held([problem], held, last=number == len(timed) - 1)
@@ -364,44 +336,6 @@ def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothP
         rates = np.column_stack([u[:-1], u[1:]])
         planned.append(SmoothPiece(piece=piece, x=x, rates=rates, program=program, steps=steps, plan=plan, **given))
     return tuple(planned)
-
-
-def _given_wrenches(problems: Sequence[SampleProblem], torque: Array | None, place: int) -> Array | None:
-    return None if torque is None else np.concatenate([_nearest(problem, torque, place)[0] for problem in problems])
-
-
-def _unheld(cell: Cell, problem: SampleProblem, given: GivenTorques, end: int) -> str | None:
-    """Why torques given for an end do not hold the object still within the limits; None if they do or are not given."""
-    torque = given[end]
-    if torque is None:
-        return None
-    where, place = ("start", "end")[end], -end
-    free, missed = _nearest(problem, torque, place)
-    dry = np.concatenate([robot.motors.coulomb for robot in cell.robots])  # it may hold as much of it
-    beyond = np.abs(missed) - 2 * dry
-    worst = int(np.argmax(beyond))
-    unit = [unit for robot in cell.robots for unit in robot.torque_units][worst]
-    if beyond[worst] > HOLDS * np.max(np.abs(torque)):
-        return (
-            f"the torques given for the {where} do not hold the cell still: {cell.joint_names[worst]} misses what "
-            f"balances the others by {abs(missed[worst]):.4g} {unit}. "
-            "Take those of a plan that ends there, or give none."
-        )
-    values = problem.A[place, :, :-2] @ free
-    over, under = values - problem.upper[place], problem.lower[place] - values
-    in_circles(problem.names, over, under)
-    row = int(np.argmax(np.maximum(over, under)))
-    if max(over[row], under[row]) > ON_LIMIT:
-        limit = problem.active_row(row, upper=bool(over[row] > under[row]))
-        return f"the torques given for the {where} hold the cell still, but beyond a limit: {limit}."
-    return None
-
-
-def _nearest(problem: SampleProblem, torque: Array, place: int) -> tuple[Array, Array]:
-    """The free wrenches that come nearest to torques at rest, and by what they miss each of them."""
-    columns, offset = problem.torque_map[place, :, :-2], problem.torque_offset[place]
-    free = np.linalg.lstsq(columns, torque - offset, rcond=None)[0]
-    return free, columns @ free + offset - torque
 
 
 def _stopped_wrenches(problems: Sequence[SampleProblem], weights: Array) -> Array:

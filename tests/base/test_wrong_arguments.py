@@ -68,8 +68,8 @@ def good(planar_cell):
     study = mrts.read_study("study.yaml")
     mrts.sweep(study, "swept", workers=1)
     plan = {"limits": None, "weights": None, "load": "auto", "distribute": "reserve", "reserve": None, "closure": None}
-    smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "weigh": None, "least_energy_in": None}
-    smooth |= {"start_torque": None, "end_torque": None, "distribute": "least-torque"}
+    smooth = {"start_speed": 0.0, "end_speed": 0.0, "rates": 11.5, "least_energy_in": None}
+    smooth |= {"distribute": "least-torque"}
     return {
         "box_contact": {"lower": [0.0] * 6, "upper": [9.0] * 6, "frame": "tip"} | named,
         "gripper_contact": {"force": 50.0, "axis": [1, 0, 0]} | pressed | named,

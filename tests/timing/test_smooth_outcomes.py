@@ -1,7 +1,6 @@
 """Smooth timings: limits put to the test by other code, what is least, every outcome by its name, what is told."""
 
 import json
-import re
 
 import numpy as np
 import pytest
@@ -60,8 +59,6 @@ def test_a_plan_keeps_all_limits_and_starts_and_ends_holding_still(planar_cell, 
     residuals = smooth.retimed.residuals()
     assert residuals.limits < KEPT
     assert max(residuals.arms, residuals.object) < 1e-6  # N m, N
-    still = mrts.retime(planar_cell, smooth.motion, rates=RATES, start_torque=done.torque[0])
-    assert still.status.admits_motion  # what it starts with holds still
     np.testing.assert_allclose(done.dq[[0, -1]], 0, atol=1e-9)
     np.testing.assert_allclose(done.ddq[[0, -1]], 0, atol=1e-6)
 
@@ -86,20 +83,6 @@ def test_least_energy_falls_as_the_motion_may_take_longer(planar_cell, lift, smo
         assert f"of least energy within {seconds:g} s" in one.summary()
 
 
-def test_weights_trade_duration_for_energy(planar_cell, lift, smooth):
-    weighed = [
-        mrts.retime(planar_cell, lift, rates=RATES, weights=1, weigh={"time": 1.0, "energy": weight})
-        for weight in (0.0, 1e-4, 1e-3)
-    ]
-    assert weighed[0].duration == pytest.approx(smooth.duration, rel=1e-4)
-    durations, energies = [one.duration for one in weighed], [energy_of(one) for one in weighed]
-    assert durations == sorted(durations)
-    assert energies == sorted(energies, reverse=True)
-    for one, weight in zip(weighed[1:], (1e-4, 1e-3), strict=True):  # each beats the others by its own measure
-        own = one.duration + weight * energy_of(one)
-        assert all(own < other.duration + weight * energy_of(other) for other in weighed if other is not one)
-
-
 @pytest.mark.quick
 def test_too_short_a_duration_is_an_outcome_with_the_least(planar_cell, lift, smooth):
     found = mrts.retime(planar_cell, lift, rates=RATES, least_energy_in=0.1)
@@ -109,20 +92,6 @@ def test_too_short_a_duration_is_an_outcome_with_the_least(planar_cell, lift, sm
     assert json.loads(found.json_text())["status"] == "duration too short"
     assert any(warning.code == "step-at-ends" for warning in found.constant.warnings)
     assert found.warnings == ()  # it is no step of a timing that there is not
-
-
-@pytest.mark.quick
-def test_a_plan_may_start_with_the_torques_of_another(planar_cell, lift, smooth):
-    given = np.array(smooth.retimed.trajectory.torque[0])
-    given_end = np.array(smooth.retimed.trajectory.torque[-1])
-    again = mrts.retime(planar_cell, lift, rates=RATES, start_torque=given, end_torque=given_end)
-    np.testing.assert_allclose(again.retimed.trajectory.torque[0], given, atol=1e-4 * np.max(np.abs(given)))
-    np.testing.assert_allclose(again.retimed.trajectory.torque[-1], given_end, atol=1e-4 * np.max(np.abs(given_end)))
-    assert again.duration >= smooth.duration * (1 - 1e-4)
-    wrong = mrts.retime(planar_cell, lift, rates=RATES, start_torque=np.zeros(6))
-    assert wrong.status.value == "infeasible holding torque"
-    assert "do not hold the cell still" in wrong.explanation
-    assert re.search(r"balances the others by [0-9.]+ N m\. Take", wrong.explanation)
 
 
 def test_a_motion_stops_on_its_way_with_torques_that_hold_still(tmp_path):
@@ -158,8 +127,6 @@ def test_a_motion_that_moves_at_its_ends_is_timed_from_and_to_any_speed(planar_c
     np.testing.assert_allclose(rolling.retimed.trajectory.dq[0], given[0], rtol=1e-6)
     np.testing.assert_allclose(rolling.retimed.trajectory.dq[-1], given[-1] / 2, rtol=1e-6)
     assert rolling.duration < resting.duration
-    with pytest.raises(mrts.InputError, match="end_torque: is what holds still, but the motion is not to be at rest"):
-        mrts.retime(planar_cell, moving, rates=RATES, end_speed=0.5, end_torque=np.zeros(6))
     braking = mrts.retime(planar_cell, moving, rates=1e-4, start_speed=0.5)  # torques cannot follow it to rest
     assert braking.status.value == "rates too small"
     assert "passes them by" in braking.explanation
@@ -170,13 +137,7 @@ WRONG = (
     ({"rates": float("nan")}, "rates = nan: must be True, or a number > 0"),
     ({"rates": True}, "rates = True: the cell 'planar_dual_arm' limits no rate. Give a robot of the cell file"),
     ({"least_energy_in": 1.0}, "least_energy_in = 1.0: needs limits of rates: give rates too."),
-    ({"start_torque": np.zeros(6)}, "start_torque = array([0., 0., 0., 0., 0., 0.]): needs limits of rates"),
-    ({"rates": 1, "weigh": {"tim": 1}}, "weigh = 'tim': may have the keys time and energy only."),
-    ({"rates": 1, "weigh": {"time": -1}}, "weigh: time = -1: must be >= 0"),
-    ({"rates": 1, "weigh": {"energy": 1}}, "weigh: time = 0.0: must be > 0: with the energy alone"),
     ({"rates": 1, "least_energy_in": 0}, "least_energy_in = 0: must be a duration > 0 [s]."),
-    ({"rates": 1, "least_energy_in": 1, "weigh": {"time": 1}}, "weigh: does not go with least_energy_in"),
-    ({"rates": 1, "start_torque": [1, 2]}, "start_torque = [1, 2]: must be finite with Shape (6,), one a joint."),
     ({"rates": 1, "start_speed": 1.0}, "start_speed = 1.0: the given motion is at rest there"),
 )
 
