@@ -8,17 +8,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from mrts_codegen.cell_file import (
-    CellDescription,
-    ObjectDescription,
-    RobotDescription,
-    inertia_problem,
-    read_cell_description,
-)
 from mrts_codegen.contact_normals import check_contact_normals
-from mrts_codegen.hand_file import build_contacts
-from mrts_codegen.joint_limits import joint_motion_limits
-from mrts_codegen.motors_block import build_motors
+from mrts_codegen.joint_limits import add_joint_limits
 from mrts_codegen.object_shape import build_shape, build_surroundings
 from mrts_codegen.urdf.held_joints import held_positions
 from mrts_codegen.urdf.planar_cell import PLANE_COMPONENTS, check_plane_kept
@@ -26,19 +17,31 @@ from mrts_codegen.urdf.robot_model import Joint, RobotModel, build_robot_model
 from mrts_codegen.urdf.shared_joints import check_machines
 from mrts_codegen.urdf.urdf_file import parse_urdf
 
-from mrts.base.arrays import Array, without_infinity
+from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes, did_you_mean
+from mrts.base.formats.file_reference import FileReference
 from mrts.base.formats.urdf import NO_LIMIT, Urdf
 from mrts.base.input_file import read_data, validated
 from mrts.base.load_box import LoadBox, load_vector
-from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, WRENCH_UNITS, ChainsRecord
+from mrts.base.manifest import FORMAT, WRENCH_COMPONENTS, ChainsRecord
 from mrts.base.remark import Remark
 from mrts.base.version import __version__
-from mrts.cell.hands import wrench_bounds
-from mrts.cell.motors import given_torque_limits
+from mrts.cell.cell_file import (
+    OF_ARM,
+    OF_FRICTION,
+    CellDescription,
+    ObjectDescription,
+    RobotDescription,
+    inertia_problem,
+    read_cell_description,
+    robot_values,
+)
 from mrts.cell.points import ArmPointLimit, ObjectRates, point_names
 from mrts.cell.record import NOTICE, CellManifest, CellRecord, ShapeRecord
-from mrts.cell.robot import Robot
+from mrts.cell.robot import Robot, RobotSource
+
+FEWEST_JOINTS = 3
+"""Joints of an arm from which on equal friction is no accident."""
 
 
 class BuiltRobot(NamedTuple):
@@ -195,86 +198,75 @@ def build_robot(
     path: Path, key: str, robot: RobotDescription, plane: str | None, folder: Path, *, lenient: bool
 ) -> BuiltRobot:
     """Read the URDF of a robot and check all that the cell file says of it against it."""
-    reference = robot.reference(f"{key}.urdf")
+    reference = FileReference(robot.urdf, f"{key}.urdf")
     urdf_path, content = reference.path(path, folder), reference.content(path, folder)
     urdf = parse_urdf(urdf_path, content)
     components = _components(plane)
     held = held_positions(path, f"{key}.fixed", urdf_path, urdf, robot.fixed)
     model = build_robot_model(urdf_path, urdf, robot.base_link, robot.tip_link, held, lenient=lenient)
-    joints, of_chain = [joint.name for joint in model.joints], model.of_robot()
-    T_world_base = robot.base.transform
-    T_object_tip = robot.grasp.transform
-    bounds = robot.wrench
+    sha256 = hashlib.sha256(content).hexdigest()
+    values = model.attributes(len(components), urdf=robot.urdf, sha256=sha256, fixed=robot.fixed, held=held)
     mistakes = Mistakes()
+    remarks = [*robot.base.degrees_remarks(f"{key}.base"), *robot.grasp.degrees_remarks(f"{key}.grasp")]
     with mistakes.noted():
-        if len(robot.posture) != len(joints):
-            rule = f"must have {len(joints)} values, one for each of {', '.join(joints)}."
-            raise InputError(path, rule, key=f"{key}.posture", value=robot.posture)
+        if robot.torque is None:
+            _check_efforts(urdf_path, robot.name, path, model.joints)
+    if robot.joint_limits is not None:
+        with mistakes.noted():
+            remarks += add_joint_limits(values, path, f"{key}.joint_limits", robot.name, robot.joint_limits, folder)
+    for name in OF_ARM:
+        if (given := getattr(robot, name)) is not None:
+            with mistakes.noted():
+                values |= robot_values(path, f"{key}.{name}", given, values, components)
     with mistakes.noted():
-        torque_lower, torque_upper = _torque_limits(path, urdf_path, key, robot, model.joints)
-        motors, of_motors = build_motors(path, f"{key}.motors", robot, model, (torque_lower, torque_upper))
-    with mistakes.noted():
-        moving = joint_motion_limits(path, key, robot, joints, of_chain["velocity_limit"], folder)
-        points = _point_limits(path, f"{key}.frames", robot, model, urdf, held)
-    with mistakes.noted():
-        wrench_lower, wrench_upper = wrench_bounds(path, f"{key}.wrench", bounds.lower, bounds.upper, components)
+        values["point_limits"] = _point_limits(path, f"{key}.frames", robot, model, urdf, held)
     with mistakes.noted():
         if plane is not None:
             rotation_keys = robot.base.rotation_key, robot.grasp.rotation_key
-            check_plane_kept(path, key, plane, T_world_base, T_object_tip, model, rotation_keys)
-        contacts = build_contacts(path, f"{key}.contact", robot.contact, components, T_object_tip.R)
+            check_plane_kept(path, key, plane, values["T_world_base"], values["T_object_tip"], model, rotation_keys)
     mistakes.raise_noted()
-    given_friction = robot.motors.friction is not None
-    built = Robot(
-        name=robot.name,
-        **of_chain
-        | {
-            "velocity_limit": moving.velocity,
-            "acceleration_lower": moving.acceleration_lower,
-            "acceleration_upper": moving.acceleration_upper,
-        },
-        T_world_base=T_world_base,
-        T_object_tip=T_object_tip,
-        posture=np.array(robot.posture, dtype=float),
-        torque_lower=torque_lower,
-        torque_upper=torque_upper,
-        wrench_lower=wrench_lower,
-        wrench_upper=wrench_upper,
-        source=model.source(
-            urdf=robot.urdf,
-            sha256=hashlib.sha256(content).hexdigest(),
-            fixed=dict(robot.fixed),
-            effort=(*torque_upper.tolist(),) if robot.torque is None else None,
-            velocity=(*without_infinity(moving.velocity),) if moving.from_urdf else None,
-            joint_limits=moving.file,
-            friction=None if given_friction else ((*motors.coulomb.tolist(),), (*motors.viscous.tolist(),)),
-        ),
-        held=held,
-        motors=motors if moving.jerk is None or robot.motors.jerk is not None else replace(motors, jerk=moving.jerk),
-        contacts=contacts,
-        contact_rate=_contact_rate(robot.contact_rate, components),
-        point_limits=points,
+    source: RobotSource = values["source"]
+    source = values["source"] = replace(
+        source,
+        effort=source.effort if robot.torque is None else None,
+        velocity=source.velocity if robot.velocity is None else None,
+        friction=source.friction if robot.motors.friction is None else None,
     )
-    of_poses = (*robot.base.degrees_remarks(f"{key}.base"), *robot.grasp.degrees_remarks(f"{key}.grasp"))
-    return BuiltRobot(built, model, urdf, (*of_poses, *moving.remarks, *of_motors))
+    if source.friction is not None and any(map(any, source.friction)):
+        remarks.append(_friction_of_urdf(robot.name, source.friction))
+    try:
+        return BuiltRobot(Robot(name=robot.name, **values), model, urdf, tuple(remarks))
+    except InputError as error:
+        raise error.inside(path, key) from None
 
 
-def _torque_limits(
-    path: Path, urdf_path: Path, key: str, robot: RobotDescription, joints: tuple[Joint, ...]
-) -> tuple[Array, Array]:
-    names, mistakes = [joint.name for joint in joints], Mistakes()
-    if robot.torque is not None:
-        return given_torque_limits(path, f"{key}.torque", robot.torque, names)
+def _check_efforts(urdf_path: Path, name: str, path: Path, joints: tuple[Joint, ...]) -> None:
+    mistakes, names = Mistakes(), ", ".join(joint.name for joint in joints)
     for joint in joints:
         if not 0 < joint.effort < NO_LIMIT:
             rule = (
                 f"its effort limit is {joint.effort or 'missing or 0'}, which says nothing about the motor. Give "
-                f"'torque: [{', '.join(names)}]' in N m for robot '{robot.name}' in {path.name}."
+                f"'torque: [{names}]' in N m for robot '{name}' in {path.name}."
             )
             mistakes.add(InputError(urdf_path, rule, key=f"joint '{joint.name}'"))
     mistakes.raise_noted()
-    upper = np.array([joint.effort for joint in joints])
-    return -upper, upper
+
+
+def _friction_of_urdf(robot: str, friction: tuple[tuple[float, ...], tuple[float, ...]]) -> Remark:
+    named = [(name, values) for name, values in zip(OF_FRICTION, friction, strict=True) if any(values)]
+    shown = "; ".join(f"{name} {', '.join(f'{value:g}' for value in values)}" for name, values in named)
+    same = any(_same_round_number(values) for _, values in named)
+    return Remark(
+        "friction-placeholders" if same else "urdf-friction",
+        f"robot '{robot}': friction is that of the URDF's <dynamics> ({shown}), which "
+        f"{'looks like' if same else 'is often'} a placeholder. Give "
+        "'motors: {friction: …}' in the cell file, or 'motors: {friction: none}' to ignore it.",
+    )
+
+
+def _same_round_number(values: tuple[float, ...]) -> bool:
+    """Whether all joints have the same number, of one digit: of joints of different size, none that was measured is."""
+    return len(values) >= FEWEST_JOINTS and {*values} == {float(f"{values[0]:.0e}")}
 
 
 def _point_limits(
@@ -308,8 +300,3 @@ def _named(path: Path, key: str, given: list[Any], default: str) -> tuple[Any, .
     names = point_names(given, default)
     _check_names(path, key, names, [*ObjectRates.model_fields])
     return tuple(one.model_copy(update={"name": name}) for one, name in zip(given, names, strict=True))
-
-
-def _contact_rate(given: list[float | None] | None, components: tuple[str, ...]) -> Array:
-    force, moment = (np.inf if rate is None else rate for rate in given or (None, None))
-    return np.array([force if WRENCH_UNITS[component] == "N" else moment for component in components])

@@ -6,7 +6,7 @@ A gripper's axis has no sign: what its two pads admit is the same both ways.
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,10 +14,8 @@ from mrts.base.arrays import Array
 from mrts.base.errors import InputError, Mistakes
 from mrts.base.formats.surface_text import unpacked_surface
 from mrts.base.remark import Remark
+from mrts.cell.cell_file import RobotDescription
 from mrts.cell.record import ShapeRecord
-
-if TYPE_CHECKING:
-    from mrts_codegen.cell_file import RobotDescription
 
 NEAR = 0.05
 """Share of the object's longest side within which a contact is at a face: palms have a thickness, shapes are rough."""
@@ -37,7 +35,7 @@ Faces = tuple[Array, Array, float]
 longest side of the shape [m]."""
 
 
-def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shape: ShapeRecord | None) -> list[Remark]:
+def check_contact_normals(path: Path, robots: Sequence[RobotDescription], shape: ShapeRecord | None) -> list[Remark]:
     """Check that pads and suction cups press into the object, unless they say `pull: true`.
 
     Returns:
@@ -47,10 +45,10 @@ def check_contact_normals(path: Path, robots: Sequence["RobotDescription"], shap
     for index, robot in enumerate(robots):
         T = robot.grasp.transform
         for place, described in enumerate(robot.contact):
-            hand = getattr(described, described.kind)
+            ((kind, hand),) = described.items()
             if "normal" not in hand or hand.get("pull"):
                 continue
-            key = f"robots[{index}] ({robot.name}).contact[{place}].{described.kind}.normal"
+            key = f"robots[{index}] ({robot.name}).contact[{place}].{kind}.normal"
             given = np.asarray(hand["normal"])
             direction = T.R @ (given / np.linalg.norm(given))
             outward = [] if shape is None else list(_faces_at(shape, T.p))

@@ -8,11 +8,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mrts_codegen.joint_limits import joint_limits_reference
-from mrts_codegen.urdf_reference import FileReference, mesh_reference
-
 from mrts.base import version
 from mrts.base.errors import InputError
+from mrts.base.formats.file_reference import FileReference
 from mrts.base.regular_file import read_regular
 from mrts.base.yaml_parser import MAX_YAML_BYTES
 from mrts.cell.record import CellRecord
@@ -22,7 +20,15 @@ if TYPE_CHECKING:
 
 SHAPING = (
     *("base/manifest.py", "base/rigid_transform.py", "base/input_file.py", "base/yaml_parser.py", "base/load_box.py"),
-    *("base/formats/*.py", "cell/record.py", "cell/robot.py", "cell/hands.py", "cell/motors.py", "cell/points.py"),
+    *(
+        "base/formats/*.py",
+        "cell/record.py",
+        "cell/robot.py",
+        "cell/hands.py",
+        "cell/motors.py",
+        "cell/points.py",
+        "cell/cell_file.py",
+    ),
 )
 """Files of mrts that decide what a manifest says."""
 
@@ -36,15 +42,11 @@ def text_key(path: Path) -> str:
 def is_as_made(path: Path, record: CellRecord) -> bool:
     """Whether the files that a cell file names hold what the record of a cell was made from."""
     folder = path.resolve().parent
-    known = [(FileReference(robot.source.urdf), robot.source.sha256) for robot in record.robots]
-    known += [
-        (joint_limits_reference(named), made)
-        for robot in record.robots
-        if robot.source.joint_limits
-        for named, made in [robot.source.joint_limits]
-    ]
+    sources = [robot.source for robot in record.robots]
+    known = [(FileReference(source.urdf), source.sha256) for source in sources]
+    known += [(FileReference(one.joint_limits[0]), one.joint_limits[1]) for one in sources if one.joint_limits]
     shapes = [shape for shape in (record.object_shape, *record.surroundings) if shape is not None]
-    known += [(mesh_reference(shape.mesh.file), shape.mesh.sha256) for shape in shapes if shape.mesh is not None]
+    known += [(FileReference(one.mesh.file, what="mesh"), one.mesh.sha256) for one in shapes if one.mesh is not None]
     try:
         return all(reference.sha256(path, folder) == made for reference, made in known)
     except InputError:

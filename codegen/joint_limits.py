@@ -1,26 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""Velocity, acceleration and jerk limits of the joints, from the cell file and from MoveIt's joint_limits.yaml."""
+"""Velocity, acceleration and jerk limits of joints from MoveIt's joint_limits.yaml."""
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from mrts_codegen.urdf_reference import FileReference
 
-from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.formats.file_reference import FileReference
 from mrts.base.formats.pose import Finite
 from mrts.base.formats.record import Record, Rule, checked
 from mrts.base.input_file import text_of
 from mrts.base.remark import Remark
 from mrts.base.words import first_names
 from mrts.base.yaml_parser import parse_yaml
-from mrts.cell.motors import given_acceleration, given_velocity
-
-if TYPE_CHECKING:
-    from mrts_codegen.cell_file import RobotDescription
 
 QUANTITIES = ("velocity", "acceleration", "jerk")
 
@@ -29,51 +25,6 @@ SHOWN = 6
 
 WRAPPERS = ("/**", "ros__parameters", "robot_description_planning")
 """Keys that files of ROS parameters put around those of MoveIt."""
-
-
-class JointMotionLimits(NamedTuple):
-    """Limits of the motion of n joints, each Shape (n,); infinity where there is none.
-
-    Attributes:
-        velocity: [rad/s, m/s].
-        acceleration_lower: [rad/s², m/s²].
-        acceleration_upper: Likewise.
-        jerk: [rad/s³, m/s³]; None where no joint_limits.yaml gives one.
-        from_urdf: Whether the velocities are all those of the URDF.
-        file: A joint_limits.yaml as the cell file names it, and the hash of its bytes; None without one.
-        remarks: What of that file is not taken as it reads.
-    """
-
-    velocity: Array
-    acceleration_lower: Array
-    acceleration_upper: Array
-    jerk: Array | None
-    from_urdf: bool
-    file: tuple[str, str] | None
-    remarks: tuple[Remark, ...]
-
-
-def joint_motion_limits(
-    path: Path, key: str, robot: "RobotDescription", joints: Sequence[str], of_urdf: Array, folder: Path
-) -> JointMotionLimits:
-    """The limits of a robot: keys of the cell file before its joint_limits.yaml, and that before the URDF."""
-    if robot.joint_limits is None:
-        free = np.full(len(joints), np.inf)
-        found = JointMotionLimits(of_urdf, -free, free, jerk=None, from_urdf=True, file=None, remarks=())
-    else:
-        found = _of_file(path, f"{key}.joint_limits", robot, joints, of_urdf, folder)
-    if robot.velocity is not None:
-        velocity = given_velocity(path, f"{key}.velocity", robot.velocity, joints)
-        found = found._replace(velocity=velocity, from_urdf=False)
-    if robot.acceleration is not None:
-        lower, upper = given_acceleration(path, f"{key}.acceleration", robot.acceleration, joints)
-        found = found._replace(acceleration_lower=lower, acceleration_upper=upper)
-    return found
-
-
-def joint_limits_reference(text: str) -> FileReference:
-    """What a cell file says of a joint_limits.yaml."""
-    return FileReference(text, key="robots[].joint_limits", what="joint limits file")
 
 
 class MoveItLimits(Record):
@@ -100,10 +51,23 @@ class MoveItLimits(Record):
 Share = Rule(gt=0, le=1)
 
 
-def _of_file(
-    path: Path, key: str, robot: "RobotDescription", joints: Sequence[str], of_urdf: Array, folder: Path
-) -> JointMotionLimits:
-    reference = joint_limits_reference(str(robot.joint_limits))
+def add_joint_limits(
+    values: dict[str, Any], path: Path, key: str, robot: str, text: str, folder: Path
+) -> Iterator[Remark]:
+    """Put the limits of a joint_limits.yaml in the place of those that a robot has of its URDF.
+
+    Args:
+        values: Attributes of the robot.
+        path: The cell file.
+        key: Where it names the file.
+        robot: Name of the robot.
+        text: What it names.
+        folder: Of the cell file.
+
+    Returns:
+        What of the file is not taken as it reads.
+    """
+    reference, joints = FileReference(text, key, "joint limits file"), values["joints"]
     file, content = reference.path(path, folder), reference.content(path, folder)
     try:
         data = parse_yaml(text_of(file, "joint limits file", content))
@@ -117,7 +81,7 @@ def _of_file(
     known = [name for name in joints if name in entries]
     if not known:
         here = first_names([str(name) for name in entries], SHOWN)
-        rule = f"has no joint of robot '{robot.name}' ({first_names(joints, SHOWN)}): it names {here}."
+        rule = f"has no joint of robot '{robot}' ({first_names(joints, SHOWN)}): it names {here}."
         raise InputError(file, rule, key="joint_limits")
     read, passed = {}, dict[str, str]()
     for name in known:
@@ -136,15 +100,16 @@ def _of_file(
         for of in QUANTITIES
     )
     most = np.where(np.isnan(acceleration), np.inf, acceleration)
-    return JointMotionLimits(
-        velocity=np.where(np.isnan(velocity), of_urdf * factors["velocity"], velocity),
-        acceleration_lower=-most,
-        acceleration_upper=most,
-        jerk=None if np.isnan(jerk).all() else np.where(np.isnan(jerk), np.inf, jerk),
-        from_urdf=False,
-        file=(reference.text, hashlib.sha256(content).hexdigest()),
-        remarks=tuple(_remarks(robot.name, key, file.name, factors, passed)),
-    )
+    if not np.isnan(jerk).all():
+        values["motors"] = replace(values["motors"], jerk=np.where(np.isnan(jerk), np.inf, jerk))
+    of_urdf = values["velocity_limit"] * factors["velocity"]
+    values |= {
+        "velocity_limit": np.where(np.isnan(velocity), of_urdf, velocity),
+        "acceleration_lower": -most,
+        "acceleration_upper": most,
+        "source": replace(values["source"], velocity=None, joint_limits=(text, hashlib.sha256(content).hexdigest())),
+    }
+    return _remarks(robot, key, file.name, factors, passed)
 
 
 def _factor(file: Path, data: dict[str, Any], quantity: str) -> float:

@@ -3,22 +3,18 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 from mrts_codegen.mesh_file import Mesh, read_mesh
-from mrts_codegen.urdf_reference import mesh_reference
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.pose import Name, Pose, Positive
-from mrts.base.formats.record import Record, Rule
+from mrts.base.formats.file_reference import FileReference
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
+from mrts.cell.cell_file import ObstacleDescription, ShapeDescription
 from mrts.cell.points import point_names
-from mrts.cell.record import CylinderRecord, MeshRecord, ObstacleRecord, ShapeRecord
-
-KINDS = ("box", "cylinder", "mesh")
+from mrts.cell.record import MeshRecord, ObstacleRecord, ShapeRecord
 
 OFF_CENTRE = 0.01
 """Share of its size by which a uniform body's centre may miss the origin of the object frame, the centre of mass: a CAD
@@ -26,44 +22,6 @@ model's rounding. Its inertia is about its own centre all the same."""
 
 LARGE = 5.0
 """Longest size of an object that arms carry, beyond which its unit is doubted [m]."""
-
-
-class ShapeDescription(Record):
-    """What the object looks like, of one kind; see docs/cell_file.md.
-
-    Attributes:
-        box: Sides, Shape (3,) [m].
-        cylinder: A cylinder.
-        mesh: File of a surface, relative to the cell file.
-        scale: Metres of one unit of the mesh file.
-        pose: The shape's frame in the object frame.
-    """
-
-    box: Annotated[list[Positive], Rule(min_length=3, max_length=3)] | None = None
-    cylinder: CylinderRecord | None = None
-    mesh: Annotated[str, Rule(min_length=1)] | None = None
-    scale: Positive | None = None
-    pose: Pose = Pose()
-
-    def problem(self) -> str:
-        """The rule that its keys break with each other; empty if none."""
-        given = [kind for kind in KINDS if getattr(self, kind) is not None]
-        if len(given) != 1:
-            here = f"here are {' and '.join(given)}" if given else "here is none of them"
-            return f"a shape is one of {', '.join(KINDS)}; {here}"
-        if self.scale is not None and self.mesh is None:
-            return f"'scale' is of a mesh's unit, and does not go with '{given[0]}', whose lengths are in m"
-        return ""
-
-
-class ObstacleDescription(ShapeDescription):
-    """A body that stands still around the arms; `pose` is its frame in the world.
-
-    Attributes:
-        name: Of its own; None takes "obstacle", numbered.
-    """
-
-    name: Name | None = None
 
 
 def build_surroundings(
@@ -83,7 +41,7 @@ def build_surroundings(
 def _shape_record(path: Path, folder: Path, shape: ShapeDescription, key: str) -> tuple[ShapeRecord, Mesh | None]:
     mesh, of_mesh, scale = None, None, shape.scale or 1.0
     if shape.mesh is not None:
-        reference = mesh_reference(shape.mesh, key)
+        reference = FileReference(shape.mesh, f"{key}.mesh", "mesh")
         mesh = read_mesh(reference.path(path, folder), reference.content(path, folder), scale)
         drawn = {"vertices": mesh.vertices, "triangles": mesh.triangles}
         of_mesh = MeshRecord(file=shape.mesh, scale=scale, sha256=mesh.sha256, **drawn)

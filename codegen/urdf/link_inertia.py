@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from mrts_codegen.cell_file import INERTIA_TOLERANCE, inertia_problem, triangle_excess
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.formats.urdf import Link
 from mrts.base.remark import NEAREST_INERTIA, Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
+from mrts.cell.cell_file import INERTIA_TOLERANCE, inertia_problem, triangle_excess
 
 TRIANGLE_MARGIN = 0.2
 """Share by which a link's largest principal moment may exceed the sum of the others. Rounding of a file stays below

@@ -2,18 +2,19 @@
 """One arm as a chain of moving bodies, taken from a URDF."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from mrts_codegen.urdf.link_inertia import Inertia, is_point, link_inertia
 
-from mrts.base.arrays import Array
+from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError, Mistakes
-from mrts.base.formats.urdf import Urdf, UrdfJoint
+from mrts.base.formats.urdf import NO_LIMIT, Urdf, UrdfJoint
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import RigidTransform, multiply
+from mrts.cell.motors import JointMotors
 from mrts.cell.robot import RobotSource
 
 
@@ -74,9 +75,19 @@ class RobotModel:
             parts.append(self.tip.numbers)
         return np.concatenate(parts)
 
-    def of_robot(self) -> dict[str, Any]:
-        """Attributes of `mrts.cell.robot.Robot` that the chain alone gives."""
+    def attributes(
+        self, components: int, *, urdf: str, sha256: str, fixed: Mapping[str, float], held: Mapping[str, float]
+    ) -> dict[str, Any]:
+        """Attributes of `mrts.cell.robot.Robot` as the URDF alone gives them, all but the name.
+
+        Nothing limits wrenches of so many components, the arm stands and holds nowhere yet, and efforts that say
+        nothing are infinite.
+        """
         *frames, tip = self.zero_frames()
+        n, free = len(self.joints), np.full(len(self.joints), np.inf)
+        effort = np.array([joint.effort if 0 < joint.effort < NO_LIMIT else np.inf for joint in self.joints])
+        velocity = np.array([joint.velocity for joint in self.joints])
+        coulomb, viscous = (tuple(getattr(joint, of) for joint in self.joints) for of in ("coulomb", "viscous"))
         return {
             "joints": tuple(joint.name for joint in self.joints),
             "joint_types": tuple(joint.kind for joint in self.joints),
@@ -85,22 +96,37 @@ class RobotModel:
             "T_base_tip": tip,
             "position_lower": np.array([joint.lower for joint in self.joints]),
             "position_upper": np.array([joint.upper for joint in self.joints]),
-            "velocity_limit": np.array([joint.velocity for joint in self.joints]),
-            "acceleration_lower": np.full(len(self.joints), -np.inf),
-            "acceleration_upper": np.full(len(self.joints), np.inf),
+            "velocity_limit": velocity,
+            "acceleration_lower": -free,
+            "acceleration_upper": free,
+            "T_world_base": RigidTransform.identity(),
+            "T_object_tip": RigidTransform.identity(),
+            "posture": np.zeros(n),
+            "torque_lower": -effort,
+            "torque_upper": effort,
+            "wrench_lower": np.full(components, -np.inf),
+            "wrench_upper": np.full(components, np.inf),
+            "source": RobotSource(
+                urdf=urdf,
+                sha256=sha256,
+                base_link=self.base_link,
+                tip_link=self.tip_link,
+                fixed=dict(fixed),
+                T_base_root=self.T_base_root,
+                carried_mass=tuple(joint.body.mass for joint in self.joints),
+                point_links=tuple(joint.point_links for joint in self.joints),
+                effort=(*effort.tolist(),),
+                velocity=(*without_infinity(velocity),),
+                joint_limits=None,
+                friction=(coulomb, viscous),
+            ),
+            "held": held,
             "held_numbers": self.held_numbers(),
+            "motors": replace(JointMotors.unknown(n), coulomb=np.array(coulomb), viscous=np.array(viscous)),
+            "contacts": (),
+            "contact_rate": np.full(components, np.inf),
+            "point_limits": (),
         }
-
-    def source(self, **of_file: Any) -> RobotSource:
-        """Where the chain is from, with what the cell file says of it."""
-        return RobotSource(
-            base_link=self.base_link,
-            tip_link=self.tip_link,
-            T_base_root=self.T_base_root,
-            carried_mass=tuple(joint.body.mass for joint in self.joints),
-            point_links=tuple(joint.point_links for joint in self.joints),
-            **of_file,
-        )
 
     def link_frame(self, urdf: Urdf, link: str, held: Mapping[str, float]) -> tuple[int, RigidTransform]:
         """How many joints of the chain move a link, and its frame in the base frame with every joint at zero."""

@@ -12,26 +12,18 @@ import numpy as np
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import without_infinity
 from mrts.base.atomic_file import write_text_atomically
-from mrts.base.errors import InputError
-from mrts.base.formats.package_uri import is_uri
-from mrts.base.formats.pose import Angle, Pose, Positive, Vector3
-from mrts.base.formats.record import checked, dumped
+from mrts.base.errors import InputError, joined
+from mrts.base.formats.file_reference import is_uri
+from mrts.base.formats.record import Record, checked, dumped
 from mrts.base.input_file import plain
 from mrts.base.remark import NEAREST_INERTIA
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
 from mrts.base.yaml_parser import parse_yaml, yaml_text
 from mrts.cell.cell import Cell
+from mrts.cell.cell_file import OF_ARM, POSES, CellDescription, ObjectDescription, RobotDescription, robot_values
 from mrts.cell.generation import described_model
-from mrts.cell.hands import Bounds, numbered, wrench_bounds
-from mrts.cell.motors import (
-    RATINGS,
-    Accelerations,
-    TorqueLimits,
-    Velocities,
-    given_acceleration,
-    given_torque_limits,
-    given_velocity,
-)
+from mrts.cell.hands import numbered
+from mrts.cell.motors import RATINGS
 from mrts.cell.number_paths import Keys, PathError, find_keys, set_value
 from mrts.cell.points import LinkPointLimit, ObjectRates
 from mrts.cell.record import CellManifest, CellRecord, ShapeRecord
@@ -42,8 +34,6 @@ SAME_ROTATION = 1e-12
 
 FILES = frozenset({"urdf", "file"})
 """Keys that say where a file is, which need not be alike: its hash is compared."""
-
-POSES = {"base": "T_world_base", "grasp": "T_object_tip"}
 
 
 def cell_keys(cell: Cell) -> dict[str, Any]:
@@ -115,7 +105,7 @@ def _robot(robot: Robot) -> dict[str, Any]:
         "frames": points or None,
         "wrench": {"lower": without_infinity(robot.wrench_lower), "upper": without_infinity(robot.wrench_upper)},
         "contact_rate": without_infinity(robot.contact_rate[[0, -1]]),
-        "contact": [contact.given for contact in robot.contacts] or None,
+        "contact": [contact.given for contact in robot.contacts],
         "fixed": source.fixed or None,
         "motors": per_joint
         | {
@@ -138,25 +128,24 @@ def with_values(cell: Cell, values: Mapping[str, Any]) -> Cell:
     for path, place in places.items():
         match place:
             case ("gravity", *_):
-                changes["gravity"] = np.array(_given("cell", "gravity", keys["gravity"], Vector3))
+                changes["gravity"] = np.array(_given("cell", CellDescription, "gravity", keys["gravity"]))
             case ("object", "mass"):
-                mass: float = _given("cell", "object.mass", keys["object"]["mass"], Positive)
+                mass: float = _given("cell.object", ObjectDescription, "mass", keys["object"]["mass"])
                 changes["load"] = np.array([mass, *cell.load[1:]])
                 changes["load_box"] = None if cell.load_box is None else replace(cell.load_box, mass=mass)
             case ("object", "velocity" | "acceleration" as key, *_):
-                rates: ObjectRates = _given("cell", f"object.{key}", keys["object"][key] or {}, ObjectRates)
+                rates: ObjectRates = _given("cell.object", ObjectDescription, key, keys["object"][key] or {})
                 changes[f"object_{key}_limit"] = rates.limits
-            case (
-                "robots",
-                int(at),
-                ("base" | "grasp" | "posture" | "torque" | "velocity" | "acceleration" | "wrench") as key,
-                *_,
-            ):
-                read = _of_robot(cell, cell.robots[at], key, keys["robots"][at][key])
+            case ("robots", int(at), str(key), *_) if key in OF_ARM:
+                robot, given = cell.robots[at], keys["robots"][at][key]
+                where = f"robot '{robot.name}'"
+                if not isinstance(given, RigidTransform):
+                    given = _given(where, RobotDescription, key, {} if given is None else given)
+                read = of_robots.setdefault(at, {})
+                read |= robot_values(where, key, given, vars(robot) | read, cell.wrench_components)
                 if all(other[3:4] == ("xyz",) for other in places.values() if other[:3] == place[:3]):
-                    R = getattr(cell.robots[at], POSES[key]).R  # as it is, not as its angles give it
-                    read = {POSES[key]: RigidTransform(R, read[POSES[key]].p)}
-                of_robots.setdefault(at, {}).update(read)
+                    R = getattr(robot, POSES[key]).R  # as it is, not as its angles give it
+                    read[POSES[key]] = RigidTransform(R, read[POSES[key]].p)
             case _:
                 rule = "is not changed in Python: change the cell file, and read it again."
                 raise InputError("values", rule, key=path)
@@ -180,29 +169,12 @@ def _places(cell: Cell, keys: dict[str, Any], paths: Iterable[str]) -> dict[str,
     return places
 
 
-def _of_robot(cell: Cell, robot: Robot, key: str, value: Any) -> dict[str, Any]:
-    where = f"robot '{robot.name}'"
-    if key in POSES:
-        return {POSES[key]: value if isinstance(value, RigidTransform) else _given(where, key, value, Pose).transform}
-    if key == "posture":
-        return {"posture": np.array(_given(where, key, value, list[Angle]))}
-    if key == "velocity":
-        return {"velocity_limit": given_velocity(where, key, _given(where, key, value, Velocities), robot.joints)}
-    if key == "wrench":
-        bounds: Bounds = _given(where, key, {} if value is None else value, Bounds)
-        lower, upper = wrench_bounds(where, key, bounds.lower, bounds.upper, cell.wrench_components)
-    elif key == "acceleration":
-        lower, upper = given_acceleration(where, key, _given(where, key, value, Accelerations), robot.joints)
-    else:
-        lower, upper = given_torque_limits(where, key, _given(where, key, value, TorqueLimits), robot.joints)
-    return {f"{key}_lower": lower, f"{key}_upper": upper}
-
-
-def _given(where: str, key: str, value: object, kind: Any) -> Any:
+def _given(where: str, description: type[Record], key: str, value: object) -> Any:
     try:
-        return checked(kind, value)
+        return checked(description.model_fields[key], value)
     except InputError as error:
-        raise error.inside(where, key) from None
+        where, _, before = where.partition(".")
+        raise error.inside(where, joined(before, key)) from None
 
 
 def cell_text(cell: Cell, path: Path | str | None) -> str:

@@ -62,8 +62,9 @@ def described_in_cache(model: Any) -> tuple[CellManifest, Path]:
 
 def described_model(description: object, folder: Path, where: str = "cell description") -> Any:
     """A cell that a dictionary describes, with its URDFs."""
-    from mrts_codegen.cell_file import cell_description  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.cell_model import build_cell_model  # noqa: PLC0415
+
+    from mrts.cell.cell_file import cell_description  # noqa: PLC0415 (build time, on demand)
 
     return build_cell_model(Path(where), cell_description(description, where), folder)
 

@@ -4,6 +4,7 @@
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from inspect import Parameter, signature
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeGuard
@@ -14,7 +15,7 @@ from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array, without_infinity
 from mrts.base.errors import InputError, as_array
 from mrts.base.formats.pose import Finite
-from mrts.base.formats.record import MadeAgain, Record, Rule, Shape, check_attributes
+from mrts.base.formats.record import MadeAgain, Record, Rule, Shape, check_attributes, checked_fields
 from mrts.base.input_file import LARGEST_NUMBER, plain
 from mrts.base.manifest import WRENCH_COMPONENTS, WRENCH_UNITS
 from mrts.base.rigid_transform import multiply
@@ -205,28 +206,44 @@ Side = Sequence[float | None] | Array | None
 
 
 class Bounds(Record):
-    """Limits of each component, as a cell file has them; null or an absent side is unbounded."""
+    """Limits of each component or joint, as a cell file has them; null or an absent side is unbounded."""
 
     lower: list[Finite | None] | None = None
     upper: list[Finite | None] | None = None
 
 
-def wrench_bounds(
-    where: Path | str, key: str, lower: Side, upper: Side, components: Sequence[str]
+def one_each(
+    where: Path | str, key: str, values: object, names: Sequence[str], unbounded: float | None = None
+) -> Array:
+    """A number for each name, Shape (n,); null counts as `unbounded`, or is refused where that is None."""
+    if not holds(values, len(names)):
+        null = "" if unbounded is None else "; null is unbounded"
+        raise InputError(where, f"must have {len(names)} values ({', '.join(names)}){null}.", key=key, value=values)
+    return as_array(key, [unbounded if value is None else value for value in values])
+
+
+def limit_sides(
+    where: Path | str, key: str, lower: Side, upper: Side, names: Sequence[str], *, meet: bool = False
 ) -> tuple[Array, Array]:
-    """Bounds of a wrench, infinite where there is none, each Shape (w,) [N, N m]."""
-    size, sides = len(components), []
-    for side, given, unbounded in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
-        name, values = f"{key}.{side}".lstrip("."), [None] * size if given is None else given
-        if not holds(values, size):
-            rule = f"must have {size} values ({', '.join(components)}); null is unbounded."
-            raise InputError(where, rule, key=name, value=given)
-        sides.append(as_array(name, [unbounded if value is None else value for value in values]))
-    least, most = sides
-    wrong = ~((least <= most) & (least < np.inf) & (most > -np.inf))
+    """Lower and upper limits of n values, each Shape (n,), infinite where there is none.
+
+    Args:
+        where: For messages.
+        key: Likewise.
+        lower: None is unbounded, a value or the whole side.
+        upper: Likewise.
+        names: Of the values.
+        meet: Whether both sides may be one number.
+    """
+    least, most = (
+        one_each(where, f"{key}.{side}".lstrip("."), [None] * len(names) if given is None else given, names, unbounded)
+        for side, given, unbounded in (("lower", lower, -np.inf), ("upper", upper, np.inf))
+    )
+    wrong = ~((least <= most if meet else least < most) & (least < np.inf) & (most > -np.inf))
     if np.any(wrong):
         place = int(np.argmax(wrong))
-        rule = f"the lower limit of {components[place]} must be at most the upper one, {most[place]:g}."
+        relation = "at most" if meet else "below"
+        rule = f"the lower limit of {names[place]} must be {relation} the upper one, {most[place]:g}."
         raise InputError(where, rule, key=f"{key}.lower[{place}]".lstrip("."), value=float(least[place]))
     return least, most
 
@@ -252,7 +269,7 @@ def box_contact(
         InputError: If a side has another length, nothing is limited, or a lower limit exceeds the upper one.
     """
     check_components(components)
-    least, most = wrench_bounds("contact", "", lower, upper, components)
+    least, most = limit_sides("contact", "", lower, upper, components, meet=True)
     limited = np.flatnonzero(np.isfinite(least) | np.isfinite(most)).tolist()
     if not limited:
         raise InputError("contact", "must limit something: give numbers in lower or upper, or leave the box out.")
@@ -434,6 +451,37 @@ KINDS: dict[str, Callable[..., Contact]] = {
     "gripper": gripper_contact,
     "rows": rows_contact,
 }
+
+
+def read_contacts(
+    where: Path | str,
+    key: str,
+    entries: Sequence[Mapping[str, dict[str, Any]]],
+    components: Sequence[str],
+    R_object_tip: Array,
+) -> tuple[Contact, ...]:
+    """The contacts of one robot as a cell file has them: each the arguments of a function of `KINDS` by its name."""
+    for place, entry in enumerate(entries):
+        if len(entry) != 1 or not {*entry} <= {*KINDS}:
+            rule = (
+                f"each entry of 'contact' is one of {', '.join(KINDS)}, such as "
+                "'- pad: {friction: 0.5, normal: [0, 0, 1], half_width: [0.03, 0.02], force: [0, 100]}'."
+            )
+            raise InputError(where, rule, key=f"{key}[{place}]", value=[*entry])
+    in_tip, contacts = tip_components(components, R_object_tip), []
+    given = [pair for entry in entries for pair in entry.items()]
+    for place, ((kind, values), name) in enumerate(zip(given, numbered([kind for kind, _ in given]), strict=True)):
+        own = [one for one in signature(KINDS[kind]).parameters.values() if one.name not in {"components", "name"}]
+        defaults = {one.name: one.default for one in own if one.default is not Parameter.empty}
+        try:
+            arguments = checked_fields({one.name: one.annotation for one in own}, defaults, values)
+            there = in_tip if arguments.get("frame", "tip") == "tip" else components
+            if there is None:
+                raise InputError("", NOT_IN_PLANE)  # noqa: TRY301 (told of its place with the others)
+            contacts.append(KINDS[kind](**arguments, components=there, name=name))
+        except InputError as error:
+            raise error.inside(where, f"{key}[{place}].{kind}") from None
+    return tuple(contacts)
 
 
 def _positive(key: str, value: object) -> float:

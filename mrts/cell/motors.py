@@ -4,15 +4,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError, as_array
-from mrts.base.formats.pose import Finite, Positive
-from mrts.base.formats.record import MadeAgain, Record, Rule, Shape, check_attributes
+from mrts.base.formats.record import MadeAgain, Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER, SMALLEST_NUMBER
 
 ROUNDED_SLOPE = 1e-9
@@ -132,75 +130,6 @@ def _checked_curve(joint: int, given: object) -> Array:
         )
     curve.setflags(write=False)
     return curve
-
-
-class TorqueBounds(Record):
-    """Torque limits that differ by side, as a cell file has them [N m, N for prismatic joints]."""
-
-    lower: Annotated[list[Finite], Rule(min_length=1)]
-    upper: Annotated[list[Finite], Rule(min_length=1)]
-
-
-TorqueLimits = Annotated[list[Finite], Rule(min_length=1)] | TorqueBounds
-
-Velocities = Annotated[list[Positive | None], Rule(min_length=1)]
-"""Velocity limits, one a joint, null where there is none [rad/s, m/s for prismatic joints]."""
-
-
-class AccelerationBounds(Record):
-    """Acceleration limits that differ by side; null where there is none [rad/s², m/s² for prismatic joints]."""
-
-    lower: Annotated[list[Finite | None], Rule(min_length=1)]
-    upper: Annotated[list[Finite | None], Rule(min_length=1)]
-
-
-Accelerations = Velocities | AccelerationBounds
-
-
-def given_velocity(where: Path | str, key: str, given: Sequence[float | None], joints: Sequence[str]) -> Array:
-    """Velocity limits, one a joint, infinity where there is none, Shape (n,) [rad/s, m/s for prismatic joints]."""
-    if len(given) != len(joints):
-        rule = f"must have {len(joints)} values, one for each of {', '.join(joints)}; null is unbounded."
-        raise InputError(where, rule, key=key, value=list(given))
-    return np.array([np.inf if value is None else value for value in given])
-
-
-def given_acceleration(
-    where: Path | str, key: str, given: Sequence[float | None] | AccelerationBounds, joints: Sequence[str]
-) -> tuple[Array, Array]:
-    """Acceleration limits, one a joint, each Shape (n,) [rad/s², m/s² for prismatic joints]."""
-    if not isinstance(given, AccelerationBounds):
-        most = given_velocity(where, key, given, joints)
-        return -most, most
-    lower, upper = (given_velocity(where, f"{key}.{side}", values, joints) for side, values in given)
-    lower = np.where(lower == np.inf, -np.inf, lower)
-    if np.any((lower >= 0) | (upper <= 0)):
-        joint = int(np.argmax((lower >= 0) | (upper <= 0)))
-        rule = f"those of joint '{joints[joint]}' must be below 0 and above: it also stands still."
-        raise InputError(where, rule, key=key, value=[float(lower[joint]), float(upper[joint])])
-    return lower, upper
-
-
-def given_torque_limits(
-    where: Path | str, key: str, given: Sequence[float] | TorqueBounds, joints: Sequence[str]
-) -> tuple[Array, Array]:
-    """Torque limits, one a joint, each Shape (n,) [N m, N for prismatic joints]."""
-    sides = {f"{key}.{side}": values for side, values in given} if isinstance(given, TorqueBounds) else {key: given}
-    for name, values in sides.items():
-        if len(values) != len(joints):
-            rule = f"must have {len(joints)} values, one for each of {', '.join(joints)}."
-            raise InputError(where, rule, key=name, value=values)
-    *lower, most = (np.array(values, dtype=float) for values in sides.values())
-    least = lower[0] if lower else -most
-    if np.any(least >= most):
-        joint = int(np.argmax(least >= most))
-        raise InputError(
-            where,
-            f"the lower torque limit {least[joint]:g} of joint '{joints[joint]}' must be below the upper one, "
-            f"{most[joint]:g} (a symmetric limit must be > 0).",
-            key=key,
-        )
-    return least, most
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

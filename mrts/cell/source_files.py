@@ -47,7 +47,7 @@ class UrdfReading(NamedTuple):
 
 def described(path: Path) -> Any:
     """A validated cell file: `references` are the files that it names, `model_dump` its keys with defaults."""
-    from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
+    from mrts.cell.cell_file import read_cell_description  # noqa: PLC0415 (build time, on demand)
 
     return read_cell_description(path)
 
@@ -63,7 +63,7 @@ def urdf_files(path: Path) -> dict[str, tuple[Path, str | None]]:
 
 def urdf_of(robot: Robot, folder: Path) -> Path:
     """The URDF of an arm of a cell whose files are relative to a folder."""
-    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415 (build time, on demand)
+    from mrts.base.formats.file_reference import FileReference  # noqa: PLC0415 (build time, on demand)
 
     return FileReference(robot.source.urdf).path(folder / CELL_FILE, folder)
 
@@ -76,7 +76,8 @@ def read_urdf(where: Path, folder: Path, urdf: str) -> UrdfReading:
     """
     from mrts_codegen.urdf.urdf_file import parse_parts, parse_urdf  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.urdf.urdf_survey import urdf_mistakes  # noqa: PLC0415
-    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
+
+    from mrts.base.formats.file_reference import FileReference  # noqa: PLC0415
 
     reference = FileReference(urdf, key="")
     path = reference.path(where, folder)
@@ -107,7 +108,8 @@ def chain_of(cell: CellRecord, robot: Robot, folder: Path) -> Any:
     """
     from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415 (build time, on demand)
     from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415
-    from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
+
+    from mrts.base.formats.file_reference import FileReference  # noqa: PLC0415
 
     reference, where, source = FileReference(robot.source.urdf), folder / CELL_FILE, robot.source
     path, content = reference.path(where, folder), reference.content(where, folder)

@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
-from mrts.base.formats.package_uri import is_uri
+from mrts.base.formats.file_reference import is_uri
 from mrts.base.formats.urdf import Urdf
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform

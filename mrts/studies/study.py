@@ -17,7 +17,7 @@ from mrts.base.argument_types import as_path, check_callable, check_type
 from mrts.base.arrays import Array
 from mrts.base.atomic_file import text_writer, write_atomically, write_together
 from mrts.base.errors import InputError, as_array
-from mrts.base.formats.package_uri import is_uri
+from mrts.base.formats.file_reference import is_uri
 from mrts.base.formats.pose import Finite, Pose
 from mrts.base.formats.record import Record, Rule
 from mrts.base.input_file import MAX_FILE_BYTES, read_data, read_text, validated

@@ -203,7 +203,7 @@ def doubtful(numbers: Mapping[str, Array], varied: set[str]) -> NDArray[np.bool_
 
 
 def _of_a_body(inertia: Array) -> NDArray[np.bool_]:
-    """Which inertias are surely those of a body (`mrts_codegen.cell_file.inertia_problem`), Shape (V,)."""
+    """Which inertias are surely those of a body (`mrts.cell.cell_file.inertia_problem`), Shape (V,)."""
     moments = np.linalg.eigvalsh(inertia)
     symmetric = np.all(inertia == inertia.transpose(0, 2, 1), axis=(1, 2))
     sound: NDArray[np.bool_] = symmetric & (moments[:, 0] > NEAR_A_RULE * moments[:, 2])

@@ -12,11 +12,11 @@ import time
 
 import pytest
 from conftest import DATA, ROOT
-from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from mutations import mutated
 
 import mrts
+from mrts.cell.cell_file import read_cell_description
 from mrts.cell.record import read_generated
 from mrts.cli import main
 from mrts.studies.variant_rows import solve_variants

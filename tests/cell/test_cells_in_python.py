@@ -61,6 +61,8 @@ CHANGES = {
     "wrench": lambda x: {
         "robots.right.wrench": {"lower": [None, *(-abs(x[1:])).tolist()], "upper": [*x[:5] ** 2, None]}
     },
+    "motors": lambda x: {"robots.left.motors": {"rated": (abs(x) + 1).tolist(), "armature": abs(x[0])}},
+    "a hand": lambda x: {"robots.left.contact": [{"box": {"upper": (abs(x) + 1).tolist(), "frame": "object"}}]},
     "gravity and mass": lambda x: {"gravity": x[:3], "object.mass": np.int64(abs(x[0]) + 1)},
 }
 
@@ -108,10 +110,14 @@ def test_what_a_hand_can_exert_turns_with_the_grasp():
         ({3: 1.0}, r"values: path = 3: must be text"),
         ({"robots.left.base.xyz": [0, 0, 1e13]}, r"robot 'left': base.xyz\[2\] = 1.*: must be <= 1e\+12"),
         ({"robots.left.grasp.rpy": [0, 0.1, 0]}, r"left': grasp: the tip frame 'contact' is tilted"),
-        ({"robots.left.torque": {"lower": [0, 0, 2], "upper": [1, 1, 1]}}, r"limit 2 of joint 'wrist' must be"),
+        (
+            {"robots.left.torque": {"lower": [0, 0, 2], "upper": [1, 1, 1]}},
+            r"torque.lower\[2\] = 2.0: the lower limit of wrist must be",
+        ),
         ({"robots.left.wrench": {"lower": [1, 1, 1], "upper": [2, 0, 2]}}, r"wrench.lower\[1\] = 1.0: .* at most"),
         ({"robots.left.wrench": {"max": [1.0, 1.0, 1.0]}}, r"robot 'left': wrench: unknown key 'max'"),
-        ({"robots.left.posture": [0.0]}, r"robot 'left': posture = \[0.0\]: must be .* Shape \(3,\)"),
+        ({"robots.left.motors.friction.coulomb": -1}, r"left': motors.friction.coulomb.0. = -1.0: must be at least 0"),
+        ({"robots.left.posture": [0.0]}, r"robot 'left': posture = \[0.0\]: must have 3 values"),
         ({"object.mass": 0.0}, r"cell: object.mass = 0.0: must be > 0"),
         ({"robots.right.base": {}}, r"cell: base: robots 'left' and 'right' would"),
         ({"robots.left.base.xyz[0]": -0.9, "robots[0].base": {"xyz": [0, 0, 0]}}, r"values: .*say each number once"),

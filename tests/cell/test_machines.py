@@ -9,7 +9,6 @@ import pinocchio as pin
 import pytest
 import yaml
 from machines import TURN, machine, machine_cell
-from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.equations.inverse_dynamics import inverse_dynamics
 from mrts_codegen.equations.kinematics import forward_kinematics
@@ -21,6 +20,7 @@ from random_cells import configuration
 from same_cells import same_cell
 
 import mrts
+from mrts.cell.cell_file import read_cell_description
 
 pytestmark = pytest.mark.quick
 

@@ -44,7 +44,7 @@ def with_motors(files, motors, **urdf):
 
 MISTAKES = [
     ({"armature": -0.1}, "(left).motors.armature[0] = -0.1: must be at least 0"),
-    ({"friction": {"coulomb": [1, 2]}}, "(left).motors.friction.coulomb = [1.0, 2.0]: must be one number for all"),
+    ({"friction": {"coulomb": [1, 2]}}, "(left).motors.friction.coulomb = [1.0, 2.0]: must have 3 values"),
     ({"friction": {"coulomb": [1, -2, 0]}}, "(left).motors.friction.coulomb[1] = -2.0: must be at least 0"),
     ({"friction": [1, 2, 3]}, "robots[0].motors.friction = [1, 2, 3]: must be "),
     ({"friction": {"coulomb": [1, 1, 28]}}, "friction.coulomb[2]: Coulomb friction of joint 'wrist' is 28"),
@@ -55,7 +55,7 @@ MISTAKES = [
     ),
     ({"torque_speed": [[0, 200], [2, 100], [4, 80]]}, "it must fall ever more steeply (be concave)"),
     ({"torque_speed": [[1, 200], [2, 100]]}, "its first corner must be at standstill: [0, torque]"),
-    ({"torque_speed": [FALLING, None]}, "one curve for all joints, or 3"),
+    ({"torque_speed": [FALLING, None]}, "one curve for all joints, or one"),
     ({"torque_speed": [[[0, 120], [2, 100]], None, None]}, "the curve of joint 'shoulder' gives 120 at standstill"),
 ]
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import trimesh
 import yaml
-from mrts_codegen.cell_file import cell_description
 from mrts_codegen.cell_model import build_cell_model
 from shipped_cells import shipped
 
 import mrts
 from mrts.base.rigid_transform import rotations_from_rpy, rpy_from_rotation
+from mrts.cell.cell_file import cell_description
 
 PAD = {"friction": 0.5, "normal": [0, 0, 1], "half_width": [0.03, 0.02], "force": [0, 100]}
 CUP = {"holding_force": 80, "friction": 0.5, "radius": 0.03, "normal": [0, 0, 1]}

@@ -3,10 +3,9 @@
 from pathlib import Path
 
 import pytest
-from mrts_codegen.urdf_reference import FileReference
 
 from mrts.base.errors import InputError
-from mrts.base.formats.package_uri import file_of_uri
+from mrts.base.formats.file_reference import FileReference, file_of_uri
 
 pytestmark = pytest.mark.quick
 

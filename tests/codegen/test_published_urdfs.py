@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import yaml
 from conftest import DATA
-from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from mrts_codegen.urdf.link_inertia import nearest_inertia
 from mrts_codegen.urdf.robot_model import build_robot_model
@@ -16,6 +15,7 @@ from published_robots import CASES, ROBOTS, urdf_path
 from yourdfpy import URDF
 
 import mrts
+from mrts.cell.cell_file import read_cell_description
 
 REFUSALS = {
     r"no joint moves between": None,

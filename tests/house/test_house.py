@@ -47,7 +47,7 @@ def test_import_is_light():
 def test_scaling_a_cached_cell_imports_what_it_uses(dual_ur5, profile):
     """Neither scipy nor what reads cell files and URDFs, and of the verbs and their work only its own."""
     data = ROOT / "mrts" / "data" / "dual_ur5"
-    idle = ["difflib", "mrts_codegen.cell_file"]
+    idle = ["difflib", "mrts.cell.cell_file"]
     if profile == "constant":
         idle += ["mrts.timing", "numpy.ma", "numpy.random"]
     idle += [name for name in HEAVY if name not in {"yaml", "mrts_codegen"}]

@@ -11,11 +11,11 @@ from conftest import DATA
 from draws import draws
 from gantries import along_x, gantries
 from loose_block import GeodesicPlan, slid
-from mrts_codegen.cell_file import read_cell_description
 from mrts_codegen.cell_model import build_cell_model
 from random_cells import configuration, random_spatial_urdf
 
 import mrts
+from mrts.cell.cell_file import read_cell_description
 from mrts.cell.points import CarriedThing
 from mrts.limits.motion_limits import arm_point, norm_rows, object_point
 from mrts.limits.rows import RowName

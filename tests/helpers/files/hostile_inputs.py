@@ -24,14 +24,15 @@ CPU = 100
 def read(kind: str, path: Path) -> None:
     """Read a file as its kind."""
     if kind == "cell":
-        from mrts_codegen.cell_file import read_cell_description  # noqa: PLC0415 (not before it is needed)
+        from mrts.cell.cell_file import read_cell_description  # noqa: PLC0415 (not before it is needed)
 
         for reference in read_cell_description(path).references:
             reference.sha256(path, path.parent)
     elif kind == "urdf":
         from mrts_codegen.urdf.robot_model import build_robot_model  # noqa: PLC0415
         from mrts_codegen.urdf.urdf_file import parse_urdf  # noqa: PLC0415
-        from mrts_codegen.urdf_reference import FileReference  # noqa: PLC0415
+
+        from mrts.base.formats.file_reference import FileReference  # noqa: PLC0415
 
         content = FileReference(path.name).content(path, path.parent)
         build_robot_model(path, parse_urdf(path, content), "base", "tip")

@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: MIT
-"""`package://` and `model://`: files of packages, found as ROS, Gazebo and Python's installers leave them."""
+"""Files that a cell file names: by path, or as `package://` and `model://`, found as ROS, Gazebo and pip leave them."""
 
+import hashlib
 import re
 import site
 import sys
 import warnings
 from collections.abc import Iterator
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from posixpath import normpath
+from typing import Literal
 
 from mrts.base.errors import InputError
-from mrts.base.regular_file import is_file, is_folder, neighbour
+from mrts.base.input_file import MAX_FILE_BYTES, MAX_URDF_BYTES
+from mrts.base.regular_file import is_file, is_folder, neighbour, read_regular
+from mrts.base.yaml_parser import MAX_YAML_BYTES
 
 URI = re.compile(r"(?:package|model)://([^/]+)/+([^/].*)")
 
@@ -19,6 +24,38 @@ VARIABLES = ("AMENT_PREFIX_PATH", "ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH")
 """That messages name; resolve-robotics-uri-py knows those of older simulators too."""
 
 LONGEST_MANIFEST = 100_000
+
+MOST_BYTES = {"URDF": MAX_URDF_BYTES, "mesh": MAX_FILE_BYTES, "joint limits file": MAX_YAML_BYTES}
+
+
+@dataclass(frozen=True)
+class FileReference:
+    """What a cell file says of a file.
+
+    Attributes:
+        text: A path, relative to the cell file or absolute, or `package://NAME/…`.
+        key: Where it stands in the cell file.
+        what: What it is.
+    """
+
+    text: str
+    key: str = "robots[].urdf"
+    what: Literal["URDF", "mesh", "joint limits file"] = "URDF"
+
+    def path(self, cell_path: Path, folder: Path) -> Path:
+        """Where the file is."""
+        if is_uri(self.text):
+            return file_of_uri(cell_path, self.text, folder / cell_path.name, key=self.key)
+        given = folder / self.text
+        return given.parent.resolve() / given.name if ".." in given.parts and "\0" not in self.text else given
+
+    def content(self, cell_path: Path, folder: Path) -> bytes:
+        """The file's bytes."""
+        return read_regular(self.path(cell_path, folder), self.what, MOST_BYTES[self.what])
+
+    def sha256(self, cell_path: Path, folder: Path) -> str:
+        """Hash of the content; arguments and errors as `content`."""
+        return hashlib.sha256(self.content(cell_path, folder)).hexdigest()
 
 
 def is_uri(reference: str) -> bool:
