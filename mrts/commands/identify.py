@@ -53,8 +53,8 @@ def run(
     else:
         outputs.write(output, found.write_yaml)
     if plot is not None:
-        from mrts.plots import write_motor_plots
+        from mrts.plots import motor_plot, write_plots
 
-        outputs.write(plot, lambda folder: write_motor_plots(found, folder, plot_format))
+        outputs.write(plot, lambda folder: write_plots([*map(motor_plot, found.arms)], folder, plot_format))
     lines = [f"{compiled.name}: {found.sentence()}", *map(str, found.remarks), f"\n{found.to_yaml()}"]
     return outputs.answer(lines, INFEASIBLE if found.empty else FEASIBLE)

@@ -50,8 +50,7 @@ def run(result: Path, output: Path, cell: Path | None = None, rates: "Rates | No
 
 
 def _report_study(folder: Path, output: Path) -> int:
-    from mrts.plots.study_table import read_study_table
-    from mrts.plots.study_words import outcome_text
+    from mrts.plots.study_table import outcome_text, read_study_table
     from mrts.report import write_study_report
 
     found = read_study_table(folder)

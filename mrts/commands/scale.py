@@ -290,9 +290,9 @@ def _written(
 
             outputs.write(path, lambda file: write_report(found, file))
         elif name == "plot":
-            from mrts.plots import write_result_plots
+            from mrts.plots import result_plots, write_plots
 
-            outputs.write(path, lambda folder: write_result_plots(found, folder, plot_format, search))
+            outputs.write(path, lambda folder: write_plots(result_plots(found, search), folder, plot_format))
         elif name == "save":
             from mrts.output.saved_result import save_result
 

@@ -77,9 +77,9 @@ def run(
     outputs = Outputs()
     outputs.write(json, found.write_json)
     if plot is not None:
-        from mrts.plots import write_simulation_plot
+        from mrts.plots import simulation_plot, write_plots
 
-        outputs.write(plot, lambda folder: write_simulation_plot(found, folder, plot_format))
+        outputs.write(plot, lambda folder: write_plots([simulation_plot(found)], folder, plot_format))
     if report is not None:
         from mrts.report import write_simulation_report
 

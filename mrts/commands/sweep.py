@@ -58,9 +58,10 @@ def run(
 
         outputs.write(folder.path, lambda _: write_best(asked, folder, top))
     if plot is not None:
-        from mrts.plots import write_study_plots
+        from mrts.plots import durations_plot, read_study_table, study_map_plot, write_plots
 
-        outputs.write(plot, lambda to: write_study_plots(folder.path, to, plot_format))
+        table = read_study_table(folder.path)
+        outputs.write(plot, lambda to: write_plots([durations_plot(table), study_map_plot(table)], to, plot_format))
     return outputs.answer(_answer(asked, found), FEASIBLE if admitted else INFEASIBLE)
 
 

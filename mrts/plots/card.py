@@ -11,7 +11,7 @@ import numpy as np
 from mrts.cell.robot import Robot
 from mrts.limits.rows import RowName
 from mrts.plots.labels import range_facts, row_text, short_name
-from mrts.plots.limit_shares import AT_END, AT_LIMIT, REACHED, limiting_rows, played
+from mrts.plots.limit_shares import AT_END, AT_LIMIT, REACHED, all_shares, played, setting_rows
 from mrts.scaling.range import RangeEnd
 from mrts.scaling.result import ScalingResult
 
@@ -126,10 +126,13 @@ def _nearest(result: ScalingResult, timing: "RetimingResult | None") -> tuple[Li
 
     Velocities count only where their limits are kept.
     """
-    limiting, time, bars = limiting_rows(result, timing), played(result).time, []
-    for row, *_ in limiting.ranked.values():
-        if limiting.names[row].kind != "velocity" or result.cell.enforces_velocity_limits:
-            share, most = limiting.shares[:, row], float(np.max(limiting.shares[:, row]))
-            at = int(np.argmax(share >= (most if most > 1 + AT_LIMIT else min(most, REACHED))))
-            bars.append(LimitBar(limiting.names[row], most, at, float(time[at])))
-    return tuple(bars[:MOST_BARS])
+    names, shares = all_shares(result)
+    time, largest = played(result).time, np.max(shares, axis=0)
+    most = np.where(largest > 1 + AT_LIMIT, largest, np.minimum(largest, REACHED))  # those at 100 % are alike
+    first = {name: place for place, name in enumerate(setting_rows(result, timing, names))}
+    bars: dict[str, LimitBar] = {}
+    for row in sorted(range(len(names)), key=lambda row: (first.get(names[row], len(first)), -most[row])):
+        if names[row].kind != "velocity" or result.cell.enforces_velocity_limits:
+            at = int(np.argmax(shares[:, row] >= most[row]))
+            bars.setdefault(short_name(names[row]), LimitBar(names[row], float(largest[row]), at, float(time[at])))
+    return tuple(bars.values())[:MOST_BARS]

@@ -3,7 +3,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import sqrt
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,6 @@ import numpy as np
 
 from mrts.base.arrays import Array
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.plots.labels import short_name
 from mrts.scaling.limit_use import limited_rates, used_shares
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
@@ -49,7 +47,7 @@ class LimitShares:
 
     Attributes:
         kind: As in `mrts.limits.rows.RowName`.
-        labels: A line each: `left/elbow`.
+        labels: A line each, the one that comes nearest to its limit first: `left/elbow`.
         share: Of its limit that each line uses, 1 at the limit, never below 0, Shape (N, lines).
     """
 
@@ -57,21 +55,16 @@ class LimitShares:
     labels: tuple[str, ...]
     share: Array
 
+    @classmethod
+    def ranked(cls, kind: str, labels: Sequence[str], share: Array) -> "LimitShares":
+        """Lines in any order."""
+        order = np.argsort(-np.max(share, axis=0), kind="stable")
+        return cls(kind, tuple(labels[line] for line in order), share[:, order])
+
     @property
     def title(self) -> str:
         """What they are, for people."""
         return TITLES.get(self.kind, self.kind.capitalize())
-
-    @property
-    def largest(self) -> Array:
-        """Of all lines at each sample, Shape (N,)."""
-        largest: Array = np.max(self.share, axis=1)
-        return largest
-
-    @property
-    def ranked(self) -> list[int]:
-        """Lines, the one that comes nearest to its limit first."""
-        return [int(line) for line in np.argsort(-np.max(self.share, axis=0), kind="stable")]
 
 
 def played(result: ScalingResult) -> ScaledTrajectory:
@@ -101,7 +94,7 @@ def shares_by_kind(names: Sequence[RowName], share: Array) -> list[LimitShares]:
                 lines.setdefault(label, []).append(row)
         if lines:
             largest = [np.max(share[:, members], axis=1, initial=0.0) for members in lines.values()]
-            found.append(LimitShares(kind, tuple(lines), np.column_stack(largest)))
+            found.append(LimitShares.ranked(kind, [*lines], np.column_stack(largest)))
     return found
 
 
@@ -116,49 +109,22 @@ def all_shares(result: ScalingResult) -> tuple[tuple[RowName, ...], Array]:
     return (names, share) if rates is None else (names + rates.rows, np.hstack([share, rates.share]))
 
 
-@dataclass(frozen=True)
-class LimitingRows:
-    """What is limited, and what of it sets the speed.
+def setting_rows(
+    result: ScalingResult, timing: "RetimingResult | None", names: Sequence[RowName]
+) -> dict[RowName, str]:
+    """What sets the speed, each with when; of a timing by falling share of the time.
 
-    Attributes:
-        names: What is limited, rates included, as `all_shares` has it.
-        shares: How much of its limit each uses at each sample, Shape (N, r).
-        setting: Rows that set the speed, each with when; those of a timing by falling share of the time.
-    """
-
-    names: tuple[RowName, ...]
-    shares: Array
-    setting: dict[RowName, str]
-
-    @cached_property
-    def ranked(self) -> dict[str, list[int]]:
-        """Rows by what they limit: those that set the speed first, then by falling share; those at 100 % are alike."""
-        first = {name: place for place, name in enumerate(self.setting)}
-        largest, rows = np.max(self.shares, axis=0), dict[str, list[int]]()
-        most = np.where(largest > 1 + AT_LIMIT, largest, np.minimum(largest, REACHED))
-        for row in sorted(range(len(most)), key=lambda row: (first.get(self.names[row], len(first)), -most[row])):
-            rows.setdefault(short_name(self.names[row]), []).append(row)
-        return rows
-
-
-def limiting_rows(result: ScalingResult, timing: "RetimingResult | None") -> LimitingRows:
-    """What sets the speed: of a constant factor the end of the range that it is at, of a timing all along its path.
-
-    Another row that is at its limit need not be there: it may be so by how the load is distributed.
+    Of a constant factor it is the end of the range that it is at, of a timing what binds along its path. Another row
+    that is at its limit need not set the speed: it may be there by how the load is distributed.
 
     Args:
         result: A result with a trajectory.
         timing: The timing whose retimed motion it is, if known.
-
-    Raises:
-        ValueError: If there is no trajectory.
+        names: What is limited, rates included, as `all_shares` has it.
     """
-    names, shares = all_shares(result)
     if timing is not None and timing.retimed is not None:
-        setting = _of_timing(timing, names)
-    else:  # what sets the speed of a retimed motion, its timing alone tells
-        setting = {} if result.origin else _of_range(result)
-    return LimitingRows(names, shares, setting)
+        return _of_timing(timing, names)
+    return {} if result.origin else _of_range(result)  # what sets that of a retimed motion, its timing alone tells
 
 
 def _of_timing(timing: "RetimingResult", names: Sequence[RowName]) -> dict[RowName, str]:

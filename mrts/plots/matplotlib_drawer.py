@@ -2,6 +2,7 @@
 """Draws plots as figures of matplotlib, and writes them."""
 
 import textwrap
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -12,12 +13,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.transforms import ScaledTranslation
 
 from mrts.base.argument_types import as_path, check_type
-from mrts.base.atomic_file import Write, write_atomically
+from mrts.base.atomic_file import Write, write_atomically, write_together
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
+from mrts.plots import FIGURE_FORMATS
 from mrts.plots.labels import LONGEST_LABEL, shortened
 from mrts.plots.plot import Band, HeatMap, Item, Line, Panel, Plot, Points
 
@@ -30,14 +31,14 @@ SIZES = {"circle": 6.0, "dot": 2.0, "cross": 6.0, "star": 13.0, "up": 5.0}
 DPI = 150
 NOTEBOOK_DPI = 96
 
-WIDTHS = {1: 8.0, 2: 9.4}
-"""Of a figure with so many columns [in]; of more, 3.6 in each."""
+ALONE_WIDTH, COLUMN_WIDTH = 8.0, 5.5
+"""Of the only column of panels, and of one of several, legends included [in]."""
 
 PANEL_INCHES, ALONE_INCHES = 2.4, 3.6
 """Height of a panel, and of the only one."""
 
-NAME_INCHES, LEGEND_INCHES, LABEL_INCHES = 0.21, 0.2, 0.6
-"""Height of a row of names, of a line of a legend, and of what stands below and above a panel."""
+NAME_INCHES, LABEL_INCHES = 0.21, 0.6
+"""Height of a row of names, and of what stands below and above a panel."""
 
 LETTER_INCHES = 0.075
 NARROW_LABEL = 36
@@ -48,31 +49,29 @@ NAME_LETTERS = 72
 
 BEHIND_TEXT = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
 
-LEGEND_DROP, SHARED_DROP = 34.0, 8.0
-"""From the axes down to a legend below tick and axis labels, and without these [pt]."""
-
 
 def matplotlib_figure(plot: Plot) -> Figure:
     """The plot as a figure of matplotlib, to be changed before it is written or shown."""
     columns = max(map(len, plot.rows))
     longest = max((len(name) for row in plot.rows for name in row[0].y.names), default=0)
-    width = WIDTHS.get(columns, 3.6 * columns) + LETTER_INCHES * max(min(longest, NAME_LETTERS) - LONGEST_LABEL, 0)
+    width = max(ALONE_WIDTH, COLUMN_WIDTH * columns)
+    width += LETTER_INCHES * max(min(longest, NAME_LETTERS) - LONGEST_LABEL, 0)
     figure = Figure(layout="constrained")
     title = [textwrap.fill(line, int(13 * width), subsequent_indent="    ") for line in plot.title.splitlines()]
     figure.suptitle(_plain("\n".join(title)), fontsize="small", x=0.01, ha="left")
     grid = figure.subplots(len(plot.rows), columns, squeeze=False, sharex="col" if plot.shared else False)
     alone, heights = len(plot.rows) == 1 and columns <= 2, []  # noqa: PLR2004 (side by side)
     for number, row in enumerate(plot.rows):
-        labelled, height = number == len(plot.rows) - 1 or not plot.shared, 0.0
+        labelled = number == len(plot.rows) - 1 or not plot.shared
         for axes, panel in zip(grid[number], row, strict=False):
             _draw(axes, panel, NARROW_LABEL if columns > 1 else LONGEST_LABEL, labelled=labelled)
             if panel.title and panel.title != plot.title:
                 axes.set_title(_plain(panel.title), loc="left", fontsize="small")
-            lines = _add_legend(axes, WIDTHS.get(columns, 3.6 * columns) / columns, labelled=labelled)
-            height = max(height, _inches(panel, alone=alone) + lines * LEGEND_INCHES)
+            if axes.get_legend_handles_labels()[1]:
+                axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small", frameon=False)
         for axes in grid[number][len(row) :]:
             axes.set_axis_off()
-        heights.append(height)
+        heights.append(max(_inches(panel, alone=alone) for panel in row))
     grid[0, 0].get_gridspec().set_height_ratios(heights)
     figure.set_size_inches(width, sum(heights) + LABEL_INCHES * len(heights) + 0.2 * "\n".join(title).count("\n") + 0.3)
     return figure
@@ -96,6 +95,27 @@ def write_plot(plot: Plot, path: Path | str) -> None:
     if path.suffix[1:].lower() not in formats:
         raise InputError(path, f"the ending chooses a figure's format; there are {', '.join(sorted(formats))}.")
     write_atomically(path, figure_writer(plot))
+
+
+def write_plots(plots: Sequence[Plot], folder: Path | str, form: str = "png") -> None:
+    """Write plots into a folder, all or none, each into a file of its name.
+
+    Args:
+        plots: Such as `result_plots` gives.
+        folder: Made if missing.
+        form: "png", "svg" or "pdf".
+
+    Raises:
+        InputError: If there is no such format, or a file cannot be written.
+    """
+    check_type("plots", plots, list, tuple)
+    for plot in plots:
+        check_type("plots", plot, Plot)
+    check_type("form", form, str)
+    if form not in FIGURE_FORMATS:
+        raise InputError("form", f"figures are written as one of {', '.join(FIGURE_FORMATS)}.", value=form)
+    folder = as_path("folder", folder)
+    write_together({folder / f"{plot.name}.{form}": figure_writer(plot) for plot in plots})
 
 
 def figure_writer(plot: Plot) -> Write:
@@ -145,20 +165,6 @@ def _draw(axes: Axes, panel: Panel, longest: int, *, labelled: bool) -> None:
     if not any(isinstance(item, HeatMap) for item in panel.items):
         axes.grid(visible=True, alpha=0.3, axis="x" if panel.y.names else "both")
     axes.set_axisbelow(True)
-
-
-def _add_legend(axes: Axes, width: float, *, labelled: bool) -> int:
-    """Add the legend below axes of a width [in], and tell its lines."""
-    handles, labels = axes.get_legend_handles_labels()
-    if not labels:
-        return 0
-    columns = max(1, int(width / (LETTER_INCHES * max(map(len, labels)) + 0.65)))
-    drop = ScaledTranslation(0, -(LEGEND_DROP if labelled else SHARED_DROP) / 72, axes.figure.dpi_scale_trans)
-    axes.legend(
-        handles, labels, ncols=columns, loc="upper center", bbox_to_anchor=(0.5, 0.0),
-        bbox_transform=axes.transAxes + drop, fontsize="small", frameon=False, borderaxespad=0,
-    )  # fmt: skip
-    return -(-len(labels) // columns)
 
 
 def _add(axes: Axes, item: Item) -> None:

@@ -4,8 +4,7 @@
 import numpy as np
 
 from mrts.identification.identified_motors import ArmMotors
-from mrts.plots.colours import COLOURS
-from mrts.plots.plot import Axis, Item, Line, Panel, Plot, Points
+from mrts.plots.plot import COLOURS, Axis, Item, Line, Panel, Plot, Points
 
 
 def motor_plot(arm: ArmMotors) -> Plot:

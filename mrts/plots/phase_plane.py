@@ -6,8 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from mrts.base.arrays import Array
-from mrts.plots.colours import ADMISSIBLE, COLOURS
-from mrts.plots.plot import Axis, Band, Item, Line, Panel, Plot, one_panel, upright
+from mrts.plots.plot import ADMISSIBLE, COLOURS, Axis, Band, Item, Line, Panel, Plot, one_panel, upright
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import FastestPiece, TimedPiece, fastest_pieces
 
@@ -50,7 +49,7 @@ def phase_plane_plot(found: RetimingResult) -> Plot:
     y = Axis(label="speed ṡ [rad/s or m/s]", ends=(0.0, top))
     items += [*lines, *(upright(float(s[0]), y) for s in along[1:])]
     title = f"{found.cell.name}: speed along the path (phase plane)"
-    return one_panel("phase-plane", Panel(title=title, x=x, y=y, items=items), "way")
+    return one_panel("phase_plane", Panel(title=title, x=x, y=y, items=items), "way")
 
 
 def way(pieces: Sequence[TimedPiece]) -> list[Array]:

@@ -14,7 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.plots.colours import COLOURS
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+"""Okabe and Ito (2008): distinguishable with every kind of colour vision."""
+
+ADMISSIBLE, CONFLICT = COLOURS[2], COLOURS[6]
+END_COLOURS = {"upper": COLOURS[1], "lower": COLOURS[0], "conflict": CONFLICT}
+"""Of c²⁺(t), c²⁻(t), and limits that conflict."""
 
 FARTHEST_LIMIT = 4.0
 """Limits beyond this many times the largest value are left outside: the values would be flat lines."""

@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
 from mrts.limits.rows import STANDSTILL, ActiveRow, Side
-from mrts.plots.colours import ADMISSIBLE, COLOURS, CONFLICT, END_COLOURS
 from mrts.plots.labels import range_facts, range_text
 from mrts.plots.plot import (
+    ADMISSIBLE,
+    COLOURS,
+    CONFLICT,
+    END_COLOURS,
     MARGIN,
     Axis,
     Band,
@@ -76,7 +79,7 @@ def range_plot(result: ScalingResult) -> Plot:
     lanes = binding_lanes(found)
     if lanes:
         rows.append([_lane_panel(found, lanes)])
-    return Plot(name="c2-range", title="\n".join(facts), rows=rows, shared=True, clock="given")
+    return Plot(name="c2_range", title="\n".join(facts), rows=rows, shared=True, clock="given")
 
 
 def _range_panel(found: ScalingRange) -> Panel:
@@ -227,7 +230,7 @@ def load_study_plot(result: ScalingResult) -> Plot:
         items += _upper(study.ranges[best], f"best: {study.points[best]}", 2)
         items += _upper(study.ranges[worst], f"worst: {study.points[worst]}", 1)
     items += _upper(result.range, study.question, 0, width=2.4)
-    return one_panel("load-study", _load_panel(title, result.range.samples.time, items, (low, high)), "given")
+    return one_panel("load_study", _load_panel(title, result.range.samples.time, items, (low, high)), "given")
 
 
 def _load_panel(title: str, time: Array, items: Sequence[Item], ends: tuple[float, float]) -> Panel:

@@ -1,77 +1,76 @@
 # SPDX-License-Identifier: MIT
-"""What a played motion takes along time, with its limits: torques, wrenches, power, energy."""
+"""Plots of a result along time: how much of each limit is used; torques, wrenches, power, energy."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from typing import Any
 
+import numpy as np
+
+from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array
+from mrts.limits.rows import RATES
+from mrts.plots.card import answer_card
 from mrts.plots.labels import shortened
-from mrts.plots.limit_shares import played
-from mrts.plots.plot import Line, Panel, Plot, curves_panel, look, one_panel
+from mrts.plots.limit_shares import LimitShares, all_shares, played, shares_by_kind
+from mrts.plots.phase_plane import phase_plane_plot
+from mrts.plots.plot import (
+    ADMISSIBLE,
+    COLOURS,
+    Axis,
+    Item,
+    Line,
+    Panel,
+    Plot,
+    Points,
+    curves_panel,
+    level,
+    look,
+    one_panel,
+    time_axis,
+)
+from mrts.plots.range_plots import load_study_plot, range_plot
 from mrts.scaling.limit_use import LimitedQuantities, limited_quantities
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import accumulated_energy
+from mrts.simulation.reserve import ReserveSearch
+from mrts.timing.result import RetimingResult
 
 SIDE_BY_SIDE = 2
 """More robots than this stand below each other, to fit a page."""
 
+NAMED = 5
+"""Limits of a kind with a colour and a name: those of which most is used."""
 
-def torque_plots(result: ScalingResult) -> list[Plot]:
-    """Joint torques, a plot for each robot.
+HIGHEST = 160.0
+"""Per cent of limits up to which a picture reaches at most."""
 
-    Raises:
-        ValueError: If there is no trajectory.
+COMPONENTS = {"f": "force", "n": "moment"}
+"""How components of a wrench begin, and what they are."""
+
+
+def result_plots(result: ScalingResult | RetimingResult, search: ReserveSearch | None = None) -> list[Plot]:
+    """All plots of a result, and of the search that found its reserve; without a profile, of the best constant factor.
+
+    A retimed motion has no range of c² to draw: its own answer is c² = 1.
     """
-    plots = []
-    for number, robot in enumerate(result.cell.robots):
-        drawn = limited_quantities(result, "torque", robot.name)
-        panel = quantities_panel(f"{robot.name}: joint torques", "torque", played(result).time, drawn)
-        plots.append(one_panel(f"torque-{number}", panel, "played"))
-    return plots
-
-
-def wrench_plots(result: ScalingResult) -> list[Plot]:
-    """Contact forces and moments on the object in base axes, two plots for each robot.
-
-    Raises:
-        ValueError: If there is no trajectory.
-    """
-    plots = []
-    for number, robot in enumerate(result.cell.robots):
-        wrenches = limited_quantities(result, "wrench", robot.name)
-        for first, what in (("f", "force"), ("n", "moment")):
-            part = wrenches.only([name.startswith(first) for name in wrenches.names])
-            panel = quantities_panel(f"{robot.name}: contact {what} on the object", what, played(result).time, part)
-            plots.append(one_panel(f"{what}-{number}", panel, "played"))
-    return plots
-
-
-def power_plots(result: ScalingResult) -> list[Plot]:
-    """Power q̇ τ of the joints, negative where a joint brakes, a plot for each robot; then the energy given so far.
-
-    Raises:
-        ValueError: If there is no trajectory.
-    """
-    done, plots, lines = played(result), [], []
-    for number, robot in enumerate(result.cell.robots):
-        values = done.power[:, result.cell.joint_slices[robot.name]]
-        of_joints = [
-            Line(x=done.time, y=values[:, k], label=joint, unit="W", **look(k)) for k, joint in enumerate(robot.joints)
-        ]
-        panel = curves_panel(f"{robot.name}: power of the joints", "power [W]", of_joints)
-        plots.append(one_panel(f"power-{number}", panel, "played"))
-        energy = accumulated_energy(done.time, values)
-        label = f"{shortened(robot.name)}: {energy[-1]:.4g} J"
-        lines.append(Line(x=done.time, y=energy, label=label, unit="J", **look(number)))
-    if len(lines) > 1:
-        total = accumulated_energy(done.time, done.power)
-        lines.append(Line(x=done.time, y=total, label=f"all: {done.energy:.4g} J", unit="J", color="#000", width=2.2))
-    panel = curves_panel("Energy that the motors have given", "energy [J]", lines)
-    return [*plots, one_panel("energy", panel, "played")]
+    check_type("result", result, ScalingResult, RetimingResult)
+    timing = result if isinstance(result, RetimingResult) else None
+    shown = result if isinstance(result, ScalingResult) else result.retimed or result.constant
+    title = f"{shown.cell.name}: {answer_card(result).outcome}"
+    plots = [] if shown.origin else [range_plot(shown)]
+    if timing is not None and timing.pieces:
+        plots.append(phase_plane_plot(timing))
+    if shown.load is not None and shown.load.ranges:
+        plots.append(load_study_plot(shown))
+    if shown.trajectory is not None:
+        plots += [trajectory_plot(shown, title), limits_plot(shown, title), power_plot(shown, title)]
+    return plots if search is None else [*plots, reserve_plot(search)]
 
 
 def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
     """Joint torques and contact wrenches of every robot with their limits (as the paper's figures 4 to 8).
+
+    Forces and moments act on the object, in base axes.
 
     Args:
         result: A result with a trajectory.
@@ -80,29 +79,70 @@ def trajectory_plot(result: ScalingResult, title: str = "") -> Plot:
     Raises:
         ValueError: If there is no trajectory.
     """
-    torques, wrenches = torque_plots(result), wrench_plots(result)
-    whole = _by_robot("torques_and_wrenches", title, result, [torques, wrenches[::2], wrenches[1::2]])
-    return replace(whole, title=f"{whole.title} (thin lines: limits)")
+    time, of_robots = played(result).time, []
+    for robot in result.cell.robots:
+        torques, wrenches = (limited_quantities(result, kind, robot.name) for kind in ("torque", "wrench"))
+        parts = {what: wrenches.only([name[0] == first for name in wrenches.names])
+                 for first, what in COMPONENTS.items()}  # fmt: skip
+        of_robots.append(
+            [
+                quantities_panel(f"{robot.name}: joint torques", "torque", time, torques),
+                *(quantities_panel(f"{robot.name}: contact {what}", what, time, part) for what, part in parts.items()),
+            ]
+        )
+    title = f"{title or _title(result)} (thin lines: limits)"
+    return Plot(name="torques_and_wrenches", title=title, rows=_by_robot(of_robots), clock="played")
+
+
+def limits_plot(result: ScalingResult, title: str = "") -> Plot:
+    """How much of its limits the motion uses along time [%], a panel for each kind; arguments as `trajectory_plot`."""
+    time = played(result).time
+    panels = [percent_panel(of, time) for of in shares_by_kind(*all_shares(result))]
+    rows = [panels[at : at + 2] for at in range(0, len(panels), 2)]
+    return Plot(name="limits", title=title or _title(result), rows=rows, clock="played")
 
 
 def power_plot(result: ScalingResult, title: str = "") -> Plot:
-    """Power of every joint, robot by robot, above the energy given; arguments as of `trajectory_plot`.
+    """Power q̇ τ of every joint, negative where it brakes, above the energy given; arguments as `trajectory_plot`."""
+    done, powers, lines = played(result), [], []
+    for number, robot in enumerate(result.cell.robots):
+        values = done.power[:, result.cell.joint_slices[robot.name]]
+        of_joints = [
+            Line(x=done.time, y=values[:, k], label=joint, unit="W", **look(k)) for k, joint in enumerate(robot.joints)
+        ]
+        powers.append([curves_panel(f"{robot.name}: power of the joints", "power [W]", of_joints)])
+        energy = accumulated_energy(done.time, values)
+        label = f"{shortened(robot.name)}: {energy[-1]:.4g} J"
+        lines.append(Line(x=done.time, y=energy, label=label, unit="J", **look(number)))
+    if len(lines) > 1:
+        total = accumulated_energy(done.time, done.power)
+        lines.append(Line(x=done.time, y=total, label=f"all: {done.energy:.4g} J", unit="J", color="#000", width=2.2))
+    rows = [*_by_robot(powers), [curves_panel("Energy that the motors have given", "energy [J]", lines)]]
+    return Plot(name="power_and_energy", title=title or _title(result), rows=rows, clock="played")
 
-    Raises:
-        ValueError: If there is no trajectory.
-    """
-    *powers, energy = power_plots(result)
-    whole = _by_robot("power_and_energy", title, result, [powers])
-    return Plot(name=whole.name, title=whole.title, rows=[*whole.rows, *energy.rows])
+
+def _title(result: ScalingResult) -> str:
+    return f"{result.cell.name}: {played(result).duration:.4g} s"
 
 
-def _by_robot(name: str, title: str, result: ScalingResult, plots: Sequence[Sequence[Plot]]) -> Plot:
-    """Quantities of every robot: a column a robot, or a row where there are many."""
-    rows = [[plot.rows[0][0] for plot in of_kind] for of_kind in plots]
-    if len(result.cell.robots) > SIDE_BY_SIDE:
-        rows = [list(row) for row in zip(*rows, strict=True)]
-    title = title or f"{result.cell.name}: {played(result).duration:.4g} s"
-    return Plot(name=name, title=title, rows=rows)
+def _by_robot(panels: Sequence[Sequence[Panel]]) -> list[list[Panel]]:
+    """Panels of every robot: a column a robot, or a row where there are many."""
+    if len(panels) > SIDE_BY_SIDE:
+        return [list(row) for row in panels]
+    return [list(row) for row in zip(*panels, strict=True)]
+
+
+def percent_panel(of: LimitShares, time: Array) -> Panel:
+    """The use of limits along time, Shape (N,) [s], in per cent: the nearest with a name, above the others."""
+    percent, steps = 100 * of.share, of.kind in RATES
+    items: list[Item] = [Line(x=time, y=y, color="#bbb", width=0.8, unit=None, steps=steps) for y in percent.T[NAMED:]]
+    for place, (name, y) in enumerate(zip(of.labels[:NAMED], percent.T, strict=False)):
+        label, width = f"{name}: {np.max(y):.3g} %", 1.2 if place else 2.8
+        items.append(Line(x=time, y=y, label=label, unit="%", steps=steps, width=width, **look(place)))
+    x = time_axis(time)
+    items.append(level(100.0, x, color=COLOURS[1], dash=1))
+    top = 1.06 * min(max(100.0, float(np.max(percent))), HIGHEST)
+    return Panel(title=of.title, x=x, y=Axis(label="of the limit [%]", ends=(0.0, top)), items=items)
 
 
 def quantities_panel(title: str, what: str, time: Array, drawn: LimitedQuantities, below: Sequence[Line] = ()) -> Panel:
@@ -116,3 +156,24 @@ def quantities_panel(title: str, what: str, time: Array, drawn: LimitedQuantitie
         for k, (name, unit) in enumerate(zip(drawn.names, drawn.units, strict=True))
     ]  # fmt: skip
     return curves_panel(title, f"{what} [{', '.join(units)}]", lines, below)
+
+
+def reserve_plot(search: ReserveSearch) -> Plot:
+    """Duration against the reserve of every plan that was tried, with the largest use of a limit when it was played."""
+    plans = sorted((each for each in search.tried if each.limit), key=lambda each: each.reserve)
+    reserve, duration = (np.array([getattr(each, name) for each in plans]) for name in ("reserve", "duration"))
+    items: list[Item] = [Line(x=100 * reserve, y=duration, color="#888", unit=None)]
+    looks: list[tuple[bool, dict[str, Any]]] = [
+        (True, {"label": "keeps all limits when it is played", "color": ADMISSIBLE}),
+        (False, {"label": "passes limits", "color": COLOURS[1], "symbol": "cross"}),
+    ]
+    for kept, look_of in looks:
+        own = [place for place, each in enumerate(plans) if each.kept == kept]
+        if own:
+            texts = [f"{100 * plans[place].share:.0f} %" for place in own]
+            items.append(Points(x=100 * reserve[own], y=duration[own], texts=texts, **look_of))
+    panel = Panel(
+        title="Duration by the reserve, with the largest use of a limit",
+        x=Axis(label="reserve [% of every limit]"), y=Axis(label="duration [s]"), items=items,
+    )  # fmt: skip
+    return one_panel("reserve", panel)

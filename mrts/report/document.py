@@ -10,6 +10,7 @@ from typing import Any
 
 from mrts.base.argument_types import require_extra
 from mrts.base.printable import printable
+from mrts.plots.plot import Plot, one_panel
 from mrts.plots.plotly_drawer import plotly_figure
 
 
@@ -67,8 +68,17 @@ def document(template: str, title: str, data: dict[str, Any], **context: Any) ->
         data=packed_data,
         place=place,
         plotly_figure=plotly_figure,
+        separate=_separate,
         **context,
     )
+
+
+def _separate(plot: Plot) -> list[Plot]:
+    """Each panel by itself, unless they share their x axis."""
+    panels = [panel for row in plot.rows for panel in row]
+    if plot.shared or len(panels) == 1:
+        return [plot]
+    return [one_panel(f"{plot.name}-{number}", panel, plot.clock) for number, panel in enumerate(panels)]
 
 
 def _sentence(text: str) -> str:

@@ -7,12 +7,10 @@ from types import NoneType
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
 from mrts.override.stops import Stops
-from mrts.plots import limit_plots, phase_plane, range_plots, trajectory_plots
+from mrts.plots import phase_plane, range_plots, trajectory_plots
 from mrts.plots.card import answer_card
-from mrts.plots.limit_shares import limiting_rows
-from mrts.plots.plot import Plot, one_panel
-from mrts.plots.simulation_plots import simulation_plot
-from mrts.plots.stops_plot import stops_plot
+from mrts.plots.limit_shares import all_shares, setting_rows
+from mrts.plots.plan_plots import simulation_plot, stops_plot
 from mrts.report import tables
 from mrts.report.document import document
 from mrts.report.player import player
@@ -61,11 +59,10 @@ def report_html(result: ScalingResult | RetimingResult, stops: Stops | None = No
         card=answer_card(result),
         sentences=_sentences(timing, shown),
         notes=_notes(shown),
-        limiting=None if shown.trajectory is None else limiting_rows(shown, timing),
+        setting=None if shown.trajectory is None else setting_rows(shown, timing, all_shares(shown)[0]),
         player=scene,
         paces=PACES,
         tables=tables,
-        percent_plots=_percent_plots,
         phase_plane=phase_plane,
         range_plots=range_plots,
         trajectory_plots=trajectory_plots,
@@ -77,10 +74,8 @@ def report_html(result: ScalingResult | RetimingResult, stops: Stops | None = No
 def write_simulation_report(found: Simulation, path: Path | str) -> None:
     """Write the report of a plan in closed loop; arguments and errors as of `write_report`."""
     check_type("found", found, Simulation)
-    panels = [panel for row in simulation_plot(found).rows for panel in row]
-    plots = [one_panel(f"simulation-{number}", panel) for number, panel in enumerate(panels)]
     title = f"{found.plan.cell.name}: in closed loop"
-    text = document("simulation.html", title, {}, found=found, plots=plots)
+    text = document("simulation.html", title, {}, found=found, plot=simulation_plot(found))
     write_text_atomically(as_path("path", path), text)
 
 
@@ -106,8 +101,3 @@ def _notes(result: ScalingResult) -> list[str]:
         count = len(result.load.not_converged)
         notes.append(f"at {count} samples the search over loads was not verified: the range of a corner stands there")
     return notes
-
-
-def _percent_plots(result: ScalingResult) -> list[Plot]:
-    panels = [panel for row in limit_plots.limits_plot(result, "").rows for panel in row]
-    return [one_panel(f"limits-{number}", panel, "played") for number, panel in enumerate(panels)]

@@ -7,11 +7,9 @@ import numpy as np
 
 from mrts.base.argument_types import as_path
 from mrts.base.atomic_file import write_text_atomically
-from mrts.plots import study_words
-from mrts.plots.plot import one_panel
-from mrts.plots.study_map import map_remark, study_map, weights
-from mrts.plots.study_plots import durations_plot, study_map_plot
-from mrts.plots.study_table import OUTCOMES, StudyTable, read_study_table
+from mrts.plots import study_table as words
+from mrts.plots.study_plots import durations_plot, map_remark, study_map, study_map_plot, weights
+from mrts.plots.study_table import OUTCOMES, StudyTable, best_part, best_rows, percent, read_study_table
 from mrts.report.document import document
 from mrts.report.tables import Entry, Styled, Table, bar, more
 
@@ -44,19 +42,17 @@ def study_html(found: StudyTable) -> str:
     Raises:
         InputError: If plotly is not installed.
     """
-    names = ("duration-map", "limit-map") if len(found.knobs) > 1 else ("duration-line",)
-    panels = study_map_plot(found).rows[0] if found.knobs else []
     return document(
         "study.html",
         f"{found.name}: {found.variants} variants",
         {},
         study=found,
-        words=study_words,
+        words=words,
         best_table=_best_table,
         durations_plot=durations_plot,
         limits_table=_limits_table,
-        map_remark=map_remark(found, study_map(found)) if found.knobs else "",
-        maps=[one_panel(name, panel) for name, panel in zip(names, panels, strict=False)],
+        map_remark=map_remark(found, study_map(found)),
+        study_map_plot=study_map_plot,
         outcomes_table=_outcomes_table,
         reasons_table=_reasons_table,
         weights_table=_weights_table,
@@ -65,7 +61,7 @@ def study_html(found: StudyTable) -> str:
 
 def _best_table(found: StudyTable) -> Table:
     """No line of a limit breaks before its arrow."""
-    head, best = study_words.best_rows(found, MOST_BEST)
+    head, best = best_rows(found, MOST_BEST)
     rows: list[tuple[Entry, ...]] = [
         (*values, tuple(Styled(limit, "whole") for limit in limits.split(", "))) for *values, limits in best
     ]
@@ -80,7 +76,7 @@ def _weights_table(found: StudyTable) -> Table:
 
 
 def _limits_table(found: StudyTable) -> Table:
-    best = np.isin(np.arange(found.variants), study_words.best_part(found))
+    best = np.isin(np.arange(found.variants), best_part(found))
     counts, of_best = found.limit_counts(found.admitted), dict(found.limit_counts(best))
     total, total_best = int(np.sum(found.admitted)), max(1, int(np.sum(best)))
     rows = [(name, bar(count / total), bar(of_best.get(name, 0) / total_best)) for name, count in counts[:MOST_LIMITS]]
@@ -90,7 +86,7 @@ def _limits_table(found: StudyTable) -> Table:
 
 def _outcomes_table(found: StudyTable) -> Table:
     counts = found.outcome_counts(np.ones(found.variants, dtype=bool))
-    rows = [(name, OUTCOMES[name], str(count), study_words.percent(count, found.variants)) for name, count in counts]
+    rows = [(name, OUTCOMES[name], str(count), percent(count, found.variants)) for name, count in counts]
     return Table(("outcome", "what it means", "variants", "share"), rows)
 
 

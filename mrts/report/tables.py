@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Tables of the report of a result: what was given, the range, limits and how far they are used, conflicts, loads."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from mrts.base.words import interval_text
-from mrts.limits.rows import ActiveRow
+from mrts.limits.rows import ActiveRow, RowName
 from mrts.plots.card import Card
 from mrts.plots.labels import range_facts, range_text, row_text, short_name
-from mrts.plots.limit_shares import LimitingRows, played
+from mrts.plots.limit_shares import played
 from mrts.plots.range_plots import ranked_loads
 from mrts.program.infeasibility import Conflict
 from mrts.scaling.limit_use import by_share, rate_uses
@@ -78,15 +78,15 @@ def inputs(result: ScalingResult) -> list[tuple[str, str]]:
     return entries
 
 
-def margins_table(result: ScalingResult, limiting: LimitingRows) -> Table:
+def margins_table(result: ScalingResult, setting: Mapping[RowName, str]) -> Table:
     """Every limit by falling share that is used; those that set the speed first, each hand's failure once."""
     rows: dict[str, tuple[Entry, ...]] = {}
     uses = by_share([*result.limit_uses, *rate_uses(result)])
-    for use in sorted(uses, key=lambda use: use.name not in limiting.setting):
+    for use in sorted(uses, key=lambda use: use.name not in setting):
         values = interval_text(use.lower, use.upper, use.name.unit), f"{use.least:.4g}", f"{use.largest:.4g}"
         told = ("", "", "") if use.name.failure else values  # of what there is no value that people know
-        name, setting = short_name(use.name), limiting.setting.get(use.name)
-        marked = (name,) if setting is None else (name, Styled(setting, "mark limiting"))
+        name, said = short_name(use.name), setting.get(use.name)
+        marked = (name,) if said is None else (name, Styled(said, "mark limiting"))
         rows.setdefault(name, (marked, *told, bar(use.share, 1), f"{use.time:.4g} s"))
     return Table(("limit", "from … to", "least", "largest", "share used", "most used at"), [*rows.values()])
 

@@ -13,8 +13,8 @@ from matplotlib.text import Text
 
 from mrts.base.errors import InputError
 from mrts.base.printable import cut, printable
-from mrts.plots.colours import COLOURS
 from mrts.plots.limit_shares import limit_shares
+from mrts.plots.plot import COLOURS
 from mrts.scene.arm_meshes import Warn
 from mrts.scene.cell_view import look_at_cell
 from mrts.scene.renderer import Clip, Frame, SceneRenderer, silent
@@ -143,14 +143,15 @@ class Composition:
             axes.spines[:].set_visible(False)
             axes.grid(axis="y", color=GRID, linewidth=1)
             axes.axhline(1.0, color=rgba(OVER_LIMIT), linewidth=1)
-            for of in each:
-                axes.plot(clip.trajectory.time, np.minimum(of.largest, top), color=colours[of.kind], linewidth=1.6)
+            largest = [np.max(of.share, axis=1) for of in each]
+            for of, values in zip(each, largest, strict=True):
+                axes.plot(clip.trajectory.time, np.minimum(values, top), color=colours[of.kind], linewidth=1.6)
             (cursor,) = axes.plot([0, 0], [0, top], color=INK, linewidth=1, animated=True)
             dots = axes.scatter(
                 [0] * len(each), [0] * len(each), s=36, c=[colours[of.kind] for of in each], animated=True, zorder=3,
                 clip_on=False,
             )  # fmt: skip
-            self._plots.append((axes, cursor, dots, [of.largest for of in each]))
+            self._plots.append((axes, cursor, dots, largest))
         self._put_foot(titles, colours, f"played at {pace}" if pace else "")
         self._clock = self._put(width - RIGHT, height - 10, "", TEXT, color=INK, ha="right", animated=True)
         self._canvas.draw()

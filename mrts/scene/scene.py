@@ -11,7 +11,7 @@ from mrts.base.arrays import Array
 from mrts.base.rigid_transform import quaternions_from_rotations
 from mrts.cell.cell import Cell
 from mrts.collisions.bodies import body_poses
-from mrts.plots.colours import COLOURS
+from mrts.plots.plot import COLOURS
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.scene.cell_shapes import points_on_bodies
 

@@ -11,14 +11,13 @@ import numpy as np
 import viser
 
 from mrts.base.printable import html_text
-from mrts.plots.colours import END_COLOURS
 from mrts.plots.labels import shortened
-from mrts.plots.limit_plots import limits_plot
 from mrts.plots.limit_shares import played
-from mrts.plots.plot import Axis, Line, Panel, level, time_axis
+from mrts.plots.plan_plots import closed_loop_panel
+from mrts.plots.plot import END_COLOURS, Axis, Line, Panel, level, time_axis
 from mrts.plots.plotly_drawer import shown_samples
 from mrts.plots.range_plots import c2_ends
-from mrts.plots.simulation_plots import closed_loop_panel
+from mrts.plots.trajectory_plots import limits_plot
 from mrts.scaling.result import ScalingResult
 from mrts.simulation.simulate import Simulation
 from mrts.viewer.player_state import PlayerState
@@ -48,7 +47,7 @@ def time_panels(result: ScalingResult, simulation: Simulation | None = None) -> 
     panels = [
         Panel(title="Range of c² of each sample", x=x, y=Axis(ends=c2_ends(found)), items=c2),
         *([] if simulation is None else [closed_loop_panel(simulation)]),
-        *(panel for row in limits_plot(result, "").rows for panel in row),
+        *(panel for row in limits_plot(result).rows for panel in row),
     ]
     return {panel.title: panel for panel in panels}
 

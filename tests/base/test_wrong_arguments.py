@@ -10,7 +10,7 @@ from conftest import DATA, UR5
 from motor_recordings import exact_recording, random_motors, write_recording
 
 import mrts
-from mrts.plots import range_plot, write_plot, write_result_plots
+from mrts.plots import range_plot, write_plot, write_plots
 from mrts.program.solvers import DEFAULT_SOLVER
 
 ZOO = [
@@ -28,7 +28,7 @@ METHODS = {
 """Methods that take what a user gives."""
 
 FUNCTIONS = [name for name in mrts.__all__ if inspect.isfunction(getattr(mrts, name))]
-WRITERS = {"write_plot": write_plot, "write_result_plots": write_result_plots}
+WRITERS = {"write_plot": write_plot, "write_plots": write_plots}
 """Public functions that are not of `mrts` itself: their packages are extras."""
 
 BUILT = ("ClosureBound", "CoordinatedMotion", "LoadBox", "MotionDescription", "ObjectMotion")
@@ -105,7 +105,7 @@ def good(planar_cell):
         "torques_for_load": {"result": result, "load": planar_cell.load} | with_solver,
         "write_report": {"result": result, "path": "report.html", "stops": None},
         "write_plot": {"plot": range_plot(result), "path": "figure.png"},
-        "write_result_plots": {"result": result, "folder": "figures", "form": "png"},
+        "write_plots": {"plots": [range_plot(result)], "folder": "figures", "form": "png"},
         "write_ros_bag": {"result": result, "folder": "bag", "merged": False},
         "write_trajectory_csv": {"result": result, "path": "trajectory.csv"},
         "ClosureBound": {"position": 1e-3, "rotation": None},

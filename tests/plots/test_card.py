@@ -11,10 +11,10 @@ from random_motors import equipped
 import mrts
 from mrts.limits.rows import TORQUE_SPEED
 from mrts.output.summary_lines import scaling_lines
-from mrts.plots import write_result_plots
+from mrts.plots import result_plots, write_plots
 from mrts.plots.card import MOST_BARS, answer_card
 from mrts.plots.labels import short_name
-from mrts.plots.limit_shares import all_shares, limiting_rows
+from mrts.plots.limit_shares import all_shares
 from mrts.report.tables import margins_table
 from mrts.scaling.limit_use import by_share, limited_quantities, rate_uses
 
@@ -62,13 +62,13 @@ def test_hands_and_motors_of_all_kinds_are_drawn_together(tmp_path):
     result = mrts.scale(real, mrts.load_motion(shipped / "lift_and_turn.yaml"))
     kinds = {use.name.kind for use in by_share(result.limit_uses)}
     assert kinds >= {"torque", "velocity", "contact", TORQUE_SPEED, "motor speed"}
-    write_result_plots(result, tmp_path / "plots")
+    write_plots(result_plots(result), tmp_path / "plots")
     mrts.write_report(result, tmp_path / "report.html")
     mrts.save_result(result, tmp_path / "result.npz")
     again = mrts.load_result(tmp_path / "result.npz")
     assert list(scaling_lines(again, answer_card(again))) == list(scaling_lines(result, answer_card(result)))
     np.testing.assert_array_equal(again.trajectory.friction, result.trajectory.friction)
-    named = {row[0][0] for row in margins_table(result, limiting_rows(result, None)).rows}
+    named = {row[0][0] for row in margins_table(result, {}).rows}
     assert named == {short_name(use.name) for use in by_share(result.limit_uses)}
 
 

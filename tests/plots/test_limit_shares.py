@@ -34,16 +34,16 @@ def test_shares_are_values_by_limits(dual_ur5):
         of = found["wrench"]
         np.testing.assert_allclose(of.share[:, of.labels.index(f"{robot.name}/fx")], fx, atol=ROUNDING)
         assert f"{robot.name}/fz" not in of.labels  # which has no limit
-    most = [np.max(found["velocity"].share[:, line]) for line in found["velocity"].ranked]
+    most = np.max(found["velocity"].share, axis=0).tolist()
     assert most == sorted(most, reverse=True)
-    assert most[0] == pytest.approx(np.max(found["velocity"].largest)) == pytest.approx(1, abs=1e-6)
+    assert most[0] == pytest.approx(1, abs=1e-6)
 
 
 def test_the_directions_of_a_hands_friction_make_one_line():
     folder = DATA.parent / "squeeze"
     result = mrts.scale(mrts.load_cell(folder / "cell.yaml"), mrts.load_motion(folder / "lift_and_turn.yaml"))
     (of,) = (of for of in limit_shares(result.trajectory) if of.kind == "contact")
-    assert of.labels[:4] == ("left/pad normal force", "left/pad slips", "left/pad tips", "left/pad twists")
+    assert {*of.labels} >= {"left/pad normal force", "left/pad slips", "left/pad tips", "left/pad twists"}
     assert len(of.labels) == 4 * sum(len(robot.contacts) for robot in result.cell.robots)
     assert np.max(of.share) <= 1 + 1e-6
 

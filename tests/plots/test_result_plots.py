@@ -18,10 +18,10 @@ from mrts.plots import (
     phase_plane_plot,
     power_plot,
     range_plot,
+    result_plots,
     trajectory_plot,
-    write_result_plots,
+    write_plots,
 )
-from mrts.plots.figure_files import result_plots
 from mrts.plots.plot import Axis, Band, Line, Panel, Plot, Points, level, names_axis, rectangles
 from mrts.plots.plotly_drawer import plotly_figure
 
@@ -45,7 +45,7 @@ OFTEN = ("planar", "infeasible", "empty", "unbounded", "four arms", "awkward nam
 )
 def test_every_kind_of_result_has_legible_figures(kind, planar_cell, dual_ur5, lift, tmp_path):
     found = result_of(kind, planar_cell, dual_ur5, lift, tmp_path)
-    write_result_plots(found, tmp_path / "out")
+    write_plots(result_plots(found), tmp_path / "out")
     names = {path.stem for path in (tmp_path / "out").iterdir()}
     expected = set() if found.origin else {"c2_range"}
     if found.trajectory is not None:
@@ -142,13 +142,13 @@ def test_figures_are_written_in_the_format_that_is_asked_for(planar_cell, lift, 
     infeasible = mrts.retime(planar_cell.with_mass(60.0), lift)
     for form, start in (("svg", b"<?xml"), ("pdf", b"%PDF")):
         for folder in ("once", "again"):
-            write_result_plots(infeasible, tmp_path / folder, form)
+            write_plots(result_plots(infeasible), tmp_path / folder, form)
         texts = {(tmp_path / folder / f"c2_range.{form}").read_bytes() for folder in ("once", "again")}
         assert len(texts) == 1  # no date, no identifiers of chance
         assert texts.pop().startswith(start)
     assert {path.name for path in (tmp_path / "once").iterdir()} == {"c2_range.svg", "c2_range.pdf"}
     with pytest.raises(mrts.InputError, match="one of png, svg, pdf"):
-        write_result_plots(infeasible, tmp_path / "once", "gif")
+        write_plots([], tmp_path / "once", "gif")
 
 
 @pytest.fixture(scope="module")
@@ -235,7 +235,7 @@ def test_rates_are_those_of_straight_lines_between_nodes_as_shares_of_their_limi
 
 def test_all_figures_of_smooth_timing_are_legible(smooth):
     found, plots = smooth, result_plots(smooth)
-    assert [plot.name for plot in plots] == ["phase-plane", "torques_and_wrenches", "limits", "power_and_energy"]
+    assert [plot.name for plot in plots] == ["phase_plane", "torques_and_wrenches", "limits", "power_and_energy"]
     assert f"{found.duration:.4g} s (given" in plots[1].title
     for plot in plots:
         check_legible(matplotlib_figure(plot))

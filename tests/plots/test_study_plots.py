@@ -6,18 +6,11 @@ from found_studies import ELBOW, FORCE, drawn_study, found_study, grid_study, ki
 from legible_figures import check_legible
 from scipy.stats import binned_statistic_2d, norm
 
-from mrts.plots import durations_plot, matplotlib_figure, study_map_plot, write_study_plots
+from mrts.plots import durations_plot, matplotlib_figure, study_map_plot, write_plots
 from mrts.plots.plot import HeatMap, Line, Points, one_panel
 from mrts.plots.plotly_drawer import plotly_figure
-from mrts.plots.study_map import (
-    LIMIT_COLOURS,
-    MOST_CELLS,
-    map_binding,
-    map_remark,
-    study_map,
-    weights,
-)
-from mrts.plots.study_words import managed
+from mrts.plots.study_plots import LIMIT_COLOURS, MOST_CELLS, map_binding, map_remark, study_map, weights
+from mrts.plots.study_table import managed
 
 KINDS = kinds()
 
@@ -34,10 +27,11 @@ def only(panel, kind):
 @pytest.mark.parametrize("name", KINDS)
 def test_every_kind_of_study_has_legible_figures(name, tmp_path):
     table = KINDS[name]
-    write_study_plots(table, tmp_path / "out")
+    plots = [durations_plot(table), study_map_plot(table)]
+    write_plots(plots, tmp_path / "out")
     names = {path.stem for path in (tmp_path / "out").iterdir()}
     assert names == {"durations", "map" if len(table.knobs) > 1 else "line"}
-    for plot in (durations_plot(table), study_map_plot(table)):
+    for plot in plots:
         check_legible(matplotlib_figure(plot))
 
 

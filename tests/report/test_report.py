@@ -11,7 +11,7 @@ from shown_results import AWKWARD, UGLY_JOINTS, with_awkward_names
 
 import mrts
 from mrts.cli import main
-from mrts.plots.limit_shares import limiting_rows
+from mrts.plots.limit_shares import all_shares, setting_rows
 from mrts.plots.phase_plane import phase_plane_plot
 from mrts.plots.plot import Line
 from mrts.report import report_html
@@ -38,7 +38,7 @@ def test_names_stay_text_and_the_page_loads_nothing(planar_cell, lift, lifted):
     assert text.count("</script>") == 3  # of the library, the data and our own script
     assert not [name for name in (AWKWARD, *UGLY_JOINTS) if name in text]
     assert "&lt;/script&gt;&lt;script&gt;window.broken=1&lt;/script&gt;" in text
-    names = [trace["name"] for trace in data_of(text)["plots"]["plot-torque-0"]["data"] if trace["name"]]
+    names = [trace["name"] for trace in data_of(text)["plots"]["plot-torques_and_wrenches-0"]["data"] if trace["name"]]
     assert all("<" not in name and "$" not in name for name in names)
 
 
@@ -111,7 +111,7 @@ def test_the_timing_stands_first_with_saving_limits_and_phase_plane(timing):
     for name, share in timing.limits[:12]:
         assert f"<td>{name}</td><td>{100 * share:.3g} %</td>" in text
     curves = [item for item in phase_plane_plot(timing).rows[0][0].items if isinstance(item, Line)]
-    traces = {trace.get("name"): trace for trace in data_of(text)["plots"]["plot-phase-plane"]["data"]}
+    traces = {trace.get("name"): trace for trace in data_of(text)["plots"]["plot-phase_plane"]["data"]}
     assert [curve.label.split(",")[0] for curve in curves[-2:]] == ["fastest", "best constant c"]
     for curve in curves:
         np.testing.assert_allclose(traces[curve.label]["x"], curve.x, rtol=DRAWN)
@@ -123,9 +123,10 @@ def test_the_timing_stands_first_with_saving_limits_and_phase_plane(timing):
 @pytest.mark.quick
 def test_limits_that_set_the_speed_stand_first(lifted, planar_cell, lift):
     end = lifted.range.upper
-    found = limiting_rows(lifted, None)
-    assert set(found.setting) == {row.name for row in end.rows}
-    assert limiting_rows(mrts.scale(planar_cell, lift, 0.5 * end.c2), None).setting == {}
+    names, _ = all_shares(lifted)
+    found = setting_rows(lifted, None, names)
+    assert set(found) == {row.name for row in end.rows}
+    assert setting_rows(mrts.scale(planar_cell, lift, 0.5 * end.c2), None, names) == {}
     marked = [len(row[0]) > 1 for row in margins_table(lifted, found).rows]
     assert marked == [True] * len(end.rows) + [False] * (len(by_share(lifted.limit_uses)) - len(end.rows))
 
