@@ -267,10 +267,10 @@ def test_lines_are_the_shares_of_limits(lifted):
     assert list(panels) == ["Range of c² of each sample", TORQUES, "Contact wrenches"]
     curves = curves_of(uplot_props(panels[TORQUES]))
     names = lxml.html.fromstring(f"<p>{names_html(panels[TORQUES])}</p>").text_content()
-    for column in of.ranked[:4]:
-        (name,) = (name for name in curves if name.startswith(f"{of.labels[column]}:"))
+    for label, used in zip(of.labels[:4], of.share.T, strict=False):
+        (name,) = (name for name in curves if name.startswith(f"{label}:"))
         time, share = curves[name]
-        np.testing.assert_allclose(share, 100 * of.share[:, column])
+        np.testing.assert_allclose(share, 100 * used)
         np.testing.assert_allclose(time, lifted.trajectory.time)
         assert name in names.replace("\xa0", " ")
 
