@@ -5,7 +5,7 @@ import numpy as np
 
 import mrts
 from mrts.timing.fastest_timing import fastest_timing
-from mrts.timing.result import ConstantFactor
+from mrts.timing.result import RetimingResult
 
 
 def timing_alone(constant: mrts.ScalingResult) -> float:
@@ -14,6 +14,6 @@ def timing_alone(constant: mrts.ScalingResult) -> float:
     Args:
         constant: Of the cell and the motion, found before.
     """
-    asked = ConstantFactor(constant.cell, constant.motion, constant.options)
-    found = fastest_timing(asked, constant.motion, (0.0, 0.0), lambda _done, _total: None)
+    asked = RetimingResult(constant.cell, constant.motion, constant.motion, constant.options)
+    found = fastest_timing(asked, constant.motion, lambda _done, _total: None)
     return float(sum(np.sum(piece.segment_times) for piece in found.pieces))

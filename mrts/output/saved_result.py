@@ -32,7 +32,7 @@ from mrts.timing.result import RetimingResult
 
 FORMAT_NAME = "mrts result"
 
-VERSION = 10
+VERSION = 11
 """Of arrays and description together; any change of what results hold raises it, unless it is one of the manifest."""
 
 DESCRIPTION_BYTES = 5_000_000
@@ -43,8 +43,7 @@ They shrink to about a sixth where many samples are infeasible."""
 FOUND: dict[str, tuple[str, ...]] = {
     "ScalingResult": ("reserve",),
     "ScaledTrajectory": ("internal_wrench",),
-    "RetimingResult": ("segment_limits",),
-    "ConstantFactor": ("factor",),
+    "RetimingResult": ("segment_limits", "factor"),
 }
 """What is found once and kept: finding it again takes the cell's functions."""
 
@@ -75,7 +74,7 @@ def save_result(result: ScalingResult | RetimingResult, path: Path | str) -> Non
     if isinstance(result, RetimingResult) and result.retimed is None:  # a report shows the constant factor instead
         with suppress(SolverError):  # of limits of rates that leave no torques
             result.constant  # noqa: B018 (found now, it is kept)
-            found["ConstantFactor"] = ("factor", "whole")
+            found["RetimingResult"] += ("constant",)
     writer = TreeWriter({Cell: _cell_entry}, found)
     known = {"format": FORMAT_NAME, "version": VERSION, "manifest_format": FORMAT, "mrts_version": __version__}
     text = json.dumps(known | {"result": writer.entry(result, "")}, ensure_ascii=False)

@@ -19,6 +19,9 @@ from mrts.program.smooth_program import Goal, SmoothProfile, SmoothProgram
 DURATIONS = 100.0
 """Weight of the share by which limits of rates are passed, against the duration of the profile that is started from."""
 
+LEAST_RATES = (0.5, 500.0)
+"""Shares of limits of rates that are looked for at least, in turn: one is found up to some 5000 times as much."""
+
 KEPT = 1e-7
 """Excess over a limit that an answer may have, as a share of it: far below any tolerance."""
 
@@ -80,6 +83,30 @@ class KernelSolver:
         timed = replace(_start(program, x), u=np.array(u, dtype=np.float64))
         solved, *_ = self._solve(program, timed, x, Goal(time=0.0, effort=1.0), timed=True)
         return timed.free if solved and program.excess(timed.x, timed.u, timed.free) <= KEPT else None
+
+    def least_rates(self, program: SmoothProgram, x: Array) -> tuple[float, Array, Array] | None:
+        """The least share of all limits of rates that wrenches within the other limits take at a constant x.
+
+        Args:
+            program: Its rows, and limits of their rates.
+            x: Shape (n,).
+
+        Returns:
+            The share, half at least; its multipliers of rows at their upper and lower limits, Shape (2, n, r), and of
+            changes upward and downward, Shape (2, n - 1, number of limited rows). None where none is found.
+        """
+        n, r, _ = program.free.shape
+        count = np.count_nonzero(np.isfinite(program.change))
+        for least in LEAST_RATES:
+            eased, goal = replace(program, change=least * program.change), Goal(time=0.0)
+            solved, beyond, left = self._solve(eased, _start(eased, x), x, goal, timed=True, relaxed=least)
+            if solved:
+                slots = n * 2 * (r + count)
+                multipliers = left[slots + OF_PATH :][:slots].reshape(n, -1)  # behind as many slacks
+                rows, changes = np.split(multipliers, [2 * r], axis=1)
+                by_side = changes[:-1].reshape(n - 1, 2, count).swapaxes(0, 1) / least
+                return least * (1 + beyond), rows.reshape(n, 2, r).swapaxes(0, 1), by_side
+        return None
 
     def nearest(self, program: SmoothProgram, around: Array) -> tuple[SmoothProfile, float] | None:
         """The profile whose rates pass their limits least, the duration weighed little; all else is as in `step`.

@@ -5,27 +5,23 @@ At a constant factor x = c² and u = 0, and between two nodes a time h w passes,
 
     lower <= free F + square γ + root c + offset <= upper,     |v_{k+1} - v_k| <= change h w
 
-are convex in (F, γ, c, w). The least w at given γ and c is a linear program over all nodes, whose multipliers give a
-line w >= start + a γ + b c that every admissible factor keeps. So a factor that is not admissible rules out all around
-it, up to where 1 / c meets that line.
+are convex in (F, γ, c, w). The least w at given γ and c is a linear program over all nodes, for each load by itself,
+whose multipliers give a line w >= start + a γ + b c that every admissible factor keeps. So a factor that is not
+admissible rules out all around it, up to where 1 / c meets that line.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
-from scipy import sparse
-from scipy.optimize import OptimizeResult, linprog
 
 from mrts.base.arrays import Array
 from mrts.base.errors import SolverError
 from mrts.base.load_box import LoadPoint
 from mrts.limits.rows import ActiveRow, RowName
-from mrts.program.convex_program import HIGHS_TOLERANCE
 from mrts.program.formulation import DistributionName
 from mrts.program.motion_rows import MotionRows
-from mrts.program.path_program import OF_PATH, path_program
+from mrts.program.path_program import path_program, third_derivatives
 from mrts.program.path_solver import KernelSolver
 from mrts.program.range_status import RangeStatus
 from mrts.program.rate_limits import RateLimits, rate_names
@@ -38,9 +34,6 @@ from mrts.scaling.range import RangeEnd, ScalingRange, range_status
 
 RATE_MARGIN = 1e-8
 """Share of a rate: factors keep three of it free, less one for rounding, so that torques are more than one point."""
-
-SPREAD = 100.0
-"""Share up to which changes stand as shares of what is allowed: beyond, the program counts in larger units."""
 
 REAL_ROOT = 1e-6
 """Share of a root that may be imaginary by rounding: two that coincide are found to half of all digits."""
@@ -60,9 +53,10 @@ MOST_FASTER = 10
 
 @dataclass(frozen=True)
 class FactorAsked:
-    """The least w at one factor.
+    """The least w at one factor, of the load that takes the largest.
 
     Attributes:
+        load: Its place among the loads.
         c: The factor.
         share: The least w as a share of 1 / c: at most 1 if the rates admit it.
         line: How that grows with c² and with c.
@@ -70,6 +64,7 @@ class FactorAsked:
         changes: Multipliers of changes upward and downward, Shape (2, n - 1, number of limited rows).
     """
 
+    load: int
     c: float
     share: float
     line: tuple[float, float]
@@ -94,19 +89,6 @@ class FactorAsked:
         return self.c * float(np.max(real[(real > 0) & (real < 1)], initial=0.0))
 
 
-def _solved(cost: Array, A: sparse.csr_array, b: Array) -> OptimizeResult:
-    ask = partial(
-        linprog,
-        cost,
-        A_ub=A,
-        b_ub=b,
-        bounds=[(None, None)] * (len(cost) - 1) + [(0.0, None)],
-        options={"primal_feasibility_tolerance": HIGHS_TOLERANCE, "dual_feasibility_tolerance": HIGHS_TOLERANCE},
-    )
-    found = ask(method="highs-ipm")
-    return found if found.status == 0 else ask(method="highs-ds")
-
-
 class RatedFactors:
     """Constant factors of a motion within limits of rates, for all of some loads at once.
 
@@ -122,28 +104,10 @@ class RatedFactors:
         self.stands = float(np.max(np.ptp(motion.q, axis=0))) < STILL
         vectors = [None if point is None else point.load for point in loads]
         self.problems = [build_sample_problem(rows, load=load, varying=True) for load in vectors]
-        self.program = path_program(cell, motion, self.problems, rates)
-        self.by_jerk = self._end_by_jerk()
-        self._limited = np.flatnonzero(np.isfinite(self.program.change))
-        if self._limited.size:
-            self._pack()
-
-    def _pack(self) -> None:
-        """Matrices of the linear programs over z = [F, share]."""
-        program = self.program
-        n, r, f = program.free.shape
-        self._allowed = np.outer(program.step, program.change[self._limited] * (1 - 3 * RATE_MARGIN))
-        largest = np.max(np.abs(program.free), axis=(0, 1))
-        scaled = program.free / np.where(largest > 0, largest, 1.0)  # HiGHS drops what is below 1e-9
-        blocks, nothing = sparse.block_diag(list(scaled), format="csr"), sparse.csr_array((n * r, 1))
-        self._values = sparse.hstack([blocks, nothing], format="csr")
-        here = np.arange(n * r).reshape(n, r)[:-1, self._limited].ravel()
-        by_share = sparse.diags_array(1 / self._allowed.ravel())
-        self._changes = by_share @ (self._values[here + r] - self._values[here])
-        self._share = sparse.hstack(
-            [sparse.csr_array((len(here), n * f)), sparse.csr_array(np.ones((len(here), 1)))], format="csr"
-        )
-        self._widening = np.where(program.lower < program.upper, TORQUE_WIDENING, 0.0)
+        changes = replace(rates, jerk=np.full_like(rates.jerk, np.inf))  # c alone keeps limits of jerk
+        self.programs = [path_program(cell, motion, [problem], changes) for problem in self.problems]
+        self.limits_changes = bool(np.any(np.isfinite(self.programs[0].change)))
+        self.by_jerk = self._end_by_jerk(third_derivatives(self.programs[0].step, motion.dq, motion.ddq))
 
     def within(self, found: ScalingRange, below: Callable[[float], ScalingRange]) -> ScalingRange:
         """What limits of rates leave of a range that admits motion, whose ends they move inward."""
@@ -173,18 +137,16 @@ class RatedFactors:
         """
         end = self.by_jerk if self.by_jerk is not None and self.by_jerk.c2 < upper else None
         c2 = upper if end is None else end.c2
-        if self._limited.size and not np.isfinite(c2) and not self.stands:
+        if self.limits_changes and not np.isfinite(c2) and not self.stands:
             c2 = self._ruled_out(lower)
-        if not self._limited.size or not np.isfinite(c2) or c2 < lower:
-            return c2, end
-        if c2 > 0 and self._carried(c2):
+        if not self.limits_changes or not 0 < c2 < np.inf or c2 < lower:
             return c2, end
         found = self._followed(c2, (lower, np.inf), faster=False)
         return (c2, end) if found is None else (found.c2, found)
 
     def slowest(self, lower: float, upper: float) -> tuple[float, RangeEnd | None]:
         """The least c² that rates admit, likewise: `lower` and None if they do not bind, above `upper` if none is."""
-        if not self._limited.size or lower <= 0:  # however slowly it may be played, nothing changes fast
+        if not self.limits_changes or lower <= 0:  # however slowly it may be played, nothing changes fast
             return lower, None
         found = self._followed(lower, (0.0, upper), faster=True)
         return (lower, None) if found is None else (found.c2, found)
@@ -193,48 +155,26 @@ class RatedFactors:
         """What binds where rates do not admit a c² > 0 that all other limits admit; None if they admit it."""
         if self.by_jerk is not None and c2 > self.by_jerk.c2 * (1 + RATE_MARGIN):
             return self.by_jerk
-        if self._carried(c2):
-            return None
-        asked = self._asked(float(np.sqrt(c2))) if self._limited.size else None
+        asked = self._asked(float(np.sqrt(c2))) if self.limits_changes else None
         return None if asked is None or asked.is_admitted else self._binding(asked)
 
     def _asked(self, c: float) -> FactorAsked:
-        program = self.program
-        n, r, f = program.free.shape
-        fixed = program.square * c**2 + program.root * c + program.offset
-        upper, lower = (
-            (program.upper + self._widening - fixed).ravel(),
-            (program.lower - self._widening - fixed).ravel(),
-        )
-        above, below = np.isfinite(upper), np.isfinite(lower)
-        moved = (c / self._allowed * np.diff(fixed[:, self._limited], axis=0)).ravel()
-        unit = max(1.0, float(np.max(np.abs(moved))) / SPREAD)
-        moved, changes = moved / unit, (c / unit) * self._changes
-        found = _solved(
-            np.append(np.zeros(n * f), 1.0),
-            sparse.vstack([self._values[above], -self._values[below], changes - self._share, -changes - self._share]),
-            np.concatenate([upper[above], -lower[below], -moved, moved]),
-        )
-        if found.status != 0:
-            raise SolverError(f"what the rates admit at c = {c:.6g} was not found; HiGHS: {found.message}")
-        rows = np.zeros((2, n * r))
-        parts = np.split(-found.ineqlin.marginals, np.cumsum([above.sum(), below.sum(), len(moved)]))
-        rows[0, above], rows[1, below] = parts[:2]
-        by_side, by_change = unit * rows.reshape(2, n, r), np.stack(parts[2:]).reshape(2, *self._allowed.shape)
-        line = (self._growth(program.square, c, by_side, by_change), self._growth(program.root, c, by_side, by_change))
-        return FactorAsked(c, unit * float(found.fun), line, by_side, by_change)
+        asked = [self._least(load, program, c) for load, program in enumerate(self.programs)]
+        return max(asked, key=lambda one: one.share)
 
-    def _growth(self, of: Array, c: float, rows: Array, changes: Array) -> float:
-        by_rows = np.sum((rows[0] - rows[1]) * of)
-        moved = c / self._allowed * np.diff(of[:, self._limited], axis=0)
-        return float(by_rows + np.sum((changes[0] - changes[1]) * moved))
+    def _least(self, load: int, program: SmoothProgram, c: float) -> FactorAsked:
+        found = KernelSolver().least_rates(_with_margins(program, 3 * RATE_MARGIN), np.full(program.nodes, c * c))
+        if found is None:
+            raise SolverError(f"what the rates admit at c = {c:.6g} was not found.")
+        share, rows, changes = found
+        limited = np.isfinite(program.change)
+        allowed = np.outer(program.step, program.change[limited]) / c
 
-    def _carried(self, c2: float) -> bool:
-        """Whether torques within the rates are found at a c² > 0: much sooner than by HiGHS, but no proof if not."""
-        square, nothing = np.full(self.program.nodes, c2), np.zeros(self.program.nodes)
-        program = _with_margins(self.program)
-        free = KernelSolver().torques(program, square, nothing)
-        return free is not None and program.excess(square, nothing, free) <= RATE_MARGIN
+        def growth(of: Array) -> float:
+            moved = np.diff(of[:, limited], axis=0) / allowed
+            return float(np.sum((rows[0] - rows[1]) * of) + np.sum((changes[0] - changes[1]) * moved))
+
+        return FactorAsked(load, c, share, (growth(program.square), growth(program.root)), rows, changes)
 
     def _followed(self, c2: float, within: tuple[float, float], *, faster: bool) -> RangeEnd | None:
         """The first c² from a given one on that rates admit, or the first not ruled out beyond what is of interest."""
@@ -257,43 +197,40 @@ class RatedFactors:
             c *= FASTER
         return float(np.inf)
 
-    def _end_by_jerk(self) -> RangeEnd | None:
+    def _end_by_jerk(self, third: Array) -> RangeEnd | None:
         """The largest c² by c³ |q'''| <= jerk; None if no jerk is limited, or there is none."""
-        third, most = self.program.q3, self.program.jerk
+        most = self.rates.jerk
         share = np.abs(third) / most
         if not np.any(share > 0):
             return None
-        segment, end, place = (int(one) for one in np.unravel_index(np.argmax(share), share.shape))
-        names = rate_names(self.cell)[2]
-        name = names[np.flatnonzero(np.isfinite(self.rates.jerk))[place]]
-        row = ActiveRow.of(name, -most[place], most[place], at_upper=bool(third[segment, end, place] > 0))
+        segment, end, joint = (int(one) for one in np.unravel_index(np.argmax(share), share.shape))
+        upper = bool(third[segment, end, joint] > 0)
+        row = ActiveRow.of(rate_names(self.cell)[2][joint], -most[joint], most[joint], at_upper=upper)
         at = segment + end
-        return RangeEnd(float(share[segment, end, place] ** (-2 / 3)), at, float(self.time[at]), (row,))
+        return RangeEnd(float(share[segment, end, joint] ** (-2 / 3)), at, float(self.time[at]), (row,))
 
     def _binding(self, asked: FactorAsked) -> RangeEnd:
         """The rates of the segment that matters most, and the limits that bind at its ends."""
+        problem, program = self.problems[asked.load], self.programs[asked.load]
         weight = np.sum(asked.changes, axis=0)
-        segment, place = (int(one) for one in np.unravel_index(np.argmax(weight), weight.shape))
-        of_path = sum(name in OF_PATH for name in self.program.names)  # rows of the first load alone
-        rows_each = (self.program.square.shape[1] - of_path) // len(self.problems)
-        load = max(int(self._limited[place]) - of_path, 0) // rows_each
-        problem, first = self.problems[load], load * rows_each + (of_path if load else 0)
+        segment = int(np.argmax(np.max(weight, axis=1)))
         least = FELT * max(float(np.max(asked.rows)), float(np.max(weight)))
-        at_ends = np.max(asked.rows[:, segment : segment + 2, first : first + len(problem.names)], axis=1)
+        at_ends = np.max(asked.rows[:, segment : segment + 2, : len(problem.names)], axis=1)
+        limited = np.flatnonzero(np.isfinite(program.change))
         rates = [
-            self._rate(int(self._limited[place]), rises=side == 0)
+            self._rate(program, int(limited[place]), rises=side == 0)
             for side, place in np.argwhere(asked.changes[:, segment] > least).tolist()
         ]
         limits = [problem.active_row(row, upper=side == 0) for side, row in np.argwhere(at_ends > least).tolist()]
         named = tuple(dict.fromkeys((*rates, *limits)))
-        return RangeEnd(asked.c**2, segment, float(self.time[segment]), named, self.loads[load])
+        return RangeEnd(asked.c**2, segment, float(self.time[segment]), named, self.loads[asked.load])
 
-    def _rate(self, row: int, *, rises: bool) -> ActiveRow:
+    def _rate(self, program: SmoothProgram, row: int, *, rises: bool) -> ActiveRow:
         torques, wrenches, _ = rate_names(self.cell)
         limits = (*self.rates.torque.tolist(), *self.rates.wrench.tolist())
         known = {str(name): (name, limit) for name, limit in zip((*torques, *wrenches), limits, strict=True)}
-        text = f"{self.program.names[row]} rate"  # a contact in base axes may stand for a wrench component
-        name, limit = known.get(text, (RowName(text, unit="/s"), float(self.program.change[row])))
+        text = f"{program.names[row]} rate"  # a contact in base axes may stand for a wrench component
+        name, limit = known.get(text, (RowName(text, unit="/s"), float(program.change[row])))
         return ActiveRow.of(name, -limit, limit, at_upper=rises)
 
 
@@ -309,7 +246,7 @@ def torques_within_rates(
     """
     cell, motion, problem = rows.cell, rows.motion, build_sample_problem(rows, varying=True)
     sizes = given_sizes(cell, motion) if distribute == "reserve" else None
-    program = _with_margins(path_program(cell, motion, [problem], rates, weights, sizes=sizes))
+    program = _with_margins(path_program(cell, motion, [problem], rates, weights, sizes=sizes), RATE_MARGIN / 2)
     square, nothing = np.full(motion.samples, c2), np.zeros(motion.samples)
     free = reserved_torques(program, square, nothing, KernelSolver())
     if free is None:
@@ -318,13 +255,8 @@ def torques_within_rates(
     return problem.torque(x), problem.wrench(x)
 
 
-def _with_margins(program: SmoothProgram) -> SmoothProgram:
+def _with_margins(program: SmoothProgram, margin: float) -> SmoothProgram:
     """The same program with limits a little wider, as that of the torques without rates, and rates a little less."""
     widening = np.where(program.lower < program.upper, TORQUE_WIDENING, 0.0)
-    return replace(
-        program,
-        lower=program.lower - widening,
-        upper=program.upper + widening,
-        change=program.change * (1 - RATE_MARGIN / 2),
-        jerk=program.jerk * (1 + RATE_MARGIN),
-    )
+    lower, upper = program.lower - widening, program.upper + widening
+    return replace(program, lower=lower, upper=upper, change=program.change * (1 - margin))

@@ -5,7 +5,6 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -35,15 +34,13 @@ from mrts.program.sample_ranges import POINT_TOLERANCE, SampleRanges, motion_ran
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, torque_weights
 from mrts.program.widening import motion_widening
+from mrts.scaling.constant_rates import RatedFactors, torques_within_rates
 from mrts.scaling.loads import range_at_samples
 from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Options, Selection, limited_cell
 from mrts.scaling.range import ScalingRange
 from mrts.scaling.result import END_TOLERANCE, LIMIT_TOLERANCE, ScalingResult, kept_text, largest_excess
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
-
-if TYPE_CHECKING:
-    from mrts.scaling.constant_rates import RatedFactors
 
 
 class SelectionError(MrtsError):
@@ -211,7 +208,7 @@ def admissible_range(
     return result, rows, refined
 
 
-def within_rate_limits(result: ScalingResult, rows: MotionRows) -> tuple[ScalingResult, "RatedFactors | None"]:
+def within_rate_limits(result: ScalingResult, rows: MotionRows) -> tuple[ScalingResult, RatedFactors | None]:
     """What limits of rates leave of a range for all loads that were asked about, and what they admit; None without.
 
     The rows are those of the result's motion.
@@ -219,7 +216,6 @@ def within_rate_limits(result: ScalingResult, rows: MotionRows) -> tuple[Scaling
     options, found = result.options, result.range
     if options.rates is None or not found.status.admits_motion:
         return result, None
-    from mrts.scaling.constant_rates import RatedFactors  # noqa: PLC0415 (scipy is not needed otherwise)
 
     def below(high: float) -> ScalingRange:
         return range_at_samples(rows, options, high=high * (1 + POINT_TOLERANCE))[0]
@@ -228,7 +224,7 @@ def within_rate_limits(result: ScalingResult, rows: MotionRows) -> tuple[Scaling
     return replace(result, found=factors.within(found, below)), factors
 
 
-def _check_rated(factors: "RatedFactors", found: ScalingRange, c2: float) -> None:
+def _check_rated(factors: RatedFactors, found: ScalingRange, c2: float) -> None:
     ends = {end.c2 for end in (found.lower, found.upper) if end is not None}
     refused = None if c2 in ends else factors.refused(c2)
     if refused is not None:
@@ -359,8 +355,6 @@ def with_torques(
     elif options.rates is None:
         torque, wrench, fallbacks = motion_torques(rows, options.solver, c2, W, options.distribute)
     else:
-        from mrts.scaling.constant_rates import torques_within_rates  # noqa: PLC0415 (scipy is not needed otherwise)
-
         torque, wrench, fallbacks = *torques_within_rates(rows, options.rates, c2, W, options.distribute), 0
     done = ScaledTrajectory(cell, motion, c2, torque, wrench, _holding(options, rows, W))
     excess = largest_excess(rows.given, done)

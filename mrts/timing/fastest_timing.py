@@ -24,7 +24,7 @@ from mrts.scaling.loads import effective_parameters
 from mrts.scaling.what_if import SpeedAnswer, WhatIf, ask_changes
 from mrts.timing.fastest_profile import Obstacle, fastest_profile, rising_profile
 from mrts.timing.path_pieces import NoPath, PathPiece, by_turns, closed_piece, path_pieces
-from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus
+from mrts.timing.result import RetimingResult, RetimingStatus
 from mrts.timing.retimed_motion import FastestPiece, fastest_piece, fastest_pieces
 from mrts.timing.speed_regions import SpeedRegions, intersect_regions, speed_regions
 from mrts.timing.successive_profiles import successive_profiles, weaker_rows
@@ -46,9 +46,8 @@ TRIED = 48
 
 
 def fastest_timing(
-    compared: ConstantFactor,
+    asked: RetimingResult,
     motion: CoordinatedMotion,
-    end_speeds: tuple[float, float],
     progress: Progress,
     *,
     refined: bool = False,
@@ -57,16 +56,18 @@ def fastest_timing(
     """The fastest timing with limits kept at the samples of a motion.
 
     Args:
+        asked: Cell, options, given motion and speeds at its ends.
+        motion: With the samples at which limits are kept.
         refined: Whether samples were added where limits were overstepped: the path is then timed by its arc length. A
             parameter by turns would be another one each round, uneven where samples were added.
         before: The timing before they were added: where its path is the same, so are the admissible speeds.
     """
-    cell = compared.cell
+    cell, end_speeds = asked.cell, asked.end_speeds
     points: tuple[LoadPoint | None, ...] = (None,)
-    if compared.options.load == "guaranteed" and cell.load_box is not None:
+    if asked.options.load == "guaranteed" and cell.load_box is not None:
         points = cell.load_box.corners(effective_parameters(cell, motion, cell.load_box, ("P", "Q", "S")))
     loads = tuple(cell.load if point is None else point.load for point in points)
-    untimed = RetimingResult(cell, motion, RetimingStatus.OPTIMAL, "", compared, loads, end_speeds=end_speeds)
+    untimed = RetimingResult(cell, motion, asked.given, asked.options, loads=loads, end_speeds=end_speeds)
     pieces = path_pieces(motion)
     if isinstance(pieces, NoPath):
         status, why = _no_path(pieces, motion.object.time)
@@ -273,13 +274,12 @@ def timing_what_if(found: RetimingResult, steps: ChangeSteps, progress: Progress
     if found.smooth is not None:
         rule = "within limits of rates it would be timed again for every change, seconds each. Ask without rates."
         raise InputError("what if", rule)
-    asked = found.compared
-    refined = found.motion.samples > asked.motion.samples
-    asked = replace(asked, options=replace(asked.options, rates=None, between=None))
+    refined = found.motion.samples > found.given.samples
+    asked = replace(found, options=replace(found.options, rates=None, between=None))
 
     def answer(changed: Cell, motion: CoordinatedMotion, _before: SpeedAnswer | None) -> SpeedAnswer:
-        compared = replace(asked, cell=changed, motion=motion)
-        again = fastest_timing(compared, motion, found.end_speeds, lambda _done, _total: None, refined=refined)
+        changed_question = replace(asked, cell=changed, given=motion)
+        again = fastest_timing(changed_question, motion, lambda _done, _total: None, refined=refined)
         return _of_timing(again)
 
     return ask_changes(found.cell, found.motion, steps, answer, progress)

@@ -23,9 +23,7 @@ from mrts.program.excess import Excess
 from mrts.program.infeasibility import Conflict
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus
-from mrts.program.rate_limits import RateLimits
 from mrts.program.sample_ranges import motion_ranges
-from mrts.program.smooth_program import Goal
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
@@ -82,27 +80,38 @@ class SmoothAnswer:
     """What a smooth timing is beside its profile.
 
     Attributes:
-        rates: The limits of rates that it keeps.
-        goal: What is least.
-        duration: Of the timing; None if there is none [s].
-        bound: Duration of the fastest timing without limits of rates, below which none is, as exact as the samples of
-            both; None if nothing bounds it [s].
+        longest: The duration within which its effort is least; None where the duration is least [s].
         steps: Convex programs solved, for all pieces and in all rounds of refinement.
         gain: Share by which the last of them lowered the cost; None where no solver took a last one.
         room: Share of the duration of the local optimum that it takes longer, to keep most of every limit in reserve.
         fastest: The path with its fastest timing without limits of rates; empty if nothing bounds it.
     """
 
-    rates: RateLimits
-    goal: Goal
-    duration: float | None
-    bound: float | None
+    longest: float | None
     steps: int
     gain: float | None
     room: float = 0.0
     fastest: tuple[FastestPiece, ...] = ()
 
-    def __str__(self) -> str:
+    @property
+    def bound(self) -> float | None:
+        """Duration of the fastest timing without limits of rates, below which none is, as exact as the samples of both.
+
+        None if nothing bounds it [s].
+        """
+        return float(new_times(self.fastest)[-1]) if self.fastest else None
+
+    @property
+    def what(self) -> str:
+        """What the timing is, for people."""
+        return "smooth timing" + ("" if self.longest is None else f" of least energy within {self.longest:g} s")
+
+    def text(self, duration: float) -> str:
+        """How the timing was found, and how long it takes at least.
+
+        Args:
+            duration: What it takes [s].
+        """
         count = "1 step" if self.steps == 1 else f"{self.steps} steps"
         verb = f"takes {100 * self.room:.2g} % longer than" if self.room else "is"
         text = f"It {verb} a local optimum, found in {count}, of which the last gained {100 * (self.gain or 0.0):.2g} %"
@@ -112,66 +121,19 @@ class SmoothAnswer:
             text = f"It was found in {count}, the last of which gained {100 * self.gain:.2g} %: a better one is near"
         if self.bound is None:
             return text
-        if self.duration is not None and self.duration <= self.bound:
+        if duration <= self.bound:
             return f"{text}; to within its samples that is as long as the fastest without limits of rates takes"
         return f"{text}; no timing takes less than {self.bound:.4g} s, the fastest without limits of rates"
-
-    @property
-    def what(self) -> str:
-        """What the timing is, for people."""
-        if self.goal.effort == 0:
-            return "smooth timing"
-        return f"smooth timing of least energy within {self.goal.longest:g} s"
 
     def to_json(self) -> dict[str, Any]:
         """The answer as JSON values."""
         return {
-            "longest": self.goal.longest,
+            "longest": self.longest,
             "bound": self.bound,
             "steps": self.steps,
             "last_gain": self.gain,
             "room": self.room,
         }
-
-
-@dataclass(frozen=True)
-class ConstantFactor:
-    """The best constant factor of a motion, found when it is first read.
-
-    Attributes:
-        cell: The cell, with the reserve that it keeps.
-        motion: Of the whole cell, as given.
-        options: What is asked, checked.
-    """
-
-    cell: Cell
-    motion: CoordinatedMotion
-    options: Options
-
-    @cached_property
-    def factor(self) -> ScalingResult:
-        """The range and the chosen c², without torques; without a c² where none moves the object.
-
-        Raises:
-            MotionError: If the arms cannot hold the object between the samples.
-            SolverError: If no solver answers.
-        """
-        try:
-            return chosen_factor(self.cell, self.motion, self.options)[0]
-        except SelectionError as error:
-            if error.result is None:
-                raise
-            return error.result
-
-    @cached_property
-    def whole(self) -> ScalingResult:
-        """`factor` with its torques.
-
-        Raises:
-            MotionError: As `factor`.
-            SolverError: If no solver answers, or the torques overstep a limit.
-        """
-        return with_torques(self.factor)
 
 
 @dataclass(frozen=True, repr=False)
@@ -180,10 +142,11 @@ class RetimingResult(Result):
 
     Attributes:
         cell: The cell.
-        motion: The given motion; its time is the path parameter r.
+        motion: The given motion with the samples that were added; its time is the path parameter r.
+        given: The motion as it was given.
+        options: What was asked.
         status: The outcome.
         explanation: Why there is no profile; empty if there is one.
-        compared: The best constant factor, with what was asked.
         loads: Load vectors that the profile carries, each Shape (10,).
         pieces: The path from stop to stop with its fastest speed; empty if there is none.
         retimed: The motion at the fastest timing with its torques, as a result at c² = 1; None without a profile.
@@ -196,10 +159,11 @@ class RetimingResult(Result):
 
     cell: Cell
     motion: CoordinatedMotion
-    status: RetimingStatus
-    explanation: str
-    compared: ConstantFactor
-    loads: tuple[Array, ...]
+    given: CoordinatedMotion
+    options: Options
+    status: RetimingStatus = RetimingStatus.OPTIMAL
+    explanation: str = ""
+    loads: tuple[Array, ...] = ()
     pieces: tuple[TimedPiece, ...] = ()
     retimed: ScalingResult | None = None
     conflict: Conflict | None = None
@@ -223,30 +187,30 @@ class RetimingResult(Result):
             shares = [(name, f"{100 * share:.3g} %") for name, share in self.limits]
             yield NotebookTable(("what limits the speed", "of the duration"), shares)
 
-    @property
-    def options(self) -> Options:  # type: ignore[override]  # nobody writes to either
-        """What was asked."""
-        return self.compared.options
-
-    @property
+    @cached_property
     def factor(self) -> ScalingResult:
-        """The best constant factor without its torques, for comparison; found when it is first asked for.
+        """The best constant factor without its torques, for comparison; without a c² where none moves the object.
 
         Raises:
             MotionError: If the arms cannot hold the object where that range is looked at between the samples.
             SolverError: If no solver answers.
         """
-        return self.compared.factor
+        try:
+            return chosen_factor(self.cell, self.given, self.options)[0]
+        except SelectionError as error:
+            if error.result is None:
+                raise
+            return error.result
 
-    @property
+    @cached_property
     def constant(self) -> ScalingResult:
-        """The best constant factor with its torques, found and distributed when it is first asked for.
+        """`factor` with its torques.
 
         Raises:
             MotionError: As `factor`.
             SolverError: If no solver answers, or the torques overstep a limit.
         """
-        return self.compared.whole
+        return with_torques(self.factor)
 
     @property
     def duration(self) -> float | None:
@@ -359,7 +323,7 @@ class RetimingResult(Result):
     @property
     def untimed(self) -> bool:
         """Whether a path without times was given, whose own time says nothing."""
-        return self.factor.motion.untimed
+        return self.given.untimed
 
     def sentence(self) -> str:
         """The outcome alone."""
@@ -378,10 +342,11 @@ class RetimingResult(Result):
                 text += ", whose torques jump at its ends"
         if self.stops.size:
             text += f". It stops at t = {', '.join(f'{time:.4g}' for time in self.stops)} s of the given motion"
-        if self.smooth is not None:
-            text += f". {self.smooth}"
-        if self.excess is not None and self.excess.passes:
-            text += f". But {self.excess}" if self.stops.size or self.smooth is not None else f"; but {self.excess}"
+        if self.smooth is not None and self.duration is not None:
+            text += f". {self.smooth.text(self.duration)}"
+        excess = self.excess if self.retimed is None else self.retimed.excess  # the latter in the time of the timing
+        if excess is not None and excess.passes:
+            text += f". But {excess}" if self.stops.size or self.smooth is not None else f"; but {excess}"
         return f"{text}."
 
     def to_json(self) -> dict[str, Any]:
@@ -395,7 +360,7 @@ class RetimingResult(Result):
             "constant": self.factor.range.to_json(),
             "conflict": None if self.conflict is None else [row.to_json() for row in self.conflict.rows],
             "smooth": self.smooth and self.smooth.to_json() | {"effort": self.effort},
-            "kept_rates": self.smooth and self.smooth.rates.to_json(),
+            "kept_rates": self.smooth and self.options.rates and self.options.rates.to_json(),
         }
         done = None if self.retimed is None else self.retimed.trajectory
         if self.retimed is None or done is None or self.excess is None:

@@ -33,8 +33,8 @@ from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
 from mrts.timing.fastest_timing import fastest_timing
 from mrts.timing.path_pieces import NoPath, smooth_nodes
-from mrts.timing.result import ConstantFactor, RetimingResult, RetimingStatus, SmoothAnswer
-from mrts.timing.retimed_motion import fastest_pieces, retimed_motion, smooth_pieces
+from mrts.timing.result import RetimingResult, RetimingStatus, SmoothAnswer
+from mrts.timing.retimed_motion import fastest_pieces, new_times, retimed_motion, smooth_pieces
 from mrts.timing.smooth_timing import SmoothQuestion, smooth_timing
 
 ROOM = 0.01
@@ -110,18 +110,18 @@ def retime(
     _check_timing(options, start_speed, end_speed)
     if options.distribute == "reserve" and goal.effort == 0:
         goal = replace(goal, room=ROOM)
-    given, end_speeds = coordinate(cell, motion, closure), (start_speed, end_speed)
-    compared = ConstantFactor(cell, given, options)
+    given = coordinate(cell, motion, closure)
+    asked = RetimingResult(cell, given, given, options, end_speeds=(start_speed, end_speed))
     if options.between is not None:
         check_held_between(cell, given)
 
     def again(path: CoordinatedMotion, before: RetimingResult) -> RetimingResult:
-        return fastest_timing(compared, path, end_speeds, progress, refined=True, before=before)
+        return fastest_timing(asked, path, progress, refined=True, before=before)
 
-    first = fastest_timing(compared, given, end_speeds, progress)
+    first = fastest_timing(asked, given, progress)
     fastest = refined_timing(first, again, options.between)
     if kept is not None and (fastest.pieces or fastest.status is RetimingStatus.UNBOUNDED):
-        unrated = replace(compared, options=replace(options, rates=None)).factor
+        unrated = replace(asked, options=replace(options, rates=None)).factor
         return _smooth(SmoothQuestion(fastest, unrated, goal, KernelSolver()), progress)
     if first.duration is None or fastest.duration is None:
         return fastest
@@ -149,10 +149,7 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     gains = [part.steps.gain for part in pieces]
     least = sum(float(np.sum(part.program.times(part.steps.best.x))) for part in pieces)
     answer = SmoothAnswer(
-        rates=question.rates,
-        goal=question.goal,
-        duration=found.duration,
-        bound=bare.duration,
+        longest=question.goal.longest,
         steps=question.solver.steps,
         gain=None if None in gains else max((gain for gain in gains if gain is not None), default=0.0),
         room=found.duration / least - 1 if found.duration is not None and question.goal.room else 0.0,
@@ -165,7 +162,9 @@ def _smooth(question: SmoothQuestion, progress: Progress) -> RetimingResult:
     torque = np.concatenate([first.torque, *(part.torque[1:] for part in rest)])
     wrench = np.concatenate([first.wrench, *(part.wrench[1:] for part in rest)])
     remarks = lasting(constant.warnings) + _stopped(answer, found)
-    return _played(found, answer.what, remarks, torques=(torque, wrench), also=f". {answer}")
+    return _played(
+        found, answer.what, remarks, torques=(torque, wrench), also=f". {answer.text(new_times(pieces)[-1])}"
+    )
 
 
 def _played(

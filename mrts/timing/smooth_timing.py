@@ -153,7 +153,8 @@ def smooth_timing(
         SolverError: If no solver answers.
     """
     bare = question.bare
-    untimed = RetimingResult(bare.cell, motion, RetimingStatus.LOCALLY_OPTIMAL, "", bare.compared, bare.loads)
+    status = RetimingStatus.LOCALLY_OPTIMAL
+    untimed = RetimingResult(bare.cell, motion, bare.given, bare.options, status, loads=bare.loads)
     timed = _timed(question, _parts(question, motion, smooth_pieces(before)), progress)
     if isinstance(timed, NoProfile):
         status, why = _why(question, timed)

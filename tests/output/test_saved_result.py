@@ -214,7 +214,7 @@ def test_torques_for_another_load_keep_the_rates_or_are_refused(planar_cell, lif
     assert len(found.loads) == 2
     for mass in (0.2, 1.7, 3.0):
         carried = mrts.torques_for_load(found.retimed, cell.load_box.load_at({"mass": mass}))
-        check_rates(carried, found.smooth.rates)
+        check_rates(carried, found.options.rates)
         assert carried.cell.mass == pytest.approx(mass * cell.mass)
         residuals = carried.residuals()
         assert max(residuals.arms, residuals.object) < EXACT
@@ -225,4 +225,4 @@ def test_torques_for_another_load_keep_the_rates_or_are_refused(planar_cell, lif
     alone = cell.load_box.load_at({"mass": 1.7})
     bare = mrts.torques_for_load(mrts.retime(planar_cell.with_load(alone), lift).retimed, alone)
     with pytest.raises(AssertionError):
-        check_rates(bare, found.smooth.rates)  # a bang-bang timing does not keep them
+        check_rates(bare, found.options.rates)  # a bang-bang timing does not keep them

@@ -134,7 +134,7 @@ def test_a_least_speed_may_change_torques_too_fast(pushed):
     assert result.status.value == "empty"
     assert result.trajectory is None
     assert "a rate is too small: c² must be at least 1.33333 at t = 0 s by" in result.sentence()
-    assert f"but at most {(2 * 5 / MOVED) ** (2 / 3):.6g} at t = " in result.sentence()
+    assert (2 * 5 / MOVED) ** (2 / 3) <= result.range.upper.c2 < 4 / 3
     assert "torque rate (upper, 5 N/s)" in result.sentence()
     slower = mrts.scale(pressed(cell, 1.0), speeding(), rates=True)
     assert slower.trajectory.c**3 == pytest.approx(2 * 5 / MOVED, rel=3 * ROUNDED)

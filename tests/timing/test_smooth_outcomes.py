@@ -50,7 +50,7 @@ def smooth(planar_cell, lift):
 def test_a_plan_keeps_all_limits_and_starts_and_ends_holding_still(planar_cell, smooth):
     done = smooth.retimed.trajectory
     limit = RATES * np.concatenate([robot.torque_upper for robot in planar_cell.robots])
-    np.testing.assert_allclose(smooth.smooth.rates.torque, limit)
+    np.testing.assert_allclose(smooth.options.rates.torque, limit)
     share = np.max(np.abs(rates_of(smooth)) / limit)
     assert 1 - 1e-3 < share <= 1 + KEPT  # the rate binds: less of it would be slower
     for robot in planar_cell.robots:
@@ -214,7 +214,7 @@ def test_with_rates_a_hundredth_of_the_duration_leaves_most_of_the_limits(dual_u
     assert mean_square(kept) < 0.25 * mean_square(least)
     assert np.max(largest_shares(kept)) < 0.8
     assert np.max(largest_shares(least)) > 1 - KEPT
-    assert np.max(np.abs(rates_of(kept)) / kept.smooth.rates.torque) <= 1 + KEPT
+    assert np.max(np.abs(rates_of(kept)) / kept.options.rates.torque) <= 1 + KEPT
     assert not kept.excess.passes
     assert {name for name, _ in least.limits[:5]} == {
         name for name, _ in kept.limits[:5]
