@@ -83,62 +83,38 @@ class ChangedAnswer:
     before: SpeedAnswer
 
     def __str__(self) -> str:
-        after, before = self.after, self.before
-        if after.duration is None:
-            return f"{self.change}: {after.status}: {after.reason}"
-        if before.duration is None:
-            return f"{self.change}: {after.status}, {self.amount}{self._then()}"
-        seconds = f"{_seconds(after.duration)} instead of {_seconds(before.duration)}"
-        return f"{self.change}: {self.amount}, {seconds}{self._then()}"
+        if self.after.duration is None:
+            return f"{self.change}: {self.effect}: {self.after.reason}"
+        then = first_names(self.after.limits, MOST_NAMED)
+        times = f"{_seconds(self.after.duration)} instead of {_seconds(self.before.duration)}"
+        return f"{self.change}: {self.effect}, {times}" + (f", then limited by {then}" if then else "")
 
     @property
-    def faster(self) -> float | None:
-        """The duration before by that after; None where one of them is not."""
-        if self.after.duration is None or self.before.duration is None:
-            return None
-        if self.after.duration == self.before.duration:
+    def faster(self) -> float:
+        """The duration before by that after: infinity where there was none, 0 where there is none."""
+        before, after = (inf if one.duration is None else one.duration for one in (self.before, self.after))
+        if before == after:
             return 1.0
-        return self.before.duration / self.after.duration if self.after.duration > 0 else inf
-
-    @property
-    def c2_change(self) -> float | None:
-        """By what share c²⁺ changes; None where that is no number."""
-        after, before = self.after.c2, self.before.c2
-        if after is None or not before or not np.isfinite([after, before]).all():
-            return None
-        return after / before - 1
+        return before / after if after > 0 else inf
 
     @property
     def matters(self) -> bool:
         """Whether the change does anything to the speed, or to whether there is one."""
-        faster = self.faster
-        if faster is None:
-            return (self.after.duration is None) != (self.before.duration is None)
-        return not abs(faster - 1) <= NO_CHANGE
+        return not abs(self.faster - 1) <= NO_CHANGE
 
     @property
-    def amount(self) -> str:
-        """By how much it is faster or slower: `c² +10.1 %`, `time -4.3 %`; what is instead of none."""
-        change = self.c2_change
-        if change is not None:
-            return f"c² {100 * change:+.3g} %"
-        if self.after.c2 is not None:
-            return _seconds(0.0) if np.isinf(self.after.c2) else f"c² {self.after.c2:.4g}"
-        faster = self.faster
-        if faster is None or not 0 < faster < inf:
-            return _seconds(self.after.duration)
-        return f"time {100 / faster - 100:+.3g} %"
-
-    def _then(self) -> str:
-        limits = first_names(self.after.limits, MOST_NAMED)
-        return f", then {limits} {'binds' if len(self.after.limits) == 1 else 'bind'}" if limits else ""
+    def effect(self) -> str:
+        """By how much it is faster or slower, such as `time -4.3 %`; the outcome where that is no number."""
+        if self.after.duration is None or not 0 < self.faster < inf:
+            return self.after.status
+        return f"time {100 / self.faster - 100:+.3g} %"
 
     def to_json(self) -> dict[str, Any]:
         """The entry of a change in the JSON result."""
         change = self.change
         named = {"kind": change.kind, "robot": change.robot, "element": change.element}
         said = {"change": str(change), **named, "step": change.step, "unit": change.unit}
-        return said | self.after.to_json() | {"c2_change": self.c2_change, "matters": self.matters}
+        return said | self.after.to_json() | {"matters": self.matters}
 
 
 @dataclass(frozen=True, repr=False)
@@ -163,20 +139,6 @@ class WhatIf(InNotebooks):
     def __str__(self) -> str:
         return "\n".join(self.lines())
 
-    def notebook_words(self) -> list[str]:
-        """The question, the answer before, what does nothing."""
-        return [next(self.lines()), *filter(None, [self.nothing_else(), self.left_out])]
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """What gains most, what loses most, what cannot be played."""
-        rows = [
-            (str(one.change), one.amount if one.after.duration is not None else one.after.status,
-             ", ".join(one.after.limits) or one.after.reason)
-            for group in self.sorted()
-            for one in group[:MOST_LOSSES]
-        ]  # fmt: skip
-        yield NotebookTable(("change", "effect", "then limited by"), rows)
-
     @property
     def without_effect(self) -> tuple[str, ...]:
         """What may be changed up and down and the speed stays as it is."""
@@ -184,48 +146,52 @@ class WhatIf(InNotebooks):
         return tuple(dict.fromkeys(one.change.what for one in self.changes if one.change.what not in matter))
 
     def lines(self) -> Iterator[str]:
-        """The table as text: what gains most, what loses most, what cannot be played, what does nothing."""
+        """The question and the answer before, a table of the changes that matter, and what does nothing."""
+        question, *others = self.notebook_words()
+        yield question
+        for table in self.notebook_tables():
+            widths = [max(map(len, column)) for column in zip(table.head, *table.rows, strict=True)]
+            for row in (table.head, *table.rows):
+                yield "  " + "  ".join(f"{text:<{width}}" for text, width in zip(row, widths, strict=True)).rstrip()
+        yield from others
+
+    def notebook_words(self) -> list[str]:
+        """The question and the answer before, and what does nothing."""
         steps, before = self.steps, self.before
         poses = f", {1000 * steps.shift:.4g} mm and {degrees(steps.turn):.4g}° of bases and grasps"
         moved = any(one.change.moves_arms for one in self.changes)
         now = before.status if before.duration is None else _seconds(before.duration)
         now += f" at c² = {before.c2:.4g}" if before.c2 is not None and before.duration else ""
-        yield f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; now {now}"
-        most_shown, words = (MOST_GAINS, MOST_LOSSES, MOST_LOSSES), ("gain less", "lose less", "cannot be played")
-        groups = list(zip(self.sorted(), most_shown, words, strict=True))
-        shown = [one for group, most, _ in groups for one in group[:most]]
-        names = max((len(str(one.change)) for one in shown), default=0)
-        amounts = max((len(one.amount) for one in shown if one.after.duration is not None), default=0)
-        for group, most, others in groups:
-            for one in group[:most]:
-                after, limits = one.after, first_names(one.after.limits, MOST_NAMED)
-                then = f"  then {limits}" if limits else ""
-                played = f"{one.amount:>{amounts}}  {_seconds(after.duration):>9}{then}"
-                told = played if after.duration is not None else f"{after.status}: {after.reason}"
-                yield f"  {one.change!s:<{names}}  {told}"
-            if len(group) > most:
-                yield f"  … and {len(group) - most} more that {others} (--json has all)"
-        yield from filter(None, [self.nothing_else(), self.left_out])
+        question = f"what if: ±{100 * steps.share:.4g} % of limits and mass{poses if moved else ''}; now {now}"
+        return [question, *filter(None, [self._others(), self.left_out])]
 
-    def sorted(self) -> tuple[list[ChangedAnswer], list[ChangedAnswer], list[ChangedAnswer]]:
-        """Those that matter: what gains, what loses, what cannot be played, each the largest effect first."""
+    def notebook_tables(self) -> Iterator[NotebookTable]:
+        """What gains most, what loses most, what cannot be played, each the largest effect first."""
         matter = [one for one in self.changes if one.matters]
-        played = [one for one in matter if one.after.duration is not None]
-        more = [one for one in played if one.faster is None or one.faster > 1]
-        less = [one for one in reversed(played) if one.faster is not None and one.faster < 1]
-        return more, less, [one for one in matter if one.after.duration is None]
+        gains, lost = [one for one in matter if one.faster > 1], [one for one in matter if one.after.duration is None]
+        losses = [one for one in reversed(matter) if one.faster < 1 and one.after.duration is not None]
+        rows = [
+            (str(one.change), one.effect, _seconds(one.after.duration),
+             first_names(one.after.limits, MOST_NAMED) or one.after.reason)
+            for group, most in ((gains, MOST_GAINS), (losses, MOST_LOSSES), (lost, MOST_LOSSES))
+            for one in group[:most]
+        ]  # fmt: skip
+        yield NotebookTable(("change", "effect", "duration", "then limited by"), rows)
 
-    def nothing_else(self) -> str:
-        """One sentence on what does nothing, counted by kind; empty if everything does something."""
+    def _others(self) -> str:
+        """How many changes matter less than those of the table, and what does nothing, counted by kind."""
+        matter = sum(one.matters for one in self.changes)
+        left = matter - sum(len(table.rows) for table in self.notebook_tables())
         kinds = {one.change.what: one.change.kind for one in self.changes}
         counts = Counter(SPOKEN_CHANGES[kinds[what]] for what in self.without_effect)
-        if not counts:
-            return ""
         parts = [one if count == 1 else f"{count} {many}" for (one, many), count in counts.items()]
-        listed = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
-        stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
-        nothing = "nothing else matters" if any(one.matters for one in self.changes) else "nothing matters"
-        return f"{nothing}: {listed} may be changed as much, one at a time, and {stays}"
+        told = [f"{left} more changes matter less (--json has all)"] if left else []
+        if parts:
+            stays = "the speed stays" if self.before.duration is not None else "it still cannot be played"
+            listed = ", ".join(parts)
+            nothing = f"nothing {'else ' if matter else ''}matters"
+            told.append(f"{nothing}: {listed} may be changed as much, one at a time, and {stays}")
+        return "; ".join(told)
 
     def to_json(self) -> dict[str, Any]:
         """The entry "what_if" of the JSON result."""
