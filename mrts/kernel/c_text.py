@@ -10,7 +10,7 @@ from posixpath import dirname, join, normpath
 from mrts.base.manifest import LOAD_ENTRIES, Manifest
 
 PROGRAM_FILES = (
-    *("linear_programs.c", "quadratic_programs.c", "basis/kept_basis.c", "speed_intervals.c", "batch.c"),
+    *("linear_programs.c", "quadratic_programs.c", "speed_intervals.c", "batch.c"),
     *(f"reachability/{name}.c" for name in ("projection", "lane_corners", "regions")),
 )
 """The programs, which need no cell."""
@@ -22,8 +22,7 @@ TRACKING_FILES = (
 """Inverse kinematics, which needs a cell's sizes and the functions of its motion."""
 
 CELL_FILES = (
-    *(*PROGRAM_FILES, "lanes/lanes.c", "lanes/lane_torques.c", "rows.c"),
-    *("least_torques.c", "trajectory.c"),
+    *(*PROGRAM_FILES, "lanes/lanes.c", "lanes/kept_torques.c", "trajectory.c"),
     *(*TRACKING_FILES, "tracking/closure.c"),
     *(f"dense/{name}.c" for name in ("path_places", "widening")),
     *(f"variants/{name}.c" for name in ("end_rows", "ranges")),

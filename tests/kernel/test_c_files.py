@@ -33,7 +33,7 @@ PLANAR = {
     "MRTS_KINEMATICS_LANES": "kinematics_lanes",
     "MRTS_BIAS_ACCELERATION_LANES": "bias_acceleration_lanes",
 }
-EXPORTED = ("basis/kept_basis.c", "least_torques.c", "linear_programs.c", "quadratic_programs.c", "rows.c")
+EXPORTED = ("linear_programs.c", "quadratic_programs.c", "rows.h", "speed_intervals.c")
 FILES = sorted(str(path.relative_to(C)) for path in C.rglob("*.c") if path.parent.name != "exported")
 """All but those of an exported library, which want a cell's numbers: tests/codegen/test_embedded.py compiles them."""
 

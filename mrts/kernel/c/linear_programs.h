@@ -40,6 +40,12 @@ MRTS_LOCAL int mrts_lp(int k, int rows, const mrts_real *A, const mrts_real *low
                        const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering, mrts_real *work,
                        int *iwork);
 
+/* As mrts_lp, and of its answers; where the rows of `basis` still determine the minimiser they are only solved for, and
+ * stay what they are, in the order of their pivots. Where a basis leads to no answer, the program starts cold. */
+MRTS_LOCAL int mrts_lp_again(int k, int rows, const mrts_real *A, const mrts_real *lower, const mrts_real *upper,
+                             const mrts_real *g, int *basis, mrts_real *x, mrts_real *y, int *entering,
+                             mrts_real *work, int *iwork);
+
 /* Value of a row, or of the unknown row - rows, at x. */
 MRTS_LOCAL mrts_real mrts_lp_value(int rows, const mrts_real *A, int k, int row, const mrts_real *x);
 

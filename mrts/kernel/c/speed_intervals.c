@@ -6,7 +6,6 @@
  * edge from above, until one is found that lies above the parabola. So both ends are on chords of feasible points.
  */
 #include "speed_intervals.h"
-#include "basis/kept_basis.h"
 
 /* How far a point may be off the parabola, relative to it. */
 #ifdef MRTS_SINGLE

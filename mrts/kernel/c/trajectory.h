@@ -5,14 +5,10 @@
 #ifndef MRTS_TRAJECTORY_H
 #define MRTS_TRAJECTORY_H
 
-#include "cell_sizes.h"
-#include "rows.h"
+#include "lanes/lanes.h"
 
 /* Rounding of an answer at the bound of c^2, as a share. */
 #define MRTS_AT_UNBOUNDED 1e-9
-
-/* Places of inputs of a moving sample: q, dq, ddq, rotation, twist, acceleration, load, and what a function takes besides. */
-enum { MRTS_DQ = 1, MRTS_DDQ, MRTS_ROTATION, MRTS_TWIST, MRTS_ACCELERATION };
 
 /* The terms of a sample, of those of all samples one after the other. */
 static inline mrts_terms mrts_terms_of_sample(const mrts_terms *all, long long sample, int rows) {
@@ -37,7 +33,7 @@ MRTS_EXPORT int mrts_ranges(long long count, const double *const *in, const long
 
 /* A row of a basis, 1 + row or -1 - row, as a row of the limits; the unknowns come after those. */
 static inline short mrts_row_of_limits(const mrts_limits *limits, const mrts_rows *rows, int code) {
-    const int row = (code < 0 ? -code : code) - 1;
+    const int row = mrts_abs(code) - 1;
     const int place = row < rows->count ? rows->which[row] : limits->rows + row - rows->count;
     return (short)(code < 0 ? -place - 1 : place + 1);
 }

@@ -9,11 +9,9 @@
 #define MRTS_REAL planar_dual_arm_real
 #define MRTS_LOCAL static
 #include "kernel/numbers.h"
-#include "kernel/rows.c"
+#include "kernel/rows.h"
 #include "kernel/linear_programs.c"
-#include "kernel/basis/kept_basis.c"
 #include "kernel/quadratic_programs.c"
-#include "kernel/least_torques.c"
 #include "planar_dual_arm_tables.h"
 
 enum {
@@ -152,6 +150,23 @@ static mrts_real most_asked(const planar_dual_arm_settings *settings) {
     return MRTS_INFINITY;
 }
 
+/* The largest c^2 that velocity limits allow, of each joint, then of the object's linear and angular speed; MRTS_INFINITY where
+ * nothing that is limited moves. *binding is the limit that sets it, -1 where none does. */
+static mrts_real speed_cap(const planar_dual_arm_sample *sample, const mrts_real *limit, int *binding) {
+    mrts_real fastest = 0;
+    *binding = -1;
+    for (int i = 0; i < JOINTS + 2; ++i) {
+        if (!(limit[i] < MRTS_INFINITY)) continue;
+        const mrts_real *part = sample->twist + (i == JOINTS ? 0 : 3);
+        const mrts_real speed = i < JOINTS ? MRTS_ABS(sample->dq[i]) : MRTS_SQRT(mrts_dot(3, part, part));
+        if (speed > fastest * limit[i]) {
+            fastest = speed / limit[i];
+            *binding = i;
+        }
+    }
+    return fastest * fastest > 0 ? 1 / (fastest * fastest) : MRTS_INFINITY;
+}
+
 /* Largest c^2 that limits of the motion alone allow, or that is `asked` for, MRTS_INFINITY if none bounds it, -1 if a limit is
  * not > 0; `named` is the one that sets it, as in planar_dual_arm_range, 0 if none does. */
 static mrts_real motion_cap(const planar_dual_arm_sample *sample, const planar_dual_arm_settings *settings, mrts_real asked, int *named) {
@@ -160,7 +175,7 @@ static mrts_real motion_cap(const planar_dual_arm_sample *sample, const planar_d
     for (int i = 0; i < VELOCITIES; ++i) {
         if (!(settings->velocity[i] > 0)) return -1;
     }
-    mrts_real most = mrts_speed_cap(JOINTS, sample->dq, sample->twist, settings->velocity, &binding);
+    mrts_real most = speed_cap(sample, settings->velocity, &binding);
     if (!(asked > 0)) return -1;
     if (asked <= most) return asked;
     if (!(most < UNLIKELY)) return asked < MRTS_INFINITY ? asked : MRTS_INFINITY;
@@ -289,7 +304,6 @@ static planar_dual_arm_status range_with_load(const planar_dual_arm_sample *samp
         return range->status = PLANAR_DUAL_ARM_BAD_ARGUMENT;
     }
     mrts_scale_columns(K, &rows, column);
-    mrts_free_unknowns(K, &rows);
     mrts_bound_speed(K, most, column, &rows);
     const int velocity = most / column[F] < MRTS_UNBOUNDED ? fastest : 0;
     const int at_rest = 1 <= NO_EFFECT * column[F] || rows.size[F] == 0;
@@ -443,9 +457,9 @@ planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sam
                          mrts_real torque[PLANAR_DUAL_ARM_JOINTS], mrts_real wrench[PLANAR_DUAL_ARM_WRENCHES],
                          planar_dual_arm_workspace *workspace) {
     const mrts_limits limits = limits_of(settings);
-    mrts_real memory[MRTS_LEAST_TORQUES_WORK(K, JOINTS)];
+    mrts_real H[K * K], g[K], x[K], u[K], column[K], weighted[JOINTS];
     mrts_rows rows;
-    int active[K], count = 0, fastest;
+    int active[K], count, fastest;
     for (int i = 0; i < JOINTS; ++i) torque[i] = 0;
     for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
     if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !is_sound(sample, settings->load)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
@@ -453,8 +467,12 @@ planar_dual_arm_status planar_dual_arm_torques(const planar_dual_arm_sample *sam
     mrts_form form = wrench_form(sample, settings->load, workspace);
     if (most < 0 || !build_rows(sample, settings, c2, K, &form, workspace, &rows)) return PLANAR_DUAL_ARM_BAD_ARGUMENT;
     const mrts_weights weights = {settings->weight, 1};
-    int status = mrts_least_torques(K, JOINTS, WRENCHES, &limits, &weights, c2, TORQUE_WIDENING, &form, &rows, active, &count,
-                                    torque, wrench, memory, workspace->work, workspace->integers);
+    mrts_torque_program(K, JOINTS, WRENCHES, &limits, &weights, c2, TORQUE_WIDENING, &form, &rows, H, g, column, weighted,
+                        torque, wrench);
+    for (int j = 0; j < F; ++j) x[j] = 0;
+    int status = mrts_qp(F, rows.count, H, rows.A, rows.lower, rows.upper, g, x, active, u, &count, workspace->work,
+                         workspace->integers);
+    mrts_add_free(K, JOINTS, WRENCHES, &form, column, x, torque, wrench);
     if (c2 > most * (1 + 2 * TORQUE_WIDENING)) status = MRTS_INFEASIBLE;
     if (!all_finite(JOINTS, torque) || !all_finite(WRENCHES, wrench)) return PLANAR_DUAL_ARM_UNDECIDED;
     return status == MRTS_OPTIMAL ? PLANAR_DUAL_ARM_OK : status == MRTS_INFEASIBLE ? PLANAR_DUAL_ARM_INFEASIBLE : PLANAR_DUAL_ARM_UNDECIDED;

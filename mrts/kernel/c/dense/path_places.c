@@ -63,23 +63,6 @@ static void mrts_joints_at(const mrts_joint_path *path, const long long *segment
     }
 }
 
-MRTS_LOCAL void mrts_less_cross(const mrts_lanes *w, const mrts_lanes *r, mrts_lanes *v) {
-    v[0] -= w[1] * r[2] - w[2] * r[1];
-    v[1] -= w[2] * r[0] - w[0] * r[2];
-    v[2] -= w[0] * r[1] - w[1] * r[0];
-}
-
-MRTS_LOCAL void mrts_tip_by_joints(int first, int end, const mrts_lanes *J, const mrts_lanes *dq, const mrts_lanes *ddq,
-                                             mrts_lanes *rate, mrts_lanes *change) {
-    for (int i = 0; i < MRTS_SIZE; ++i) rate[i] = mrts_each(0);
-    for (int j = first; j < end; ++j) {
-        for (int i = 0; i < MRTS_SIZE; ++i) {
-            rate[i] += J[j * MRTS_SIZE + i] * dq[j];
-            change[i] += J[j * MRTS_SIZE + i] * ddq[j];
-        }
-    }
-}
-
 /* The rate of a tip in base axes and cell components, linear and angular in the world. */
 static void mrts_rate_in_world(const mrts_arm *arm, const int *components, const mrts_lanes *rate, mrts_lanes *world) {
     const double *R = arm->base_rotation;

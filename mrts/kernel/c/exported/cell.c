@@ -18,7 +18,7 @@
 #endif
 #include "../numbers.h"
 #if CELL_HAS_ROWS
-#include "../rows.c"
+#include "../rows.h"
 #if CELL_POINTS || CELL_THINGS
 #include "../point_motion.h"
 #endif
@@ -28,14 +28,12 @@
 #endif
 #if CELL_HAS_FORM || CELL_HAS_SPEEDS
 #include "../linear_programs.c"
-#include "../basis/kept_basis.c"
 #endif
 #if CELL_HAS_SPEEDS
 #include "../speed_intervals.c"
 #endif
 #if CELL_HAS_TORQUES
 #include "../quadratic_programs.c"
-#include "../least_torques.c"
 #endif
 #include "cell_tables.h"
 
@@ -369,6 +367,23 @@ static cell_status keep_standing(const cell_sample *sample, const cell_settings 
 #endif
 #endif
 
+/* The largest c^2 that velocity limits allow, of each joint, then of the object's linear and angular speed; MRTS_INFINITY where
+ * nothing that is limited moves. *binding is the limit that sets it, -1 where none does. */
+static mrts_real speed_cap(const cell_sample *sample, const mrts_real *limit, int *binding) {
+    mrts_real fastest = 0;
+    *binding = -1;
+    for (int i = 0; i < JOINTS + 2; ++i) {
+        if (!(limit[i] < MRTS_INFINITY)) continue;
+        const mrts_real *part = sample->twist + (i == JOINTS ? 0 : 3);
+        const mrts_real speed = i < JOINTS ? MRTS_ABS(sample->dq[i]) : MRTS_SQRT(mrts_dot(3, part, part));
+        if (speed > fastest * limit[i]) {
+            fastest = speed / limit[i];
+            *binding = i;
+        }
+    }
+    return fastest * fastest > 0 ? 1 / (fastest * fastest) : MRTS_INFINITY;
+}
+
 /* Largest c^2 that limits of the motion alone allow, or that is `asked` for, MRTS_INFINITY if none bounds it, -1 if a limit is
  * not > 0; `named` is the one that sets it, as in cell_range, 0 if none does. */
 static mrts_real motion_cap(const cell_sample *sample, const cell_settings *settings, mrts_real asked, int *named) {
@@ -380,7 +395,7 @@ static mrts_real motion_cap(const cell_sample *sample, const cell_settings *sett
 #if CELL_MOTIONS
     if (!has_sound_motions(settings)) return -1;
 #endif
-    mrts_real most = mrts_speed_cap(JOINTS, sample->dq, sample->twist, settings->velocity, &binding);
+    mrts_real most = speed_cap(sample, settings->velocity, &binding);
 #if CELL_ENDS
     for (int end = 0; end < CELL_ENDS; ++end) {
         const mrts_real share = MRTS_ABS(sample->dq[end_joint[end]]) / settings->velocity[JOINTS + 2 + end];
@@ -611,7 +626,6 @@ static cell_status conflict_at_rest(mrts_rows *rows, cell_range *range, cell_wor
     int basis[K];
     for (int i = 0; i < rows->count; ++i) rows->A[i * K + F] = 0;
     mrts_scale_columns(K, rows, column);
-    mrts_free_unknowns(K, rows);
     mrts_bound_speed(K, 0, column, rows);
     basis[0] = 0;
     range->status = solve_end(rows, 0, 1, basis, column[F], workspace, &end, &range->upper_count, range->upper_rows);
@@ -634,7 +648,6 @@ static void name_end(const mrts_curve *curve, mrts_rows *rows, mrts_real most, i
         rows->upper[i] = curve->upper[i] < MRTS_INFINITY ? curve->upper[i] + row[F] * shift : MRTS_INFINITY;
     }
     mrts_scale_columns(K, rows, column);
-    mrts_free_unknowns(K, rows);
     mrts_bound_speed(K, most, column, rows);
     const int velocity = most / column[F] < MRTS_UNBOUNDED ? fastest : 0;
     if (solve_end(rows, velocity, sign, basis, column[F], workspace, &found, count, named) != CELL_OK) *count = 0;
@@ -693,7 +706,6 @@ static cell_status range_with_load(const cell_sample *sample, const cell_setting
     }
 #endif
     mrts_scale_columns(K, &rows, column);
-    mrts_free_unknowns(K, &rows);
     mrts_bound_speed(K, most, column, &rows);
     const int velocity = most / column[F] < MRTS_UNBOUNDED ? fastest : 0;
     const int at_rest = 1 <= NO_EFFECT * column[F] || rows.size[F] == 0;
@@ -924,9 +936,9 @@ cell_status cell_torques(const cell_sample *sample, const cell_settings *setting
                          mrts_real torque[CELL_JOINTS], mrts_real wrench[CELL_WRENCHES],
                          cell_workspace *workspace) {
     const mrts_limits limits = limits_of(settings);
-    mrts_real memory[MRTS_LEAST_TORQUES_WORK(K, JOINTS)];
+    mrts_real H[K * K], g[K], x[K], u[K], column[K], weighted[JOINTS];
     mrts_rows rows;
-    int active[K], count = 0, fastest;
+    int active[K], count, fastest;
     for (int i = 0; i < JOINTS; ++i) torque[i] = 0;
     for (int i = 0; i < WRENCHES; ++i) wrench[i] = 0;
     if (!(c2 >= 0 && c2 < MRTS_INFINITY) || !is_sound(sample, settings->load)) return CELL_BAD_ARGUMENT;
@@ -934,8 +946,12 @@ cell_status cell_torques(const cell_sample *sample, const cell_settings *setting
     mrts_form form = wrench_form(sample, settings->load, workspace);
     if (most < 0 || !build_rows(sample, settings, c2, K, &form, workspace, &rows)) return CELL_BAD_ARGUMENT;
     const mrts_weights weights = {settings->weight, 1};
-    int status = mrts_least_torques(K, JOINTS, WRENCHES, &limits, &weights, c2, TORQUE_WIDENING, &form, &rows, active, &count,
-                                    torque, wrench, memory, workspace->work, workspace->integers);
+    mrts_torque_program(K, JOINTS, WRENCHES, &limits, &weights, c2, TORQUE_WIDENING, &form, &rows, H, g, column, weighted,
+                        torque, wrench);
+    for (int j = 0; j < F; ++j) x[j] = 0;
+    int status = mrts_qp(F, rows.count, H, rows.A, rows.lower, rows.upper, g, x, active, u, &count, workspace->work,
+                         workspace->integers);
+    mrts_add_free(K, JOINTS, WRENCHES, &form, column, x, torque, wrench);
     if (c2 > most * (1 + 2 * TORQUE_WIDENING)) status = MRTS_INFEASIBLE;
 #if CELL_THINGS
     int ends[2];

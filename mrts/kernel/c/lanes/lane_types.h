@@ -47,10 +47,23 @@ static inline mrts_lanes mrts_choose(mrts_lane_mask mask, mrts_lanes a, mrts_lan
     return (mrts_lanes)((mask & (mrts_lane_mask)a) | (~mask & (mrts_lane_mask)b));
 }
 
+static inline int mrts_any(mrts_lane_mask mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
+
 static inline mrts_lanes mrts_larger_lanes(mrts_lanes a, mrts_lanes b) { return mrts_choose(mrts_above(a, b), a, b); }
 
 static inline mrts_lanes mrts_sizes(mrts_lanes a) {
     return (mrts_lanes)((mrts_lane_mask)a & ~(mrts_lane_mask)(-(mrts_lanes){0}));
 }
+
+/* One lane of some numbers. */
+static inline void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
+    const double *numbers = (const double *)(const void *)from + lane;
+    for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];
+}
+
+#define MRTS_IN_LANES
+#include "../number_type.inc"
+#include "../kept_basis.inc"
+#undef MRTS_IN_LANES
 
 #endif

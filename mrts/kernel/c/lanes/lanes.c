@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Rows and ends of the range of several samples.
+ * Inputs, forms and rows of several samples.
  *
  * Sines and cosines of lanes are off by no more than half a unit in the last place of 1: rotations need no more, where they
  * are all but 0 neither. The argument less a multiple of pi / 2, in two parts, and the polynomials of FreeBSD's msun
  * (k_sin, k_cos, Sun Microsystems, 1993). An angle of more than MRTS_MOST_ANGLE is left to the C library.
  */
 #include "lanes.h"
-#include "../basis/kept_basis.h"
-#include "../trajectory.h"
 
 #define MRTS_PER_QUARTER 6.36619772367581382433e-01  /* 2 / pi */
 #define MRTS_QUARTER 1.57079632673412561417e+00      /* the first 33 bits of pi / 2 */
@@ -49,12 +47,6 @@ MRTS_LOCAL void mrts_sines(int count, const mrts_lanes *angle, mrts_lanes *both)
     for (int i = 0; i < count; ++i) mrts_sine_cosine(angle[i], both + 2 * i);
 }
 
-MRTS_LOCAL void mrts_lane_form(const mrts_lanes *const *arg, mrts_lanes *const *res) {
-    mrts_lanes sines[2 * MRTS_JOINTS];
-    mrts_sines(MRTS_JOINTS, arg[0], sines);
-    MRTS_WRENCH_FORM_LANES(arg, sines, res);
-}
-
 MRTS_LOCAL void mrts_lane_cholesky(int k, const mrts_lanes *H, mrts_lanes *L) {
     for (int j = 0; j < k; ++j) {
         for (int i = j; i < k; ++i) {
@@ -87,101 +79,9 @@ MRTS_LOCAL void mrts_lane_backward(int k, const mrts_lanes *L, mrts_lanes *b) {
 }
 
 MRTS_LOCAL mrts_lanes mrts_term(const double *all, const long long *at, int size, int place) {
-    mrts_lanes value = mrts_each(0);
-    for (int lane = 0; all && lane < MRTS_LANES; ++lane) value[lane] = all[at[lane] * size + place];
+    mrts_lanes value;
+    for (int lane = 0; lane < MRTS_LANES; ++lane) value[lane] = all[at[lane] * size + place];
     return value;
-}
-
-/* What motors give besides. */
-MRTS_LOCAL void mrts_lane_motors(const mrts_terms *terms, const long long *at, mrts_lanes *torque_square,
-                                           mrts_lanes *torque_offset) {
-    for (int i = 0; terms->torque_square && i < MRTS_JOINTS; ++i) {
-        torque_square[i] += mrts_term(terms->torque_square, at, MRTS_JOINTS, i);
-    }
-    for (int i = 0; terms->torque_offset && i < MRTS_JOINTS; ++i) {
-        torque_offset[i] += mrts_term(terms->torque_offset, at, MRTS_JOINTS, i);
-    }
-}
-
-/* As mrts_build_rows, without wrenches in object axes. */
-MRTS_LOCAL void mrts_lane_build(const mrts_lanes *torque, const mrts_lanes *wrench, const mrts_limits *limits,
-                                          const mrts_terms *terms, const long long *at, mrts_lane_rows *rows) {
-    enum { K = MRTS_UNKNOWNS };
-    for (int j = 0; j < K; ++j) rows->size[j] = mrts_each(0);
-    for (int i = 0; i < rows->of->count; ++i) {
-        const int row = rows->of->which[i];
-        const double low = limits->lower[row], high = limits->upper[row], per_unit = 1 / rows->of->unit[i];
-        mrts_lanes offset = mrts_each(0), margin = offset, a[K];
-        for (int j = 0; j < K; ++j) a[j] = mrts_each(0);
-        for (int entry = limits->start[row]; entry < limits->start[row + 1]; ++entry) {
-            const int column = limits->column[entry], is_torque = column < MRTS_JOINTS;
-            const int size = is_torque ? MRTS_JOINTS : MRTS_WRENCHES;
-            const mrts_lanes *map = is_torque ? torque + column : wrench + column - MRTS_JOINTS;
-            const double value = limits->value[entry] * per_unit;
-            for (int j = 0; j < K; ++j) a[j] += value * map[j * size];
-            offset += value * map[K * size];
-        }
-        if (terms->square) a[K - 1] += mrts_term(terms->square, at, limits->rows, row) * per_unit;
-        if (terms->offset) offset += mrts_term(terms->offset, at, limits->rows, row) * per_unit;
-        if (terms->margin) margin = mrts_term(terms->margin, at, limits->rows, row) * per_unit;
-        for (int j = 0; j < K; ++j) {
-            rows->A[i * K + j] = a[j];
-            rows->size[j] = mrts_larger_lanes(rows->size[j], mrts_sizes(a[j]));
-        }
-        rows->lower[i] = low <= -MRTS_INFINITY ? mrts_each(-MRTS_INFINITY) : low * per_unit - offset + margin;
-        rows->upper[i] = high >= MRTS_INFINITY ? mrts_each(MRTS_INFINITY) : high * per_unit - offset - margin;
-    }
-}
-
-MRTS_LOCAL void mrts_lane_rows_of(const mrts_lanes *const *arg, const mrts_limits *limits,
-                                            const mrts_terms *terms, const long long *at, const double *most,
-                                            mrts_lane_rows *rows) {
-    enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
-    mrts_lanes torque[(K + 1) * M], wrench[(K + 1) * N], *res[] = {torque, torque + K * M, wrench, wrench + K * N};
-    const int count = rows->of->count, speed = count + K - 1;
-    mrts_lane_form(arg, res);
-    mrts_lane_motors(terms, at, torque + (K - 1) * M, torque + K * M);
-    mrts_lane_build(torque, wrench, limits, terms, at, rows);
-    for (int j = 0; j < K; ++j) {
-        const mrts_lane_mask has = rows->size[j] > MRTS_NO_EFFECT;
-        const mrts_lanes scale = mrts_choose(has, 1 / rows->size[j], mrts_each(0));
-        for (int i = 0; i < count; ++i) rows->A[i * K + j] *= scale;
-        rows->column[j] = mrts_choose(has, scale, mrts_each(1));
-        rows->lower[count + j] = mrts_each(-MRTS_INFINITY);
-        rows->upper[count + j] = mrts_each(MRTS_INFINITY);
-    }
-    rows->lower[speed] = mrts_each(0);
-    for (int lane = 0; lane < MRTS_LANES; ++lane) rows->upper[speed][lane] = most[at[lane]];
-    rows->upper[speed] /= rows->column[K - 1];
-    rows->upper[speed] = mrts_choose(rows->upper[speed] < MRTS_UNBOUNDED, rows->upper[speed], mrts_each(MRTS_UNBOUNDED));
-}
-
-#define MRTS_STATIC static inline
-#define MRTS_V mrts_lanes
-#define MRTS_V_OF(value) mrts_each(value)
-#define MRTS_MASK mrts_lane_mask
-#define MRTS_ALL MRTS_EVERY_LANE
-#define MRTS_CHOOSE(mask, a, b) mrts_choose(mask, a, b)
-#define MRTS_BOTH(a, b) ((a) & (b))
-#define MRTS_LARGER(a, b) mrts_larger_lanes(a, b)
-#define MRTS_SIZE_OF(a) mrts_sizes(a)
-#define MRTS_OF(name) name##_lanes
-#define MRTS_TAKE_PIVOT(k, c, row, side, B) (void)(side)
-#define MRTS_IS_NONE(value) 0
-#include "../basis/kept_basis.inc"
-
-MRTS_LOCAL void mrts_lane_end(const mrts_lane_rows *rows, double sign, const int *basis, mrts_lanes *x,
-                                        mrts_lanes *y, mrts_lane_mask *kept) {
-    enum { K = MRTS_UNKNOWNS };
-    mrts_lanes B[K * K], rest[K];
-    double g[K] = {0};
-    int row[K], side[K];
-    g[K - 1] = sign;
-    for (int j = 0; j < K; ++j) {
-        row[j] = mrts_abs(basis[j]) - 1;
-        side[j] = basis[j];
-    }
-    *kept = mrts_kept_basis_lanes(K, rows->of->count, rows->A, rows->lower, rows->upper, g, row, side, x, y, B, rest);
 }
 
 MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *stride, long long first, long long count,
@@ -200,7 +100,75 @@ MRTS_LOCAL void mrts_take_inputs(const double *const *in, const long long *strid
     }
 }
 
-MRTS_LOCAL void mrts_take_lane(int count, const mrts_lanes *from, int lane, double *to) {
-    const double *numbers = (const double *)(const void *)from + lane;
-    for (int i = 0; i < count; ++i) to[i] = numbers[i * MRTS_LANES];
+MRTS_LOCAL void mrts_samples_in(const mrts_limits *limits, const mrts_terms *terms, const mrts_rows *rows, double *memory,
+                                mrts_samples *samples) {
+    enum { K = MRTS_UNKNOWNS };
+    mrts_lanes *next = (mrts_lanes *)(void *)memory;
+    samples->limits = limits;
+    samples->terms = terms;
+    samples->form = mrts_form_in_lanes(K, MRTS_JOINTS, MRTS_WRENCHES, next);
+    samples->turned = next += MRTS_FORM_WORK(K, MRTS_JOINTS, MRTS_WRENCHES);
+    samples->its_terms = next += MRTS_TURNED_WORK(K, MRTS_WRENCHES);
+    samples->rows.count = rows->count;
+    samples->rows.which = rows->which;
+    samples->rows.unit = rows->unit;
+    samples->rows.A = next += 2 * MRTS_JOINTS + 3 * limits->rows;
+    samples->rows.lower = next += rows->count * K;
+    samples->rows.upper = next += rows->count + K;
+    samples->rows.size = next + rows->count + K;
+}
+
+/* Takes the terms of the samples. */
+static void mrts_take_terms(mrts_samples *samples) {
+    const mrts_terms *all = samples->terms;
+    const double *given[] = {all->torque_square, all->torque_offset, all->square, all->offset, all->margin};
+    mrts_terms_lanes *own = &samples->own;
+    const mrts_lanes **taken[] = {&own->torque_square, &own->torque_offset, &own->square, &own->offset, &own->margin};
+    mrts_lanes *next = samples->its_terms;
+    for (int i = 0; i < 5; ++i) {
+        const int size = i < 2 ? MRTS_JOINTS : samples->limits->rows;
+        *taken[i] = given[i] ? next : 0;
+        for (int place = 0; given[i] && place < size; ++place) *next++ = mrts_term(given[i], samples->inputs.at, size, place);
+    }
+}
+
+MRTS_LOCAL void mrts_take_samples(const double *const *in, const long long *stride, long long first, long long count,
+                                  int all, mrts_samples *samples) {
+    enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    mrts_form_lanes *form = &samples->form;
+    mrts_lanes *const res[] = {form->torque_map, form->torque_offset, form->wrench_map, form->wrench_offset};
+    mrts_lanes sines[2 * M];
+    mrts_take_inputs(in, stride, first, count, all, &samples->inputs);
+    mrts_take_terms(samples);
+    mrts_sines(M, samples->inputs.arg[0], sines);
+    MRTS_WRENCH_FORM_LANES(samples->inputs.arg, sines, res);
+    mrts_add_motors_lanes(K, M, &samples->own, form);
+    mrts_turn_wrenches_lanes(K, MRTS_ROBOTS, MRTS_SIZE, samples->limits, samples->inputs.arg[MRTS_ROTATION], 1, 3,
+                             samples->turned, form);
+    samples->finite = mrts_build_rows_lanes(K, M, N, form, samples->limits, &samples->own, &samples->rows);
+}
+
+MRTS_LOCAL void mrts_rows_of_lane(int k, const mrts_samples *samples, int lane, mrts_rows *rows) {
+    const mrts_rows_lanes *from = &samples->rows;
+    mrts_take_lane(from->count * k, from->A, lane, rows->A);
+    mrts_take_lane(from->count + k, from->lower, lane, rows->lower);
+    mrts_take_lane(from->count + k, from->upper, lane, rows->upper);
+    mrts_take_lane(k, from->size, lane, rows->size);
+}
+
+MRTS_LOCAL void mrts_less_cross(const mrts_lanes *w, const mrts_lanes *r, mrts_lanes *v) {
+    v[0] -= w[1] * r[2] - w[2] * r[1];
+    v[1] -= w[2] * r[0] - w[0] * r[2];
+    v[2] -= w[0] * r[1] - w[1] * r[0];
+}
+
+MRTS_LOCAL void mrts_tip_by_joints(int first, int end, const mrts_lanes *J, const mrts_lanes *dq, const mrts_lanes *ddq,
+                                             mrts_lanes *rate, mrts_lanes *change) {
+    for (int i = 0; i < MRTS_SIZE; ++i) rate[i] = mrts_each(0);
+    for (int j = first; j < end; ++j) {
+        for (int i = 0; i < MRTS_SIZE; ++i) {
+            rate[i] += J[j * MRTS_SIZE + i] * dq[j];
+            change[i] += J[j * MRTS_SIZE + i] * ddq[j];
+        }
+    }
 }

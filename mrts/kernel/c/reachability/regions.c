@@ -64,21 +64,7 @@ MRTS_EXPORT void mrts_half_planes(long long count, const int *number, const doub
 /* Reals and ints of work of the projections below. */
 MRTS_EXPORT void mrts_project_batch_work(int k, int rows, long long *reals, long long *ints) {
     *reals = MRTS_POLYTOPE_WORK(k, rows) + MRTS_PROJECT_WORK(k) + MRTS_LANE_POLYTOPES_WORK(k, rows);
-    *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows) + MRTS_LANE_POLYTOPES_IWORK(k, rows);
-}
-
-/* Which unknown each row alone bounds, and which rows bound several. */
-static void mrts_learn_alone(const mrts_polytope *of, mrts_lane_polytopes *in) {
-    in->several_count = 0;
-    for (int i = 0; i < of->rows; ++i) {
-        int count = 0;
-        in->alone[i] = -1;
-        for (int j = 0; j < of->k; ++j) {
-            if (of->A[i * of->k + j] != 0) in->alone[i] = count++ ? -1 : j;
-        }
-        if (in->alone[i] < 0) in->several[in->several_count++] = i;
-    }
-    for (int n = in->several_count; n % 4 != 0; ++n) in->several[n] = in->several[in->several_count - 1];
+    *ints = MRTS_OUTLINE_IWORK(k) + MRTS_PROJECT_IWORK(k, rows) + MRTS_LANE_POLYTOPES_IWORK(k);
 }
 
 /* The corners of one sample, in order. */
@@ -91,19 +77,10 @@ static void mrts_take_outline(const mrts_lane_polytopes *in, int lane, int count
 }
 
 /* The polytope of a sample. */
-static void mrts_take_polytope(const mrts_polytopes *of, long long n, const mrts_polytope *in) {
-    const int k = of->k, rows = of->rows;
-    const double *A = of->A + n * of->all * k, *lower = of->lower + n * of->all, *upper = of->upper + n * of->all;
-    for (int i = 0; i < rows; ++i) {
-        const int row = of->which[i];
-        for (int j = 0; j < k; ++j) in->A[i * k + j] = A[row * k + j] * of->scale[n * k + j];
-        in->lower[i] = mrts_finite(lower[row]);
-        in->upper[i] = mrts_finite(upper[row]);
-    }
-    for (int j = 0; j < 2; ++j) {
-        in->lower[rows + k - 2 + j] = mrts_finite(of->least[2 * n + j]);
-        in->upper[rows + k - 2 + j] = mrts_finite(of->most[2 * n + j]);
-    }
+static void mrts_take_polytope(const mrts_lane_polytopes *of, int lane, const mrts_polytope *in) {
+    mrts_take_lane(in->rows * in->k, of->A, lane, in->A);
+    mrts_take_lane(in->rows + in->k, of->lower, lane, in->lower);
+    mrts_take_lane(in->rows + in->k, of->upper, lane, in->upper);
 }
 
 /* `count` projections of { z : lower <= A z <= upper, least <= (u, x) <= most }, see mrts_polytopes. Each starts from the one
@@ -117,22 +94,16 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
     mrts_outline outline = {0, iwork};
     int *project_iwork = outline.basis + MRTS_OUTLINE_IWORK(k);
     const mrts_polytope in = {k, rows, work, work + rows * k, work + rows * k + rows + k};
-    for (int j = 0; j < k - 2; ++j) {
-        in.lower[rows + j] = -MRTS_INFINITY;
-        in.upper[rows + j] = MRTS_INFINITY;
-    }
     mrts_lane_polytopes lanes =
         mrts_lane_polytopes_in(&of, project_work + MRTS_PROJECT_WORK(k), project_iwork + MRTS_PROJECT_IWORK(k, rows));
-    mrts_lane_mask known = {0};
+    const mrts_lane_mask none = {0};
+    mrts_lane_mask known = none;
     for (long long n = 0; n < count; ++n) {
         double *found = corners + n * 2 * MRTS_CORNERS;
         const int lane = (int)(n % MRTS_LANES);
         if (lane == 0) {
-            known = (mrts_lane_mask){0};
-            if (outline.count > 2) {
-                mrts_take_polytopes(n, &lanes);
-                mrts_known_outline(&lanes, &outline, &known);
-            }
+            mrts_take_polytopes(n, &lanes);
+            known = outline.count > 2 ? mrts_known_outline(&lanes, &outline) : none;
         }
         if (known[lane]) {
             mrts_take_outline(&lanes, lane, outline.count, found);
@@ -140,20 +111,13 @@ MRTS_EXPORT void mrts_project_batch(long long count, int k, int all, int rows, c
             status[n] = MRTS_OPTIMAL;
             continue;
         }
-        mrts_take_polytope(&of, n, &in);
+        mrts_take_polytope(&lanes, lane, &in);
         for (int attempt = 0; attempt < 2; ++attempt) {
             const int cold = outline.count == 0;
             corner_count[n] = 0;
             status[n] = (unsigned char)mrts_project(&in, &outline, corner_count + n, found, project_work, project_iwork);
             if (status[n] == MRTS_OPTIMAL || status[n] == MRTS_INFEASIBLE || cold) break;
         }
-        known = (mrts_lane_mask){0};
-        if (outline.count > 2) { /* for the samples beside this one */
-            mrts_learn_alone(&in, &lanes);
-            if (lane + 1 < MRTS_LANES) {
-                mrts_take_polytopes(n - lane, &lanes);
-                mrts_known_outline(&lanes, &outline, &known);
-            }
-        }
+        known = lane + 1 < MRTS_LANES && outline.count > 2 ? mrts_known_outline(&lanes, &outline) : none; /* beside this one */
     }
 }

@@ -3,7 +3,6 @@
  * How far given joints are from holding an object that moves as given, over all samples of a motion.
  */
 #include "../lanes/lanes.h"
-#include "../trajectory.h"
 
 /* What is told of an arm, the largest of all samples: the distance of its tip from its grasp, squared [m^2], the squares of
  * the differences of their rotation matrices, summed, and the largest component of velocities and of accelerations, of what

@@ -48,10 +48,10 @@ static double mrts_keep_away(const mrts_rows *rows, int count, const int *sides,
     return x[F];
 }
 
-MRTS_LOCAL int mrts_name_rows(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end, double c2,
-                          const double *x, const int *basis, const double *y, mrts_variant_range *range, double *work,
-                          int *iwork) {
+MRTS_LOCAL int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, double c2, const double *x,
+                              const int *basis, const double *y, mrts_variant_range *range, double *work, int *iwork) {
     enum { K = MRTS_VK, F = MRTS_VF };
+    const mrts_limits *limits = sample->limits;
     int near[MRTS_MOST_NAMED], count = 0, sure[K], certain = 0;
     double largest = 0, column[K];
     for (int j = 0; j < K; ++j) largest = fmax(largest, fabs(y[j]));
@@ -60,7 +60,7 @@ MRTS_LOCAL int mrts_name_rows(const mrts_limits *limits, mrts_rows *rows, const 
         if (end && row >= rows->count && basis[j] > 0) range->capped = fabs(y[j]) > MRTS_BINDING * largest;
         if (row < rows->count && fabs(y[j]) > MRTS_SURE * largest) sure[certain++] = basis[j];
     }
-    if (!mrts_build_rows(K, MRTS_JOINTS, MRTS_WRENCHES, &sample->form, limits, &sample->terms, rows)) return 0;
+    mrts_rows_of_lane(K, sample, 0, rows);
     mrts_fix_speed(K, limits, c2, MRTS_WIDER, rows);
     for (int i = 0; i < rows->count; ++i) {
         const double value = mrts_dot(F, rows->A + i * F, x);

@@ -2,8 +2,7 @@
  *
  * The range of c^2 over the whole motion of many variants: the intersection of those of their samples, and what sets its ends.
  */
-#include "../basis/kept_basis.h"
-#include "../tracking/null_space.h"
+#include "../linear_programs.h"
 #include "ranges.h"
 
 /* Share of an end by which another sample's may differ and still count as the same: twice that of the samples that tie.
@@ -12,11 +11,6 @@
 
 /* A sample is at rest where c^2 moves no row by more than this share of what it does elsewhere. */
 #define MRTS_REST 1e-12
-
-/* The inputs of one variant: of all its samples one after the other, load, geometry, and limits of velocities. */
-typedef struct {
-    const double *q, *dq, *ddq, *rotation, *twist, *acceleration, *load, *geometry, *most;
-} mrts_variant;
 
 /* What mrts_ranges takes and finds at the samples of a variant. */
 typedef struct {
@@ -30,7 +24,7 @@ typedef struct {
 /* Reals of memory of a sample. */
 #define MRTS_SAMPLE_FOUND (14 + 2 * MRTS_VK)
 
-static mrts_samples_found mrts_samples_in(long long samples, double *memory) {
+static mrts_samples_found mrts_found_in(long long samples, double *memory) {
     mrts_samples_found in;
     in.columns = memory;
     in.most = in.columns + 9 * samples;
@@ -42,62 +36,48 @@ static mrts_samples_found mrts_samples_in(long long samples, double *memory) {
     return in;
 }
 
-/* The least (end 0) or largest c^2 of a sample, as mrts_ranges finds it, started cold; the status of its
- * program, with wrenches x that go with it, and the rows and multipliers that determine it or prove that there is none.
- */
-static int mrts_exact_end(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end, int *basis,
-                          double *c2, double *x, double *y, int *entering, double *work, int *iwork) {
+/* What is looked at of a variant, and with what. */
+typedef struct {
+    long long samples;
+    const double *const *inputs; /* of the wrench form */
+    mrts_samples_found found;
+    mrts_samples here;
+    mrts_rows rows;
+    double *work;
+    int *iwork;
+} mrts_variant_motion;
+
+/* How far apart the inputs of two samples lie. */
+static const long long mrts_apart[] = {MRTS_JOINTS, MRTS_JOINTS, MRTS_JOINTS, 9, 6, 6, 0, 0};
+
+/* The least (end 0) or largest c^2 of sample n, as mrts_ranges finds it, started cold; the status of its program, with
+ * wrenches x that go with it, and the rows and multipliers that determine it or prove that there is none. */
+static int mrts_exact_end(mrts_variant_motion *in, long long n, int end, int *basis, double *c2, double *x, double *y,
+                          int *entering) {
     enum { K = MRTS_VK };
-    double g[K], column[K];
-    if (!mrts_build_rows(K, MRTS_JOINTS, MRTS_WRENCHES, &sample->form, limits, &sample->terms, rows)) return MRTS_STOPPED;
+    mrts_rows *rows = &in->rows;
+    double g[K] = {0}, column[K];
+    mrts_take_samples(in->inputs, mrts_apart, n, n + 1, 1, &in->here);
+    if (!in->here.finite[0]) return MRTS_STOPPED;
+    mrts_rows_of_lane(K, &in->here, 0, rows);
     mrts_scale_columns(K, rows, column);
-    mrts_free_unknowns(K, rows);
-    mrts_bound_speed(K, sample->most, column, rows);
-    for (int j = 0; j < K; ++j) g[j] = j < K - 1 ? 0 : end ? -1 : 1;
-    const int status = mrts_lp_again(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, entering, work,
-                                     iwork);
+    mrts_bound_speed(K, in->found.most[n], column, rows);
+    g[K - 1] = end ? -1 : 1;
+    basis[0] = 0;
+    const int status = mrts_lp(K, rows->count, rows->A, rows->lower, rows->upper, g, basis, x, y, entering, in->work, in->iwork);
     *c2 = x[K - 1] * column[K - 1];
     for (int j = 0; j < K - 1; ++j) x[j] *= column[j];
     if (end && x[K - 1] >= MRTS_UNBOUNDED * (1 - MRTS_AT_UNBOUNDED)) *c2 = MRTS_INFINITY;
     return status;
 }
 
-/* The wrench form and the terms of one sample, the form in memory. */
-static void mrts_sample_of_variant(long long n, const mrts_variant *of, const mrts_samples_found *found,
-                                   const mrts_limits *limits, const mrts_terms *terms, double *memory, mrts_sample *here) {
-    enum { M = MRTS_JOINTS, N = MRTS_WRENCHES };
-    const double *const inputs[] = {of->q + n * M,     of->dq + n * M,           of->ddq + n * M, found->columns + 9 * n,
-                                    of->twist + 6 * n, of->acceleration + 6 * n, of->load,        of->geometry};
-    here->form = mrts_form_in(MRTS_VK, M, N, memory);
-    here->terms = mrts_terms_of_sample(terms, n, limits->rows);
-    here->most = found->most[n];
-    double *const res[] = {here->form.torque_map, here->form.torque_offset, here->form.wrench_map, here->form.wrench_offset};
-    MRTS_WRENCH_FORM(inputs, res);
-    mrts_add_motors(MRTS_VK, M, &here->terms, &here->form);
-    mrts_turn_wrenches(MRTS_VK, MRTS_ROBOTS, MRTS_SIZE, limits, inputs[MRTS_ROTATION], 1, 3,
-                       memory + MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES), &here->form);
-}
-
-/* What is looked at of a variant, and with what. */
-typedef struct {
-    long long samples;
-    const mrts_variant *of;
-    const mrts_limits *limits;
-    const mrts_terms *terms;
-    mrts_samples_found found;
-    mrts_rows rows;
-    double *form_memory, *work;
-    int *iwork;
-} mrts_variant_motion;
-
 /* An end of a range, c^2, and the first of the samples that set it: from cold starts, so that what is found is the same
  * whatever came before. */
 static int mrts_settle(mrts_variant_motion *in, int end, double c2, mrts_variant_range *range) {
     enum { K = MRTS_VK };
     double x[K], y[K], its;
-    int basis[K] = {0}, entering;
+    int basis[K], entering;
     long long at = -1, first = -1;
-    mrts_sample sample;
     range->sample[end] = -1;
     range->count[end] = range->capped = 0;
     range->c2[end] = c2 < MRTS_INFINITY ? c2 : INFINITY;
@@ -108,29 +88,21 @@ static int mrts_settle(mrts_variant_motion *in, int end, double c2, mrts_variant
         if (first < 0 && (end ? its <= c2 + MRTS_TIE * c2 : its >= c2 - MRTS_TIE * c2)) first = n;
     }
     range->sample[end] = (int)first;
-    mrts_sample_of_variant(at, in->of, &in->found, in->limits, in->terms, in->form_memory, &sample);
-    int status = mrts_exact_end(in->limits, &in->rows, &sample, end, basis, range->c2 + end, x, y, &entering, in->work, in->iwork);
+    int status = mrts_exact_end(in, at, end, basis, range->c2 + end, x, y, &entering);
     its = range->c2[end];
-    if (status == MRTS_OPTIMAL && first != at) {
-        basis[0] = 0;
-        mrts_sample_of_variant(first, in->of, &in->found, in->limits, in->terms, in->form_memory, &sample);
-        status = mrts_exact_end(in->limits, &in->rows, &sample, end, basis, &its, x, y, &entering, in->work, in->iwork);
-    }
+    if (status == MRTS_OPTIMAL && first != at) status = mrts_exact_end(in, first, end, basis, &its, x, y, &entering);
     if (status != MRTS_OPTIMAL) return status;
-    return mrts_name_rows(in->limits, &in->rows, &sample, end, its, x, basis, y, range, in->work, in->iwork) ? MRTS_OPTIMAL
-                                                                                                           : MRTS_STOPPED;
+    return mrts_name_rows(&in->here, &in->rows, end, its, x, basis, y, range, in->work, in->iwork) ? MRTS_OPTIMAL : MRTS_STOPPED;
 }
 
 /* Why a sample has no range: the limits that conflict there. */
 static int mrts_conflict(mrts_variant_motion *in, long long n, mrts_variant_range *range) {
     double x[MRTS_VK], y[MRTS_VK], c2;
-    int basis[MRTS_VK] = {0}, entering;
-    mrts_sample sample;
-    mrts_sample_of_variant(n, in->of, &in->found, in->limits, in->terms, in->form_memory, &sample);
-    const int status = mrts_exact_end(in->limits, &in->rows, &sample, 0, basis, &c2, x, y, &entering, in->work, in->iwork);
+    int basis[MRTS_VK], entering;
+    const int status = mrts_exact_end(in, n, 0, basis, &c2, x, y, &entering);
     range->sample[0] = (int)n;
     if (status != MRTS_INFEASIBLE) return MRTS_STOPPED;
-    mrts_name_conflict(in->limits, &in->rows, basis, y, entering, range);
+    mrts_name_conflict(in->here.limits, &in->rows, basis, y, entering, range);
     return status;
 }
 
@@ -158,7 +130,7 @@ MRTS_EXPORT void mrts_variant_ranges_work(int rows, int samples, long long *real
     const int most = 2 * rows + MRTS_MOST_NAMED;
     long long of_ranges, ints_of_ranges;
     mrts_ranges_work(rows, &of_ranges, &ints_of_ranges);
-    *reals = MRTS_ROWS_WORK(MRTS_VK, rows) + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK) + MRTS_VARIANT_FORM +
+    *reals = MRTS_ROWS_WORK(MRTS_VK, rows) + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK) + MRTS_SAMPLES_WORK(rows) +
              (long long)samples * MRTS_SAMPLE_FOUND + of_ranges;
     *ints = MRTS_ROWS_IWORK(rows) + MRTS_LP_IWORK(MRTS_VK, most) + ints_of_ranges;
 }
@@ -172,26 +144,21 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
                                      const unsigned char *skipped, mrts_variant_range *range, double *work,
                                      int *iwork) {
     enum { Q, DQ, DDQ, ROTATION, TWIST, ACCELERATION, LOAD, GEOMETRY, MOST, LOWER, UPPER, VALUES, GIVEN };
-    enum { M = MRTS_JOINTS, ROWS_MOST = MRTS_MOST_NAMED };
-    static const long long apart[] = {M, M, M, 9, 6, 6, 0, 0};
-    const int most = 2 * limits->rows + ROWS_MOST;
+    const int most = 2 * limits->rows + MRTS_MOST_NAMED;
     mrts_limits here = *limits;
     double base[9 * MRTS_ROBOTS];
-    mrts_variant_motion in = {.samples = samples, .limits = &here};
+    mrts_variant_motion in = {.samples = samples};
     in.work = work + MRTS_ROWS_WORK(MRTS_VK, limits->rows);
     in.iwork = iwork + MRTS_ROWS_IWORK(limits->rows);
-    in.form_memory = in.work + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK);
-    in.found = mrts_samples_in(samples, in.form_memory + MRTS_VARIANT_FORM);
-    double *ranges_work = in.form_memory + MRTS_VARIANT_FORM + samples * MRTS_SAMPLE_FOUND;
+    double *samples_work = in.work + MRTS_ROWS_WORK(MRTS_VK, most) + MRTS_LP_WORK(MRTS_VK);
+    double *found_in = samples_work + MRTS_SAMPLES_WORK(limits->rows), *ranges_work = found_in + samples * MRTS_SAMPLE_FOUND;
     int *ranges_iwork = in.iwork + MRTS_LP_IWORK(MRTS_VK, most);
-    const mrts_samples_found *found = &in.found;
+    const mrts_samples_found found = in.found = mrts_found_in(samples, found_in);
     for (long long v = 0; v < count; ++v) {
         const double *of[GIVEN];
         if (skipped[v]) continue;
         for (int i = 0; i < GIVEN; ++i) of[i] = given[i] + v * stride[i];
-        const mrts_variant variant = {of[Q],     of[DQ],           of[DDQ],  of[ROTATION], of[TWIST],
-                                      of[ACCELERATION], of[LOAD], of[GEOMETRY], of[MOST]};
-        const double *const inputs[] = {of[Q],     of[DQ],           of[DDQ],  found->columns,
+        const double *const inputs[] = {of[Q],     of[DQ],           of[DDQ],  found.columns,
                                         of[TWIST], of[ACCELERATION], of[LOAD], of[GEOMETRY]};
         const mrts_terms own = mrts_terms_of_sample(terms, v * samples, limits->rows);
         here.lower = of[LOWER];
@@ -199,19 +166,19 @@ MRTS_EXPORT void mrts_variant_ranges(long long count, long long samples, const d
         here.value = of[VALUES];
         if (limits->base) here.base = base;
         for (int i = 0; limits->base && i < 9 * MRTS_ROBOTS; ++i) {
-            base[i] = MRTS_ARM(variant.geometry, i / 9)->base_rotation[3 * (i % 9 / 3) + limits->axes[i % 3]];
+            base[i] = MRTS_ARM(of[GEOMETRY], i / 9)->base_rotation[3 * (i % 9 / 3) + limits->axes[i % 3]];
         }
         for (long long n = 0; n < samples; ++n) {
-            for (int i = 0; i < 9; ++i) found->columns[9 * n + i] = variant.rotation[9 * n + 3 * (i % 3) + i / 3];
-            found->most[n] = variant.most[n];
+            for (int i = 0; i < 9; ++i) found.columns[9 * n + i] = of[ROTATION][9 * n + 3 * (i % 3) + i / 3];
+            found.most[n] = of[MOST][n];
         }
-        in.of = &variant;
-        in.terms = &own;
         range[v].status = MRTS_STOPPED;
         if (!mrts_rows_over(MRTS_VK, &here, work, iwork, &in.rows)) continue;
-        mrts_ranges(samples, inputs, apart, &here, &own, found->most, found->end[0], found->end[1], found->status[0],
-                    found->status[1], found->effect, found->basis[0], found->basis[1], found->dual[0], found->dual[1],
+        mrts_ranges(samples, inputs, mrts_apart, &here, &own, found.most, found.end[0], found.end[1], found.status[0],
+                    found.status[1], found.effect, found.basis[0], found.basis[1], found.dual[0], found.dual[1],
                     ranges_work, ranges_iwork);
+        in.inputs = inputs;
+        mrts_samples_in(&here, &own, &in.rows, samples_work, &in.here);
         range[v].status = mrts_range_of_variant(&in, range + v);
     }
 }

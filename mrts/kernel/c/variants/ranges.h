@@ -12,17 +12,6 @@
 
 enum { MRTS_VK = MRTS_UNKNOWNS, MRTS_VF = MRTS_UNKNOWNS - 1 };
 
-/* Reals of memory of the form of a sample. */
-#define MRTS_VARIANT_FORM \
-    (MRTS_FORM_WORK(MRTS_UNKNOWNS, MRTS_JOINTS, MRTS_WRENCHES) + MRTS_TURNED_WORK(MRTS_UNKNOWNS, MRTS_WRENCHES))
-
-/* One sample of a variant. */
-typedef struct {
-    mrts_form form;
-    mrts_terms terms;
-    double most; /* largest c^2 by limits of the motion alone */
-} mrts_sample;
-
 /* Where a variant's range ends, and why. */
 typedef struct {
     int status;    /* MRTS_OPTIMAL, MRTS_INFEASIBLE at sample[0], or MRTS_STOPPED */
@@ -35,10 +24,9 @@ typedef struct {
 
 /* Names the rows that are at their limit in every solution at an end, as mrts/program/range_ends.py does: those with a
  * multiplier that cannot be rounding, and of those near their limit in the solution found the ones that no other keeps
- * away from it. */
-MRTS_LOCAL int mrts_name_rows(const mrts_limits *limits, mrts_rows *rows, const mrts_sample *sample, int end, double c2,
-                          const double *x, const int *basis, const double *y, mrts_variant_range *range, double *work,
-                          int *iwork);
+ * away from it. `sample` has the rows of one sample, not scaled, in its first lane. */
+MRTS_LOCAL int mrts_name_rows(const mrts_samples *sample, mrts_rows *rows, int end, double c2, const double *x,
+                              const int *basis, const double *y, mrts_variant_range *range, double *work, int *iwork);
 
 /* Names the rows of a certificate, whose limits exclude each other: of the basis those with a multiplier, and the one
  * that was to enter. Bounds of c^2 are none. */

@@ -23,17 +23,6 @@ typedef struct {
     const int *axes;        /* of the object that a triple has, x, y, z being 0, 1, 2, (3) */
 } mrts_limits;
 
-/* Torques and wrenches as affine functions of k unknowns, the last of which is c^2: what a generated function gives.
- * Maps are by columns, Shape (joints, k) and (wrenches, k). */
-typedef struct {
-    mrts_real *torque_map;
-    mrts_real *torque_offset;
-    mrts_real *wrench_map;
-    mrts_real *wrench_offset;
-    mrts_real *object_map; /* of the wrenches in object axes, see mrts_turn_wrenches */
-    mrts_real *object_offset;
-} mrts_form;
-
 /* What is added at one sample to what the generated function and the limits say; null is nothing. Of the torques what
  * motors give besides, of the rows terms of their own. */
 typedef struct {
@@ -46,79 +35,57 @@ typedef struct {
     const mrts_real *speed;         /* what it adds to each row, in its unit, (rows): likewise */
 } mrts_terms;
 
-/* Reals of memory of a form, those of its wrenches in object axes, and a form laid out in the first. */
+/* W of t'Wt: its diagonal, whose entries are so many places apart; 0 where W is not diagonal, and all of it is here. */
+typedef struct {
+    const mrts_real *entries;
+    int apart;
+} mrts_weights;
+
+/* Numbers of a form, of its wrenches in object axes, and of the rows besides A's unit; ints of the rows. */
 #define MRTS_FORM_WORK(k, joints, wrenches) (((k) + 1) * ((joints) + (wrenches)))
 #define MRTS_TURNED_WORK(k, wrenches) (((k) + 1) * (wrenches))
-
-static inline mrts_form mrts_form_in(int k, int joints, int wrenches, mrts_real *memory) {
-    mrts_form form;
-    form.torque_map = memory;
-    form.torque_offset = form.torque_map + k * joints;
-    form.wrench_map = form.torque_offset + joints;
-    form.wrench_offset = form.wrench_map + k * wrenches;
-    form.object_map = form.object_offset = 0;
-    return form;
-}
-
-/* Rows lower <= A x <= upper of one sample, each divided by its unit. Behind the limits of the rows stand those of the
- * unknowns. Rows without a limit are left out. */
-typedef struct {
-    int count;
-    int *which;      /* place of each row among the limits */
-    mrts_real *unit; /* what 100 % of each limit is */
-    mrts_real *A;    /* Shape (count, k) */
-    mrts_real *lower;
-    mrts_real *upper;
-    mrts_real *size; /* largest coefficient of each unknown, before they are scaled, (k) */
-} mrts_rows;
-
-/* Reals and ints of work that the rows stand in. */
 #define MRTS_ROWS_WORK(k, rows) ((rows) * (k) + 3 * (rows) + 3 * (k))
 #define MRTS_ROWS_IWORK(rows) (rows)
+
+#include "number_type.inc"
+#include "rows.inc"
+
+/* Size of a limit: its larger finite side, 0 where it has none. */
+static inline mrts_real mrts_limit_size(mrts_real lower, mrts_real upper) {
+    const mrts_real both = mrts_larger(MRTS_ABS(lower), MRTS_ABS(upper));
+    if (both < MRTS_INFINITY) return both;
+    return lower > -MRTS_INFINITY ? MRTS_ABS(lower) : upper < MRTS_INFINITY ? MRTS_ABS(upper) : 0;
+}
+
+/* What a limit of zero is measured by: the largest limit of its group, or 1. */
+static inline mrts_real mrts_group_size(const mrts_limits *limits, int group) {
+    mrts_real largest = 0;
+    for (int row = 0; row < limits->rows; ++row) {
+        const mrts_real size = mrts_limit_size(limits->lower[row], limits->upper[row]);
+        if (limits->group[row] == group && size > largest) largest = size;
+    }
+    return largest > 0 ? largest : 1;
+}
 
 /* Lays rows out in work arrays, finds which limits there are and measures them; once for all samples. The unit of a limit
  * is its larger finite side; of a limit of zero the largest of its group, or 1. Returns 0 where a lower limit is not at
  * most the upper one. */
-MRTS_LOCAL int mrts_rows_over(int k, const mrts_limits *limits, mrts_real *work, int *iwork, mrts_rows *rows);
-
-/* Adds what motors give besides to the torques of a form. */
-static inline void mrts_add_motors(int k, int joints, const mrts_terms *terms, mrts_form *form) {
-    for (int i = 0; i < joints; ++i) {
-        if (terms->torque_square) form->torque_map[(k - 1) * joints + i] += terms->torque_square[i];
-        if (terms->torque_offset) form->torque_offset[i] += terms->torque_offset[i];
+static inline int mrts_rows_over(int k, const mrts_limits *limits, mrts_real *work, int *iwork, mrts_rows *rows) {
+    rows->count = 0;
+    rows->which = iwork;
+    rows->unit = work;
+    rows->A = rows->unit + limits->rows;
+    rows->lower = rows->A + limits->rows * k;
+    rows->upper = rows->lower + limits->rows + k;
+    rows->size = rows->upper + limits->rows + k;
+    for (int row = 0; row < limits->rows; ++row) {
+        const mrts_real lower = limits->lower[row], upper = limits->upper[row], size = mrts_limit_size(lower, upper);
+        if (!(lower <= upper)) return 0;
+        if (!(size > 0) && lower <= -MRTS_INFINITY && upper >= MRTS_INFINITY) continue;
+        rows->unit[rows->count] = size > 0 ? size : mrts_group_size(limits, limits->group[row]);
+        rows->which[rows->count++] = row;
     }
+    return 1;
 }
-
-/* Turns the wrenches of a form into object axes, in memory of MRTS_TURNED_WORK, where the limits want them. `size` is of
- * one wrench, 6 or in a planar cell 3. Entry (i, j) of the object's rotation is rotation[i * down + j * across]. */
-MRTS_LOCAL void mrts_turn_wrenches(int k, int arms, int size, const mrts_limits *limits, const mrts_real *rotation,
-                                   int down, int across, mrts_real *memory, mrts_form *form);
-
-/* Fills the rows of one sample; of the terms it takes those of the rows. Returns 0 where a coefficient is not finite. */
-MRTS_LOCAL int mrts_build_rows(int k, int joints, int wrenches, const mrts_form *form, const mrts_limits *limits,
-                               const mrts_terms *terms, mrts_rows *rows);
-
-/* Puts a value of c^2 in: what it adds moves to the limits, and k - 1 unknowns are left. Limits whose sides differ are
- * moved outward by `widening` of their unit. */
-MRTS_LOCAL void mrts_fix_speed(int k, const mrts_limits *limits, mrts_real c2, mrts_real widening, mrts_rows *rows);
-
-/* Scales k unknowns so that each moves some row by one limit: x = column * x_scaled. One that moves none has scale 1. */
-MRTS_LOCAL void mrts_scale_columns(int k, mrts_rows *rows, mrts_real *column);
-
-/* Unknowns without limits of their own. */
-MRTS_LOCAL void mrts_free_unknowns(int k, mrts_rows *rows);
-
-/* 0 <= c^2 <= most, or what counts as unbounded; c^2 is the last of k scaled unknowns. */
-MRTS_LOCAL void mrts_bound_speed(int k, mrts_real most, const mrts_real *column, mrts_rows *rows);
-
-/* The largest c^2 that velocity limits allow, MRTS_INFINITY where nothing that is limited moves; *binding is the limit
- * that sets it, -1 where none does.
- *
- * dq:    Of the joints in the motion as given [rad/s or m/s].
- * twist: Of the object, linear and angular [m/s, rad/s].
- * limit: Of each joint, then of the object's linear and angular speed, > 0; MRTS_INFINITY where there is none.
- */
-MRTS_LOCAL mrts_real mrts_speed_cap(int joints, const mrts_real *dq, const mrts_real *twist, const mrts_real *limit,
-                                    int *binding);
 
 #endif
