@@ -9,7 +9,7 @@ import numpy as np
 
 from mrts.base.argument_types import Progress
 from mrts.base.arrays import Array
-from mrts.base.errors import SolverError
+from mrts.base.errors import InputError, SolverError
 from mrts.following.coordinated_motion import CoordinatedMotion
 from mrts.program.motion_rows import motion_rows
 from mrts.program.path_program import path_program, with_circles, without_polygons
@@ -43,17 +43,6 @@ NARROWING = 1e-5
 
 UNBOUNDED = 1e-6
 """A timing in less than this share of the usual duration is one that nothing limits."""
-
-ON_TIME = 1e-3
-"""Share of the longest duration that a motion with stops may stay below it: what weighs time and energy is searched."""
-
-MOST_WEIGHTS = 30
-"""Weights of time that are tried for it."""
-
-Held = tuple[Array | None, Array | None]
-"""The free wrenches at the start and at the end of a piece, of all loads, or None where they are free."""
-
-_Timed = tuple[SmoothPath, SampleProblem, SmoothProgram, StepsTaken]
 
 
 @dataclass(frozen=True)
@@ -107,40 +96,44 @@ class SmoothQuestion:
         """W of the effort, Shape (m, m)."""
         return torque_weights(self.bare.options.weights, self.bare.cell)
 
-    def program(
-        self, piece: SmoothPath, problems: Sequence[SampleProblem], held: Held, weights: Array | None
-    ) -> SmoothProgram:
-        """Limits of a piece for some loads, with the wrenches that are given at its ends."""
+    def program(self, part: "_Part", chosen: Sequence[int], weights: Array | None) -> SmoothProgram:
+        """Limits of a piece for some of its loads, with the wrenches that are given at its ends."""
+        piece, problems = part.piece, [part.problems[place] for place in chosen]
         start, end = (
             None if stopped else float((speed * piece.speed[place] / piece.arc_speed[place]) ** 2)
             for stopped, speed, place in zip(piece.stops, self.bare.end_speeds, (0, -1), strict=True)
         )
+        first, last = (None if held is None else held[[*chosen]].ravel() for held in part.held)
         third = np.stack([piece.third[::STRIDE, 0], piece.third[STRIDE - 1 :: STRIDE, 1]], axis=1)
-        rows = [without_polygons(problem) for problem in problems]
-        cell, path = self.bare.cell, piece.path
-        program = path_program(cell, path, rows, self.rates, weights, (start, end), held, third, self.sizes)
+        program = path_program(
+            self.bare.cell,
+            piece.path,
+            [without_polygons(problem) for problem in problems],
+            self.rates,
+            weights,
+            (start, end),
+            (first, last),
+            third,
+            self.sizes,
+        )
         return with_circles(program, problems[0])  # they are the same for all loads
-
-    def held(self, problems: Sequence[SampleProblem], before: Held, *, last: bool) -> Held:
-        """Wrenches at both ends of a piece: free at those of the motion, of the least torques at a stop on the way.
-
-        Args:
-            problems: Rows of [F, u, x] at its nodes, one a load.
-            before: Those of the piece before.
-            last: Whether it is the last.
-        """
-        return before[1], None if last else _stopped_wrenches(problems, self.weights)
 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """A piece that is to be timed: its rows of [F, u, x] for each load and for the cell's, and what is given of it."""
+    """A piece that is to be timed.
+
+    Attributes:
+        piece: The piece.
+        problems: Rows of [F, u, x] at its nodes, one a load; the last is that of the cell's own load.
+        held: F of each problem at its start and its end, Shape (p, f), of the least torques at a stop on the way; None
+            where it is free.
+        before: The same piece in the round before.
+    """
 
     piece: SmoothPath
     problems: list[SampleProblem]
-    own: SampleProblem
-    held: Held
-    weights: Array | None
+    held: tuple[Array | None, Array | None]
     before: SmoothPiece | None
 
 
@@ -150,23 +143,29 @@ def smooth_timing(
     """The best timing with limits kept at the nodes, the samples of a motion.
 
     Raises:
+        InputError: If the least energy is asked for of a motion that stops on its way.
         SolverError: If no solver answers.
     """
-    bare = question.bare
+    bare, timed = question.bare, []
     status = RetimingStatus.LOCALLY_OPTIMAL
     untimed = RetimingResult(bare.cell, motion, bare.given, bare.options, status, loads=bare.loads)
-    timed = _timed(question, _parts(question, motion, smooth_pieces(before)), progress)
-    if isinstance(timed, NoProfile):
-        status, why = _why(question, timed)
-        return replace(untimed, status=status, explanation=why)
-    if _duration(timed) < UNBOUNDED * question.usual:
+    parts = _parts(question, motion, smooth_pieces(before))
+    if question.goal.longest is not None and len(parts) > 1:
+        raise InputError("least_energy_in", "goes with a motion that does not stop on its way: ask for each part.")
+    for part in parts:
+        program, found = _timed(question, part, progress)
+        if isinstance(found, NoProfile):
+            status, why = _why(question, found)
+            return replace(untimed, status=status, explanation=why)
+        timed.append((part, program, found))
+    if sum(float(np.sum(program.times(found.profile.x))) for _, program, found in timed) < UNBOUNDED * question.usual:
         why = "nothing limits the speed. Give velocity limits, or limits of torque rates or jerk."
         return replace(untimed, status=RetimingStatus.UNBOUNDED, explanation=why)
-    return replace(untimed, pieces=_planned(question, timed))
+    return replace(untimed, pieces=tuple(_planned(question, *one) for one in timed))
 
 
 def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence[SmoothPiece]) -> list[_Part]:
-    cell, time = question.bare.cell, motion.object.time
+    cell, time, loads = question.bare.cell, motion.object.time, question.bare.loads
     fine = with_samples(cell, motion, (time[:-1, None] + np.diff(time)[:, None] * PLACES).ravel())
     found = path_pieces(fine)
     if isinstance(found, NoPath):
@@ -175,14 +174,14 @@ def _parts(question: SmoothQuestion, motion: CoordinatedMotion, before: Sequence
     usual = question.usual / float(time[-1])
     paths = joined_at_stops([smooth_path(motion, piece, question.bare.end_speeds, usual) for piece in pieces])
     parts: list[_Part] = []
-    held: Held = None, None
+    start = None
     for number, piece in enumerate(paths):
         rows = motion_rows(cell, piece.path, question.bare.options.sharing, circles=True)
-        problems = [build_sample_problem(rows, load=load, varying=True) for load in question.bare.loads]
-        held = question.held(problems, held, last=number == len(paths) - 1)
-        weights = question.weights if question.goal.effort > 0 else None
-        own = problems[0] if len(problems) == 1 else build_sample_problem(rows, varying=True)
-        parts.append(_Part(piece, problems, own, held, weights, before[number] if before else None))
+        carried = loads if len(loads) == 1 else (*loads, None)
+        problems = [build_sample_problem(rows, load=load, varying=True) for load in carried]
+        end = None if number == len(paths) - 1 else _stopped_wrenches(problems, question.weights)
+        parts.append(_Part(piece, problems, (start, end), before[number] if before else None))
+        start = end
     return parts
 
 
@@ -199,21 +198,7 @@ def _likely(question: SmoothQuestion, part: _Part, ends: tuple[float | None, flo
     return x
 
 
-def _timed(question: SmoothQuestion, parts: Sequence[_Part], progress: Progress) -> list[_Timed] | NoProfile:
-    goal, timed = question.goal, []
-    if goal.longest is not None and len(parts) > 1:
-        return _within(question, parts, goal.longest, progress)
-    for part in parts:
-        program, found = _timed_part(question, part, progress)
-        if isinstance(found, NoProfile):
-            return found
-        timed.append((part.piece, part.own, program, found))
-    return timed
-
-
-def _timed_part(
-    question: SmoothQuestion, part: _Part, progress: Progress
-) -> tuple[SmoothProgram, StepsTaken | NoProfile]:
+def _timed(question: SmoothQuestion, part: _Part, progress: Progress) -> tuple[SmoothProgram, StepsTaken | NoProfile]:
     """The timing of a piece, and the limits that it was found with.
 
     Few corners of a box bind. So programs have the limits of one load, and while a best profile, or one with room,
@@ -227,9 +212,7 @@ def _timed_part(
         progress(step, step + 1)
 
     def limits(chosen: Sequence[int]) -> SmoothProgram:
-        held = [None if given is None else given.reshape(len(loads), -1)[[*chosen]].ravel() for given in part.held]
-        problems = [part.problems[place] for place in chosen]
-        return question.program(part.piece, problems, (held[0], held[1]), part.weights)
+        return question.program(part, chosen, question.weights if question.goal.effort > 0 else None)
 
     def accepted(profile: SmoothProfile) -> bool:
         passed: dict[int, float] = {}
@@ -267,48 +250,11 @@ def _widening(program: SmoothProgram, profile: SmoothProfile) -> float:
     return float(np.max(least_widening(program.free, *limits, all_rows, anywhere, DEFAULT_SOLVER, what, least=-1.0)[0]))
 
 
-def _within(
-    question: SmoothQuestion, parts: Sequence[_Part], longest: float, progress: Progress
-) -> list[_Timed] | NoProfile:
-    """The least effort of several pieces within a duration: one weight of time for all, which is searched."""
-
-    def weighed(time: float) -> list[_Timed] | NoProfile:
-        goal = Goal(time, question.goal.effort) if np.isfinite(time) else Goal()
-        return _timed(replace(question, goal=goal), parts, progress)
-
-    found = weighed(np.inf)
-    if isinstance(found, NoProfile):
-        return found
-    fastest = _duration(found)
-    if fastest > longest:
-        return NoProfile(duration=fastest)
-    spent = sum(program.effort(taken.profile.x, taken.profile.u, taken.profile.free) for *_, program, taken in found)
-    low, high = 0.0, np.inf
-    weight = question.goal.effort * spent / fastest
-    for _ in range(MOST_WEIGHTS):
-        tried = weighed(weight)
-        if isinstance(tried, NoProfile):
-            return tried
-        total = _duration(tried)
-        if total <= longest:
-            found, high = tried, weight
-            if total >= longest * (1 - ON_TIME):
-                break
-        else:
-            low = weight
-        weight = weight * 8 if high == np.inf else high / 8 if low == 0 else float(np.sqrt(low * high))
-    return found
-
-
-def _duration(timed: Sequence[_Timed]) -> float:
-    return sum(float(np.sum(program.times(taken.profile.x))) for *_, program, taken in timed)
-
-
 def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, str]:
     if found.duration is not None:
         return RetimingStatus.TOO_SHORT, (
             f"the motion cannot be done in {question.goal.longest:.6g} s; the fastest timing within the limits of "
-            f"rates takes {found.duration:.6g} s. Allow {1 + ON_TIME:g} times that at least."
+            f"rates takes {found.duration:.6g} s. Allow more than that."
         )
     if np.isfinite(found.share):
         return RetimingStatus.RATES_TOO_SMALL, (
@@ -321,30 +267,32 @@ def _why(question: SmoothQuestion, found: NoProfile) -> tuple[RetimingStatus, st
     )
 
 
-def _planned(question: SmoothQuestion, timed: Sequence[_Timed]) -> tuple[SmoothPiece, ...]:
-    planned: list[SmoothPiece] = []
-    held: Held = None, None
-    for number, (piece, problem, program, steps) in enumerate(timed):
-        x, u = steps.profile.x, steps.profile.u
-        held = question.held([problem], held, last=number == len(timed) - 1)
-        limits = question.program(piece, [problem], held, question.weights)
-        known = steps.shares if len(question.bare.loads) == 1 else None  # of several loads they are no single one's
-        plan = reserved_torques(limits, x, u, question.solver, known)
-        if plan is None:
-            raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
-        unknowns = np.column_stack([plan, u, x])
-        given = {"torque": problem.torque(unknowns), "wrench": problem.wrench(unknowns)}
-        rates = np.column_stack([u[:-1], u[1:]])
-        planned.append(SmoothPiece(piece=piece, x=x, rates=rates, program=program, steps=steps, plan=plan, **given))
-    return tuple(planned)
+def _planned(question: SmoothQuestion, part: _Part, program: SmoothProgram, steps: StepsTaken) -> SmoothPiece:
+    x, u, problem = steps.profile.x, steps.profile.u, part.problems[-1]
+    known = steps.shares if len(question.bare.loads) == 1 else None  # of several loads they are no single one's
+    limits = question.program(part, [len(part.problems) - 1], question.weights)
+    plan = reserved_torques(limits, x, u, question.solver, known)
+    if plan is None:
+        raise SolverError("no torques were found within the rates that the timing keeps: please report it.")
+    unknowns = np.column_stack([plan, u, x])
+    return SmoothPiece(
+        piece=part.piece,
+        x=x,
+        rates=np.column_stack([u[:-1], u[1:]]),
+        program=program,
+        steps=steps,
+        plan=plan,
+        torque=problem.torque(unknowns),
+        wrench=problem.wrench(unknowns),
+    )
 
 
 def _stopped_wrenches(problems: Sequence[SampleProblem], weights: Array) -> Array:
-    """The free wrenches of the least torques that hold still at the last node, of all loads."""
+    """The free wrenches of the least torques that hold still at the last node, one row a load."""
     found = []
     for problem in problems:
         last = problem.at(np.array([problem.samples - 1]))
         maps = {name: np.delete(getattr(last, name), -2, axis=2) for name in ("A", "torque_map", "wrench_map")}
         still = replace(last, speed=None, torque_speed=None, **maps)
         found.append(distribute_torques(still, 0.0, weights, DEFAULT_SOLVER)[0][0, :-1])
-    return np.concatenate(found)
+    return np.stack(found)

@@ -92,7 +92,7 @@ def segment_times(sigma, x):
     return 2 * np.diff(sigma) / (speed[:-1] + speed[1:])
 
 
-def smooth_timing(cell, path, rates, *, loads=None, end_torque=(None, None)):
+def smooth_timing(cell, path, rates, *, loads=None):
     """The fastest timing within limits and rates, None if there is none.
 
     Args:
@@ -100,14 +100,13 @@ def smooth_timing(cell, path, rates, *, loads=None, end_torque=(None, None)):
         path: The path.
         rates: What is limited.
         loads: Load vectors that one timing must be able to carry, by torques of its own each; None for the nominal one.
-        end_torque: Torques at the start and at the end, Shape (m,), None where they are free.
     """
     carried = [cell.load] if loads is None else loads
     models = [LoadRows(cell, path, load) for load in carried]
     speed, found = FIRST_SPEED, None
     while found is None and speed > SLOWEST_SPEED:
         around = np.full(len(path.sigma), speed**2)
-        found = convex_step(cell, path, rates, models, around, end_torque)
+        found = convex_step(cell, path, rates, models, around)
         speed /= 4
     if found is None:
         return None
@@ -116,7 +115,7 @@ def smooth_timing(cell, path, rates, *, loads=None, end_torque=(None, None)):
         durations.append(float(np.sum(segment_times(path.sigma, found[0]))))
         if len(durations) > 1 and durations[-2] - durations[-1] < GAIN * durations[-1]:
             break
-        better = convex_step(cell, path, rates, models, found[0], end_torque)
+        better = convex_step(cell, path, rates, models, found[0])
         if better is None:
             break
         found = better
@@ -179,7 +178,7 @@ def direction(path):
     return np.sign(dq)
 
 
-def convex_step(cell, path, rates, models, around, end_torque):
+def convex_step(cell, path, rates, models, around):
     """x, u and the wrenches of each load that are fastest where tangents at x = `around` stand; None if none are."""
     n, h = len(path.sigma), np.diff(path.sigma)
     scale = float(np.mean(around))
@@ -197,7 +196,7 @@ def convex_step(cell, path, rates, models, around, end_torque):
     for model in models:
         F = cp.multiply(model.size, cp.Variable(n * model.wrenches))
         wrenches.append(F)
-        rows += torque_rows(cell, model, rates, (x, u, F), (above, y, longest, times), scale, end_torque)
+        rows += torque_rows(cell, model, rates, (x, u, F), (above, y, longest, times), scale)
         rows += wrench_rows(cell, model, rates, (x, u, F), longest, scale)
     duration = cp.sum(cp.multiply(2 * h, cp.inv_pos(y[:-1] + y[1:])))
     problem = cp.Problem(cp.Minimize(duration), rows)
@@ -235,7 +234,7 @@ def jerk_rows(path, jerk, x, u, around, scale):
     return rows
 
 
-def torque_rows(cell, model, rates, unknowns, roots, scale, end_torque):
+def torque_rows(cell, model, rates, unknowns, roots, scale):
     """Torques and their rates within their limits; √x by its tangent where it presses, itself where it helps."""
     (x, u, F), (above, y, longest, around_times) = unknowns, roots
     n, joints = model.nodes, model.joints
@@ -255,9 +254,6 @@ def torque_rows(cell, model, rates, unknowns, roots, scale, end_torque):
         most = cp.reshape(cp.multiply(longest, 1 / around_times), (n - 1, 1), order="C")
         for rise in (highest[1:] - lowest[:-1], highest[:-1] - lowest[1:]):
             rows.append(cp.multiply(share, rise[:, limited]) <= most)
-    for node, torques in zip((0, -1), end_torque, strict=True):
-        if torques is not None:
-            rows.append(torque[node] == (torques / size - model.root[node] * np.sqrt(scale) / size)[0])
     return rows
 
 

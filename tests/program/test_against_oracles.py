@@ -68,32 +68,6 @@ def test_friction_presses_and_helps(tmp_path):
     assert abs(theirs.duration / ideal.duration - 1) > 2 * SAME
 
 
-def test_torques_given_at_the_ends(planar_cell):
-    """With other torques that hold still at the end than the best ones the motion takes longer."""
-    _, description, rates = shipped("planar_dual_arm")
-    motion = mrts.sample_motion(description)
-    free = mrts.retime(planar_cell, motion, rates=RATE, between=None, distribute="least-torque")
-    path = with_third(free.pieces[0].piece.path)
-    held = holding_torque(planar_cell, path.motion, squeeze=1.5)
-    ours = mrts.retime(planar_cell, motion, rates=RATE, between=None, distribute="least-torque", end_torque=held)
-    theirs = smooth_timing(planar_cell, path, Rates(torque=rates), end_torque=(None, held))
-    assert ours.duration == pytest.approx(theirs.duration, rel=SAME)
-    assert theirs.duration >= (1 - SAME) * free.duration
-
-
-def holding_torque(cell, motion, squeeze):
-    """Torques that hold the object at the end of a motion, the hands pressed together by a force [N]."""
-    terms = cell.functions("terms", motion.samples, motion.inputs(cell.load))
-    B, Q, J, torque = terms["B"][-1], terms["Q"][-1], terms["J"][-1], terms["G"][-1].copy()
-    wrench = np.linalg.lstsq(B, Q, rcond=None)[0]
-    inner = np.linalg.svd(B)[2][len(B) :]
-    pressed = inner.T @ inner[:, 0]
-    wrench += squeeze * pressed / np.max(np.abs(pressed))
-    for name, joints in cell.joint_slices.items():
-        torque[joints] += J[:, joints].T @ wrench[cell.wrench_slices[name]]
-    return torque
-
-
 WAY = 2.0  # m
 MOVED = 11.0  # kg
 STRONG = 1e6  # N
