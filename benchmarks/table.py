@@ -60,7 +60,7 @@ def questions(samples: int) -> dict[str, Callable[[], Any]]:
     from mrts.program.excess import BETWEEN  # noqa: PLC0415 (likewise)
     from mrts.scaling.options import Options  # noqa: PLC0415 (likewise)
     from mrts.scaling.scale import admissible_range  # noqa: PLC0415 (likewise)
-    from mrts.timing.between_samples import excess_by_segment  # noqa: PLC0415 (likewise)
+    from mrts.timing.between_samples import excess_between  # noqa: PLC0415 (likewise)
 
     with tempfile.TemporaryDirectory() as folder:
         arm = one_arm(Path(folder))
@@ -74,7 +74,7 @@ def questions(samples: int) -> dict[str, Callable[[], Any]]:
         # older states have found it by then
         "the same and its factor, one arm": lambda: getattr(mrts.retime(arm, alone), "factor", None),
         "the same and its factor, two arms": lambda: getattr(mrts.retime(cell, motion), "factor", None),
-        "check between samples, two arms": lambda: excess_by_segment(timed, BETWEEN),
+        "check between samples, two arms": lambda: excess_between(timed, BETWEEN),
         "range of c², two arms": lambda: admissible_range(cell, motion, nominal),
     }
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import mrts
 from mrts.program.excess import BETWEEN
-from mrts.timing.between_samples import excess_by_segment
+from mrts.timing.between_samples import excess_between
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from cases import along, one_arm, one_arm_path, shipped
@@ -32,7 +32,7 @@ PARTS = {
     "mrts.timing.fastest_timing:fastest_profile": "profile",
     "mrts.timing.fastest_timing:rising_profile": "profile",
     "mrts.timing.retime:_played": "plan: motion and its torques",
-    "mrts.timing.between_samples:excess_by_segment": "check between the samples",
+    "mrts.timing.between_samples:excess_between": "check between the samples",
 }
 """Where the whole call calls what; a function that moves must be named anew here."""
 
@@ -48,7 +48,7 @@ def show_parts(title: str, cell: mrts.Cell, motion: mrts.CoordinatedMotion, repe
     alone = {
         "mrts.retime: the whole call": lambda: mrts.retime(cell, motion),
         "the whole call, and its constant factor read": lambda: mrts.retime(cell, motion).factor,
-        "the check between the samples, alone": lambda: excess_by_segment(timed, BETWEEN),
+        "the check between the samples, alone": lambda: excess_between(timed, BETWEEN),
     }
     show(median_times(alone, repeats), points, "point", {})
 

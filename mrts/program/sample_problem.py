@@ -279,8 +279,10 @@ def _rows_of_maps(
     count, _, unknowns = maps["torque_map"].shape
     A, offset = np.zeros((count, len(size), unknowns)), np.zeros((count, len(size)))
     M_torque, M_wrench = rows.torque_matrix[moves], rows.wrench_matrix[moves]
-    A[:, moves] = M_torque @ maps["torque_map"] + M_wrench @ maps["wrench_map"]
-    offset[:, moves] = maps["torque_offset"] @ M_torque.T + maps["wrench_offset"] @ M_wrench.T
+    A[:, moves], offset[:, moves] = M_torque @ maps["torque_map"], maps["torque_offset"] @ M_torque.T
+    if M_wrench.any():
+        A[:, moves] += M_wrench @ maps["wrench_map"]
+        offset[:, moves] += maps["wrench_offset"] @ M_wrench.T
     if rows.object_matrix is not None and rows.object_axes is not None:
         turned = rows.object_matrix.any(axis=1)
         A[:, turned] += rows.object_matrix[turned] @ rows.object_axes.turned(maps["wrench_map"])

@@ -16,7 +16,6 @@ from mrts.limits.rows import ActiveRow
 from mrts.motion.object_courses import PoseSplines, ProfiledPath
 from mrts.program.between_samples import COARSE
 from mrts.program.excess import BETWEEN, Excess, RowOrFinder
-from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.rate_limits import rate_names
 from mrts.program.sample_problem import build_sample_problem
@@ -44,6 +43,9 @@ MOST_STALLED = 6
 """Times in turn that a path is timed again without less excess than at best: what is left is the samples' rounding.
 Those that end take up to four, where a new sample moves a switch of the fastest timing."""
 
+ALIKE = 1e-12
+"""Relative difference of speeds and accelerations on a segment that is rounding: its excess is what it was before."""
+
 BENT = 0.05
 """Largest part of a joint's step that velocities and accelerations at its ends may miss: a change of branch is all."""
 
@@ -68,11 +70,14 @@ def refined_timing(
     """
     most = max(MOST_SAMPLES, MOST_TIMES * timed.motion.samples)
     adds, tolerance = tolerance is not None, BETWEEN if tolerance is None else tolerance
-    best, stalled = timed, 0
+    best, stalled, before = timed, 0, None
     for turn in range(MOST_ROUNDS + 1):
         if not timed.pieces:
             return timed
-        share, worst = excess_by_segment(timed, tolerance)
+        shares, worst = excess_between(timed, tolerance, before)
+        before, share = (timed, shares), np.zeros(timed.motion.samples - 1)
+        for part, its in zip(timed.pieces, shares, strict=True):
+            share[part.piece.first :][: len(its)] = np.max(its.T.copy(), axis=0)  # faster by places than by segments
         timed = replace(timed, excess=worst)
         if best.excess is None or worst.share < best.excess.share:
             best, stalled = timed, 0
@@ -114,41 +119,65 @@ def check_held_between(cell: Cell, motion: CoordinatedMotion) -> None:
         between_samples(cell, motion, ((time[1:] + time[:-1]) / 2)[doubtful])
 
 
-def excess_by_segment(timed: RetimingResult, tolerance: float) -> tuple[Array, Excess]:
-    """The share by which limits are overstepped inside each segment, Shape (N - 1,), and the worst of all."""
-    worst, shares, time = Excess(0.0, tolerance), np.zeros(timed.motion.samples - 1), timed.motion.object.time
+def excess_between(
+    timed: RetimingResult, tolerance: float, before: tuple[RetimingResult, list[Array]] | None = None
+) -> tuple[list[Array], Excess]:
+    """The share by which limits are overstepped inside the segments, and the worst of all.
+
+    Args:
+        before: The timing before samples were added, and its shares: where nothing changed they are not found again.
+
+    Returns:
+        Of each piece, at each of `PLACES` in each segment, Shape (n - 1, p); and the worst.
+    """
+    worst, shares, time = Excess(0.0, tolerance), [], timed.motion.object.time
     for part in timed.pieces:
-        share, named = _smooth_excess(timed, part) if isinstance(part, SmoothPiece) else _least_excess(timed, part)
-        by_place = np.ascontiguousarray(share.reshape(-1, len(PLACES)).T)  # faster by places than by segments
-        first = part.piece.first
-        shares[first : first + len(part.piece.step)] = np.maximum(np.max(by_place, axis=0), 0.0)
-        most = int(np.argmax(share))
-        if share[most] > worst.share:
-            segment, place = divmod(most, len(PLACES))
-            start, end = time[first + segment :][:2]
-            worst = Excess(float(share[most]), tolerance, float(start + PLACES[place] * (end - start)), named)
+        row: RowOrFinder | None = None
+        if isinstance(part, SmoothPiece):
+            share, row = _smooth_excess(timed, part)
+        else:
+            share = _least_excess(timed, part, before)
+        shares.append(share)
+        segment, place = divmod(int(np.argmax(share)), len(PLACES))
+        if share[segment, place] > worst.share:
+            start, end = time[part.piece.first + segment :][:2]
+            at = float(start + PLACES[place] * (end - start))
+            named = row or partial(_overstepped, timed, part, segment, place)
+            worst = Excess(float(share[segment, place]), tolerance, at, named)
     return shares, worst
 
 
-def _least_excess(timed: RetimingResult, part: TimedPiece) -> tuple[Array, RowOrFinder]:
-    """The excess at all places of a piece, Shape (k,), where wrenches do their best, and the worst limit."""
-    cell, sharing, played = timed.cell, timed.options.sharing, between_path_samples(timed.cell, part, PLACES)
-    rows, one = motion_rows(cell, played, sharing), np.ones(played.samples)
-    shares = np.stack([motion_widening(rows, one, load) for load in timed.loads])
-    load, place = divmod(int(np.argmax(shares)), played.samples)
-    there = played.at(np.array([place, place]))
-    return np.max(shares, axis=0), partial(_overstepped, cell, there, sharing, timed.loads[load])
+def _least_excess(timed: RetimingResult, part: TimedPiece, before: tuple[RetimingResult, list[Array]] | None) -> Array:
+    """The excess at all places of a piece, Shape (n - 1, p), where wrenches do their best."""
+    share, new = np.zeros((len(part.piece.step), len(PLACES))), np.ones(len(part.piece.step), dtype=bool)
+    known = before and before[0].part_along(part.piece, timed.motion)
+    if before and known:
+        number, own = known
+        old, starts, ends = before[0].pieces[number], own[:-1], own[1:]
+        speeds = np.maximum(np.abs(part.x[starts] - old.x[:-1]), np.abs(part.x[ends] - old.x[1:]))
+        rates = np.max(np.abs(part.rates[starts] - old.rates), axis=1)
+        alike = (starts + 1 == ends) & (speeds <= ALIKE * old.x[:-1]) & (rates <= ALIKE * np.max(np.abs(old.rates)))
+        share[starts[alike]] = before[1][number][alike]
+        new[starts[alike]] = False
+    segments = np.flatnonzero(new)
+    if segments.size:
+        played = between_path_samples(timed.cell, part, segments)
+        rows, one = motion_rows(timed.cell, played, timed.options.sharing), np.ones(played.samples)
+        found = [motion_widening(rows, one, load) for load in timed.loads]
+        share[segments] = np.max(found, axis=0).reshape(-1, len(PLACES))
+    return share
 
 
-def _overstepped(
-    cell: Cell, there: CoordinatedMotion, sharing: LoadSharing | None, load: Array | None
-) -> ActiveRow | None:
-    rows = motion_ranges(motion_rows(cell, there, sharing), DEFAULT_SOLVER, load, 1.0).binding(0, "upper")
-    return rows[0] if rows else None
+def _overstepped(timed: RetimingResult, part: TimedPiece, segment: int, place: int) -> ActiveRow | None:
+    played = between_path_samples(timed.cell, part, np.array([segment, segment]), PLACES[[place]])
+    rows = motion_rows(timed.cell, played, timed.options.sharing)
+    worst = max(timed.loads, key=lambda load: motion_widening(rows, np.ones(2), load)[0])
+    found = motion_ranges(rows, DEFAULT_SOLVER, worst, 1.0).binding(0, "upper")
+    return found[0] if found else None
 
 
 def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, RowOrFinder]:
-    """The excess over rows and limits of jerk at all places of a smooth piece, Shape (k,), and the worst limit.
+    """The excess over rows and limits of jerk at all places of a smooth piece, Shape (n - 1, p), and the worst limit.
 
     Torques are commanded linear in time between nodes, so their rates are constant there and kept; what the motion
     needs differs from that by the square of the step. So it is looked at with wrenches that are linear too: those of
@@ -186,4 +215,5 @@ def _smooth_excess(timed: RetimingResult, part: SmoothPiece) -> tuple[Array, Row
     source, most = divmod(int(np.argmax(shares)), len(x))
     sides = over[source][:, most]
     row = int(np.argmax(np.max(sides, axis=0)))
-    return np.max(shares, axis=0), row_at[source](row, upper=bool(sides[0, row] >= sides[1, row]))
+    by_place = np.max(shares, axis=0).reshape(-1, len(PLACES))
+    return by_place, row_at[source](row, upper=bool(sides[0, row] >= sides[1, row]))

@@ -161,29 +161,19 @@ class _Search:
 
     def _regions(self, progress: Progress) -> SpeedRegions:
         """The admissible speeds at all samples; where the path is that of the timing before, they are known."""
-        length, (kept, regions) = float(np.sum(self.piece.step)), self._known()
-        new = np.setdiff1d(np.arange(len(self.piece.arc)), kept)
-        places = [kept] * len(regions)
-        if new.size:
-            bound = regions[0].bound if regions else None
-            problems = self._problems(progress, new if regions else None)
-            regions = [*regions, *(speed_regions(one, length, self.ends, bound) for one in problems)]
-        return intersect_regions(regions, [*places, *[new] * (len(regions) - len(places))])
-
-    def _known(self) -> tuple[NDArray[np.intp], list[SpeedRegions]]:
-        """Samples at which the path is that of the timing before, and their regions; none without one."""
-        nothing = np.zeros(0, dtype=np.intp)
-        if self.before is None:
-            return nothing, []
-        path, times = self.piece.path, self.before.motion.object.time
-        time = self.untimed.motion.object.time[self.piece.first :][: path.samples]
-        for part in fastest_pieces(self.before.pieces):
-            theirs, old = times[part.piece.first :][: len(part.x)], part.piece.path
-            if theirs[0] == time[0] and theirs[-1] == time[-1]:
-                own = np.searchsorted(time, theirs)
-                same = np.all((path.dq[own] == old.dq) & (path.ddq[own] == old.ddq), axis=1)
-                return (own[same], [part.profile.regions.at(same)]) if np.any(same) else (nothing, [])
-        return nothing, []
+        length, before = float(np.sum(self.piece.step)), self.before
+        known = before and before.part_along(self.piece, self.untimed.motion)
+        if not before or not known:
+            return intersect_regions([speed_regions(one, length, self.ends) for one in self._problems(progress)])
+        number, own = known
+        regions = fastest_pieces(before.pieces)[number].profile.regions
+        new = np.delete(np.arange(len(self.piece.arc)), own)
+        if not new.size:
+            return regions
+        problems = self._problems(progress, new)
+        return regions.with_samples(
+            new, intersect_regions([speed_regions(one, length, self.ends, regions.bound) for one in problems])
+        )
 
     def _none(self, status: RetimingStatus, why: str, conflict: Conflict | None = None) -> RetimingResult:
         return replace(self.untimed, status=status, explanation=why, conflict=conflict)

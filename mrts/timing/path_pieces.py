@@ -215,6 +215,8 @@ def closed_piece(cell: Cell, piece: PathPiece) -> PathPiece:
     Continued each by themselves, the arms would carry it apart, by the square of a step.
     """
     path, continued = piece.path, piece.continued
+    if not continued.size:
+        return piece
     some = path.at(np.concatenate([[0], continued, [-1]]))  # two samples at least
     dq, ddq = path.dq.copy(), path.ddq.copy()
     dq[continued], ddq[continued] = (

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
@@ -32,6 +33,7 @@ from mrts.scaling.options import Options
 from mrts.scaling.result import Result, ScalingResult, check_own_limits, kept_text
 from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
 from mrts.scaling.what_if import WhatIf
+from mrts.timing.path_pieces import PathPiece
 from mrts.timing.retimed_motion import FastestPiece, SmoothPiece, TimedPiece, at_segment_ends, new_times
 
 BINDING = 1e-6
@@ -186,6 +188,21 @@ class RetimingResult(Result):
         if self.pieces:
             shares = [(name, f"{100 * share:.3g} %") for name, share in self.limits]
             yield NotebookTable(("what limits the speed", "of the duration"), shares)
+
+    def part_along(self, piece: PathPiece, motion: CoordinatedMotion) -> tuple[int, NDArray[np.intp]] | None:
+        """Which of the pieces was this one before samples were added to the motion, and where they are in it now.
+
+        None where none was, or the path has other derivatives now.
+        """
+        path, time = piece.path, motion.object.time[piece.first :][: piece.path.samples]
+        for number, part in enumerate(self.pieces):
+            old = part.piece.path
+            theirs = self.motion.object.time[part.piece.first :][: old.samples]
+            if theirs[0] == time[0] and theirs[-1] == time[-1]:
+                own = np.searchsorted(time, theirs)
+                same = np.array_equal(path.dq[own], old.dq) and np.array_equal(path.ddq[own], old.ddq)
+                return (number, own) if same else None
+        return None
 
     @cached_property
     def factor(self) -> ScalingResult:

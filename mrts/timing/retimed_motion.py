@@ -19,7 +19,7 @@ from mrts.program.motor_terms import travel_directions
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.successive_steps import StepsTaken
 from mrts.timing.fastest_profile import SpeedProfile, segment_times
-from mrts.timing.path_pieces import STRIDE, PathPiece, SmoothPath
+from mrts.timing.path_pieces import PLACES, STRIDE, PathPiece, SmoothPath
 
 JOINT_PATH = structure("dense/path_places.c", "mrts_joint_path")
 
@@ -207,23 +207,31 @@ def at_segment_ends(part: TimedPiece) -> tuple[CoordinatedMotion, CoordinatedMot
     return ends[0], ends[1]
 
 
-def between_path_samples(cell: Cell, part: TimedPiece, places: Array) -> CoordinatedMotion:
-    """The retimed motion inside the segments, dq/ds on the polynomials of `velocity_polynomials`.
+def between_path_samples(
+    cell: Cell, part: TimedPiece, segments: NDArray[np.intp], places: Array = PLACES
+) -> CoordinatedMotion:
+    """The retimed motion inside some segments, dq/ds on the polynomials of `velocity_polynomials`.
 
     Args:
+        segments: Which, in order, Shape (s,).
         places: Where in each segment, in (0, 1), Shape (p,).
 
     Returns:
-        The motion at p (n - 1) samples, segment after segment; its time is the path parameter.
+        The motion at p s samples, segment after segment; its time is the path parameter.
     """
-    s, q, dq, ddq, *carried = path_places(cell.library, cell, part.piece.path, (part.x, part.rates), places)
+    s, q, dq, ddq, *carried = path_places(cell.library, cell, part.piece.path, (part.x, part.rates), segments, places)
     position, rotation, twist, acceleration = carried
     inside = unchecked_object_motion(s, position, rotation, twist, acceleration)
     return unchecked_coordinated_motion(inside, q, dq, ddq)
 
 
 def path_places(
-    library: CellLibrary, cell: Cell, path: CoordinatedMotion, speeds: tuple[Array, Array], places: Array
+    library: CellLibrary,
+    cell: Cell,
+    path: CoordinatedMotion,
+    speeds: tuple[Array, Array],
+    segments: NDArray[np.intp],
+    places: Array = PLACES,
 ) -> tuple[Array, ...]:
     """The motion of `between_path_samples` in one foreign call (kernel/c/dense).
 
@@ -233,16 +241,16 @@ def path_places(
 
     Returns:
         The parameter of the path from the first place on, q, q̇, q̈ and the object's position, rotation, twist and
-        acceleration, each with p (n - 1) first.
+        acceleration, each with p s first.
     """
     along = (path.object.time, path.q, path.dq, path.ddq, polynomial_weights(places), places, WHOLE_WAY)
     given = [np.ascontiguousarray(array) for array in along]
     asked = [np.ascontiguousarray(array) for array in (*speeds, cell.geometry)]
-    count = len(places) * (path.samples - 1)
+    count, of = len(places) * len(segments), np.ascontiguousarray(segments, dtype=np.int64)
     found = [np.empty((count, *shape)) for shape in [(), *[(library.joints,)] * 3, (3,), (3, 3), (6,), (6,)]]
     components = np.array(cell.wrench_rows, dtype=np.int32)
     joint_path = JOINT_PATH(*(array.ctypes.data for array in given), len(places))
-    library.opened.mrts_path_places(count, joint_path, *asked, components, *found)
+    library.opened.mrts_path_places(count, joint_path, *asked, of, components, *found)
     found[5] = found[5].transpose(0, 2, 1)  # by columns, as generated functions want them
     return tuple(found)
 

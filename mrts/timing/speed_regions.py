@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,13 +53,19 @@ class SpeedRegions:
     bound: float
     undecided: tuple[int, ...]
 
-    def at(self, samples: NDArray[np.bool_]) -> "SpeedRegions":
-        """The regions of some samples, Shape (N,)."""
-        counts = np.diff(self.start)
-        start = np.concatenate([[0], np.cumsum(counts[samples])]).astype(np.int64)
-        undecided = tuple(np.flatnonzero(np.isin(np.flatnonzero(samples), self.undecided)).tolist())
-        planes = self.planes[np.repeat(samples, counts)]
-        return SpeedRegions(start, planes, self.lower[samples], self.upper[samples], self.bound, undecided)
+    def with_samples(self, places: NDArray[np.intp], more: "SpeedRegions") -> "SpeedRegions":
+        """Those of further samples besides, which are then at some places of all, Shape (k,), in order."""
+        before = places - np.arange(len(places))
+        ours, theirs = np.split(self.planes, self.start[before]), np.split(more.planes, more.start[1:-1])
+        counts = np.insert(np.diff(self.start), before, np.diff(more.start))
+        return SpeedRegions(
+            np.concatenate([[0], np.cumsum(counts)]),
+            np.concatenate([*chain.from_iterable(zip(ours, theirs, strict=False)), ours[-1]]),
+            np.insert(self.lower, before, more.lower),
+            np.insert(self.upper, before, more.upper),
+            self.bound,
+            tuple(places[list(more.undecided)].tolist()),
+        )
 
 
 def speed_regions(
@@ -121,27 +128,18 @@ def _regions_of_planes(planes: Array, effect: Array, most: Array, bound: float) 
     return SpeedRegions(start, planes.reshape(-1, 3), np.zeros(count), most, bound, ())
 
 
-def intersect_regions(
-    regions: Sequence[SpeedRegions], places: Sequence[NDArray[np.intp]] | None = None
-) -> SpeedRegions:
-    """What is admissible in all of several regions of the same samples, or of those at some places of all, each."""
+def intersect_regions(regions: Sequence[SpeedRegions]) -> SpeedRegions:
+    """What is admissible in all of several regions of the same samples."""
     if len(regions) == 1:
         return regions[0]
-    places = [np.arange(len(part.lower)) for part in regions] if places is None else places
-    count = 1 + int(max(np.max(at) for at in places))
-    lower, upper = np.zeros(count), np.full(count, np.inf)
-    undecided = set[int]()
-    for at, part in zip(places, regions, strict=True):
-        lower[at], upper[at] = np.maximum(lower[at], part.lower), np.minimum(upper[at], part.upper)
-        undecided |= {*at[list(part.undecided)].tolist()}
-    samples = np.concatenate([np.repeat(at, np.diff(part.start)) for at, part in zip(places, regions, strict=True)])
+    samples = np.concatenate([np.repeat(np.arange(len(part.lower)), np.diff(part.start)) for part in regions])
     return SpeedRegions(
-        np.concatenate([[0], np.cumsum(np.bincount(samples, minlength=count))]).astype(np.int64),
+        np.sum([part.start for part in regions], axis=0),
         np.concatenate([part.planes for part in regions])[np.argsort(samples, kind="stable")],
-        lower,
-        upper,
+        np.max([part.lower for part in regions], axis=0),
+        np.min([part.upper for part in regions], axis=0),
         min(part.bound for part in regions),
-        tuple(sorted(undecided)),
+        tuple(sorted({sample for part in regions for sample in part.undecided})),
     )
 
 

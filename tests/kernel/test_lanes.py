@@ -23,7 +23,6 @@ from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.torque_distribution import least_torques
-from mrts.timing.path_pieces import PLACES
 from mrts.timing.retimed_motion import path_places
 
 C = ROOT / "mrts" / "kernel" / "c"
@@ -117,7 +116,7 @@ def answers(request, tmp_path_factory):
         """What is found between samples, and of all of them at once."""
         rng_of_speeds = np.random.default_rng(2)
         speeds = rng_of_speeds.random(SAMPLES) + 1, rng_of_speeds.random((SAMPLES - 1, 2))
-        places = path_places(library, cell, motion, speeds, PLACES)
+        places = path_places(library, cell, motion, speeds, np.arange(SAMPLES - 1))
         closed = closure_sizes(library, all_inputs, motion.object.position + 1e-3, cell.geometry, cell.wrench_rows)
         return [*places, closed]
 

@@ -9,6 +9,23 @@
 #include "speed_intervals.h"
 #include "trajectory.h"
 
+/* The wrench form at all samples, as mrts_map gives it, `size` numbers of each output. */
+MRTS_EXPORT void mrts_forms(long long count, const double *const *in, const long long *stride, double *const *out,
+                            const long long *size) {
+    enum { K = MRTS_UNKNOWNS, M = MRTS_JOINTS, N = MRTS_WRENCHES };
+    mrts_lanes torque[(K + 1) * M], wrench[(K + 1) * N], *const res[] = {torque, torque + K * M, wrench, wrench + K * N};
+    mrts_lanes sines[2 * M];
+    mrts_lane_inputs inputs;
+    for (long long n = 0; n < count; n += MRTS_LANES) {
+        mrts_take_inputs(in, stride, n, count, n == 0, &inputs);
+        mrts_sines(M, inputs.arg[0], sines);
+        MRTS_WRENCH_FORM_LANES(inputs.arg, sines, res);
+        for (int lane = 0; lane < MRTS_LANES && n + lane < count; ++lane) {
+            for (int i = 0; i < 4; ++i) mrts_take_lane((int)size[i], res[i], lane, out[i] + (n + lane) * size[i]);
+        }
+    }
+}
+
 /* Reals and ints of work of mrts_ranges and mrts_torques for so many rows of limits. */
 MRTS_EXPORT void mrts_ranges_work(int rows, long long *reals, long long *ints) {
     *reals = MRTS_ROWS_WORK(MRTS_UNKNOWNS, rows) + MRTS_LP_WORK(MRTS_UNKNOWNS) + MRTS_SAMPLES_WORK(rows);

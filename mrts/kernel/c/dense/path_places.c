@@ -21,6 +21,7 @@ typedef struct {
     const mrts_joint_path *path;
     const double *x, *u;    /* squared speed at the samples; half its slope at the start and at the end of each segment */
     const double *geometry;
+    const long long *segments; /* those that are looked at, rising */
     const int *components;  /* those of a twist that a wrench of the cell has */
     /* Time from the first place of all on; rotations by columns, as generated functions want them. */
     double *time, *q, *dq, *ddq, *position, *rotation, *twist, *acceleration;
@@ -33,7 +34,7 @@ static void mrts_joints_at(const mrts_joint_path *path, const long long *segment
     long long start[MRTS_LANES];
     MRTS_UNROLL
     for (int lane = 0; lane < MRTS_LANES; ++lane) {
-        const int place = (int)(places[lane] - segments[lane] * path->places);
+        const int place = (int)(places[lane] % path->places);
         start[lane] = segments[lane] * MRTS_JOINTS;
         for (int i = 0; i < 12; ++i) weight[i][lane] = path->weight[12 * place + i];
     }
@@ -144,10 +145,10 @@ static void mrts_some_places(const mrts_places *to, const mrts_lanes *geometry, 
     mrts_lanes rate[MRTS_JOINTS + 6], change[MRTS_JOINTS + 6], *twist = rate + MRTS_JOINTS, *acceleration = change + MRTS_JOINTS;
     MRTS_UNROLL
     for (int lane = 0; lane < MRTS_LANES; ++lane) {
-        segments[lane] = places[lane] / path->places;
+        segments[lane] = to->segments[places[lane] / path->places];
         time[lane] = path->time[segments[lane]];
         h[lane] = path->time[segments[lane] + 1] - path->time[segments[lane]];
-        at[lane] = path->at[places[lane] - segments[lane] * path->places];
+        at[lane] = path->at[places[lane] % path->places];
     }
     mrts_joints_at(path, segments, places, h, at, q, rate, change);
     mrts_carried(to, geometry, q, rate, change, position, rotation, twist, acceleration);
@@ -157,7 +158,8 @@ static void mrts_some_places(const mrts_places *to, const mrts_lanes *geometry, 
         rate[i] *= speed;
     }
     time += h * at;
-    time -= path->time[0] + (path->time[1] - path->time[0]) * path->at[0];
+    const double *first = path->time + to->segments[0];
+    time -= first[0] + (first[1] - first[0]) * path->at[0];
     mrts_put_numbers(1, &time, places, to->time);
     mrts_put_numbers(MRTS_JOINTS, q, places, to->q);
     mrts_put_numbers(MRTS_JOINTS, rate, places, to->dq);
@@ -171,11 +173,13 @@ static void mrts_some_places(const mrts_places *to, const mrts_lanes *geometry, 
     mrts_put_numbers(6, acceleration, places, to->acceleration);
 }
 
-/* All `count` places of all segments in a row, see mrts_places: the time from the first place of all, joints and object. */
+/* All `count` places of some segments in a row, see mrts_places: the time from the first place of all, joints and object. */
 MRTS_EXPORT void mrts_path_places(long long count, const mrts_joint_path *path, const double *x, const double *u,
-                                  const double *geometry, const int *components, double *time, double *q, double *dq,
-                                  double *ddq, double *position, double *rotation, double *twist, double *acceleration) {
-    const mrts_places to = {path, x, u, geometry, components, time, q, dq, ddq, position, rotation, twist, acceleration};
+                                  const double *geometry, const long long *segments, const int *components, double *time,
+                                  double *q, double *dq, double *ddq, double *position, double *rotation, double *twist,
+                                  double *acceleration) {
+    const mrts_places to = {path, x,  u,   geometry, segments, components, time,
+                            q,    dq, ddq, position, rotation, twist,      acceleration};
     long long places[MRTS_LANES];
     mrts_lanes numbers[MRTS_GEOMETRY_NUMBERS];
     for (int i = 0; i < MRTS_GEOMETRY_NUMBERS; ++i) numbers[i] = mrts_each(geometry[i]);
