@@ -33,7 +33,6 @@ from mrts.program.solvers import DEFAULT_SOLVER, solve_programs
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 from mrts.program.widening import least_widening
 from mrts.scaling.result import ScalingResult
-from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.timing.result import RetimingResult
 from mrts.timing.retimed_motion import TimedPiece, at_segment_ends, fastest_pieces, new_times
 
@@ -154,7 +153,7 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
             "result", "has an internal wrench of each sample: between them none is known. Give one for all."
         )
     jumps = fastest_pieces(timed.pieces) if timed else ()
-    motion = _both_sides(jumps) if jumps else _played(done)
+    motion = _both_sides(jumps) if jumps else done.played
     cell, options = result.cell.with_reserve(0.0), result.options
     varies = cell.load_box is not None and options.load == "guaranteed"
     loads = tuple(point.load for point in cell.load_box.corners()) if varies and cell.load_box else (cell.load,)
@@ -174,12 +173,6 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
         options.distribute == "reserve",
         most,
     )
-
-
-def _played(done: ScaledTrajectory) -> CoordinatedMotion:
-    given = done.motion
-    carried = given.object.played(done.time, done.c * given.object.twist, done.c2 * given.object.acceleration)
-    return unchecked_coordinated_motion(carried, done.q, done.dq, done.ddq, given.travel)
 
 
 def _both_sides(pieces: Sequence[TimedPiece]) -> CoordinatedMotion:

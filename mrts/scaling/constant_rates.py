@@ -29,8 +29,8 @@ from mrts.program.reserve import given_sizes, reserved_torques
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.smooth_program import SmoothProgram
 from mrts.program.torque_distribution import TORQUE_WIDENING
-from mrts.scaling.motion_remarks import STILL
 from mrts.scaling.range import RangeEnd, ScalingRange, range_status
+from mrts.scaling.remarks import STILL
 
 RATE_MARGIN = 1e-8
 """Share of a rate: factors keep three of it free, less one for rounding, so that torques are more than one point."""

@@ -31,8 +31,8 @@ from mrts.program.solvers import DEFAULT_SOLVER, check_solver
 from mrts.scaling.limit_use import LimitUse, limit_tables, limit_uses, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
-from mrts.scaling.plan_remarks import plan_remarks
 from mrts.scaling.range import ScalingRange
+from mrts.scaling.remarks import plan_remarks
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 if TYPE_CHECKING:

@@ -36,9 +36,9 @@ from mrts.program.torque_distribution import TORQUE_WIDENING, motion_torques, to
 from mrts.program.widening import motion_widening
 from mrts.scaling.constant_rates import RatedFactors, torques_within_rates
 from mrts.scaling.loads import range_at_samples
-from mrts.scaling.motion_remarks import interpolated, motion_remarks
 from mrts.scaling.options import Options, Selection, limited_cell
 from mrts.scaling.range import ScalingRange
+from mrts.scaling.remarks import interpolated, motion_remarks
 from mrts.scaling.result import END_TOLERANCE, LIMIT_TOLERANCE, ScalingResult, kept_text, largest_excess
 from mrts.scaling.scaled_trajectory import Holding, ScaledTrajectory
 

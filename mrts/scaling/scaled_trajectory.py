@@ -11,7 +11,7 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.cell.motors import JointDuty, joint_duty
-from mrts.following.coordinated_motion import CoordinatedMotion
+from mrts.following.coordinated_motion import CoordinatedMotion, unchecked_coordinated_motion
 from mrts.limits.cell_limits import torque_limits
 from mrts.program.motor_terms import motor_terms
 
@@ -81,6 +81,13 @@ class ScaledTrajectory:
     def ddq(self) -> Array:
         """q̈ = c² q'', Shape (N, m) [rad/s² or m/s²]."""
         return self.c2 * self.motion.ddq
+
+    @property
+    def played(self) -> CoordinatedMotion:
+        """The motion by its new time."""
+        given = self.motion.object
+        carried = given.played(self.time, self.c * given.twist, self.c2 * given.acceleration)
+        return unchecked_coordinated_motion(carried, self.q, self.dq, self.ddq, self.motion.travel)
 
     @property
     def duration(self) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from mrts.base.argument_types import Progress
 from mrts.base.errors import InputError, MotionError, SolverError
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
-from mrts.base.words import first_names
+from mrts.base.words import aligned, first_names
 from mrts.cell.cell import Cell
 from mrts.cell.cell_change import SPOKEN_CHANGES, CellChange, ChangeSteps, cell_changes
 from mrts.following.coordinated_motion import CoordinatedMotion, follow_object, following_again
@@ -150,9 +150,7 @@ class WhatIf(InNotebooks):
         question, *others = self.notebook_words()
         yield question
         for table in self.notebook_tables():
-            widths = [max(map(len, column)) for column in zip(table.head, *table.rows, strict=True)]
-            for row in (table.head, *table.rows):
-                yield "  " + "  ".join(f"{text:<{width}}" for text, width in zip(row, widths, strict=True)).rstrip()
+            yield from (f"  {line}" for line in aligned((table.head, *table.rows)))
         yield from others
 
     def notebook_words(self) -> list[str]:

@@ -34,7 +34,7 @@ from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import torque_weights, torques_by_blocks
 from mrts.scaling.limit_use import LIMIT_DIGITS, LimitedQuantities, LimitUse, by_share, limit_uses, rate_uses
 from mrts.scaling.options import Options
-from mrts.scaling.plan_remarks import overload_remarks
+from mrts.scaling.remarks import overload_remarks
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.simulation.plan_file import read_plan

@@ -28,8 +28,8 @@ from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
-from mrts.scaling.motion_remarks import lasting
 from mrts.scaling.options import Options
+from mrts.scaling.remarks import lasting
 from mrts.scaling.result import Result, ScalingResult, check_own_limits, kept_text
 from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
 from mrts.scaling.what_if import WhatIf

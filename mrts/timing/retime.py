@@ -26,8 +26,8 @@ from mrts.program.path_solver import KernelSolver
 from mrts.program.rate_limits import RateLimits, Rates, rate_limits
 from mrts.program.smooth_program import Goal
 from mrts.program.successive_steps import CONVERGED
-from mrts.scaling.motion_remarks import interpolated_timing, lasting, motion_remarks
 from mrts.scaling.options import Options, limited_cell
+from mrts.scaling.remarks import interpolated_timing, lasting, motion_remarks
 from mrts.scaling.result import Remarks, ScalingResult
 from mrts.scaling.scale import with_torques
 from mrts.timing.between_samples import check_held_between, refined_timing
