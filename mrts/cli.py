@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The command line `mrts`; its commands are in mrts/commands, its exit codes in mrts/commands/console/exit_codes.py."""
+"""The command line `mrts`; its commands are in mrts/commands."""
 
 import atexit
 import gc
@@ -7,8 +7,11 @@ import logging
 import os
 import signal
 import sys
+import textwrap
+import traceback
 from collections.abc import Sequence
 from importlib import import_module
+from pathlib import Path
 
 import click
 
@@ -16,8 +19,7 @@ from mrts.base.errors import MrtsError
 from mrts.base.printable import message_text
 from mrts.base.regular_file import FILES_READ
 from mrts.base.version import __version__
-from mrts.commands.console.defect import describe_defect, trace
-from mrts.commands.console.exit_codes import BAD_INPUT, DEFECT, PIPE_CLOSED, SIGNALLED
+from mrts.commands.console.answer import BAD_INPUT
 from mrts.commands.console.signals import EndedBySignal, persistent_interrupt
 from mrts.commands.console.terminal import (
     DEBUG,
@@ -48,6 +50,23 @@ COMMANDS = {
     "export": "write a self-contained C library of a cell for a controller",
 }
 """In the order of `--help`, with what it says of each; the module in mrts/commands is imported if it is the one."""
+
+DEFECT = 70
+"""Exit code: mrts itself failed. EX_SOFTWARE of sysexits.h."""
+
+PIPE_CLOSED = 141
+"""What a shell reports of a program whose reader went away."""
+
+SIGNALLED = 128
+"""What a shell adds to the number of the signal that ended a program."""
+
+LONGEST_REASON = 300
+"""Letters of the words of an exception that nobody expected."""
+
+REPORT = (
+    "This is a defect of mrts, whatever the input. Please report it, with the files and with what the same command "
+    "prints with --debug."
+)
 
 ENDINGS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "the terminal is gone"}
 """What is said when a signal ends the work."""
@@ -143,8 +162,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return SIGNALLED + number
     except (Exception, SystemExit) as error:  # noqa: BLE001 (told as a defect)
         if DEBUG.get():
-            fail_raw(trace(error))
-        fail(describe_defect(error))
+            versions = f"mrts {__version__}, Python {sys.version.split()[0]} on {sys.platform}"
+            fail_raw("".join(traceback.format_exception(error)) + versions)
+        fail(_defect(error))
         return DEFECT
     return code
 
@@ -155,6 +175,17 @@ def _usage(error: click.UsageError, words: list[str]) -> str:
     command = " ".join(["mrts", *named]) if error.ctx is None else error.ctx.command_path
     text = message_text(error.format_message()).rstrip(".")
     return f"{text} ('{command} --help' has the options, and examples)"
+
+
+def _defect(error: BaseException) -> str:
+    """One paragraph: what happened, where, and what to do."""
+    package = Path(__file__).parent
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if package in Path(frame.filename).parents]
+    place = f" at {Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else ""
+    if isinstance(error, MemoryError):
+        return f"out of memory{place}. Give the motion fewer samples, or the load fewer uncertain parameters."
+    reason = textwrap.shorten(" ".join(traceback.format_exception_only(error)), LONGEST_REASON, placeholder="…")
+    return f"internal error{place}: {reason.rstrip('.')}. {REPORT}"
 
 
 def _run(words: list[str]) -> int:

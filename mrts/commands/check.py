@@ -8,10 +8,8 @@ from click import argument, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
-from mrts.commands.console.exit_codes import BAD_INPUT, FEASIBLE, INFEASIBLE
-from mrts.commands.console.output_files import Outputs
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import QUIET, fail
+from mrts.commands.console.answer import BAD_INPUT, FEASIBLE, INFEASIBLE, Outputs
+from mrts.commands.console.terminal import QUIET, fail, working
 from mrts.commands.options import Named
 
 if TYPE_CHECKING:
@@ -57,9 +55,7 @@ def run(
     if closure is not None:
         raise InputError("closure", "is of a plan: give --cell too.")
     found = _found(cell, motion)
-    outputs = Outputs()
-    outputs.write(json, found.write_json)
-    code = outputs.answer(found.lines(), CODES[found.status], json, found)
+    code = Outputs(found, json).answer(found.lines(), CODES[found.status])
     if found.status == "wrong-input" and (json is not None or QUIET.get()):
         place = "" if json is None else f" (all of it: {json})"
         fail(f"error: {found.outcome()}{place}")
@@ -72,9 +68,7 @@ def _plan(plan: Path, cell: Path, closure: "ClosureBound | None", json: Path | N
     limited = options.compiled_cell(cell)
     with working(f"checking {plan}"):
         found = check_plan(limited, plan, closure=closure)
-    outputs = Outputs()
-    outputs.write(json, found.write_json)
-    return outputs.answer(found.lines(every=verbose), CODES[found.status], json, found)
+    return Outputs(found, json).answer(found.lines(every=verbose), CODES[found.status])
 
 
 def _found(cell: Path, motion: Path | None) -> "CellCheck":

@@ -8,9 +8,8 @@ from click import IntRange, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.console.output_files import Outputs
-from mrts.commands.console.progress import working
+from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
+from mrts.commands.console.terminal import working
 
 EXAMPLES = """\
 examples:
@@ -46,8 +45,6 @@ def run(
     limited = options.limited_cell(cell, **options.take(given, options.LIMITS))
     with working(f"configurations of {limited.name}") as progress:
         study = rank_configurations(limited, given_motion, **given, progress=progress)
-    outputs = Outputs()
-    outputs.write(json, study.write_json)
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion
     lines = study.table(show).split("\n", 1)
-    return outputs.answer(lines, FEASIBLE if feasible else INFEASIBLE, json, study)
+    return Outputs(study, json).answer(lines, FEASIBLE if feasible else INFEASIBLE)

@@ -7,9 +7,8 @@ from typing import Any
 from click import option
 
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import say, warn
+from mrts.commands.console.answer import FEASIBLE
+from mrts.commands.console.terminal import say, warn, working
 from mrts.commands.options import Written
 
 EXAMPLES = """\

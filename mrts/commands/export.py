@@ -9,9 +9,8 @@ from click import Choice, argument, option
 from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import say
+from mrts.commands.console.answer import FEASIBLE
+from mrts.commands.console.terminal import say, working
 from mrts.commands.options import Named, Written
 
 if TYPE_CHECKING:

@@ -6,9 +6,8 @@ from pathlib import Path
 from click import argument, option
 
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import say, warn
+from mrts.commands.console.answer import FEASIBLE
+from mrts.commands.console.terminal import say, warn, working
 from mrts.commands.options import Named, Written
 
 EXAMPLES = """\

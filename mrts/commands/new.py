@@ -10,9 +10,8 @@ from click import argument, get_current_context, option
 
 from mrts.base.errors import InputError, MotionError
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import say, warn
+from mrts.commands.console.answer import FEASIBLE, INFEASIBLE
+from mrts.commands.console.terminal import say, warn, working
 from mrts.commands.options import Named, Written
 
 if TYPE_CHECKING:

@@ -23,8 +23,7 @@ from click.core import ParameterSource
 from mrts.base.argument_types import require_extra
 from mrts.base.atomic_file import check_writable
 from mrts.base.errors import InputError, MotionError
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import DEBUG, QUIET, put
+from mrts.commands.console.terminal import DEBUG, QUIET, put, working
 from mrts.plots import FIGURE_FORMATS
 
 if TYPE_CHECKING:

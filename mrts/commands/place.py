@@ -7,10 +7,8 @@ from typing import Any
 from click import argument, option
 
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.console.output_files import Outputs, check_not_read
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import warn
+from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs, check_not_read
+from mrts.commands.console.terminal import warn, working
 from mrts.commands.options import Named, Written
 
 EXAMPLES = """\

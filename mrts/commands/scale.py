@@ -13,12 +13,9 @@ from click import Choice, FloatRange, option
 from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.console.output_files import Outputs
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import Style, put, warn
+from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
+from mrts.commands.console.terminal import Style, warn, working
 from mrts.commands.options import HTML, Written, take
-from mrts.output import TRAJECTORY_FORMATS, TrajectoryFormat
 from mrts.program.formulation import DISTRIBUTIONS, FORMULATIONS
 
 if TYPE_CHECKING:
@@ -48,22 +45,11 @@ STYLES: dict[str, Style] = {"free": "plain", "near": "note", "reached": "bad"}
 
 SELECTIONS = ("fastest", "nominal", "c2")
 
-FILES = ("json", "save", *(name.replace("-", "_") for name in TRAJECTORY_FORMATS), "plot", "report")
+PLANS = ("csv", "ros_bag")
+"""Arguments that name files of the trajectory at the chosen speed."""
+
+FILES = ("save", *PLANS, "plot", "report")
 """Arguments that name outputs, in the order in which they are written."""
-
-FILE_RATES = tuple(f"{name.replace('-', '_')}_rate" for name in TRAJECTORY_FORMATS)
-"""Arguments that say at which rate a trajectory is written [Hz]."""
-
-
-def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
-    package, extra = form.needs or ("", "")
-    kind = Written(folder=form.is_folder, new=form.is_folder, needs=(package,) if package else (), extra=extra)
-    metavar = "DIR" if form.is_folder else "FILE"
-    return options.together(
-        option(f"--{name}", type=kind, metavar=metavar, help=f"write the scaled trajectory {form.meaning}"),
-        option(f"--{name}-rate", type=FloatRange(min=0, min_open=True), metavar="HZ",
-               help="its rows at equal steps, as a controller takes them (default: the samples)"),
-    )  # fmt: skip
 
 
 @options.command(EXAMPLES)
@@ -106,7 +92,13 @@ def _trajectory_file(name: str, form: TrajectoryFormat) -> options.Decorator:
         "speed")  # fmt: skip
 @options.json
 @option("--save", type=Written(".npz"), metavar="FILE.npz", help="save the whole result, for mrts.load_result")
-@options.together(*(_trajectory_file(*named) for named in TRAJECTORY_FORMATS.items()))
+@option("--csv", type=Written(), metavar="FILE", help="write the scaled trajectory as a table")
+@option("--ros-bag", type=Written(folder=True, new=True, needs=("rosbags",), extra="ros"), metavar="DIR",
+        help="write it as a ROS 2 bag (MCAP; needs the extra 'ros')")  # fmt: skip
+@option("--merged", is_flag=True, help="of --ros-bag: one trajectory of all arms")
+@option("--sample-rate", type=FloatRange(min=0, min_open=True), metavar="HZ",
+        help="of --csv and --ros-bag: rows at equal steps, as a controller takes them (default: the "
+        "samples)")  # fmt: skip
 @options.plot("figures")
 @option("--report", type=HTML, metavar="FILE",
         help="write an HTML page that opens offline (needs the extra 'report')")  # fmt: skip
@@ -118,7 +110,10 @@ def run(
     profile: str,
     plot_format: str,
     carry: str | None = None,
+    json: Path | None = None,
+    sample_rate: float | None = None,
     *,
+    merged: bool = False,
     what_if: bool = False,
     brief: bool = False,
     verbose: bool = False,
@@ -130,18 +125,22 @@ def run(
     from mrts.scaling.result import ScalingResult, fallbacks_text
     from mrts.scaling.scale import SelectionError, torques_for_load
 
-    _check(profile, given | {key: True for key, on in (("what_if", what_if), ("brief", brief and verbose)) if on})
-    files, rates = take(given, FILES), take(given, FILE_RATES)
-    for name in rates:
-        if name.removesuffix("_rate") not in files:
-            raise InputError(name, f"goes with --{name.removesuffix('_rate').replace('_', '-')}.")
+    _check(profile, given | ({"what_if": True} if what_if else {}))
+    if brief and verbose:
+        raise InputError("verbose", "does not go with --brief, which is one line.")
+    files = take(given, FILES)
+    if merged and "ros_bag" not in files:
+        raise InputError("merged", "goes with --ros-bag.")
+    if sample_rate is not None and not files.keys() & {*PLANS}:
+        raise InputError("sample_rate", "goes with --csv or --ros-bag.")
     motion_given = load_motion(motion, **take(given, ("smooth",)))
     automatic = _is_automatic(given)
     limited = options.limited_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
         warn("--weights has no effect: one arm leaves no torques to choose")
     load = _known_load(limited, carry, given.get("load"))
-    solver = {"solver": given["solver"]} if "solver" in given else {}
+    solver = take(dict(given), ("solver",))
+    write = partial(_write_file, sample_rate=sample_rate, merged=merged, plot_format=plot_format)
     try:
         search = _searched(limited, motion_given, profile, given) if automatic else None
         found = (search and search.found) or _solved(limited, motion_given, profile, given)
@@ -153,21 +152,20 @@ def run(
             found = _replaced(replace(found, changes=changes), lambda played: replace(played, changes=changes))
     except SelectionError as error:
         if error.result is not None:
-            outputs = _written(error.result, files, rates, plot_format)
-            if str(files.get("json")) == "-":
-                put(error.result.json_text())
-            outputs.raise_defect()
+            outputs = Outputs(error.result, json)
+            _write(outputs, error.result, files, write)
+            outputs.answer((), INFEASIBLE)
         raise
     with working("comparing with a constant factor"):
         card = None if verbose else answer_card(found)
         lines = _words(found, card, search, brief=brief)
     with working("writing"):  # files first: whoever reads the lines may go away
-        outputs = _written(found, files, rates, plot_format, search)
+        outputs = Outputs(found, json)
+        _write(outputs, found, files, partial(write, search=search))
     outcome = FEASIBLE if found.status.admits_motion and (search is None or search.found) else INFEASIBLE
     bars = () if card is None else zip(card.lines(), card.bars, strict=True)
-    styles = {line: STYLES[bar.nearness] for line, bar in bars}
-    code = outputs.answer(lines, outcome, files.get("json"), found, styles)
-    if isinstance(found, ScalingResult) and found.fallbacks and str(files.get("json")) != "-":
+    code = outputs.answer(lines, outcome, {line: STYLES[bar.nearness] for line, bar in bars})
+    if isinstance(found, ScalingResult) and found.fallbacks and outputs.json_text is None:
         warn(fallbacks_text(found.fallbacks))
     return code
 
@@ -200,15 +198,13 @@ def _check(profile: str, given: dict[str, Any]) -> None:
 
     module, name = ("scaling", "scale") if profile == "constant" else ("timing", "retime")
     solve = getattr(import_module(f"mrts.{module}.{name}"), name)
-    known = {*signature(solve).parameters, *FILES, *FILE_RATES, *options.LIMITS, "smooth", "brief"}
+    known = {*signature(solve).parameters, *FILES, *options.LIMITS, "smooth"}
     known |= {*SELECTIONS} if profile == "constant" else set()
     known |= {"what_if"} if profile != "smooth" else set()
     known -= {"rates"} if profile == "optimal" else set()
     for name in given:
         if name not in known:
             raise InputError(name, f"does not go with --profile {profile}.")
-    if "brief" in given:
-        raise InputError("verbose", "does not go with --brief, which is one line.")
     if len(chosen := [name for name in SELECTIONS if name in given]) > 1:
         raise InputError(chosen[1], f"does not go with --{chosen[0]}.")
     if "what_if" in given and given.get("load") == "possible":
@@ -265,43 +261,52 @@ def _known_load(cell: "Cell", text: str | None, question: str | None) -> "Array 
     return cell.load_box.load_at(options.named_numbers("carry", text, "mass=1.5,izz=0.8 or mass=3kg", units))
 
 
-def _write_plan(played: "ScalingResult", form: TrajectoryFormat, rate: float | None, path: Path) -> None:
-    form.write(played if rate is None else played.at_rate(rate), path)
-
-
-def _written(
-    found: "ScalingResult | RetimingResult",
-    files: dict[str, Path],
-    rates: dict[str, float],
-    plot_format: str,
-    search: "ReserveSearch | None" = None,
-) -> Outputs:
+def _write(
+    outputs: Outputs, found: "ScalingResult | RetimingResult", files: dict[str, Path], write: Callable[..., None]
+) -> None:
     """Write what was asked for; of a timing, files of one trajectory get the retimed motion."""
     from mrts.scaling.result import ScalingResult
 
-    outputs, left_out = Outputs(), []
     played = found if isinstance(found, ScalingResult) else found.retimed
+    left_out = []
     for name, path in files.items():
-        option_name = name.replace("_", "-")
-        if name == "json":
-            outputs.write(path, found.write_json)
-        elif name == "report":
-            from mrts.report import write_report
-
-            outputs.write(path, lambda file: write_report(found, file))
-        elif name == "plot":
-            from mrts.plots import result_plots, write_plots
-
-            outputs.write(path, lambda folder: write_plots(result_plots(found, search), folder, plot_format))
-        elif name == "save":
-            from mrts.output.saved_result import save_result
-
-            outputs.write(path, lambda file: save_result(found, file))
-        elif played is None or played.trajectory is None:
-            left_out.append(f"--{option_name}")
+        if name in PLANS and (played is None or played.trajectory is None):
+            left_out.append(f"--{name.replace('_', '-')}")
         else:
-            rate = rates.get(f"{name}_rate")
-            outputs.write(path, partial(_write_plan, played, TRAJECTORY_FORMATS[option_name], rate))
+            outputs.write(path, partial(write, name, played if name in PLANS else found))
     if left_out:
         warn(f"there is no trajectory for {', '.join(left_out)}: not written")
-    return outputs
+
+
+def _write_file(
+    name: str,
+    found: Any,
+    path: Path,
+    *,
+    sample_rate: float | None,
+    merged: bool,
+    plot_format: str,
+    search: "ReserveSearch | None" = None,
+) -> None:
+    if name in PLANS and sample_rate is not None:
+        found = found.at_rate(sample_rate)
+    if name == "save":
+        from mrts.output.saved_result import save_result
+
+        save_result(found, path)
+    elif name == "csv":
+        from mrts.output.trajectory_table import write_trajectory_csv
+
+        write_trajectory_csv(found, path)
+    elif name == "ros_bag":
+        from mrts.output.ros_bag import write_ros_bag
+
+        write_ros_bag(found, path, merged=merged)
+    elif name == "plot":
+        from mrts.plots import result_plots, write_plots
+
+        write_plots(result_plots(found, search), path, plot_format)
+    else:
+        from mrts.report import write_report
+
+        write_report(found, path)

@@ -9,10 +9,8 @@ from click import argument, option
 from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.console.output_files import Outputs
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import warn
+from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
+from mrts.commands.console.terminal import warn, working
 from mrts.commands.options import HTML, Named
 
 if TYPE_CHECKING:
@@ -74,8 +72,7 @@ def run(
         draw["override"] = _wishes(override, planned)
     with working(f"simulating {compiled.name}") as progress:
         found = simulate(planned, controller, errors, progress=progress, **draw)
-    outputs = Outputs()
-    outputs.write(json, found.write_json)
+    outputs = Outputs(found, json)
     if plot is not None:
         from mrts.plots import simulation_plot, write_plots
 
@@ -84,8 +81,7 @@ def run(
         from mrts.report import write_simulation_report
 
         outputs.write(report, lambda file: write_simulation_report(found, file))
-    outcome = FEASIBLE if found.kept else INFEASIBLE
-    return outputs.answer(found.lines(every=verbose), outcome, json, found)
+    return outputs.answer(found.lines(every=verbose), FEASIBLE if found.kept else INFEASIBLE)
 
 
 def _plan(cell: "Cell", path: Path) -> "ScalingResult | RetimingResult | ScaledTrajectory":

@@ -9,10 +9,8 @@ from click import IntRange, argument, option
 
 from mrts.base.errors import InputError
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.console.output_files import Outputs
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import warn
+from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
+from mrts.commands.console.terminal import warn, working
 from mrts.commands.options import Named, Written
 
 if TYPE_CHECKING:

@@ -16,10 +16,8 @@ from mrts.base.argument_types import require_extra
 from mrts.base.errors import InputError
 from mrts.base.regular_file import is_folder
 from mrts.commands import options
-from mrts.commands.console.exit_codes import FEASIBLE, INFEASIBLE
-from mrts.commands.console.output_files import Outputs
-from mrts.commands.console.progress import working
-from mrts.commands.console.terminal import say, warn
+from mrts.commands.console.answer import FEASIBLE, INFEASIBLE, Outputs
+from mrts.commands.console.terminal import say, warn, working
 from mrts.commands.options import Named, Written, take
 
 if TYPE_CHECKING:
@@ -184,10 +182,12 @@ def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: 
     if not 0 <= moment <= longest:
         raise InputError("at", f"must be a time of the motion, from 0 to {longest:.4g} s.", value=moment)
     outputs = Outputs()
-    with working(f"drawing {png}"):
-        outputs.write(png, lambda file: write_picture(clips, file, moment, warn=warn))
-    with working(f"drawing {video}") as progress:
-        outputs.write(video, lambda file: write_film(clips, file, warn=warn, progress=progress))
+    if png is not None:
+        with working(f"drawing {png}"):
+            outputs.write(png, lambda file: write_picture(clips, file, moment, warn=warn))
+    if video is not None:
+        with working(f"drawing {video}") as progress:
+            outputs.write(video, lambda file: write_film(clips, file, warn=warn, progress=progress))
     return outputs.answer((), FEASIBLE if within else INFEASIBLE)
 
 

@@ -57,11 +57,6 @@ def write_ros_bag(result: ScalingResult, folder: Path | str, *, merged: bool = F
     make_folder_atomically(folder, lambda bag: _write(result, rows, stamps, bag, merged=merged))
 
 
-def write_merged_ros_bag(result: ScalingResult, folder: Path | str) -> None:
-    """`write_ros_bag` with all robots in one message."""
-    write_ros_bag(result, folder, merged=True)
-
-
 def _write(result: ScalingResult, rows: dict[str, Array], stamps: Stamps, bag: Path, *, merged: bool) -> None:
     from rosbags.rosbag2 import StoragePlugin, Writer  # noqa: PLC0415 (an extra, needed when a bag is)
 

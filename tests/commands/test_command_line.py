@@ -95,7 +95,9 @@ def test_a_line_that_is_none_is_told_in_one_line(words, said, capsys):
     [
         (["--csv", "-"], "only --json takes '-'"),
         (["--brief", "-v"], "--verbose: does not go with --brief"),
-        (["--csv", "plan.csv", "--csv-rate", "-250"], "--csv-rate"),
+        (["--csv", "plan.csv", "--sample-rate", "-250"], "--sample-rate"),
+        (["--merged"], "goes with --ros-bag"),
+        (["--sample-rate", "250"], "goes with --csv or --ros-bag"),
         (["--plot", "r.png"], "names a file, but writes a folder"),
         (["--json", "same.x", "--csv", "./none/../same.x"], "names the same file as --json"),
         (["--csv", "none.yaml"], "names the same file as MOTION"),

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""What the command line prints: answers on standard output, remarks and errors on standard error.
+"""What the command line prints: answers on standard output; remarks, errors and progress on standard error.
 
 Whatever a user's files hold, only printable text, line breaks and the escapes of this file reach the terminal.
 """
 
-import codecs
 import io
 import logging
 import os
 import shutil
 import sys
 import textwrap
-import unicodedata
-from collections.abc import Iterator
+import threading
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Literal, TextIO
@@ -27,9 +27,6 @@ CODES: dict[Style, str] = {"strong": "\x1b[1m", "bad": "\x1b[1;31m", "note": "\x
 
 CLEAR_LINE = "\r\x1b[K"
 
-SPELT_OUT = str.maketrans({"²": "^2", "∈": "in", "×": "x", "≤": "<=", "≥": ">=", "∞": "inf", "−": "-"})
-"""What stands for a letter in ASCII, where Unicode knows none."""
-
 LEAST_WIDTH = 40
 """A terminal that says it is narrower is written as if it were this wide [columns]."""
 
@@ -38,6 +35,12 @@ HANGING = "  "
 
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
 """Whether only errors are printed, and what was asked for by `-`."""
+
+PATIENCE = 1.0
+"""Work that is done sooner shows no progress [s]."""
+
+PERIOD = 0.2
+"""Between two writings of progress [s]."""
 
 DEBUG: ContextVar[bool] = ContextVar("debug", default=False)
 """Whether the traceback of a defect is printed."""
@@ -60,18 +63,10 @@ def open_closed_streams() -> None:
 
 
 def encode_anything() -> None:
-    """Let the streams print what their encoding lacks in ASCII: c^2 for c², `?` for what has none."""
-    codecs.register_error("mrts_ascii", _in_ascii)
+    """Let the streams print `?` for what their encoding lacks."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="mrts_ascii")
-
-
-def _in_ascii(error: UnicodeError) -> tuple[str, int]:
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    text = unicodedata.normalize("NFKD", error.object[error.start : error.end].translate(SPELT_OUT))
-    return "".join(letter if letter.isascii() else "?" for letter in text), error.end
+            stream.reconfigure(errors="replace")
 
 
 def say(text: str, style: Style = "plain") -> None:
@@ -189,3 +184,48 @@ def _painted(text: str, style: Style, stream: TextIO) -> str:
     if style == "plain" or "NO_COLOR" in os.environ or not is_terminal(stream):
         return text
     return f"{CODES[style]}{text}\x1b[0m"
+
+
+@contextmanager
+def working(what: str) -> Iterator[Callable[..., None]]:
+    """Show on standard error, if that is a terminal, that work goes on, once it has taken a second.
+
+    Yields:
+        To be told how many of how many pieces are done, and a note; where nobody tells, time alone is shown.
+    """
+    if QUIET.get() or not is_terminal(sys.stderr):
+        yield lambda *_: None
+        return
+    from mrts.base.held_interrupt import held_interrupt
+
+    line = _Progress(printable(what))
+    line.start()
+    try:
+        yield line.update
+    finally:
+        with held_interrupt():  # Ctrl-C comes again until it is obeyed: the line is taken away all the same
+            line.done.set()
+            line.join()
+
+
+class _Progress(threading.Thread):
+    """A line that is written again and again, and gone when work is done."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(daemon=True)
+        self.what, self.count, self.done = what, "", threading.Event()
+
+    def update(self, done: int, total: int, note: str = "") -> None:
+        self.count = f" {done} of {total};{f' {note};' if note else ''}"
+
+    def run(self) -> None:
+        begun, text = time.monotonic(), ""
+        while not self.done.wait(PERIOD if text else PATIENCE):
+            text = f"{self.what} …{self.count} {time.monotonic() - begun:.0f} s"
+            self._write(text[: shutil.get_terminal_size().columns - 1])  # a second line would stay
+        if text:
+            self._write("")
+
+    def _write(self, text: str) -> None:
+        sys.stderr.write(CLEAR_LINE + text)
+        sys.stderr.flush()

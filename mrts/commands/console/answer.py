@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The files that a command is asked for, each written whatever becomes of the others, and its answer."""
+"""The answer of a command: files that it is asked for, words or JSON, and an exit code."""
 
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -9,8 +9,10 @@ from types import MappingProxyType
 from mrts.base.errors import InputError, MrtsError
 from mrts.base.json_output import JsonOutput
 from mrts.base.regular_file import FILES_READ
-from mrts.commands.console.exit_codes import BAD_INPUT, FEASIBLE
 from mrts.commands.console.terminal import Style, fail, put, say
+
+FEASIBLE, INFEASIBLE, BAD_INPUT = 0, 1, 2
+"""Exit codes; `mrts.cli` has those of commands that end without an answer."""
 
 NOTES = ("note:", "warning:", "hint:")
 """How a line of an answer begins that is a note."""
@@ -23,17 +25,23 @@ def check_not_read(path: Path) -> None:
 
 
 class Outputs:
-    """What became of the outputs."""
+    """The outputs of a command, each written whatever becomes of the others.
 
-    def __init__(self) -> None:
+    Args:
+        found: The answer, of a command that has `--json`.
+        json: What `--json` names; a file is written now.
+    """
+
+    def __init__(self, found: JsonOutput | None = None, json: Path | None = None) -> None:
         self.failed = False
         self.written: list[Path] = []
         self.defect: Exception | None = None
+        self.json_text = found.json_text if found is not None and str(json) == "-" else None
+        if found is not None and json is not None and self.json_text is None:
+            self.write(json, found.write_json)
 
-    def write(self, path: Path | None, write: Callable[[Path], object]) -> None:
-        """Write one output, if it is asked for; if that fails, say so and go on."""
-        if path is None or str(path) == "-":
-            return
+    def write(self, path: Path, write: Callable[[Path], object]) -> None:
+        """Write one output; if that fails, say so and go on."""
         before = _files(path)
         try:
             check_not_read(path)
@@ -42,33 +50,19 @@ class Outputs:
         except MrtsError as error:
             self.failed = True
             fail(f"error: {error}")
-        except Exception as error:  # noqa: BLE001 (raised again by `raise_defect`)
+        except Exception as error:  # noqa: BLE001 (raised again by `answer`)
             self.defect = self.defect or error
 
-    def raise_defect(self) -> None:
-        """Raise what no writer should have raised, if one did."""
-        if self.defect is not None:
-            raise self.defect
-
-    def answer(
-        self,
-        lines: Iterable[str],
-        outcome: int,
-        json: Path | None = None,
-        found: JsonOutput | None = None,
-        styles: Mapping[str, Style] = MappingProxyType({}),
-    ) -> int:
-        """Print the answer in words with what was written, or as JSON where '-' asks for that; the exit code.
+    def answer(self, lines: Iterable[str], outcome: int, styles: Mapping[str, Style] = MappingProxyType({})) -> int:
+        """Print the answer in words with what was written, or as JSON where `--json -` asks for that; the exit code.
 
         Args:
             lines: In words, the outcome first.
             outcome: The exit code if all outputs were written.
-            json: What `--json` names.
-            found: The answer.
             styles: Of lines that have one of their own.
         """
-        if found is not None and str(json) == "-":
-            put(found.json_text())
+        if self.json_text is not None:
+            put(self.json_text())
         else:
             first: Style = "strong" if outcome == FEASIBLE else "bad"
             told = list(lines)
@@ -76,7 +70,8 @@ class Outputs:
                 say(line, first if number == 0 else "note" if line.startswith(NOTES) else styles.get(line, "plain"))
             if self.written:
                 say("\n".join([*([""] if told else []), "written:", *(f"  {path}" for path in self.written)]))
-        self.raise_defect()
+        if self.defect is not None:
+            raise self.defect
         return BAD_INPUT if self.failed else outcome
 
 
