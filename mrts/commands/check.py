@@ -14,7 +14,6 @@ from mrts.commands.options import Named
 
 if TYPE_CHECKING:
     from mrts.following.grasp_closure import ClosureBound
-    from mrts.starting.cell_check import CellCheck
 
 CODES = {"fine": FEASIBLE, "impossible": INFEASIBLE, "wrong-input": BAD_INPUT}
 """Exit code by what came of the check."""
@@ -54,7 +53,12 @@ def run(
         return _plan(cell, of_cell, closure, json, verbose=verbose)
     if closure is not None:
         raise InputError("closure", "is of a plan: give --cell too.")
-    found = _found(cell, motion)
+    if cell.suffix.lower() == ".csv":
+        raise InputError(cell, "is a table: of a plan, name the cell that plays it by --cell.")
+    from mrts.starting.check import check
+
+    with working(f"checking {cell}") as progress:
+        found = check(cell, motion, progress=progress)
     code = Outputs(found, json).answer(found.lines(), CODES[found.status])
     if found.status == "wrong-input" and (json is not None or QUIET.get()):
         place = "" if json is None else f" (all of it: {json})"
@@ -69,18 +73,3 @@ def _plan(plan: Path, cell: Path, closure: "ClosureBound | None", json: Path | N
     with working(f"checking {plan}"):
         found = check_plan(limited, plan, closure=closure)
     return Outputs(found, json).answer(found.lines(every=verbose), CODES[found.status])
-
-
-def _found(cell: Path, motion: Path | None) -> "CellCheck":
-    from mrts.starting.cell_check import is_urdf
-    from mrts.starting.check import check
-    from mrts.starting.urdf_check import check_urdf
-
-    if is_urdf(cell):
-        if motion is not None:
-            raise InputError("MOTION", "does not go with a URDF, which is checked by itself.", value=str(motion))
-        return check_urdf(cell)
-    if cell.suffix.lower() == ".csv":
-        raise InputError(cell, "is a table: of a plan, name the cell that plays it by --cell.")
-    with working(f"checking {cell}") as progress:
-        return check(cell, motion, progress=progress)

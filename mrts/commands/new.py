@@ -6,13 +6,13 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from click import argument, get_current_context, option
+from click import argument, option
 
 from mrts.base.errors import InputError, MotionError
 from mrts.commands import options
 from mrts.commands.console.answer import FEASIBLE, INFEASIBLE
 from mrts.commands.console.terminal import say, warn, working
-from mrts.commands.options import Named, Written
+from mrts.commands.options import Written
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,8 +25,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 examples:
   mrts new pair --robot arm.urdf                  two of a kind
-  mrts new lift --robot left.urdf --robot right.urdf --tip tool0 --tip tool0 --mass 5
-  mrts new --hold cell.yaml motion.yaml           grasps from the postures of a cell that is there"""
+  mrts new lift --robot left.urdf --robot right.urdf --tip tool0 --tip tool0 --mass 5"""
 
 
 def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
@@ -35,9 +34,8 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
 
 
 @options.command(EXAMPLES)
-@argument("folder", type=Written(folder=True), required=False, metavar="[DIR]",
-          help="folder for cell.yaml and motion.yaml")  # fmt: skip
-@option("--robot", "robots", multiple=True, metavar="URDF",
+@argument("folder", type=Written(folder=True), metavar="DIR", help="folder for cell.yaml and motion.yaml")
+@option("--robot", "robots", multiple=True, required=True, metavar="URDF",
         help="once for each robot; a single arm stands twice, a machine with two arms once")  # fmt: skip
 @option("--tip", "tips", multiple=True, metavar="LINK",
         help="link that holds the object, once for each robot, or several of a single one (default: found by "
@@ -52,28 +50,16 @@ def _vector(where: str, *counts: int) -> "Callable[[str], Array]":
     help="in the world (default: 0,0,-9.81)",
 )
 @option("--force", is_flag=True, help="overwrite files")
-@option("--hold", nargs=2, type=Named(), metavar="CELL MOTION",
-        help="the grasps with which the hands hold the object where the motion starts, as the postures of the cell put "
-        "them: 'hold it here, now'")  # fmt: skip
 def run(
-    folder: Path | None = None,
-    hold: tuple[Path, Path] | None = None,
+    folder: Path,
     bases: "tuple[Array, ...]" = (),
     *,
     force: bool = False,
     **given: Any,
 ) -> int:
-    """Begin a cell from URDFs alone: hands, bases, a motion that can be played; or compute the grasps of a cell."""
+    """Begin a cell from URDFs alone: hands, bases, a motion that can be played."""
     from mrts.starting.reading import request_of
 
-    if hold is not None:
-        for other in get_current_context().params.keys() - {"hold"}:
-            raise InputError(other, "does not go with --hold, which takes a cell that is there, and its motion.")
-        return _hold(*hold)
-    if folder is None:
-        raise InputError("folder", "is missing: the folder for cell.yaml and motion.yaml.")
-    if "robots" not in given:
-        raise InputError("robots", "is missing: the URDF of a robot, once for each.")
     for path in (folder / "cell.yaml", folder / "motion.yaml"):
         if path.exists() and not force:
             raise InputError(path, "is there already; --force overwrites it, another DIR leaves it.")
@@ -166,24 +152,3 @@ def _tell_proposal(folder: Path, proposal: "Proposal") -> None:
     files = f"{shlex.quote(str(cell))} {shlex.quote(str(motion))}"
     say(f"  mrts view {files}")
     say(f"  mrts scale {files}")
-
-
-def _hold(cell_path: Path, motion_path: Path) -> int:
-    from mrts.base.edited_yaml import flow
-    from mrts.base.regular_file import is_folder
-    from mrts.base.rigid_transform import rpy_from_rotation
-    from mrts.motion.motion_file import load_motion
-    from mrts.motion.object_motion import ObjectMotion
-    from mrts.starting.hold import hold_here
-    from mrts.starting.proposal import short_pose
-
-    motion = load_motion(motion_path)
-    if not isinstance(motion, ObjectMotion):
-        raise InputError(motion_path, "moves joints: only a motion of the object says where it starts.")
-    if is_folder(cell_path):
-        raise InputError(cell_path, "is a folder; --hold takes a cell file.")
-    cell = hold_here(options.compiled_cell(cell_path), motion.position[0], rpy_from_rotation(motion.rotation[0]))
-    for robot in cell.robots:
-        say(f"{robot.name}:", "strong")
-        say(f"    grasp: {flow(short_pose(robot.T_object_tip))}")
-    return FEASIBLE

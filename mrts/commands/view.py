@@ -46,8 +46,6 @@ LOCAL = ("127.0.0.1", "localhost", "::1")
 SIDES = ("given", "fastest", "optimal", "smooth")
 """How a motion may be played: as given, by the fastest constant factor, at the fastest timing, at the smooth one."""
 
-MOST_SIDES = 4
-
 OF_FILMS = ("at", "side_by_side", "rates")
 """Arguments of pictures and films."""
 
@@ -71,8 +69,6 @@ def _sides(text: str) -> list[str]:
 @argument("motion", type=Named(), required=False, metavar="[MOTION]",
           help="motion file, CSV table, or ROS 2 bag with joint trajectories; without one the cell stands at its "
           "posture, and no compiler is needed")  # fmt: skip
-@option("--with", "others", type=Named(), multiple=True, metavar="RESULT.npz",
-        help="in pictures and films, a saved result beside it; may be given again")  # fmt: skip
 @options.closure
 @options.share
 @options.limits
@@ -92,7 +88,6 @@ def run(
     cell: Path,
     host: str,
     motion: Path | None = None,
-    others: tuple[Path, ...] = (),
     png: Path | None = None,
     video: Path | None = None,
     port: int = 0,
@@ -102,8 +97,8 @@ def run(
 ) -> int:
     """A cell in the browser, its motion at any speed against all limits, until Ctrl-C; or as a picture or a film."""
     of_films = take(given, OF_FILMS)
-    _check_films(cell, png, video, of_films | ({"others": others} if others else {}))
-    needing = [name for name, value in (("png", png), ("video", video), ("others", others)) if value]
+    _check_films(cell, png, video, of_films)
+    needing = [name for name, value in (("png", png), ("video", video)) if value]
     _check_files(cell, motion, given, needing)
     if png is None and video is None:
         require_extra("mrts view", "view", "viser")
@@ -119,7 +114,6 @@ def run(
             clip, keeps = _side_clip(side, limited, played, urdfs, of_films.get("rates", True), given)
             clips.append(clip)
             within &= keeps
-    clips += [_saved_clip(path.stem, _played(path)) for path in others]
     return _write_films(clips, png, video, of_films.get("at"), within=within)
 
 
@@ -175,8 +169,6 @@ def _write_films(clips: "list[Clip]", png: Path | None, video: Path | None, at: 
     """Write a picture, at a moment [s] or in the middle, and a film; the exit code is whether all keeps its limits."""
     from mrts.scene.film import write_film, write_picture
 
-    if len(clips) > MOST_SIDES:
-        raise InputError("others", f"there is room for {MOST_SIDES} motions side by side.")
     longest = max(clip.trajectory.duration for clip in clips)
     moment = longest / 2 if at is None else at
     if not 0 <= moment <= longest:

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Motion of joints by name, as tables and bags give it: with velocities and accelerations, or differentiated."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -104,18 +104,6 @@ class JointTable:
     def untimed(self) -> bool:
         """Whether it is a path through waypoints, whose time is its length."""
         return any(remark.code == UNTIMED for remark in self.remarks)
-
-    def renamed(self, names: Mapping[str, str]) -> "JointTable":
-        """The same table with other names of some columns.
-
-        Args:
-            names: Column to what it is called then.
-        """
-        parts = ("positions", "velocities", "accelerations", "splines", "unusable")
-        changed: dict[str, Any] = {
-            part: {names.get(name, name): value for name, value in getattr(self, part).items()} for part in parts
-        }
-        return replace(self, **changed)
 
     def smoothed(self, most: float) -> "JointTable":
         """The same times on splines that smooth the noise of the positions; given derivatives are left out.

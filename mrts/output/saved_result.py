@@ -16,17 +16,15 @@ from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import FORMAT
-from mrts.base.remark import Remark
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import manifest_of
 from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.record import CellManifest, CellRecord
-from mrts.following.coordinated_motion import CoordinatedMotion
-from mrts.limits.rows import LimitRows, limit_name
+from mrts.limits.rows import limit_name
 from mrts.output.npz_file import open_arrays
 from mrts.output.value_tree import Arrays, TreeReader, TreeWriter
-from mrts.scaling.result import OTHER_LIMITS, ScalingResult
+from mrts.scaling.result import ScalingResult
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.result import RetimingResult
 
@@ -41,22 +39,11 @@ DESCRIPTION_RATIO = 20
 They shrink to about a sixth where many samples are infeasible."""
 
 FOUND: dict[str, tuple[str, ...]] = {
-    "ScalingResult": ("reserve",),
+    "ScalingResult": ("reserve", "warnings"),
     "ScaledTrajectory": ("internal_wrench",),
     "RetimingResult": ("segment_limits", "factor"),
 }
 """What is found once and kept: finding it again takes the cell's functions."""
-
-
-class LostLimit:
-    """A limit that a cell was given in Python when a result was found: a file knows its name, so it has no rows."""
-
-    def __init__(self, name: str) -> None:
-        self.__name__ = name
-
-    def __call__(self, cell: Cell, _motion: CoordinatedMotion) -> LimitRows:
-        """No rows."""
-        return LimitRows.of(cell, names=(), lower=np.zeros(0), upper=np.zeros(0))
 
 
 def save_result(result: ScalingResult | RetimingResult, path: Path | str) -> None:
@@ -100,18 +87,22 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
             Those of its file, postures and load do not count; the result keeps those that it was found with.
 
     Raises:
-        InputError: If the file is no saved result, not whole, edited, of another version, or of another cell.
+        InputError: If the file is no saved result, not whole, edited, of another version, of another cell, or of one
+            that was given other limits in Python.
     """
     path = as_path("path", path)
     check_type("cell", cell, Cell, NoneType)
-    remarks: dict[str, Remark] = {}
 
     def read_cell(reader: TreeReader, entry: dict[str, Any], place: str) -> Cell:
         manifest = CellManifest.model_validate(entry["manifest"])
         functions = saved_functions(manifest, path) if cell is None else _functions_of(cell, manifest, path)
         names, given = entry["limits"], () if cell is None else cell.limits
         if names != (others := list(map(limit_name, given))):
-            remarks[OTHER_LIMITS] = _other_limits(names, others)
+            rule = (
+                f"was found with {_own_limits(names)}, and is read with {_own_limits(others)}. Give mrts.load_result a "
+                "cell that has the same."
+            )
+            raise InputError(path, rule, key="limits")
         record = manifest.cell.record()
         record["load_box"] = reader.value(LoadBox | None, entry["load_box"], f"{place}.load_box")
         return Cell(
@@ -119,16 +110,9 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
             functions=functions,
             enforces_velocity_limits=entry["enforces_velocity_limits"],
             reserve=entry["reserve"],
-            limits=tuple(map(LostLimit, names)) if cell is None else given,
+            limits=given,
             folder=None if cell is None else cell.folder,
         )
-
-    def read_scaling(reader: TreeReader, entry: dict[str, Any], place: str) -> ScalingResult:
-        found: ScalingResult = reader.made(ScalingResult, entry, place)
-        assert isinstance(found.remarks, tuple)  # noqa: S101 (all warnings were written)
-        told = tuple(warning for warning in found.remarks if warning.code != OTHER_LIMITS)
-        vars(found)["warnings"] = (*told, *remarks.values())
-        return found
 
     advice = "`mrts scale CELL MOTION --save FILE.npz` writes one."
     with open_arrays(path, "saved result", advice) as (arrays, size):
@@ -138,8 +122,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
         said = _checked_description(path, text)
         if not np.array_equal(found_seal, seal(arrays)):
             raise InputError(path, "was edited or damaged after it was saved. Save the result again.", key="seal")
-        own = {Cell: read_cell, ScalingResult: read_scaling}
-        reader = TreeReader(arrays, own, {"WhatIf": WhatIf})
+        reader = TreeReader(arrays, {Cell: read_cell}, {"WhatIf": WhatIf})
         result: ScalingResult | RetimingResult = reader.value(ScalingResult | RetimingResult, said["result"], "")
         return result
 
@@ -185,13 +168,8 @@ def _checked_description(path: Path, text: bytes) -> dict[str, Any]:
     return said
 
 
-def _other_limits(found_with: list[str], given: list[str]) -> Remark:
-    text = (
-        f"the result was found with a cell with the limits {', '.join(found_with) or 'of its file alone'}, and is read "
-        f"with {', '.join(given) or 'no others than those of its file'}: of these it is told how far they are used. "
-        "Read it with `cell=` that has the same."
-    )
-    return Remark(OTHER_LIMITS, text)
+def _own_limits(names: list[str]) -> str:
+    return f"the limits {', '.join(names)} of Python" if names else "no limits but those of its file"
 
 
 def _functions_of(cell: Cell, saved: CellManifest, path: Path) -> CellFunctions:

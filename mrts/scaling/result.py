@@ -11,7 +11,6 @@ import numpy as np
 
 from mrts.base.argument_types import Progress, check_callable
 from mrts.base.arrays import Array
-from mrts.base.errors import InputError
 from mrts.base.json_output import JsonOutput
 from mrts.base.load_box import LoadPoint
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
@@ -38,7 +37,6 @@ from mrts.scaling.scaled_trajectory import ScaledTrajectory
 if TYPE_CHECKING:
     from mrts.scaling.what_if import WhatIf
 
-OTHER_LIMITS = "other-limits"
 """Code of the remark on limits that a saved result was found with and its cell does not have."""
 
 END_TOLERANCE = 1e-7
@@ -267,7 +265,6 @@ class ScalingResult(Result):
 
         check_solver(solver)
         check_callable("progress", progress)
-        check_own_limits(self.warnings)
         return what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), solver, progress)
 
     def sentence(self) -> str:
@@ -396,16 +393,3 @@ def _speed_advice(ends: tuple[float, float], given: float, *, several: bool) -> 
         return f"you {verb} play it {np.sqrt(least):.3g} to {fast}: {times}{slower}"
     allowed = "may play it up to" if most >= 1 - END_TOLERANCE else "must play it at most"
     return f"you {allowed} {fast}: {given / np.sqrt(most):.4g} s instead of {given:.4g} s"
-
-
-def check_own_limits(warnings: Iterable[Remark]) -> None:
-    """Check that a result's cell has the limits that it was found with.
-
-    Raises:
-        InputError: If not.
-    """
-    if any(warning.code == OTHER_LIMITS for warning in warnings):
-        rule = (
-            "needs the limits that the result was found with: mrts.load_result(path, cell=…) with a cell that has them."
-        )
-        raise InputError("what_if", rule)

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from mrts.base.arrays import Array, without_infinity
+from mrts.base.arrays import without_infinity
 from mrts.base.errors import InputError
 from mrts.base.formats.record import dumped
 from mrts.base.json_output import JsonOutput
@@ -19,23 +19,17 @@ from mrts.base.words import aligned
 from mrts.cell.remarks import friction_sources, torque_source
 from mrts.cell.robot import JOINT_HEAD, Robot
 from mrts.collisions.clearance import Clearance
-from mrts.starting.arm_reach import HELD, ArmReach
+from mrts.starting.arm_reach import ArmReach
 
 CheckStatus = Literal["fine", "impossible", "wrong-input"]
 """What came of a check: "impossible" is a motion that an arm does not follow from its posture."""
 
-DIRECTIONS = 0.05
-"""Share of a move along an axis below which it is not named."""
-
 URDF_ENDINGS = (".urdf", ".xacro", ".xml")
-
-ANGLE_SHOWN = 0.01
-"""[rad]: an angle that is missed beside a distance is named from here on."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class CellCheck(JsonOutput):
-    """What `mrts.check` found, or `mrts check` of a URDF by itself.
+    """What `mrts.check` found.
 
     Attributes:
         cell: The cell file, or the URDF; the name of a cell that was given itself.
@@ -97,7 +91,7 @@ class CellCheck(JsonOutput):
         if self.arms:
             yield ""
             for arm in self.arms:
-                yield from arm_lines(arm)
+                yield from arm.lines()
         if self.robots:
             yield ""
             yield from joint_table(self.robots)
@@ -134,7 +128,7 @@ class CellCheck(JsonOutput):
             ],
             "hints": [remark.to_json() for remark in self.hints],
             "problem": self.problem or None,
-            "arms": [_arm_json(arm) for arm in self.arms],
+            "arms": [dumped(arm) | {"follows": arm.follows} for arm in self.arms],
             "clearance": self.clearance and self.clearance.to_json(),
             "joints": [joint for robot in self.robots for joint in _joints_json(robot)],
             "assumed": [remark.to_json() for remark in self.assumed],
@@ -145,51 +139,6 @@ class CellCheck(JsonOutput):
 def is_urdf(path: Path) -> bool:
     """Whether a file is a URDF, by its name."""
     return path.suffix.lower() in URDF_ENDINGS
-
-
-def arm_lines(arm: ArmReach) -> Iterator[str]:
-    """How far one arm follows, for people."""
-    if arm.follows:
-        margin, near = arm.margin, "no joint has a position limit"
-        if margin is not None and margin.joint is not None:
-            near = f"{margin.to_limit:.3g} {margin.unit} from the limit of '{margin.joint}' at t = {margin.time:.3g} s"
-        yield f"robot '{arm.robot}' follows the whole motion: {near}."
-        return
-    share = f"{arm.followed} of {arm.samples} samples, to t = {arm.time:.4g} s"
-    yield arm.failure
-    if arm.posture is not None:
-        shown = ", ".join(f"{value:.4f}" for value in arm.posture)
-        yield f"  It follows from another posture: posture: [{shown}]"
-        return
-    ways = f"{arm.ways} way{'s' if arm.ways > 1 else ''} to hold the grasp at t = 0"
-    yield f"  Of {ways}, none leads to the end: {share}." if arm.ways else "  No posture holds its grasp at t = 0."
-    if arm.nearest is not None:
-        if arm.nearest.gap > HELD:
-            turned = f" and {np.degrees(arm.nearest.turn):.2g}° turned" if arm.nearest.turn > ANGLE_SHOWN else ""
-            yield (
-                f"  There its hand comes no nearer than {length(arm.nearest.gap)}{turned}: what is missing is "
-                f"{direction(arm.nearest.off)}."
-            )
-        elif arm.nearest.turn > HELD:
-            yield f"  There its hand can be, but turned by {np.degrees(arm.nearest.turn):.3g}°."
-        else:
-            yield "  There it could hold the grasp, but not on a way that leads there from the start."
-
-
-def direction(move: Array) -> str:
-    """A move in words, Shape (3,) [m]: how far along which axes of the world."""
-    size = float(np.linalg.norm(move))
-    parts = [
-        f"{length(abs(value))} towards {'-' if value < 0 else '+'}{axis}"
-        for axis, value in zip("xyz", move, strict=True)
-        if abs(value) > DIRECTIONS * size
-    ]
-    return ", ".join(parts)
-
-
-def length(size: float) -> str:
-    """A length [m] in words, in mm below a metre."""
-    return f"{1e3 * size:.3g} mm" if size < 1 else f"{size:.4g} m"
 
 
 def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
@@ -219,13 +168,3 @@ def _joints_json(robot: Robot) -> Iterator[dict[str, Any]]:
             "carried_mass": mass,
             "point_links": list(points),
         }
-
-
-def _arm_json(arm: ArmReach) -> dict[str, Any]:
-    said: dict[str, Any] = dumped(arm) | {"follows": arm.follows, "failure": arm.failure or None}
-    del said["ways"]
-    if arm.nearest is not None:
-        said["nearest"] |= {"gap": arm.nearest.gap}
-    if arm.margin is not None and arm.margin.joint is None:
-        said["margin"] |= {"to_limit": None}
-    return said

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""Everything that is wrong with a cell and a motion at once."""
+"""Everything that is wrong with a cell and a motion, or with a URDF by itself, at once."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import combinations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -11,20 +10,33 @@ from typing import Any
 import numpy as np
 
 from mrts.base.argument_types import Progress, as_path, check_callable
-from mrts.base.errors import InputError, Mistakes, MotionError, MrtsError
+from mrts.base.errors import InputError, Mistakes, MotionError
 from mrts.base.remark import Remark
 from mrts.cell.cell import Cell
 from mrts.cell.loading import uncompiled_cell
-from mrts.cell.remarks import COLLISIONS_UNKNOWN, FAR, LONGEST_ARM, NEAR, arm_length, base_remarks
-from mrts.cell.source_files import is_generated, read_without_generating
+from mrts.cell.remarks import (
+    COLLISIONS_UNKNOWN,
+    FAR,
+    LONGEST_ARM,
+    NEAR,
+    arm_length,
+    base_remarks,
+    joint_assumptions,
+    missing_masses,
+    urdf_remarks,
+)
+from mrts.cell.source_files import UrdfReading, arm_of_urdf, is_generated, read_urdf, read_without_generating
 from mrts.collisions.clearance import clearance_remarks
-from mrts.following.coordinate import columns_by_joint, coordinate
+from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
 from mrts.motion.joint_table import JointTable
 from mrts.motion.motion_file import load_motion
 from mrts.motion.object_motion import ObjectMotion
-from mrts.starting.arm_reach import ArmReach, reach_of
-from mrts.starting.cell_check import CellCheck
+from mrts.starting.arm import Arm, plane_of
+from mrts.starting.arm_reach import reach_of
+from mrts.starting.cell_check import CellCheck, is_urdf
+from mrts.starting.reading import check_movable
+from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
 
 OBJECTS = (Mapping, ObjectMotion, JointTable, CoordinatedMotion)
 """Of a motion that is no file."""
@@ -36,19 +48,20 @@ def check(
     *,
     progress: Progress = lambda _done, _total: None,
 ) -> CellCheck:
-    """Check a cell file, its URDFs and a motion, and how far each arm follows it.
+    """Check a cell file, its URDFs and a motion, and how far each arm follows it; or one URDF, before there is a cell.
 
     Only the last needs a compiled library, a small one. What is wrong is found all at once and does not raise: it is
     listed in the answer.
 
     Args:
-        cell: The cell file, or a cell, which is checked as the cell file that it writes: without limits of your own.
+        cell: The cell file, or a cell, which is checked as the cell file that it writes: without limits of your own;
+            or a URDF.
         motion: As in `mrts.load_motion`, or what that gives, or a motion of the whole cell; None checks the cell alone.
         progress: Told how many of how many arms are done.
 
     Raises:
-        InputError: If an argument is none of these, the cell is a folder of generated files, or no cell file can hold
-            it.
+        InputError: If an argument is none of these, the cell is a folder of generated files or no cell file can hold
+            it, or there is a motion beside a URDF.
     """
     check_callable("progress", progress)
     if isinstance(cell, Cell):
@@ -57,6 +70,10 @@ def check(
             cell.to_yaml(path)
             return replace(check(path, motion, progress=progress), cell=Path(cell.name))
     path = as_path("cell", cell)
+    if is_urdf(path):
+        if motion is not None:
+            raise InputError("motion", "does not go with a URDF, which is checked by itself.")
+        return _check_urdf(path)
     named = None if motion is None else Path("motion") if isinstance(motion, OBJECTS) else as_path("motion", motion)
     if is_generated(path):
         raise InputError(path, "is generated; check the cell file that it was made from.")
@@ -90,10 +107,9 @@ def _with_reach(
     except InputError as error:
         return replace(found, mistakes=(*found.mistakes, *error.each()))
     except MotionError as error:
-        swapped = _swapped_columns(cell, motion) if isinstance(motion, JointTable) else ()
-        return replace(found, problem=str(error), remarks=(*found.remarks, *swapped))
+        return replace(found, problem=str(error))
     arms = [uncompiled_cell(alone, cell.folder or Path()) for alone in model.arms_alone()]
-    reaches: list[ArmReach] = []
+    reaches = []
     for number, arm in enumerate(arms):
         progress(number, len(arms))
         reaches.append(reach_of(arm, motion))
@@ -109,25 +125,6 @@ def _with_clearance(found: CellCheck, cell: Cell, motion: ObjectMotion | Coordin
     near, said = clearance_remarks(cell, motion)
     others = [remark for remark in found.remarks if remark.code != COLLISIONS_UNKNOWN]
     return replace(found, clearance=near, remarks=(*others, *said))
-
-
-def _swapped_columns(cell: Cell, table: JointTable) -> Iterator[Remark]:
-    """A hint where given joints would hold the grasps if two arms had each other's columns."""
-    columns = columns_by_joint(cell, table.path, [*table.positions])
-    for one, other in combinations(cell.robots, 2):
-        ours, theirs = ([columns[f"{robot.name}/{joint}"] for joint in robot.joints] for robot in (one, other))
-        if len(ours) != len(theirs):
-            continue
-        try:
-            coordinate(cell, table.renamed(dict(zip(ours + theirs, theirs + ours, strict=True))))
-        except MrtsError:
-            continue
-        yield Remark.hint(
-            "swapped-columns",
-            f"the joints would hold the grasps if '{one.name}' and '{other.name}' had each other's columns of "
-            f"{table.path.name}: are the two swapped?",
-        )
-        return
 
 
 def _motion_units(cell: Cell, motion: ObjectMotion) -> Iterator[Remark]:
@@ -146,3 +143,38 @@ def _motion_units(cell: Cell, motion: ObjectMotion) -> Iterator[Remark]:
     if not any(remark.code == "base-millimetres" for remark in cell.all_remarks):
         for robot in cell.robots:
             yield from base_remarks(robot, motion.position[0], motion.position[0], longest)
+
+
+def _check_urdf(path: Path) -> CellCheck:
+    read = read_urdf(path, Path(), str(path))
+    mistakes = Mistakes(read.mistakes)
+    arms = _arms_of(read, mistakes)
+    robots = tuple(arm.robot for arm in arms)
+    remarks = [hint for arm in arms for hint in _urdf_hints(arm, path)]
+    remarks += [*read.remarks, *missing_masses(robots), *joint_assumptions(robots)]
+    return CellCheck(cell=path, mistakes=tuple(mistakes.found), robots=robots, remarks=tuple(remarks))
+
+
+def _arms_of(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
+    arms: list[Arm] = []
+    if read.urdf is None:
+        return arms
+    tips = [hand.link for hand in hands(read.urdf)]
+    if not tips:
+        mistakes.add(InputError(read.path, f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."))
+        return arms
+    base = first_link(read.urdf, tips)
+    for tip in tips:
+        with mistakes.noted():
+            arms.append(Arm(*arm_of_urdf(read.path, read.urdf, base, tip)))
+    return arms
+
+
+def _urdf_hints(arm: Arm, path: Path) -> Iterator[Remark]:
+    likely = [*urdf_remarks(arm.robot)]
+    yield from likely
+    try:
+        check_movable(arm, path, plane_of([arm]))
+    except InputError as error:
+        if error.rule not in {hint.text for hint in likely}:
+            yield Remark.hint("cannot-hold", f"{arm.robot.source.tip_link}: {error.rule}")

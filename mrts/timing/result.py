@@ -30,7 +30,7 @@ from mrts.program.successive_steps import CONVERGED
 from mrts.program.torque_distribution import torque_weights
 from mrts.scaling.options import Options
 from mrts.scaling.remarks import lasting
-from mrts.scaling.result import Result, ScalingResult, check_own_limits, kept_text
+from mrts.scaling.result import Result, ScalingResult, kept_text
 from mrts.scaling.scale import SelectionError, chosen_factor, with_torques
 from mrts.scaling.what_if import WhatIf
 from mrts.timing.path_pieces import PathPiece
@@ -334,7 +334,6 @@ class RetimingResult(Result):
         from mrts.timing.fastest_timing import timing_what_if  # noqa: PLC0415 (it times, which makes results)
 
         check_callable("progress", progress)
-        check_own_limits(self.warnings)
         return timing_what_if(self, ChangeSteps(share=share, shift=shift, turn=turn), progress)
 
     @property

@@ -47,28 +47,13 @@ def test_files_that_are_there_stay(begun):
     assert "first cell/cell.yaml: is there already; --force overwrites it" in done.stderr
 
 
-def test_hold_prints_grasps(begun):
-    folder, _ = begun
-    cell, motion = folder / "first cell" / "cell.yaml", folder / "held.yaml"
-    text = (folder / "first cell" / "motion.yaml").read_text()
-    motion.write_text(text.replace("start: {xyz: [0, 0, ", "start: {xyz: [0.02, 0.01, "))
-    done = mrts_command("new", "--hold", cell, motion)
-    assert done.returncode == 0
-    told = yaml.safe_load(done.stdout)
-    for robot in yaml.safe_load(cell.read_text())["robots"]:
-        x, y, z = robot["grasp"]["xyz"]
-        assert told[robot["name"]]["grasp"]["xyz"] == pytest.approx([x - 0.02, y - 0.01, z], abs=2e-3)  # rounded
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "DIR: is missing"),
+        ([], "Missing argument 'DIR'"),
         (["x", "--robot", UR5, "--base", "-1,2"], "--base = '-1,2': must be 3 or 6 numbers"),
         (["x", "--robot", UR5, "--base=0,0,0", "--base=0,0,0"], "--base: two arms stand in one place"),
         (["x", "--robot", UR5, "--mass", "-3"], "--mass = -3.0: must be a number > 0, in kg"),
-        (["x", "--hold", DATA / "cell.yaml", DATA / "lift.yaml"], "DIR: does not go with --hold"),
-        (["--hold", DATA, DATA / "lift.yaml"], "is a folder; --hold takes a cell file"),
     ],
 )
 def test_bad_input_is_named_and_nothing_is_made(words, said, tmp_path):

@@ -40,7 +40,7 @@ def test_a_saved_result_clips_no_compiler(lifted, monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
     fast = str(tmp_path / "fast.npz")
-    assert main(["view", fast, "--png", str(tmp_path / "x.png"), "--with", fast]) == 0
-    first, second = asked[0][0]
-    assert first.title == second.title == "fast"
-    np.testing.assert_array_equal(first.trajectory.torque, lifted.trajectory.torque)
+    assert main(["view", fast, "--png", str(tmp_path / "x.png")]) == 0
+    (clip,) = asked[0][0]
+    assert clip.title == "fast"
+    np.testing.assert_array_equal(clip.trajectory.torque, lifted.trajectory.torque)

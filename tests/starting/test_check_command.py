@@ -13,7 +13,6 @@ from damaged_cells import URDF, sound, written
 import mrts
 from mrts.cell.remarks import NO_COLLISIONS
 from mrts.cli import main
-from mrts.starting.urdf_check import check_urdf
 
 
 @pytest.fixture
@@ -33,7 +32,7 @@ def test_exit_codes_and_json(far, tmp_path, capsys):
     assert told["clearance"] is None
     assert [arm["follows"] for arm in told["arms"]] == [True, False]
     assert NO_COLLISIONS in [one["text"] for one in told["assumed"]]
-    assert told["arms"][1]["nearest"]["off"][0] < 0
+    assert told["arms"][1]["off"][0] < 0
     output = tmp_path / "out.json"
     assert main(["check", *far[::-1], "--json", str(output)]) == 2
     assert json.loads(output.read_text(encoding="utf-8"))["status"] == "wrong-input"
@@ -181,6 +180,6 @@ def test_a_sound_arm_with_its_numbers(tmp_path, capsys):
 
 def test_why_an_arm_can_hold_nothing(tmp_path):
     fixed = changed(tmp_path, (r'name="wrist_3_turn" type="revolute"', 'name="wrist_3_turn" type="fixed"'))
-    found = check_urdf(fixed)
+    found = mrts.check(fixed)
     assert (found.status, [remark.code for remark in found.hints]) == ("fine", ["cannot-hold"])
     assert "has 5 joints" in found.hints[0].text
