@@ -58,7 +58,7 @@ def run(
     **given: Any,
 ) -> int:
     """Begin a cell from URDFs alone: hands, bases, a motion that can be played."""
-    from mrts.starting.reading import request_of
+    from mrts.starting.request import request_of
 
     for path in (folder / "cell.yaml", folder / "motion.yaml"):
         if path.exists() and not force:

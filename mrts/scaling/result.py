@@ -257,8 +257,7 @@ class ScalingResult(Result):
             progress: Told how many of how many changes are done.
 
         Raises:
-            InputError: If a step breaks a rule, the result is that of a retimed motion or of a possible load, or was
-                read with another cell's limits.
+            InputError: If a step breaks a rule, the result is that of a retimed motion or of a possible load.
             SolverError: If no solver answers.
         """
         from mrts.scaling.what_if import what_if  # noqa: PLC0415 (it scales, which makes results)

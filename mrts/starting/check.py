@@ -35,7 +35,7 @@ from mrts.motion.object_motion import ObjectMotion
 from mrts.starting.arm import Arm, plane_of
 from mrts.starting.arm_reach import reach_of
 from mrts.starting.cell_check import CellCheck, is_urdf
-from mrts.starting.reading import check_movable
+from mrts.starting.request import check_movable
 from mrts.starting.tips import FEWEST_JOINTS, first_link, hands
 
 OBJECTS = (Mapping, ObjectMotion, JointTable, CoordinatedMotion)
@@ -159,7 +159,7 @@ def _arms_of(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
     arms: list[Arm] = []
     if read.urdf is None:
         return arms
-    tips = [hand.link for hand in hands(read.urdf)]
+    tips = [*hands(read.urdf)]
     if not tips:
         mistakes.add(InputError(read.path, f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."))
         return arms

@@ -2,6 +2,7 @@
 """Where arms may stand, hold a box between them, and lift it: the best few layouts that the arms' geometry admits."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -12,7 +13,7 @@ from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, plane_normal, rotations_from_vectors, snap_rotation
 from mrts.starting.arm import Arm, twist_rows
 from mrts.starting.postures import Spot, Wanted, find_spots
-from mrts.starting.request import LIFT, Layout, Request, Stand
+from mrts.starting.request import LIFT, Request
 
 FLATNESS = (1.0, 0.6, 0.5)
 """Sides of the box: between the hands, across, upward."""
@@ -40,6 +41,40 @@ STEEPEST = 0.3
 """A hand is level if its direction is not steeper than this cosine to the vertical leaves it; else its side counts."""
 
 _clean = partial(snap_rotation, within=ROUNDING)
+
+
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """Where an arm stands, and how it holds.
+
+    Attributes:
+        T_world_base: Of its base link.
+        T_world_tip: Of its hand at the start.
+        posture: Shape (n,) [rad or m].
+    """
+
+    T_world_base: RigidTransform
+    T_world_tip: RigidTransform
+    posture: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Where everything is at the start.
+
+    Attributes:
+        position: Of the object, Shape (3,) [m]; its axes are those of the world.
+        sides: Of the box that the object is taken for, Shape (3,) [m].
+        lift: From the start to the end, Shape (3,) [m].
+        stands: By arm.
+        score: From 0 to 1; the larger, the farther from limits.
+    """
+
+    position: Array
+    sides: Array
+    lift: Array
+    stands: tuple[Stand, ...]
+    score: float
 
 
 def layouts(request: Request, mass: float, share: float = 1.0) -> list[Layout]:

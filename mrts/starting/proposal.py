@@ -19,9 +19,9 @@ from mrts.program.excess import BETWEEN
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scale import scale
 from mrts.starting.arm import Arm
-from mrts.starting.layouts import layouts
+from mrts.starting.layouts import Layout, Stand, layouts
 from mrts.starting.postures import drawn_postures
-from mrts.starting.request import ArmRequest, Layout, Request, Stand
+from mrts.starting.request import ArmRequest, Request
 
 LOAD_SHARE = 0.1
 """Of the arms' own mass that the object has: an industrial arm carries a quarter of its mass or less."""

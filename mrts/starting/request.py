@@ -1,20 +1,46 @@
 # SPDX-License-Identifier: MIT
-"""What is known when a cell is begun, and where its arms then stand."""
+"""What a cell is begun from: which chains of URDFs are arms, what they are called, what goes together, and sizes."""
 
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from os.path import relpath
 from pathlib import Path
 
 import numpy as np
 
+from mrts.base.argument_types import is_number
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
+from mrts.base.formats.file_reference import is_uri
+from mrts.base.formats.urdf import Urdf
+from mrts.base.input_file import LARGEST_NUMBER
 from mrts.base.rigid_transform import RigidTransform, plane_normal
+from mrts.cell.remarks import urdf_remarks
+from mrts.cell.source_files import arm_of_urdf, read_urdf
+from mrts.following.structural_rank import lacking_freedom, postures_for_rank
 from mrts.scene.arm_meshes import arm_meshes
-from mrts.starting.arm import Arm
+from mrts.starting.arm import Arm, plane_of, twist_rows
+from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, moved_by, side_of
 
 WIDTH, LIFT, GRID = 0.3, 0.2, 0.12
 """Of the box, of the lift, and between heights that are tried, as shares of the shortest arm's reach."""
+
+SPATIAL_JOINTS = 6
+"""What holding an object takes in space; in a plane `FEWEST_JOINTS`."""
+
+MOST_HANDS = 2
+
+MOST_STEPS_UP = 3
+"""Folders that a relative path may climb; a URDF farther away is named by its whole path."""
+
+HOPELESS = ("urdf-millimetres", "limits-equal")
+"""Codes of remarks on URDFs of which no cell can be made."""
+
+STANDARD_GRAVITY = np.array([0.0, 0.0, -9.81])
+"""World axes [m/s²]."""
+
+ROBOT, TIP, BASE = "--robot", "--tip", "--base"
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,34 +135,154 @@ class Request:
 
 
 @dataclass(frozen=True, eq=False)
-class Stand:
-    """Where an arm stands, and how it holds.
+class _Chosen:
+    """One arm: the URDF that it is of, as it was named and as it was read, and its tip."""
 
-    Attributes:
-        T_world_base: Of its base link.
-        T_world_tip: Of its hand at the start.
-        posture: Shape (n,) [rad or m].
+    robot: int
+    reference: str
+    path: Path
+    tree: Urdf
+    tip: str
+    why: str
+
+
+def request_of(
+    folder: Path,
+    *,
+    name: str,
+    robots: Sequence[str],
+    tips: Sequence[str] = (),
+    bases: Sequence[RigidTransform] = (),
+    mass: float | None = None,
+    gravity: Array = STANDARD_GRAVITY,
+) -> Request:
+    """The request that a user's words are.
+
+    Args:
+        folder: Where the cell file will stand.
+        name: Of the cell.
+        robots: URDFs, as in a cell file or relative to the current folder.
+        tips: Of each robot, or several of a single one; none where they are to be found.
+        bases: Of each robot: where the root of its URDF is in the world; none where they are to be proposed.
+        mass: Of the object [kg].
+        gravity: World, Shape (3,) [m/s²].
+
+    Raises:
+        InputError: If a URDF or a value breaks a rule.
     """
+    if mass is not None and not (is_number(mass, 0, LARGEST_NUMBER) and mass > 0):
+        raise InputError("mass", "must be a number > 0, in kg.", value=mass)
+    chosen = _chosen(robots, tips)
+    standing = 1 + max(arm.robot for arm in chosen)
+    if bases and len(bases) != standing:
+        rule = f"give it once for each robot, in their order: {standing} times, or not at all."
+        raise InputError(BASE, rule, value=len(bases))
+    machines = {arm.path: fellows for arm in chosen if len(fellows := _machine(chosen, arm)) > 1}
+    alone = len(machines) == 1 and all(arm.path in machines for arm in chosen)
+    if machines and not alone and not bases:
+        rule = (
+            "is needed for each robot where one has several arms: they cannot be moved about by themselves. Or choose "
+            "one arm of each with --tip, once for each --robot."
+        )
+        raise InputError(BASE, rule)
+    arm_of = cache(arm_of_urdf)  # two of a kind have one chain
+    arms = []
+    for arm, called in zip(chosen, _names([arm.tip for arm in chosen]), strict=True):
+        fellows = _machine(chosen, arm)
+        chain, com = arm_of(arm.path, arm.tree, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
+        T_root_base = chain.source.T_base_root.inverse()
+        in_place = T_root_base if len(fellows) > 1 else None
+        arms.append(
+            ArmRequest(
+                arm=Arm(replace(chain, name=called), com),
+                urdf=_reference(arm.reference, arm.path, folder),
+                path=arm.path.absolute(),
+                why=arm.why,
+                base=bases[arm.robot] @ T_root_base if bases else in_place,
+            )
+        )
+    plane = plane_of([each.arm for each in arms])
+    if plane is not None and len(arms) > len(SIDES) and not bases:
+        raise InputError(BASE, "is needed for each of more than two arms that move in one plane.")
+    for each in arms:
+        check_movable(each.arm, each.path, plane)
+    return Request(name, tuple(arms), alone and not bases, plane, np.asarray(gravity), mass)
 
-    T_world_base: RigidTransform
-    T_world_tip: RigidTransform
-    posture: Array
+
+def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
+    """Check that an arm can hold an object at all."""
+    count, needed = len(arm.robot.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
+    if count < needed:
+        rule = (
+            f"the chain to '{arm.robot.source.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
+            f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
+        )
+        raise InputError(path, rule)
+    for remark in urdf_remarks(arm.robot):
+        if remark.code in HOPELESS:
+            raise InputError(path, remark.text)
+    rows = twist_rows(plane)
+    q = postures_for_rank(arm.middle())
+    if lacking := lacking_freedom(arm.robot.joints, arm.at(q).jacobian[:, rows], rows):
+        raise InputError(path, f"{lacking} Choose another tip or robot.")
 
 
-@dataclass(frozen=True, eq=False)
-class Layout:
-    """Where everything is at the start.
+def _chosen(robots: Sequence[str], tips: Sequence[str]) -> list[_Chosen]:
+    files = {robot: _read(robot) for robot in robots}
+    read = [files[robot] for robot in robots]  # two of a kind are read once
+    if tips:
+        places = [0] * len(tips) if len(read) == 1 else list(range(len(read)))
+        if len(places) != len(tips):
+            rule = f"give it once for each --robot, in their order: {len(read)} times, or not at all."
+            raise InputError(TIP, rule, value=list(tips))
+        found = [_Chosen(at, robots[at], *read[at], tip, "") for at, tip in zip(places, tips, strict=True)]
+        for arm in found:
+            if arm.tip not in arm.tree.links:
+                rule = f"there is no such link in {arm.path.name}; its links are {', '.join(arm.tree.links)}."
+                raise InputError(TIP, rule, value=arm.tip)
+        if len(read) == 1 and not _differ(found):  # several of a kind
+            found = [replace(arm, robot=index) for index, arm in enumerate(found)]
+    else:
+        found = []
+        for at, (_, tree) in enumerate(read):
+            seen = hands(tree)
+            counts = {link: len(moved_by(tree, link)) for link in seen or tree.links}
+            if not 1 <= len(seen) <= MOST_HANDS or (len(seen) == MOST_HANDS and len({*counts.values()}) > 1):
+                movable = [f"{link} ({count} joints)" for link, count in counts.items() if count >= FEWEST_JOINTS]
+                if not movable:
+                    raise InputError(robots[at], f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm.")
+                seems = f"seems to have {len(seen)} hands" if seen else "does not say which link holds the object"
+                rule = f"{seems}: choose with --tip, once an arm. There are {', '.join(movable)}."
+                raise InputError(robots[at], rule)
+            found += [_Chosen(at, robots[at], *read[at], tip, seen[tip]) for tip in sorted(seen, key=side_of)]
+    return [found[0], replace(found[0], robot=1)] if len(found) == 1 else found  # two of a kind
 
-    Attributes:
-        position: Of the object, Shape (3,) [m]; its axes are those of the world.
-        sides: Of the box that the object is taken for, Shape (3,) [m].
-        lift: From the start to the end, Shape (3,) [m].
-        stands: By arm.
-        score: From 0 to 1; the larger, the farther from limits.
-    """
 
-    position: Array
-    sides: Array
-    lift: Array
-    stands: tuple[Stand, ...]
-    score: float
+def _read(robot: str) -> tuple[Path, Urdf]:
+    found = read_urdf(Path(ROBOT), Path.cwd(), robot)
+    if found.urdf is None:
+        raise found.mistakes[0].with_others(found.mistakes[1:])
+    return found.path, found.urdf
+
+
+def _machine(chosen: list[_Chosen], arm: _Chosen) -> list[_Chosen]:
+    same = [other for other in chosen if other.path == arm.path]
+    return same if _differ(same) and len(same) > 1 else [arm]
+
+
+def _differ(arms: list[_Chosen]) -> bool:
+    return len({tuple(moved_by(arm.tree, arm.tip)) for arm in arms}) == len(arms)
+
+
+def _names(tips: list[str]) -> list[str]:
+    sides = [side_of(tip) for tip in tips]
+    if len(tips) > len(SIDES):
+        return [f"arm_{index + 1}" for index in range(len(tips))]
+    return sides if {*sides} == {*SIDES} else list(SIDES)[: len(tips)]
+
+
+def _reference(given: str, path: Path, folder: Path) -> str:
+    if is_uri(given):
+        return given
+    near = Path(relpath(path.absolute(), folder.absolute()))
+    return near.as_posix() if near.parts.count("..") <= MOST_STEPS_UP else path.absolute().as_posix()

@@ -3,7 +3,6 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from mrts.base.formats.urdf import Urdf, UrdfJoint
 
@@ -37,23 +36,6 @@ WHOLE_NAMES = 2
 """From this rank on, other words than `BARE` say that it is something else."""
 
 
-@dataclass(frozen=True)
-class Hand:
-    """A link that may hold the object.
-
-    Attributes:
-        link: The link.
-        why: Why it is proposed, to stand behind its name.
-        joints: How many joints move it.
-        side: "left" or "right" where its name says so, else empty.
-    """
-
-    link: str
-    why: str
-    joints: int
-    side: str
-
-
 def words(name: str) -> list[str]:
     """The words of a name, in small letters: `LArm_effector` has l, arm, effector."""
     return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+", name)]
@@ -75,8 +57,8 @@ def first_link(tree: Urdf, tips: Sequence[str]) -> str:
     return first
 
 
-def hands(tree: Urdf) -> list[Hand]:
-    """The hands that a URDF seems to have, one an arm; none where it says nothing."""
+def hands(tree: Urdf) -> dict[str, str]:
+    """The links that seem to be hands, one an arm, with why each is proposed; none where a URDF says nothing."""
     candidates = _candidates(tree)
     named = [(link, rank) for link in candidates if (rank := _rank(link)) is not None]
     if not named:
@@ -86,25 +68,28 @@ def hands(tree: Urdf) -> list[Hand]:
     found = []
     for limb in _limbs(tree, [link for link, _ in named]):
         best = min(rank for link, rank in named if link in limb)
-        link = max(
-            (link for link, rank in named if link in limb and rank == best), key=lambda at: len(tree.joints_to(at))
-        )
-        found.append(_hand(tree, link, "named as a hand or tool"))
-    return found or _ends(tree)
+        chosen = (link for link, rank in named if link in limb and rank == best)
+        found.append(max(chosen, key=lambda link: len(tree.joints_to(link))))
+    return dict.fromkeys(found, "named as a hand or tool") or _ends(tree)
 
 
-def _ends(tree: Urdf) -> list[Hand]:
+def _ends(tree: Urdf) -> dict[str, str]:
     above = {joint.parent for joint in tree.joints.values()}
     ends = [link for link in _candidates(tree) if link not in above]
     if not ends:  # a URDF whose only end has the name of a finger
         ends = [link for link in tree.links if link not in above and len(moved_by(tree, link)) >= FEWEST_JOINTS]
-    found = []
+    found = {}
     for limb in _limbs(tree, ends):
         chains = [tree.joints_to(link) for link in limb]
         shared = [joint for joint in chains[0] if all(joint in chain for chain in chains)]
         why = "the only link at the end of the chain" if len(limb) == 1 else "the last link before the chain parts"
-        found.append(_hand(tree, shared[-1].child, why))
+        found[shared[-1].child] = why
     return found
+
+
+def side_of(link: str) -> str:
+    """What the name of a link says: "left", "right" or nothing."""
+    return next((side for side, names in SIDES.items() if {*names} & {*words(link)}), "")
 
 
 def _candidates(tree: Urdf) -> list[str]:
@@ -146,8 +131,3 @@ def _limbs(tree: Urdf, links: list[str]) -> list[list[str]]:
         else:
             limbs.append([link])
     return limbs
-
-
-def _hand(tree: Urdf, link: str, why: str) -> Hand:
-    side = next((side for side, names in SIDES.items() if {*names} & {*words(link)}), "")
-    return Hand(link, why, len(moved_by(tree, link)), side)

@@ -16,7 +16,7 @@ import mrts
 from mrts.base.errors import InputError
 from mrts.cell.loading import cell_to_compile
 from mrts.cell.remarks import POINT_MASSES, WEIGHTLESS
-from mrts.starting.reading import HOPELESS, request_of
+from mrts.starting.request import HOPELESS, request_of
 
 SHIPPED = [
     (DATA / "cell.yaml", DATA / "lift.yaml"),

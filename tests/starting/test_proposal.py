@@ -15,7 +15,7 @@ from mrts.starting.cell_writing import cell_file, motion_file
 from mrts.starting.hold import hold_here
 from mrts.starting.layouts import layouts
 from mrts.starting.proposal import propose
-from mrts.starting.reading import request_of
+from mrts.starting.request import request_of
 
 UR5 = DATA.parent / "dual_ur5" / "ur5_class_arm.urdf"
 PLANAR = DATA / "planar_arm.urdf"
