@@ -16,6 +16,7 @@ from mrts.program.motion_rows import motion_rows
 from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.scaling.loads import range_at_samples
+from mrts.scaling.options import Options
 from mrts.scaling.range import intersect
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -37,9 +38,7 @@ def compare(name: str, samples: int, drawn: int, repeats: int) -> None:
 
     def asked(question: str, names: tuple[str, ...], sharing: mrts.LoadSharing | None = None) -> tuple[float, int]:
         cell = known.with_variation(**{name: RANGES[name] for name in names})
-        found, study = range_at_samples(
-            motion_rows(cell, motion, sharing), mrts.Options(load=question, sharing=sharing)
-        )
+        found, study = range_at_samples(motion_rows(cell, motion, sharing), Options(load=question, sharing=sharing))
         return found.upper.c2 if found.upper else float("nan"), len(study.points) if study else 0
 
     def sampled() -> tuple[float, int]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-import mrts
+from mrts.program.sample_ranges import SampleRanges
 
 
 def ranges_of(lower, upper, *, several=False):
@@ -11,4 +11,4 @@ def ranges_of(lower, upper, *, several=False):
     count = len(lower)
     rows = {"names": (), "limits": np.zeros((2, 0)), "codes": np.zeros((2, count, 0), np.int32)}
     gaps = np.full(count, several)
-    return mrts.SampleRanges(time=np.arange(float(count)), lower=lower, upper=upper, gaps=gaps, **rows)
+    return SampleRanges(time=np.arange(float(count)), lower=lower, upper=upper, gaps=gaps, **rows)

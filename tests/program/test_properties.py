@@ -8,6 +8,7 @@ from draws import seeds
 import mrts
 from mrts.limits import limit_rows
 from mrts.program.motion_rows import motion_rows
+from mrts.program.range_status import SampleStatus
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import sample_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
@@ -27,7 +28,7 @@ def draws(folder, family, seed):
 
 
 def feasible_samples(ranges):
-    return np.flatnonzero([status is mrts.SampleStatus.FEASIBLE for status in ranges.status])
+    return np.flatnonzero([status is SampleStatus.FEASIBLE for status in ranges.status])
 
 
 def limit_violation(rows, torque, wrench, c2):

@@ -13,6 +13,7 @@ from shipped_cells import still_motion
 import mrts
 from mrts.program.infeasibility import separation
 from mrts.program.motion_rows import motion_rows
+from mrts.program.range_status import SampleStatus
 from mrts.program.sample_problem import build_sample_problem
 from mrts.scaling.range import intersect
 
@@ -39,7 +40,7 @@ def test_an_infeasible_motion_is_explained_by_a_certificate(planar_cell, lift):
     conflicts = result.range.samples.conflicts
     assert conflicts
     for conflict in conflicts:
-        assert result.range.samples.status[conflict.sample] is mrts.SampleStatus.INFEASIBLE
+        assert result.range.samples.status[conflict.sample] is SampleStatus.INFEASIBLE
         y = certificate(problem, conflict)
         value, error = separation(problem, conflict.sample, y)
         assert error <= 1e-8

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 import mrts
+from mrts.base.remark import Remark
 from mrts.motion.object_courses import geodesic_motion, spline_motion
 from mrts.motion.velocity_profile import PROFILES
 from mrts.report import report_html
 
 pytestmark = pytest.mark.quick
 
-SAID = mrts.Remark("told-by-a-test", "the <cell> says something.", 3)
+SAID = Remark("told-by-a-test", "the <cell> says something.", 3)
 
 
 def codes(result):

@@ -15,6 +15,7 @@ import mrts
 from mrts.base.load_box import load_vector
 from mrts.cli import main
 from mrts.program.motion_rows import motion_rows
+from mrts.program.range_status import SampleStatus
 from mrts.program.sample_problem import build_sample_problem
 from mrts.program.sample_ranges import sample_ranges
 
@@ -182,7 +183,7 @@ def test_loads_that_share_no_speed_are_told_apart(planar_cell, lowering):
     cell = on_forks(planar_cell, 3.0).with_variation(mass=(0.45, 2.0))
     result = scaled(cell, start_of(lowering))
     assert result.status is mrts.ScalingStatus.EMPTY
-    assert result.range.samples.status[0] is mrts.SampleStatus.EMPTY
+    assert result.range.samples.status[0] is SampleStatus.EMPTY
     assert "mass 1 kg" in result.summary()
     assert "mass 0.225 kg" in result.summary()
     a = -lowering.acceleration[0, 1]
