@@ -4,10 +4,10 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from mrts.base.words import aligned
 from mrts.plots.card import Card
 from mrts.plots.labels import range_text
 from mrts.plots.range_plots import ranked_loads
-from mrts.scaling.limit_use import TITLES, by_share, limit_tables, rate_uses
 from mrts.scaling.result import ScalingResult
 
 if TYPE_CHECKING:
@@ -20,12 +20,6 @@ LOADS_SHOWN = 8
 
 LIMITS_SHOWN = 4
 """Limits that are printed of a timing."""
-
-INDENT = "  "
-"""Before the name of a row."""
-
-LEAST_NAME_WIDTH = 20
-"""Of the column of names [characters]."""
 
 
 def scaling_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
@@ -80,28 +74,8 @@ def _timing_lines(found: "RetimingResult", card: Card | None) -> Iterator[str]:
 
 
 def _limit_lines(result: ScalingResult, card: Card | None) -> Iterator[str]:
-    yield from card.lines() if card is not None else (*limit_table(result), *_other_lines(result))
-
-
-def limit_table(result: ScalingResult) -> Iterator[str]:
-    """The tables of `mrts.scaling.limit_use.limit_tables` below one another."""
-    tables = list(limit_tables(result))
-    names = max(LEAST_NAME_WIDTH, *(len(INDENT + row[0]) for table in tables for row in table.rows))
-    yield f"{'':<{names}} {'least':>11} {'largest':>11} {'used':>6}  limits"
-    for table in tables:
-        yield table.head[0]
-        for name, least, largest, used, limits in table.rows:
-            yield f"{INDENT + name:<{names}} {least:>11} {largest:>11} {used:>6}  {limits}"
-
-
-def _other_lines(result: ScalingResult) -> Iterator[str]:
-    """The most used limit of each hand, of torque-speed curves, and of each kind of rate, which no table has."""
-    told: set[tuple[str, str]] = set()
-    for use in [*by_share(result.limit_uses), *rate_uses(result)]:
-        own = (use.name.kind, use.name.contact)
-        if use.name.kind not in TITLES and own not in told:
-            told.add(own)
-            yield f"most used {use.name.kind}: {use.name.short}, {100 * use.share:.3g} % at t = {use.time:.4g} s"
+    table = result.limits_table()
+    yield from card.lines() if card is not None else aligned([table.head, *table.rows])
 
 
 def _load_lines(study: "LoadStudy") -> Iterator[str]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What a trajectory makes of the quantities that are limited, and how much of each limit it uses."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Self
 
@@ -23,18 +23,6 @@ if TYPE_CHECKING:
 
 NOTHING = 1e-8
 """Share of its limit below which a value is 0: programs meet limits to 1e-9, and a limit of 0 is passed by as much."""
-
-TITLES = {
-    "torque": "torque",
-    "wrench": "contact wrench",
-    "velocity": "velocity",
-    "acceleration": "acceleration",
-    "": "other",
-}
-"""Of tables by the kind of their limits; those of the last are of kinds that mrts does not know."""
-
-ELSEWHERE = ("contact", TORQUE_SPEED, "motor speed")
-"""Kinds that are summed up elsewhere."""
 
 LIMIT_DIGITS = 6
 """Significant digits of a limit: as many as it is given with."""
@@ -256,42 +244,28 @@ def limited_rates(result: "ScalingResult") -> LimitedQuantities | None:
     return found.only(found.limited)
 
 
-def limit_tables(result: "ScalingResult") -> Iterator[NotebookTable]:
-    """Least and largest value of each torque, contact wrench and velocity, its limits and how much of them is used.
-
-    "binds" stands at the limits that end the range, where its end was chosen: no distribution of torques gets past
-    them. Another one at 100 % is where this distribution puts it. What a limit of yours bounds comes last; motors and
-    hands have tables of their own.
+def limits_table(
+    uses: Iterable[LimitUse],
+    binding: Container[RowName] = (),
+    place: Callable[[LimitUse], str] = lambda use: f"{use.time:.4g} s",
+) -> NotebookTable:
+    """All limits by falling share that is used; each failure of a hand once, without the numbers of its rows.
 
     Args:
-        result: The result; without a trajectory there are none.
+        uses: How much of the limits is used.
+        binding: Rows that end a range at the speed that is played: no distribution of torques gets past them. Another
+            limit at 100 % is where this distribution puts it.
+        place: Says where most is used.
     """
-    binding = (
-        set() if result.c2 is None else {row.name for _, end in result.range.ends_at(result.c2) for row in end.rows}
-    )
-    for kind, title in TITLES.items():
-        uses = [use for use in result.limit_uses if _is_listed(use, kind)]
-        told = "" if kind != "velocity" or result.cell.enforces_velocity_limits else " (limits not enforced)"
-        if uses:
-            rows = [_limit_row(use, binds=use.name in binding) for use in uses]
-            yield NotebookTable((f"{title}{told}", "least", "largest", "used", "limits"), rows)
+    rows: dict[str, tuple[str, ...]] = {}
+    for use in by_share(uses):
+        limits = interval_text(use.lower, use.upper, use.name.unit, LIMIT_DIGITS)
+        told = ("", "") if use.name.failure else (f"{use.least:.4g} to {use.largest:.4g}", limits)
+        used = f"{percent(use)}{', binds' if use.name in binding else ''}"
+        rows.setdefault(str(use.name), (str(use.name), used, *told, place(use)))
+    return NotebookTable(("limit", "used", "values", "limits", "at"), [*rows.values()])
 
 
-def _is_listed(use: LimitUse, kind: str) -> bool:
-    """Whether a use stands in the table of a kind, or, if it has none, in that of all others."""
-    name = use.name
-    if not kind:
-        return use.limited and name.kind not in {*TITLES, *ELSEWHERE}
-    return name.kind == kind and (use.limited or kind != "velocity" or name.robot != "object")
-
-
-def _limit_row(use: LimitUse, *, binds: bool) -> tuple[str, ...]:
-    name, unit = use.name, use.name.unit
-    limits = interval_text(use.lower, use.upper, unit, LIMIT_DIGITS) if use.limited else f"none, {unit}".rstrip(", ")
-    return (
-        f"{name.robot}/{name.element}" if name.kind in TITLES else name.short,
-        f"{use.least:.4g}",
-        f"{use.largest:.4g}",
-        f"{round(100 * use.share, 1):g} %" if use.limited else "",
-        f"{limits}{', binds' if binds else ''}",
-    )
+def percent(use: LimitUse) -> str:
+    """The share of a limit that is used."""
+    return f"{round(100 * use.share, 1):g} %"

@@ -27,7 +27,7 @@ from mrts.program.range_status import RangeStatus
 from mrts.program.reserve import Reserve, plan_reserve
 from mrts.program.sample_problem import BLOCK
 from mrts.program.solvers import DEFAULT_SOLVER, check_solver
-from mrts.scaling.limit_use import LimitUse, limit_tables, limit_uses, rate_uses
+from mrts.scaling.limit_use import LimitUse, limit_uses, limits_table, rate_uses
 from mrts.scaling.loads import LoadStudy, range_at_samples
 from mrts.scaling.options import Options
 from mrts.scaling.range import ScalingRange
@@ -163,7 +163,12 @@ class ScalingResult(Result):
             rows.append(("chosen c²", f"{self.c2:.4g}"))
             rows.append(("duration", f"{self.duration:.4g} s, as given {given:.4g} s"))
         yield NotebookTable(("", ""), rows)
-        yield from limit_tables(self)
+        yield self.limits_table()
+
+    def limits_table(self) -> NotebookTable:
+        """All limits by falling share that is used, rates too, with those that end the range where it is played."""
+        ends = () if self.c2 is None else self.range.ends_at(self.c2)
+        return limits_table([*self.limit_uses, *rate_uses(self)], {row.name for _, end in ends for row in end.rows})
 
     @cached_property
     def limit_uses(self) -> tuple[LimitUse, ...]:

@@ -17,7 +17,7 @@ from mrts.base.json_output import JsonOutput
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
-from mrts.base.words import aligned, interval_text
+from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.collisions.clearance import Clearance, clearance_remarks
 from mrts.following.coordinated_motion import CoordinatedMotion, tip_motions
@@ -32,7 +32,7 @@ from mrts.program.reserve import reserved, without_unmoved
 from mrts.program.sample_problem import SampleProblem
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import torque_weights, torques_by_blocks
-from mrts.scaling.limit_use import LIMIT_DIGITS, LimitedQuantities, LimitUse, by_share, limit_uses, rate_uses
+from mrts.scaling.limit_use import LimitedQuantities, LimitUse, by_share, limit_uses, limits_table, percent, rate_uses
 from mrts.scaling.options import Options
 from mrts.scaling.remarks import overload_remarks
 from mrts.scaling.result import ScalingResult
@@ -109,7 +109,7 @@ class PlanCheck(InNotebooks, JsonOutput):
 
     def notebook_tables(self) -> Iterator[NotebookTable]:
         """Every limit with the share of it that is used."""
-        yield NotebookTable(*self._table(self.uses))
+        yield self._table(self.uses)
 
     def lines(self, *, every: bool = False) -> Iterator[str]:
         """The answer for people, the outcome first; of each kind the limit used most, and those passed, or all."""
@@ -120,8 +120,8 @@ class PlanCheck(InNotebooks, JsonOutput):
         yield ""
         most = {use.name.kind: use for use in reversed(self.uses)}
         shown = [use for use in self.uses if every or use in self.passed or use is most[use.name.kind]]
-        head, rows = self._table(shown)
-        yield from aligned([head, *rows])
+        table = self._table(shown)
+        yield from aligned([table.head, *table.rows])
 
     def _told(self) -> Iterator[str]:
         for remark in self.remarks:
@@ -132,10 +132,10 @@ class PlanCheck(InNotebooks, JsonOutput):
         if self.status == "fine":
             nearest = self.uses[0]
             return (
-                f"{self.plan.name}: keeps every limit of {self.cell}; nearest is {nearest.name} at {_percent(nearest)}"
+                f"{self.plan.name}: keeps every limit of {self.cell}; nearest is {nearest.name} at {percent(nearest)}"
             )
         passed = f"passes {len(self.passed)} of {len(self.uses)} limits of {self.cell}"
-        worst = f": at worst {self.passed[0].name}, {_percent(self.passed[0])}" if self.passed else ""
+        worst = f": at worst {self.passed[0].name}, {percent(self.passed[0])}" if self.passed else ""
         broken = "contradicts itself" if self.contradictions else ""
         return f"{self.plan.name}: {' and '.join(filter(None, [broken, passed * bool(self.passed)]))}{worst}"
 
@@ -153,19 +153,8 @@ class PlanCheck(InNotebooks, JsonOutput):
         before = int(np.searchsorted(self.time, use.time, side="right"))
         return f"{before}" if self.time[before - 1] == use.time else f"{before} to {before + 1}"
 
-    def _table(self, uses: Sequence[LimitUse]) -> tuple[Sequence[str], list[Sequence[str]]]:
-        rows: list[Sequence[str]] = [
-            (
-                str(use.name),
-                _percent(use),
-                f"{use.least:.4g} to {use.largest:.4g}",
-                interval_text(use.lower, use.upper, use.name.unit, LIMIT_DIGITS),
-                f"{use.time:.4g} s",
-                self.place(use),
-            )
-            for use in uses
-        ]
-        return ("limit", "used", "values", "limits", "at", "row"), rows
+    def _table(self, uses: Sequence[LimitUse]) -> NotebookTable:
+        return limits_table(uses, place=lambda use: f"{use.time:.4g} s, row {self.place(use)}")
 
     def to_json(self) -> dict[str, Any]:
         """All of it as values of JSON."""
@@ -413,10 +402,6 @@ def _pushing(dq: Array, ddq: Array) -> tuple[Remark, ...]:
         "that holds still."
     )
     return (Remark("pushes-at-ends", text),)
-
-
-def _percent(use: LimitUse) -> str:
-    return f"{round(100 * use.share, 1):g} %"
 
 
 def _finite(limit: float) -> float | None:
