@@ -28,7 +28,6 @@ from mrts.commands.console.terminal import (
     encode_anything,
     fail,
     fail_raw,
-    flush_answer,
     open_closed_streams,
     warn,
 )
@@ -144,7 +143,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with persistent_interrupt():
             code = _run(words)
-            flush_answer()
     except (MrtsError, click.UsageError) as error:
         fail(f"error: {_usage(error, words) if isinstance(error, click.UsageError) else error}")
         for note in getattr(error, "__notes__", ()):

@@ -42,7 +42,7 @@ def run(
     given_motion = load_motion(motion)
     if not isinstance(given_motion, ObjectMotion):
         raise InputError(motion, "a table of joint motion fixes the configuration; give the object's motion.")
-    limited = options.limited_cell(cell, **options.take(given, options.LIMITS))
+    limited = options.compiled_cell(cell, **options.take(given, options.LIMITS))
     with working(f"configurations of {limited.name}") as progress:
         study = rank_configurations(limited, given_motion, **given, progress=progress)
     feasible = bool(study.ranked) and study.ranked[0].range.status.admits_motion

@@ -312,7 +312,7 @@ json = option("--json", type=Written(dash=True), metavar="FILE", help="write all
 
 
 LIMITS = ("reserve", "no_wrench_limits", "no_velocity_limits")
-"""Arguments of `limited_cell` that `limits` gives."""
+"""Arguments of `compiled_cell` that `limits` gives."""
 
 
 limits = together(
@@ -324,7 +324,7 @@ limits = together(
     option("--no-wrench-limits", is_flag=True, help="ignore the limits on the contact wrenches"),
     option("--no-velocity-limits", is_flag=True, help="report velocity limits, but let them bound nothing"),
 )  # fmt: skip
-"""The options that change limits of the cell, as `limited_cell` takes them."""
+"""The options that change limits of the cell, as `compiled_cell` takes them."""
 
 
 def plot(what: str) -> Decorator:
@@ -343,15 +343,7 @@ def _of_plot(ctx: click.Context, _param: click.Parameter, form: str) -> str:
     return form
 
 
-def compiled_cell(path: Path) -> "Cell":
-    """The cell of a file or folder; on first use generated and compiled, which a terminal sees."""
-    from mrts.cell.loading import load_cell
-
-    with working(f"generating and compiling {path}"):
-        return load_cell(path)
-
-
-def limited_cell(
+def compiled_cell(
     path: Path,
     motion: "ObjectMotion | JointTable | None" = None,
     closure: "ClosureBound | None" = None,
@@ -360,7 +352,7 @@ def limited_cell(
     no_wrench_limits: bool = False,
     no_velocity_limits: bool = False,
 ) -> "Cell":
-    """The cell of a file or folder with its limits as the options change them.
+    """The cell of a file or folder; on first use generated and compiled, which a terminal sees.
 
     Args:
         path: Of the cell.
@@ -373,8 +365,7 @@ def limited_cell(
     from mrts.cell.loading import cell_to_compile, load_cell
 
     with working(f"generating and compiling {path}"):
-        uncompiled = None if motion is None else cell_to_compile(path)
-        if uncompiled is not None and motion is not None:
+        if motion is not None and (uncompiled := cell_to_compile(path)) is not None:
             from mrts.following.coordinate import coordinate
 
             coordinate(uncompiled, motion, closure)

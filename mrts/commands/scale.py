@@ -43,7 +43,7 @@ PROFILES = ("constant", "optimal", "smooth")
 STYLES: dict[str, Style] = {"free": "plain", "near": "note", "reached": "bad"}
 """Of the limits that are told, by how near they are."""
 
-SELECTIONS = ("fastest", "nominal", "c2")
+SELECTIONS = ("nominal", "c2")
 
 PLANS = ("csv", "ros_bag")
 """Arguments that name files of the trajectory at the chosen speed."""
@@ -55,8 +55,7 @@ FILES = ("save", *PLANS, "plot", "report")
 @options.command(EXAMPLES)
 @options.cell
 @options.motion
-@option("--fastest", is_flag=True, help="play as fast as the limits allow (default)")
-@option("--nominal", is_flag=True, help="play as given, c² = 1")
+@option("--nominal", is_flag=True, help="play as given, c² = 1 (default: as fast as the limits allow)")
 @option("--c2", type=float, metavar="VALUE", help="play at this c²")
 @option("--profile", type=Choice(PROFILES), default="constant", show_default=True,
         help="one factor of speed, the fastest timing r(t), or a smooth one, the fastest whose torques and "
@@ -135,7 +134,7 @@ def run(
         raise InputError("sample_rate", "goes with --csv or --ros-bag.")
     motion_given = load_motion(motion, **take(given, ("smooth",)))
     automatic = _is_automatic(given)
-    limited = options.limited_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
+    limited = options.compiled_cell(cell, motion_given, given.get("closure"), **take(given, options.LIMITS))
     if "weights" in given and len(limited.robots) == 1 and profile != "smooth":
         warn("--weights has no effect: one arm leaves no torques to choose")
     load = _known_load(limited, carry, given.get("load"))
@@ -205,8 +204,8 @@ def _check(profile: str, given: dict[str, Any]) -> None:
     for name in given:
         if name not in known:
             raise InputError(name, f"does not go with --profile {profile}.")
-    if len(chosen := [name for name in SELECTIONS if name in given]) > 1:
-        raise InputError(chosen[1], f"does not go with --{chosen[0]}.")
+    if {*SELECTIONS} <= given.keys():
+        raise InputError("c2", "does not go with --nominal.")
     if "what_if" in given and given.get("load") == "possible":
         raise InputError("what_if", "goes with --load guaranteed, not with what is possible with some load.")
     if "weights" in given and "sharing" in given and profile != "smooth":

@@ -226,7 +226,7 @@ def _read(cell: Path, motion: Path, given: dict[str, Any]) -> "tuple[Cell, Objec
     from mrts.motion.motion_file import load_motion
 
     played = load_motion(motion)
-    return options.limited_cell(cell, **take(given, options.LIMITS)), played
+    return options.compiled_cell(cell, **take(given, options.LIMITS)), played
 
 
 def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[str, Any]) -> "Given":

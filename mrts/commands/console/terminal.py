@@ -54,10 +54,7 @@ def open_closed_streams() -> None:
     """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
-            opened = os.open(os.devnull, os.O_WRONLY if name == "stderr" else os.O_RDONLY)
-            if opened != number:
-                os.dup2(opened, number)
-                os.close(opened)
+            os.open(os.devnull, os.O_WRONLY if name == "stderr" else os.O_RDONLY)  # its number is the lowest free one
             mode = "r" if name == "stdin" else "w"
             setattr(sys, name, open(number, mode, encoding="utf-8", closefd=False))  # noqa: SIM115 (as Python's own)
 
@@ -72,20 +69,7 @@ def encode_anything() -> None:
 def say(text: str, style: Style = "plain") -> None:
     """Print lines of the answer for people, on a terminal with breaks between words; nothing with --quiet."""
     if not QUIET.get():
-        _print(_painted(_wrapped(printable(text, lines=True), sys.stdout), style, sys.stdout))
-
-
-def _wrapped(text: str, stream: TextIO) -> str:
-    """The text in lines that a terminal can hold, each broken between words only; as it is for another reader."""
-    if not stream.isatty():
-        return text
-    width = max(LEAST_WIDTH, shutil.get_terminal_size().columns)
-    lines = []
-    for line in text.split("\n"):
-        start = line[: len(line) - len(line.lstrip())] + HANGING
-        wrap = textwrap.TextWrapper(width, subsequent_indent=start, break_long_words=False, break_on_hyphens=False)
-        lines.append(line if len(line) <= width else wrap.fill(line))
-    return "\n".join(lines)
+        _write(_dressed(text, style, sys.stdout), sys.stdout)
 
 
 def put(text: str) -> None:
@@ -95,29 +79,59 @@ def put(text: str) -> None:
         InputError: If standard output cannot be written.
         BrokenPipeError: If its reader went away.
     """
-    _print(printable(text, lines=True))
-
-
-def _print(text: str) -> None:
-    with _standard_output():
-        print(text)
-
-
-def flush_answer() -> None:
-    """Hand over what has been printed; raises as `put`."""
-    with _standard_output():
-        sys.stdout.flush()
+    _write(printable(text, lines=True), sys.stdout)
 
 
 def warn(text: str) -> None:
     """Print a remark beside the answer; nothing with --quiet."""
     if not QUIET.get():
-        _remark(f"mrts: {text}", "note")
+        _remark(text, "note")
 
 
 def fail(text: str) -> None:
     """Print why there is no answer."""
-    _remark(f"mrts: {text}", "bad")
+    _remark(text, "bad")
+
+
+def fail_raw(text: str) -> None:
+    """Print text as it is, such as a traceback that was asked for."""
+    _write(text, sys.stderr)
+
+
+def _remark(text: str, style: Style) -> None:
+    start = CLEAR_LINE if is_terminal(sys.stderr) else ""  # what progress or a typed ^C left there
+    _write(start + _dressed(f"mrts: {text}", style, sys.stderr), sys.stderr)
+
+
+def _dressed(text: str, style: Style, stream: TextIO) -> str:
+    """The text as a terminal shows it: in its style, and in lines that are broken between words only."""
+    text = printable(text, lines=True)
+    if stream.isatty():
+        width = max(LEAST_WIDTH, shutil.get_terminal_size().columns)
+        lines = []
+        for line in text.split("\n"):
+            start = line[: len(line) - len(line.lstrip())] + HANGING
+            wrap = textwrap.TextWrapper(width, subsequent_indent=start, break_long_words=False, break_on_hyphens=False)
+            lines.append(line if len(line) <= width else wrap.fill(line))
+        text = "\n".join(lines)
+    if style == "plain" or "NO_COLOR" in os.environ or not is_terminal(stream):
+        return text
+    return f"{CODES[style]}{text}\x1b[0m"
+
+
+def _write(text: str, stream: TextIO) -> None:
+    """Print now; what cannot be written to standard error is lost: there is no other place to say so."""
+    try:
+        print(text, file=stream, flush=True)
+    except OSError as error:
+        nowhere = os.open(os.devnull, os.O_WRONLY)  # Python would else complain when it flushes the rest at its end
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+        if stream is sys.stderr:
+            return
+        if isinstance(error, BrokenPipeError):
+            raise
+        raise InputError("standard output", f"cannot be written: {error.strerror}.") from None
 
 
 class RemarkHandler(logging.Handler):
@@ -135,55 +149,9 @@ class RemarkHandler(logging.Handler):
             warn(text)
 
 
-def fail_raw(text: str) -> None:
-    """Print text as it is, such as a traceback that was asked for."""
-    with _lost_if_closed():
-        print(text, file=sys.stderr)
-
-
 def is_terminal(stream: TextIO) -> bool:
     """Whether a stream is a terminal that understands escapes."""
     return stream.isatty() and os.environ.get("TERM") != "dumb"
-
-
-@contextmanager
-def _standard_output() -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        _discard(sys.stdout)
-        if isinstance(error, BrokenPipeError):
-            raise
-        raise InputError("standard output", f"cannot be written: {error.strerror}.") from None
-
-
-@contextmanager
-def _lost_if_closed() -> Iterator[None]:
-    """What cannot be written to standard error is lost: there is no other place to say so."""
-    try:
-        yield
-        sys.stderr.flush()
-    except OSError:
-        _discard(sys.stderr)
-
-
-def _discard(stream: TextIO) -> None:
-    """Let all further output go nowhere: Python would else complain when it flushes the rest at its end."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, stream.fileno())
-    os.close(nowhere)
-
-
-def _remark(text: str, style: Style) -> None:
-    start = CLEAR_LINE if is_terminal(sys.stderr) else ""  # what progress or a typed ^C left there
-    with _lost_if_closed():
-        print(start + _painted(_wrapped(printable(text, lines=True), sys.stderr), style, sys.stderr), file=sys.stderr)
-
-
-def _painted(text: str, style: Style, stream: TextIO) -> str:
-    if style == "plain" or "NO_COLOR" in os.environ or not is_terminal(stream):
-        return text
-    return f"{CODES[style]}{text}\x1b[0m"
 
 
 @contextmanager
