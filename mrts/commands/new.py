@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 
     from mrts.base.arrays import Array
     from mrts.base.rigid_transform import RigidTransform
+    from mrts.starting.arm import Arm
     from mrts.starting.proposal import Proposal
-    from mrts.starting.request import ArmRequest, Request
+    from mrts.starting.request import Request
 
 EXAMPLES = """\
 examples:
@@ -89,7 +90,7 @@ def _begin(folder: Path, request: "Request") -> int:
             proposal = propose(request, progress)
         except MotionError as error:
             say(f"{folder}: nothing written: {error}", "bad")
-            for remark in (one for each in request.arms for one in urdf_remarks(each.arm.robot)):
+            for remark in (one for arm in request.arms for one in urdf_remarks(arm.robot)):
                 say(str(remark), "note")
             return INFEASIBLE
     _write(folder, proposal)
@@ -110,14 +111,14 @@ def _tell_arms(request: "Request") -> None:
     from mrts.cell.remarks import joint_assumptions
     from mrts.starting.cell_check import joint_table
 
-    chains: dict[int, ArmRequest] = {}
-    for each in request.arms:  # two of a kind have one chain, told under the name of the first
-        chains.setdefault(id(each.arm.robot.source), each)
-    for each in chains.values():
-        chain = each.arm.robot
-        proposed = f" (proposed: {each.why})" if each.why else ""
-        names = " and ".join(other.arm.robot.name for other in request.arms if other.arm.robot.source is chain.source)
-        say(f"{names}: {each.urdf}, {chain.source.base_link} to {chain.source.tip_link}{proposed}", "strong")
+    chains: dict[int, Arm] = {}
+    for arm in request.arms:  # two of a kind have one chain, told under the name of the first
+        chains.setdefault(id(arm.robot.source), arm)
+    for arm in chains.values():
+        chain = arm.robot
+        proposed = f" (proposed: {arm.why})" if arm.why else ""
+        names = " and ".join(other.robot.name for other in request.arms if other.robot.source is chain.source)
+        say(f"{names}: {arm.urdf}, {chain.source.base_link} to {chain.source.tip_link}{proposed}", "strong")
         for line in joint_table([chain]):
             say(line)
         for remark in joint_assumptions([chain]):

@@ -3,10 +3,13 @@
 
 import hashlib
 import json
-from contextlib import suppress
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import NoneType
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +19,13 @@ from mrts.base.atomic_file import write_atomically
 from mrts.base.errors import InputError, SolverError
 from mrts.base.load_box import LoadBox
 from mrts.base.manifest import FORMAT
+from mrts.base.regular_file import open_regular
 from mrts.base.version import __version__
 from mrts.cell.cell import Cell
 from mrts.cell.cell_keys import manifest_of
 from mrts.cell.functions import CellFunctions, saved_functions
 from mrts.cell.record import CellManifest, CellRecord
 from mrts.limits.rows import limit_name
-from mrts.output.npz_file import open_arrays
 from mrts.output.value_tree import Arrays, TreeReader, TreeWriter
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.what_if import WhatIf
@@ -37,6 +40,16 @@ DESCRIPTION_BYTES = 5_000_000
 DESCRIPTION_RATIO = 20
 """The words of a result take at most so many bytes, or so many times its file: parsed, they are a dozen times larger.
 They shrink to about a sixth where many samples are infeasible."""
+
+ADVICE = "`mrts scale CELL MOTION --save FILE.npz` writes one."
+
+MAX_ARCHIVE_BYTES = 2_000_000_000
+"""A million samples of two arms take less than half of it."""
+
+UNPACKED_BYTES = 30_000_000
+UNPACKED_RATIO = 50
+"""An archive may unpack to so many bytes and so many times its own size: results shrink to about a third, nothing but
+zeros to a thousandth."""
 
 FOUND: dict[str, tuple[str, ...]] = {
     "ScalingResult": ("reserve", "warnings"),
@@ -114,8 +127,7 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
             folder=None if cell is None else cell.folder,
         )
 
-    advice = "`mrts scale CELL MOTION --save FILE.npz` writes one."
-    with open_arrays(path, "saved result", advice) as (arrays, size):
+    with _opened(path) as (arrays, size):
         text, found_seal = arrays["description"].tobytes(), arrays.pop("seal", np.zeros(0))
         if len(text) > max(DESCRIPTION_BYTES, DESCRIPTION_RATIO * size):
             raise InputError(path, f"describes a result in {len(text)} bytes: more than a file of its size.")
@@ -125,6 +137,29 @@ def load_result(path: Path | str, cell: Cell | None = None) -> ScalingResult | R
         reader = TreeReader(arrays, {Cell: read_cell}, {"WhatIf": WhatIf})
         result: ScalingResult | RetimingResult = reader.value(ScalingResult | RetimingResult, said["result"], "")
         return result
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[dict[str, NDArray[Any]], int]]:
+    """The arrays of an .npz file by name, none that would have to be unpickled, and its size in bytes.
+
+    Raises:
+        InputError: If it is missing, no regular file, no such archive, or damaged; also of what the block raises.
+    """
+    with open_regular(path, "saved result", MAX_ARCHIVE_BYTES) as file:
+        try:
+            size = file.seek(0, os.SEEK_END)
+            with ZipFile(file) as archive:
+                unpacked = sum(member.file_size for member in archive.infolist())
+            if unpacked > UNPACKED_BYTES + UNPACKED_RATIO * size:
+                raise ValueError(f"it would unpack to {unpacked} bytes")  # noqa: TRY301
+            file.seek(0)
+            with np.load(file) as arrays:
+                yield dict(arrays), size
+        except Exception as error:
+            if isinstance(error, InputError) and error.where == str(path):
+                raise
+            raise InputError(path, f"is no saved result of mrts, or damaged ({error}). {ADVICE}") from None
 
 
 def _cell_entry(writer: TreeWriter, cell: Cell, path: str) -> dict[str, Any]:

@@ -4,14 +4,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
 from mrts.base.arrays import Array, cross
-from mrts.base.rigid_transform import PLANE_TOLERANCE, plane_normal
+from mrts.base.errors import InputError
+from mrts.base.rigid_transform import PLANE_TOLERANCE, RigidTransform, plane_normal
 from mrts.cell.remarks import link_lengths
 from mrts.cell.robot import Robot
 from mrts.collisions.bodies import body_poses
+from mrts.scene.arm_meshes import arm_meshes
 
 NO_LEVER = 1e-3
 """A hand nearer to its last joint than this says nothing of where it points [m]."""
@@ -45,10 +48,18 @@ class Arm:
     Attributes:
         robot: Base and grasp are the identity, efforts that are missing are infinite.
         com: Centre of mass of what each joint carries, base frame with every joint at zero, Shape (n, 3) [m].
+        path: Of the URDF.
+        urdf: How a cell file names it.
+        why: Why its tip was chosen, to stand behind the name; empty where the user chose it.
+        base: Of its base link in the world, where that is given.
     """
 
     robot: Robot
     com: Array
+    path: Path
+    urdf: str = ""
+    why: str = ""
+    base: RigidTransform | None = None
 
     @cached_property
     def reach(self) -> float:
@@ -70,6 +81,18 @@ class Arm:
                 direction[axis] = np.sign(away[axis])
                 return direction
         return np.array([0.0, 0.0, 1.0])
+
+    @cached_property
+    def overhang(self) -> float:
+        """How far meshes that move with the tip reach beyond the tip's origin, where the hand points [m]."""
+        robot = self.robot
+        try:
+            meshes = arm_meshes(self.path, robot.source.base_link, robot.joints)
+        except InputError:
+            return 0.0
+        T, last = robot.T_base_tip, len(robot.joints)
+        beyond = [np.max((mesh.vertices - T.p) @ T.R @ self.approach) for body, mesh in meshes if body == last]
+        return max([0.0, *map(float, beyond)])
 
     def at(self, q: Array) -> ArmState:
         """The arm at joint positions, Shape (N, n) [rad or m]."""

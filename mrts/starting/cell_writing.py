@@ -13,7 +13,6 @@ from mrts.base.yaml_parser import parse_yaml
 from mrts.cell.remarks import missing_masses
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal
-from mrts.starting.request import ArmRequest
 
 COMMENT_AT = 50
 
@@ -36,8 +35,8 @@ def cell_file(proposal: Proposal) -> str:
         _line(f"  shape: {flow(cell['object']['shape'])}", "assumed: a uniform box, which gives the inertia as well"),
         "robots:",
     ]
-    for each, robot in zip(request.arms, cell["robots"], strict=True):
-        lines += _robot(proposal, each, robot)
+    for arm, robot in zip(request.arms, cell["robots"], strict=True):
+        lines += _robot(proposal, arm, robot)
     lines.append("    # nothing bounds yet what the hands exert on the object: see wrench and contact")
     return _read_back("\n".join(lines) + "\n", cell)
 
@@ -66,19 +65,19 @@ def _line(text: str, comment: str, proposal: Proposal | None = None) -> str:
     return f"{text:<{COMMENT_AT}} # {printable(comment)}"
 
 
-def _robot(proposal: Proposal, each: ArmRequest, robot: dict[str, Any]) -> Iterator[str]:
-    chain, standing = each.arm.robot, each.base is not None
+def _robot(proposal: Proposal, arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
+    chain, standing = arm.robot, arm.base is not None
     machine = proposal.request.one_machine
     yield f"  - name: {flow(robot['name'])}"
     yield f"    urdf: {flow(robot['urdf'])}"
     yield _line(f"    base_link: {flow(robot['base_link'])}", "where the chain begins")
-    yield _line(f"    tip_link: {flow(robot['tip_link'])}", each.why and f"proposed: {each.why}")
+    yield _line(f"    tip_link: {flow(robot['tip_link'])}", arm.why and f"proposed: {arm.why}")
     whose = "where the URDF has it" if machine else "as asked for" if standing else "proposed"
     yield _line(f"    base: {flow(robot['base'])}", f"base link in the world, {whose}")
     yield _line(f"    grasp: {flow(robot['grasp'])}", "tip in the object, whose frame is in its centre of mass")
     yield f"    # at the start, proposed: {printable(', '.join(chain.joints))}"
     yield f"    posture: {flow(robot['posture'])}"
-    yield from _limits(each.arm, robot)
+    yield from _limits(arm, robot)
 
 
 def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:

@@ -25,7 +25,7 @@ from mrts.cell.remarks import (
     missing_masses,
     urdf_remarks,
 )
-from mrts.cell.source_files import UrdfReading, arm_of_urdf, is_generated, read_urdf, read_without_generating
+from mrts.cell.source_files import arm_of_urdf, is_generated, read_urdf, read_without_generating
 from mrts.collisions.clearance import clearance_remarks
 from mrts.following.coordinate import coordinate
 from mrts.following.coordinated_motion import CoordinatedMotion, check_motion
@@ -147,34 +147,25 @@ def _motion_units(cell: Cell, motion: ObjectMotion) -> Iterator[Remark]:
 
 def _check_urdf(path: Path) -> CellCheck:
     read = read_urdf(path, Path(), str(path))
-    mistakes = Mistakes(read.mistakes)
-    arms = _arms_of(read, mistakes)
+    mistakes, tree, arms = Mistakes(read.mistakes), read.urdf, []
+    if tree is not None:
+        tips = [*hands(tree)]
+        if not tips:
+            mistakes.add(InputError(path, f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."))
+        for tip in tips:
+            with mistakes.noted():
+                arms.append(Arm(*arm_of_urdf(read.path, tree, first_link(tree, tips), tip), read.path))
     robots = tuple(arm.robot for arm in arms)
-    remarks = [hint for arm in arms for hint in _urdf_hints(arm, path)]
+    remarks = [hint for arm in arms for hint in _urdf_hints(arm)]
     remarks += [*read.remarks, *missing_masses(robots), *joint_assumptions(robots)]
     return CellCheck(cell=path, mistakes=tuple(mistakes.found), robots=robots, remarks=tuple(remarks))
 
 
-def _arms_of(read: UrdfReading, mistakes: Mistakes) -> list[Arm]:
-    arms: list[Arm] = []
-    if read.urdf is None:
-        return arms
-    tips = [*hands(read.urdf)]
-    if not tips:
-        mistakes.add(InputError(read.path, f"has no link that {FEWEST_JOINTS} joints or more move: it is no arm."))
-        return arms
-    base = first_link(read.urdf, tips)
-    for tip in tips:
-        with mistakes.noted():
-            arms.append(Arm(*arm_of_urdf(read.path, read.urdf, base, tip)))
-    return arms
-
-
-def _urdf_hints(arm: Arm, path: Path) -> Iterator[Remark]:
+def _urdf_hints(arm: Arm) -> Iterator[Remark]:
     likely = [*urdf_remarks(arm.robot)]
     yield from likely
     try:
-        check_movable(arm, path, plane_of([arm]))
+        check_movable(arm, plane_of([arm]))
     except InputError as error:
         if error.rule not in {hint.text for hint in likely}:
             yield Remark.hint("cannot-hold", f"{arm.robot.source.tip_link}: {error.rule}")

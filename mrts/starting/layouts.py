@@ -80,7 +80,7 @@ class Layout:
 def layouts(request: Request, mass: float, share: float = 1.0) -> list[Layout]:
     """Layouts in which every arm can hold the box and lift it, the best first."""
     lift, force = request.length(share * LIFT) * request.up, request.force(mass)
-    standing = all(each.base is not None for each in request.arms)
+    standing = all(arm.base is not None for arm in request.arms)
     found = _between_standing(request, lift, force) if standing else _around(request, lift, force)
     if not found:
         raise MotionError(
@@ -118,7 +118,7 @@ def _around(request: Request, lift: Array, force: Array) -> list[Layout]:
     out, plane = _out(request), request.plane
     found: list[dict[tuple[int, ...], Spot]] = []
     known: dict[tuple[object, ...], dict[tuple[int, ...], Spot]] = {}
-    for arm, direction in zip([each.arm for each in request.arms], out, strict=True):
+    for arm, direction in zip(request.arms, out, strict=True):
         if plane is None:
             east, north = np.eye(3)[np.abs(request.up) == 0]
             facings = np.array([east, north, -east, -north])
@@ -158,11 +158,11 @@ def _turn(up: Array, start: Array, end: Array) -> Array:
 
 
 def _between_standing(request: Request, lift: Array, force: Array) -> list[Layout]:
-    bases = [each.base or RigidTransform.identity() for each in request.arms]
+    bases = [arm.base or RigidTransform.identity() for arm in request.arms]
     middle, out = _between(request, bases)
     forward = np.cross(request.up, (out[-1] - out[0]) / 2) * (len(out) == 2) * (request.plane is None)  # noqa: PLR2004 (a pair)
     found = []
-    for arm, T, direction in zip([each.arm for each in request.arms], bases, out, strict=True):
+    for arm, T, direction in zip(request.arms, bases, out, strict=True):
         facings, kinds = _standing_directions(request, direction, forward)
         start = middle + request.width / 2 * direction
         found.append(find_spots(arm, _wanted(request, arm, facings, kinds, lift, force, (T, start, forward))))
@@ -193,7 +193,7 @@ def _along_axes(directions: Array) -> Array:
 
 def _between(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, Array]:
     """The middle of arms that stand, Shape (3,) [m], and from there the level direction to each, Shape (arms, 3)."""
-    chains = [each.arm.robot for each in request.arms]
+    chains = [arm.robot for arm in request.arms]
     for joint in range(min(len(chain.joints) for chain in chains)):  # shoulders may begin in one breastbone
         anchors = np.array([T.p + T.R @ chain.points[joint] for T, chain in zip(bases, chains, strict=True)])
         middle = np.round(anchors.mean(axis=0), METRES - 1)

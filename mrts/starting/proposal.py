@@ -21,7 +21,7 @@ from mrts.scaling.scale import scale
 from mrts.starting.arm import Arm
 from mrts.starting.layouts import Layout, Stand, layouts
 from mrts.starting.postures import drawn_postures
-from mrts.starting.request import ArmRequest, Request
+from mrts.starting.request import Request
 
 LOAD_SHARE = 0.1
 """Of the arms' own mass that the object has: an industrial arm carries a quarter of its mass or less."""
@@ -111,7 +111,7 @@ def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) ->
 
 
 def _first_mass(request: Request) -> float:
-    total = sum(float(np.sum(each.arm.robot.source.carried_mass)) for each in request.arms)
+    total = sum(float(np.sum(arm.robot.source.carried_mass)) for arm in request.arms)
     return _two_digits(LOAD_SHARE * total) if total > 0 else 1.0
 
 
@@ -142,7 +142,7 @@ def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
 
 
 def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], between: float | None) -> ScalingResult:
-    paths = [{"urdf": str(each.path)} for each in request.arms]
+    paths = [{"urdf": str(arm.path)} for arm in request.arms]
     robots = [robot | path for robot, path in zip(keys["robots"], paths, strict=True)]
     cell = Cell.from_description(keys | {"robots": robots}, folder=request.arms[0].path.parent)
     return scale(cell, sample_motion(MotionDescription(**motion)), between=between)
@@ -173,18 +173,18 @@ def _cell_keys(request: Request, layout: Layout, mass: float) -> dict[str, Any]:
     keys |= {} if request.plane is None else {"plane": request.plane}
     keys["object"] = {"mass": mass, "shape": {"box": layout.sides.tolist()}}
     stands = zip(request.arms, layout.stands, strict=True)
-    return keys | {"robots": [_robot_keys(request, each, stand, layout, mass) for each, stand in stands]}
+    return keys | {"robots": [_robot_keys(request, arm, stand, layout, mass) for arm, stand in stands]}
 
 
-def _robot_keys(request: Request, each: ArmRequest, stand: Stand, layout: Layout, mass: float) -> dict[str, Any]:
-    chain = each.arm.robot
+def _robot_keys(request: Request, arm: Arm, stand: Stand, layout: Layout, mass: float) -> dict[str, Any]:
+    chain = arm.robot
     T = RigidTransform(stand.T_world_tip.R, stand.T_world_tip.p - layout.position)
-    robot: dict[str, Any] = {"name": each.arm.robot.name, "urdf": each.urdf}
+    robot: dict[str, Any] = {"name": chain.name, "urdf": arm.urdf}
     robot |= {"base_link": chain.source.base_link, "tip_link": chain.source.tip_link}
     robot |= {"base": short_pose(stand.T_world_base), "grasp": short_pose(T), "posture": stand.posture.tolist()}
-    if each.arm.without_effort:
+    if arm.without_effort:
         known = chain.torque_upper
-        robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, each.arm, mass)).tolist()
+        robot["torque"] = np.where(np.isfinite(known), known, _assumed_torque(request, arm, mass)).tolist()
     return robot
 
 

@@ -19,7 +19,6 @@ from mrts.base.rigid_transform import RigidTransform, plane_normal
 from mrts.cell.remarks import urdf_remarks
 from mrts.cell.source_files import arm_of_urdf, read_urdf
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
-from mrts.scene.arm_meshes import arm_meshes
 from mrts.starting.arm import Arm, plane_of, twist_rows
 from mrts.starting.tips import FEWEST_JOINTS, SIDES, first_link, hands, moved_by, side_of
 
@@ -44,37 +43,6 @@ ROBOT, TIP, BASE = "--robot", "--tip", "--base"
 
 
 @dataclass(frozen=True, eq=False)
-class ArmRequest:
-    """One arm of the cell that is begun.
-
-    Attributes:
-        arm: With its chain.
-        urdf: How the cell file names its URDF.
-        path: Where that is, absolute.
-        why: Why its tip was chosen, to stand behind the name; empty where the user chose it.
-        base: Of its base link in the world, where the user gave it.
-    """
-
-    arm: Arm
-    urdf: str
-    path: Path
-    why: str = ""
-    base: RigidTransform | None = None
-
-    @cached_property
-    def overhang(self) -> float:
-        """How far meshes that move with the tip reach beyond the tip's origin, where the hand points [m]."""
-        robot = self.arm.robot
-        try:
-            meshes = arm_meshes(self.path, robot.source.base_link, robot.joints)
-        except InputError:
-            return 0.0
-        T, last = robot.T_base_tip, len(robot.joints)
-        beyond = [np.max((mesh.vertices - T.p) @ T.R @ self.arm.approach) for body, mesh in meshes if body == last]
-        return max([0.0, *map(float, beyond)])
-
-
-@dataclass(frozen=True, eq=False)
 class Request:
     """What a cell is begun from.
 
@@ -88,7 +56,7 @@ class Request:
     """
 
     name: str
-    arms: tuple[ArmRequest, ...]
+    arms: tuple[Arm, ...]
     one_machine: bool
     plane: str | None
     gravity: Array
@@ -108,7 +76,7 @@ class Request:
 
     def length(self, share: float) -> float:
         """A share of the shortest arm's reach, of two digits at most [m]."""
-        length = share * min(each.arm.reach for each in self.arms)
+        length = share * min(arm.reach for arm in self.arms)
         step = 10.0 ** np.floor(np.log10(length)) / 2
         return float(np.round(max(np.round(length / step), 1) * step, 6))
 
@@ -120,7 +88,7 @@ class Request:
     @property
     def between_hands(self) -> float:
         """What hands that reach beyond their tips leave of the width, a tenth at least [m]."""
-        left = self.width - 2 * max(each.overhang for each in self.arms)
+        left = self.width - 2 * max(arm.overhang for arm in self.arms)
         return max(left, self.width / 10)
 
     @property
@@ -177,8 +145,8 @@ def request_of(
     if bases and len(bases) != standing:
         rule = f"give it once for each robot, in their order: {standing} times, or not at all."
         raise InputError(BASE, rule, value=len(bases))
-    machines = {arm.path: fellows for arm in chosen if len(fellows := _machine(chosen, arm)) > 1}
-    alone = len(machines) == 1 and all(arm.path in machines for arm in chosen)
+    machines = {one.path for one in chosen if len(_machine(chosen, one)) > 1}
+    alone = len(machines) == 1 and all(one.path in machines for one in chosen)
     if machines and not alone and not bases:
         rule = (
             "is needed for each robot where one has several arms: they cannot be moved about by themselves. Or choose "
@@ -187,29 +155,30 @@ def request_of(
         raise InputError(BASE, rule)
     arm_of = cache(arm_of_urdf)  # two of a kind have one chain
     arms = []
-    for arm, called in zip(chosen, _names([arm.tip for arm in chosen]), strict=True):
-        fellows = _machine(chosen, arm)
-        chain, com = arm_of(arm.path, arm.tree, first_link(arm.tree, [fellow.tip for fellow in fellows]), arm.tip)
+    for one, called in zip(chosen, _names([one.tip for one in chosen]), strict=True):
+        fellows = [fellow.tip for fellow in _machine(chosen, one)]
+        chain, com = arm_of(one.path, one.tree, first_link(one.tree, fellows), one.tip)
         T_root_base = chain.source.T_base_root.inverse()
         in_place = T_root_base if len(fellows) > 1 else None
         arms.append(
-            ArmRequest(
-                arm=Arm(replace(chain, name=called), com),
-                urdf=_reference(arm.reference, arm.path, folder),
-                path=arm.path.absolute(),
-                why=arm.why,
-                base=bases[arm.robot] @ T_root_base if bases else in_place,
+            Arm(
+                replace(chain, name=called),
+                com,
+                path=one.path.absolute(),
+                urdf=_reference(one.reference, one.path, folder),
+                why=one.why,
+                base=bases[one.robot] @ T_root_base if bases else in_place,
             )
         )
-    plane = plane_of([each.arm for each in arms])
+    plane = plane_of(arms)
     if plane is not None and len(arms) > len(SIDES) and not bases:
         raise InputError(BASE, "is needed for each of more than two arms that move in one plane.")
-    for each in arms:
-        check_movable(each.arm, each.path, plane)
+    for arm in arms:
+        check_movable(arm, plane)
     return Request(name, tuple(arms), alone and not bases, plane, np.asarray(gravity), mass)
 
 
-def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
+def check_movable(arm: Arm, plane: str | None) -> None:
     """Check that an arm can hold an object at all."""
     count, needed = len(arm.robot.joints), SPATIAL_JOINTS if plane is None else FEWEST_JOINTS
     if count < needed:
@@ -217,14 +186,14 @@ def check_movable(arm: Arm, path: Path, plane: str | None) -> None:
             f"the chain to '{arm.robot.source.tip_link}' has {count} joint{'s' * (count > 1)}, and holding an object "
             f"takes {SPATIAL_JOINTS}, or {FEWEST_JOINTS} where all move in one plane. Choose another tip or robot."
         )
-        raise InputError(path, rule)
+        raise InputError(arm.path, rule)
     for remark in urdf_remarks(arm.robot):
         if remark.code in HOPELESS:
-            raise InputError(path, remark.text)
+            raise InputError(arm.path, remark.text)
     rows = twist_rows(plane)
     q = postures_for_rank(arm.middle())
     if lacking := lacking_freedom(arm.robot.joints, arm.at(q).jacobian[:, rows], rows):
-        raise InputError(path, f"{lacking} Choose another tip or robot.")
+        raise InputError(arm.path, f"{lacking} Choose another tip or robot.")
 
 
 def _chosen(robots: Sequence[str], tips: Sequence[str]) -> list[_Chosen]:

@@ -122,7 +122,7 @@ NEARLY = {6: 0.999, 7: 0.9}
 def test_no_joint_positions_reach_further_and_some_nearly_as_far(name):
     urdf, tip = CASES[name]
     path = urdf_path(urdf)
-    arm = Arm(*arm_of_urdf(path, read_urdf(path, path.parent, str(path)).urdf, None, tip))
+    arm = Arm(*arm_of_urdf(path, read_urdf(path, path.parent, str(path)).urdf, None, tip), path)
     reach, state = (
         arm_reach(arm.robot),
         arm.at(np.random.default_rng(4).uniform(-np.pi, np.pi, (DRAWN, arm.com.shape[0]))),

@@ -37,7 +37,7 @@ def tree_of(path):
 
 
 def arm_of(path, tip):
-    return Arm(*arm_of_urdf(path, tree_of(path), None, tip))
+    return Arm(*arm_of_urdf(path, tree_of(path), None, tip), path)
 
 
 @pytest.mark.parametrize("urdf", FOUND)

@@ -99,8 +99,8 @@ def test_a_planar_arm_without_efforts_gets_torques_that_hold_it(planar_cell):
     assert request.plane == "xy"
     proposal = propose(request)
     assert "# assumed: the URDF has no effort. Put the data sheet's here" in cell_file(proposal)
-    assert "no-effort-limit" in {remark.code for remark in joint_assumptions([request.arms[0].arm.robot])}
-    assert [each.arm.without_effort for each in request.arms] == [request.arms[0].arm.robot.joints] * 2
+    assert "no-effort-limit" in {remark.code for remark in joint_assumptions([request.arms[0].robot])}
+    assert [each.without_effort for each in request.arms] == [request.arms[0].robot.joints] * 2
     assert proposal.result.range.upper.c2 >= 4
     sides = [robot["grasp"]["xyz"][0] for robot in proposal.cell["robots"]]
     assert sides[0] == -sides[1] != 0
@@ -117,13 +117,13 @@ def test_arms_of_one_machine_hold_in_front_of_it():
     model = pin.buildModelFromUrdf(str(BAXTER))
     data, whole = model.createData(), pin.neutral(model)
     for each, stand in zip(request.arms, best.stands, strict=True):
-        chain = each.arm.robot
+        chain = each.robot
         assert np.all((stand.posture >= chain.position_lower) & (stand.posture <= chain.position_upper))
         for joint, position in zip(chain.joints, stand.posture, strict=True):
             whole[model.joints[model.getJointId(joint)].idx_q] = position
     pin.framesForwardKinematics(model, data, whole)
     for each, stand in zip(request.arms, best.stands, strict=True):
-        tip = data.oMf[model.getFrameId(each.arm.robot.source.tip_link)]
+        tip = data.oMf[model.getFrameId(each.robot.source.tip_link)]
         assert tip.translation == pytest.approx(stand.T_world_tip.p, abs=PLACED)
         assert tip.rotation == pytest.approx(stand.T_world_tip.R, abs=PLACED)
 
