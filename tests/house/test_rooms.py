@@ -20,7 +20,7 @@ SHARED = ("mrts.cell.record", "mrts.cell.robot", "mrts.cell.hands", "mrts.cell.m
 APART = ("report", "viewer")
 """Each has its own library, and none the other's."""
 
-ROOT_FILES = {"__init__.py", "__main__.py", "cli.py", "py.typed"}
+ROOT_FILES = {"__init__.py", "__init__.pyi", "__main__.py", "cli.py", "py.typed"}
 
 
 def modules():
