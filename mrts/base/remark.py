@@ -44,7 +44,7 @@ class Remark:
         return Remark(code, text, severity="assumption")
 
     def __str__(self) -> str:
-        return f"warning: {printable(self.text)}"
+        return f"{self.severity}: {printable(self.text)}"
 
     def to_json(self) -> dict[str, Any]:
         """Code, severity, text and sample."""

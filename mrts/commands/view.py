@@ -5,7 +5,6 @@ import os
 import signal
 import sys
 import webbrowser
-from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -58,8 +57,6 @@ def _sides(text: str) -> list[str]:
     for side in found:
         if side not in SIDES:
             raise InputError("side_by_side", f"there is no such side; there are {', '.join(SIDES)}.", value=side)
-    if len(set(found)) < len(found):
-        raise InputError("side_by_side", "names a side twice.", value=text)
     return found
 
 
@@ -97,59 +94,41 @@ def run(
 ) -> int:
     """A cell in the browser, its motion at any speed against all limits, until Ctrl-C; or as a picture or a film."""
     of_films = take(given, OF_FILMS)
-    _check_films(cell, png, video, of_films)
-    needing = [name for name, value in (("png", png), ("video", video)) if value]
-    _check_files(cell, motion, given, needing)
-    if png is None and video is None:
+    drawn = [name for name, file in (("png", png), ("video", video)) if file is not None]
+    saved = cell.suffix == ".npz"
+    rules = (
+        (not drawn, of_films, "goes with --png FILE or --video FILE."),
+        (png is None, ["at"], "is the moment of --png FILE."),
+        (
+            saved,
+            ["motion", "side_by_side", *given],
+            "does not go with a saved result, which is played as found.",
+        ),
+        (not saved and motion is None, [*given, *drawn], "needs a motion: mrts view CELL MOTION."),
+        ("smooth" not in of_films.get("side_by_side", ()), ["rates"], "is of the smooth side: give it too."),
+    )
+    asked = {*of_films, *given, *drawn, *(["motion"] if motion else [])}
+    for broken, names, rule in rules:
+        if broken and (wrong := [name for name in names if name in asked]):
+            raise InputError(wrong[0], rule)
+    if not drawn:
         require_extra("mrts view", "view", "viser")
-    saved = _played(cell) if _is_saved(cell) else None
-    urdfs = {} if saved else _urdfs(cell)
-    if png is None and video is None:
-        source = _start(cell, motion, cell if urdfs else None, given) if saved is None else saved
-        return _serve(source, urdfs, host, port, opens=not no_open)
-    clips, within = [_saved_clip(cell.stem, saved)] if saved else [], True
-    if motion is not None:
-        limited, played = _read(cell, motion, given)
-        for side in of_films.get("side_by_side", ["fastest"]):
-            clip, keeps = _side_clip(side, limited, played, urdfs, of_films.get("rates", True), given)
-            clips.append(clip)
-            within &= keeps
-    return _write_films(clips, png, video, of_films.get("at"), within=within)
-
-
-def _is_saved(path: Path) -> bool:
-    return path.suffix == ".npz"
-
-
-def _check_films(cell: Path, png: Path | None, video: Path | None, of_films: dict[str, Any]) -> None:
-    if png is None and video is None:
-        for name in of_films:
-            raise InputError(name, "goes with --png FILE or --video FILE.")
-        return
-    if "at" in of_films and png is None:
-        raise InputError("at", "is the moment of --png FILE.")
-    if "side_by_side" in of_films and _is_saved(cell):
-        raise InputError("side_by_side", "goes with CELL MOTION; a saved result is played as it is.")
-    if "rates" in of_films and "smooth" not in of_films.get("side_by_side", ()):
-        raise InputError("rates", "is of the smooth side: give --side-by-side smooth too.")
+        source = _played(cell) if saved else _start(cell, motion, given)
+        return _serve(source, {} if saved else _urdfs(cell), host, port, opens=not no_open)
     from mrts.scene.film import check_film
     from mrts.scene.renderer import require_renderer
 
     if video is not None:
         check_film(video)
     require_renderer()
-
-
-def _check_files(cell: Path, motion: Path | None, changing: Iterable[str], needing: Iterable[str]) -> None:
-    """Check that files go together, and with the arguments given: `changing` and `needing` a motion."""
-    if not _is_saved(cell):
-        for name in [*changing, *needing] if motion is None else ():
-            raise InputError(name, "needs a motion: mrts view CELL MOTION.")
-        return
+    clips, within = [_saved_clip(cell.stem, _played(cell))] if saved else [], True
     if motion is not None:
-        raise InputError(cell, "a saved result holds its motion.", key="MOTION")
-    for name in changing:
-        raise InputError(name, f"does not go with {cell}: a saved result is played as it was found.")
+        limited, played = _read(cell, motion, given)
+        for side in of_films.get("side_by_side", ["fastest"]):
+            clip, keeps = _side_clip(side, limited, played, _urdfs(cell), of_films.get("rates", True), given)
+            clips.append(clip)
+            within &= keeps
+    return _write_films(clips, png, video, of_films.get("at"), within=within)
 
 
 def _played(path: Path) -> "ScalingResult":
@@ -229,9 +208,10 @@ def _read(cell: Path, motion: Path, given: dict[str, Any]) -> "tuple[Cell, Objec
     return options.compiled_cell(cell, **take(given, options.LIMITS)), played
 
 
-def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[str, Any]) -> "Given":
+def _start(cell: Path, motion: Path | None, given: dict[str, Any]) -> "Given":
     from mrts.viewer.choices import Given
 
+    cell_path = cell if _urdfs(cell) else None
     if motion is None:
         from mrts.cell.loading import cell_to_compile
         from mrts.viewer.held_poses import still_motion
@@ -241,8 +221,7 @@ def _start(cell: Path, motion: Path | None, cell_path: Path | None, given: dict[
     from mrts.motion.motion_file import described_motion
 
     limited, played = _read(cell, motion, given)
-    description = described_motion(motion)
-    return Given(limited, played, description, cell_path, motion, **given)
+    return Given(limited, played, described_motion(motion), cell_path, motion, **given)
 
 
 def _serve(source: "Given | ScalingResult", urdfs: "Urdfs", host: str, port: int, *, opens: bool) -> int:

@@ -84,8 +84,7 @@ class CellCheck(JsonOutput):
         yield self.outcome()
         for number, mistake in enumerate(self.mistakes, start=1):
             yield f"  {number}. {mistake}"
-        yield from (f"hint: {hint.text}" for hint in self.hints)
-        yield from map(str, self.warnings)
+        yield from map(str, (*self.hints, *self.warnings))
         if self.problem:
             yield f"  {self.problem}"
         if self.arms:

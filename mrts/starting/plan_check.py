@@ -14,7 +14,6 @@ from mrts.base.argument_types import as_path, check_type
 from mrts.base.arrays import Array
 from mrts.base.errors import InputError
 from mrts.base.json_output import JsonOutput
-from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.printable import printable
 from mrts.base.remark import Remark
 from mrts.base.words import aligned
@@ -55,8 +54,8 @@ RESIDUAL = 1e-3
 """Share of a torque limit, and of the largest force, or moment, that dynamics may miss: rounding in tables."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlanCheck(InNotebooks, JsonOutput):
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PlanCheck(JsonOutput):
     """What `mrts.check_plan` found.
 
     Attributes:
@@ -95,37 +94,20 @@ class PlanCheck(InNotebooks, JsonOutput):
         """What is between the rows."""
         return "quintic splines" if "dq" in self.given else "C² cubic splines"
 
-    @property
-    def distributed(self) -> bool:
-        """Whether torques are none of the file, but those that keep most of every limit free."""
-        return "tau" not in self.given
-
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         return printable("\n".join(self.lines()), lines=True)
-
-    def notebook_words(self) -> list[str]:
-        """The outcome, and what is wrong or to know."""
-        return [self.outcome(), self.basis(), *self.contradictions, *self._told()]
-
-    def notebook_tables(self) -> Iterator[NotebookTable]:
-        """Every limit with the share of it that is used."""
-        yield self._table(self.uses)
 
     def lines(self, *, every: bool = False) -> Iterator[str]:
         """The answer for people, the outcome first; of each kind the limit used most, and those passed, or all."""
         yield self.outcome()
         yield self.basis()
         yield from self.contradictions
-        yield from self._told()
+        yield from map(str, self.remarks)
         yield ""
         most = {use.name.kind: use for use in reversed(self.uses)}
         shown = [use for use in self.uses if every or use in self.passed or use is most[use.name.kind]]
-        table = self._table(shown)
+        table = limits_table(shown, place=lambda use: f"{use.time:.4g} s, row {self.place(use)}")
         yield from aligned([table.head, *table.rows])
-
-    def _told(self) -> Iterator[str]:
-        for remark in self.remarks:
-            yield f"{remark.severity}: {remark.text}" if remark.severity != "assumption" else remark.text
 
     def outcome(self) -> str:
         """What came of it, in a line."""
@@ -143,7 +125,7 @@ class PlanCheck(InNotebooks, JsonOutput):
         """What was evaluated, in a line."""
         torques = (
             "torques are not in the file: those that keep most of every limit free"
-            if self.distributed
+            if "tau" not in self.given
             else "torques and wrenches of the file"
         )
         return f"{len(self.time)} rows in {self.time[-1]:.4g} s, {self.interpolation} between them; {torques}"
@@ -152,9 +134,6 @@ class PlanCheck(InNotebooks, JsonOutput):
         """The row of a moment, or the two around it; the first row of numbers is 1."""
         before = int(np.searchsorted(self.time, use.time, side="right"))
         return f"{before}" if self.time[before - 1] == use.time else f"{before} to {before + 1}"
-
-    def _table(self, uses: Sequence[LimitUse]) -> NotebookTable:
-        return limits_table(uses, place=lambda use: f"{use.time:.4g} s, row {self.place(use)}")
 
     def to_json(self) -> dict[str, Any]:
         """All of it as values of JSON."""

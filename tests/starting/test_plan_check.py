@@ -73,7 +73,7 @@ def test_a_plan_of_mrts_is_fine_and_uses_its_limits_as_the_result_says(turned, d
 def test_without_torques_the_share_is_the_least_that_any_have(turned, dual_ur5, plan, tmp_path):
     found = mrts.check_plan(dual_ur5, table(tmp_path / "plan.csv", plan, PARTS[:3]))
     best = 1 - turned.reserve.distributed.share
-    assert (found.status, found.distributed) == ("fine", True)
+    assert (found.status, found.given) == ("fine", ("q", "dq", "ddq"))
     assert share(found, "torque") == pytest.approx(best, abs=BETWEEN)
     assert share(found, "wrench") == pytest.approx(best, abs=BETWEEN)
 
