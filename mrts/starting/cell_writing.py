@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 
 from mrts.base.edited_yaml import flow
-from mrts.base.errors import InputError
 from mrts.base.printable import printable
-from mrts.base.yaml_parser import parse_yaml
 from mrts.cell.remarks import missing_masses
 from mrts.starting.arm import Arm
 from mrts.starting.proposal import Proposal
@@ -18,7 +16,7 @@ COMMENT_AT = 50
 
 
 def cell_file(proposal: Proposal) -> str:
-    """Text of the cell file; it reads back to the keys that were tried."""
+    """Text of the cell file."""
     request, cell = proposal.request, proposal.cell
     lines = [
         f"# {len(request.arms)} arms carry a box: begun by mrts new.",
@@ -38,7 +36,7 @@ def cell_file(proposal: Proposal) -> str:
     for arm, robot in zip(request.arms, cell["robots"], strict=True):
         lines += _robot(proposal, arm, robot)
     lines.append("    # nothing bounds yet what the hands exert on the object: see wrench and contact")
-    return _read_back("\n".join(lines) + "\n", cell)
+    return "\n".join(lines) + "\n"
 
 
 def motion_file(proposal: Proposal) -> str:
@@ -52,7 +50,7 @@ def motion_file(proposal: Proposal) -> str:
         f"start: {flow(motion['start'])}",
         _line(f"end: {flow(motion['end'])}", "with rpy: [0, 0, 0.3] it turns as well"),
     ]
-    return _read_back("\n".join(lines) + "\n", motion)
+    return "\n".join(lines) + "\n"
 
 
 def _line(text: str, comment: str, proposal: Proposal | None = None) -> str:
@@ -94,13 +92,3 @@ def _limits(arm: Arm, robot: dict[str, Any]) -> Iterator[str]:
     yield f"    # the URDF's velocity limits: {speeds}"
     for remark in missing_masses([arm.robot]):
         yield f"    # {printable(remark.text)}"
-
-
-def _read_back(text: str, keys: dict[str, Any]) -> str:
-    try:
-        same = parse_yaml(text) == keys
-    except ValueError:
-        same = False
-    if not same:
-        raise InputError("DIR", "a name or path of a URDF cannot stand in a YAML file; rename it.")
-    return text

@@ -124,27 +124,22 @@ def find_spots(arm: Arm, wanted: Wanted) -> dict[tuple[int, ...], Spot]:
 
 
 def settle(arm: Arm, q: Array, R: Array, p: Array, rows: list[int], steps: int) -> tuple[Array, NDArray[np.bool_]]:
-    """Joint positions moved until the tip has a pose, by damped Newton steps, and which came there within limits."""
+    """Joint positions moved until the tip has a pose, by damped Newton steps, and which came there within limits.
+
+    Of all drawn postures at once, and before there is a cell with compiled kinematics to track.
+    """
     q = q.copy()
     for _ in range(steps):
         state = arm.at(q)
-        error = _error(state, R, p)[:, rows]
+        error, J = _error(state, R, p)[:, rows], state.jacobian[:, rows]
         damping = LEAST_DAMPING + 0.5 * np.sum(error**2, axis=1)
-        q += damped_step(error, state.jacobian[:, rows], damping, LONGEST_STEP)
+        square = J @ J.transpose(0, 2, 1) + damping[:, None, None] * np.eye(J.shape[1])
+        step = apply(J.transpose(0, 2, 1), np.linalg.solve(square, error[:, :, None])[:, :, 0])
+        q += step * LONGEST_STEP / np.max(np.abs(step), axis=1, keepdims=True, initial=LONGEST_STEP)
     near = np.max(np.abs(_error(arm.at(q), R, p)[:, rows]), axis=1) <= REACHED
     q = _unwound(arm, q)
     inside = np.all((q >= arm.robot.position_lower) & (q <= arm.robot.position_upper), axis=1)
     return q, near & inside
-
-
-def damped_step(error: Array, J: Array, damping: Array, longest: float) -> Array:
-    """Jᵀ(JJᵀ + λI)⁻¹e, no longer than a joint may step, of e, Shape (N, w), J, Shape (N, w, n), and λ, Shape (N,)."""
-    Jt = J.transpose(0, 2, 1)
-    square = J @ Jt + damping[:, None, None] * np.eye(J.shape[1])
-    step = apply(Jt, np.asarray(np.linalg.solve(square, error[:, :, None])[:, :, 0], dtype=np.float64))
-    size = np.max(np.abs(step), axis=1, keepdims=True)
-    shorter: Array = step * np.minimum(1.0, longest / np.maximum(size, longest))
-    return shorter
 
 
 def _error(state: ArmState, R: Array, p: Array) -> Array:

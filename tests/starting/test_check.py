@@ -10,7 +10,7 @@ from conftest import DATA, UR5
 from damaged_cells import HINTS, MISTAKES, damaged, sound, written
 from draws import draws
 from published_robots import single_arm_cell
-from shipped_cells import changed_cell, shipped, shipped_motion
+from shipped_cells import changed_cell, shipped_motion
 
 import mrts
 from mrts.base.errors import InputError
@@ -23,9 +23,6 @@ SHIPPED = [
     (UR5 / "poor_cell.yaml", UR5 / "lift_and_turn.yaml"),
     (DATA.parent / "squeeze" / "cell.yaml", DATA.parent / "squeeze" / "lift_and_turn.yaml"),
 ]
-
-SEARCHED = 1e-4
-"""What the search for the nearest place leaves of a distance [m]: a weight, not a rule, keeps the hand turned."""
 
 
 @pytest.mark.parametrize(("cell", "motion"), SHIPPED, ids=lambda path: f"{path.parent.name}/{path.stem}")
@@ -92,34 +89,6 @@ def test_all_that_is_wrong_is_told_at_once(tmp_path):
         assert [entry["text"] for entry in json.loads(found.json_text())["mistakes"]] == told
 
 
-def test_the_gap_of_a_planar_arm_is_what_its_links_lack(tmp_path):
-    """Two links reach the sum of their lengths; what is missing lies along the stretched arm."""
-    rng = np.random.default_rng(5)
-    cell, motion = shipped(), shipped_motion(samples=11)
-    for _ in range(draws(3)):
-        angle = rng.uniform(-np.pi, np.pi)
-        cell["robots"][0]["base"]["xyz"] = [float(4 * np.cos(angle)), float(4 * np.sin(angle)), 0.0]
-        found = mrts.check(*written(tmp_path, cell, motion))
-        left, right = found.arms
-        assert right.follows
-        assert not left.follows
-        robot, path = _uncompiled(tmp_path / "cell.yaml").robots[0], mrts.load_motion(tmp_path / "motion.yaml")
-        tip = path.position[0] + path.rotation[0] @ robot.T_object_tip.p
-        R = path.rotation[0] @ robot.T_object_tip.R
-        wrist = tip - R @ robot.T_base_tip.R.T @ (robot.T_base_tip.p - robot.points[2]) - robot.T_world_base.p
-        lengths = np.linalg.norm(np.diff(robot.points, axis=0), axis=1)
-        missing = wrist * (1 - np.sum(lengths) / np.linalg.norm(wrist))
-        np.testing.assert_allclose(left.off, missing, atol=SEARCHED)
-        assert left.turn < 10 * SEARCHED
-
-
-def _uncompiled(path):
-    from mrts.cell.loading import uncompiled_cell  # noqa: PLC0415
-    from mrts.cell.source_files import read_without_generating  # noqa: PLC0415
-
-    return uncompiled_cell(read_without_generating(path)[0], path.parent)
-
-
 def test_a_posture_that_works_is_named_where_the_given_one_does_not(dual_ur5, tmp_path):
     """A long way with a turn, which the arm's other elbow does not reach."""
     cell, motion = sound()
@@ -154,7 +123,18 @@ def test_cells_and_motions_of_python_are_checked_as_their_files_are():
     wrong = mrts.check(cell, keys | {"profile": "fast", "speed": 1})
     assert [(error.where, error.key) for error in wrong.mistakes] == [("motion", ""), ("motion", "profile")]
     far = cell.with_values({"robots[1].base": {"xyz": [4.3, 0, 0]}})
-    assert [arm.follows for arm in mrts.check(far, keys).arms] == [True, False]
+    near, lost = mrts.check(far, keys).arms
+    assert (near.follows, lost.follows, lost.followed, lost.ways) == (True, False, 0, 0)
+
+
+def test_how_far_the_best_way_leads_is_told(tmp_path):
+    """A path out of the reach of the right arm, which holds the object at its start."""
+    cell, motion = sound()
+    motion["end"]["xyz"] = [-1.5, 0.3, 0.5]
+    right = mrts.check(*written(tmp_path, cell, motion)).arms[1]
+    assert 0 < right.followed < right.samples
+    assert right.ways > 1
+    assert f"at sample {right.followed} " in right.furthest
 
 
 Y, Z = "0 1 0", "0 0 1"
