@@ -7,9 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-
-from mrts.base.arrays import without_infinity
 from mrts.base.errors import InputError
 from mrts.base.formats.record import dumped
 from mrts.base.json_output import JsonOutput
@@ -129,7 +126,6 @@ class CellCheck(JsonOutput):
             "problem": self.problem or None,
             "arms": [dumped(arm) | {"follows": arm.follows} for arm in self.arms],
             "clearance": self.clearance and self.clearance.to_json(),
-            "joints": [joint for robot in self.robots for joint in _joints_json(robot)],
             "assumed": [remark.to_json() for remark in self.assumed],
             "warnings": [remark.to_json() for remark in self.warnings],
         }
@@ -149,21 +145,3 @@ def joint_table(robots: Sequence[Robot]) -> Iterator[str]:
         known = zip(robot.joint_rows(), sources, strict=True)
         rows += [(robot.name, *joint, torque_source(robot), *motor) for joint, motor in known]
     yield from aligned(rows)
-
-
-def _joints_json(robot: Robot) -> Iterator[dict[str, Any]]:
-    sources = zip(friction_sources(robot), robot.source.carried_mass, robot.source.point_links, strict=True)
-    for j, (friction, mass, points) in enumerate(sources):
-        yield {
-            "robot": robot.name,
-            "joint": robot.joints[j],
-            "unit": robot.position_units[j],
-            "position": without_infinity(np.array([robot.position_lower[j], robot.position_upper[j]])),
-            "velocity": without_infinity(robot.velocity_limit)[j],
-            "torque": without_infinity(np.array([robot.torque_lower[j], robot.torque_upper[j]])),
-            "torque_from": torque_source(robot),
-            "friction_from": friction,
-            "armature": float(robot.motors.armature[j]) or None,
-            "carried_mass": mass,
-            "point_links": list(points),
-        }

@@ -39,9 +39,6 @@ FIRST_DURATION = 2.0
 SPARE = 2.0
 """How many times as fast as given the motion may be played at least."""
 
-DURATIONS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
-"""First digits of durations: the next longer one is at most a third longer."""
-
 SHORTEST, LONGEST = 1e-3, 60.0
 """Of the motion [s]. Efforts that are placeholders, and no velocity limits, make it shorter than anyone would move."""
 
@@ -82,63 +79,58 @@ class Proposal:
 
 def propose(request: Request, tell: Tell = lambda _done, _total, _note: None) -> Proposal:
     """A cell and a motion that can be played; of the layouts for a mass and a lift the first without a collision."""
-    first = _first_mass(request) if request.mass is None else request.mass
+    own = sum(float(np.sum(arm.robot.source.carried_mass)) for arm in request.arms)
+    first = request.mass or (LOAD_SHARE * own if own > 0 else 1.0)
     reason = ""
-    total = len(LIFTS) * len(LOADS)
     for lift, share_of_lift in enumerate(LIFTS):
         found: list[Layout] = []
         for load, share_of_load in enumerate(LOADS):
-            mass = _two_digits(first * share_of_load)
-            tell(lift * len(LOADS) + load, total, f"{mass:g} kg")
+            mass = float(f"{first * share_of_load:.2g}")
+            tell(lift * len(LOADS) + load, len(LIFTS) * len(LOADS), f"{mass:g} kg")
             try:
                 found = found or layouts(request, mass, share_of_lift)
             except MotionError as error:
                 reason = reason or str(error)
                 continue
-            colliding = None
+            colliding: list[Proposal] = []
             for layout in found[:TRIED_LAYOUTS]:
-                tried = _tried(request, layout, mass)
-                if isinstance(tried, str):
-                    reason = tried
-                elif all(remark.severity != "hint" for remark in tried.collisions):
+                try:
+                    tried = _tried(request, layout, mass)
+                except MrtsError as error:
+                    reason = str(error)
+                    continue
+                if all(remark.severity != "hint" for remark in tried.collisions):
                     return tried
-                else:
-                    colliding = colliding or tried
-            if colliding is not None:
-                return colliding
+                colliding.append(tried)
+            if colliding:
+                return colliding[0]
     with_loads = "" if request.mass is None else f" with {request.mass:g} kg, nor with {mass:g} kg"
     raise MotionError(f"nothing was found that can be played{with_loads}. The last try: {reason}")
 
 
-def _first_mass(request: Request) -> float:
-    total = sum(float(np.sum(arm.robot.source.carried_mass)) for arm in request.arms)
-    return _two_digits(LOAD_SHARE * total) if total > 0 else 1.0
-
-
-def _two_digits(number: float) -> float:
-    return float(f"{number:.2g}")
-
-
-def _tried(request: Request, layout: Layout, mass: float) -> Proposal | str:
+def _tried(request: Request, layout: Layout, mass: float) -> Proposal:
     keys = _cell_keys(request, layout, mass)
-    try:
-        first = _played(request, keys, _motion_keys(layout, FIRST_DURATION), None)
-        c2 = _upper(first)
-        if not c2 > 0:
-            return first.explanation() or first.sentence()
-        duration = FIRST_DURATION if not isfinite(c2) else _longer(FIRST_DURATION * SPARE / c2**0.5)
-        if duration > LONGEST:
-            return f"the motion would take {duration:.3g} s: the arms can hardly hold {mass:g} kg"
-        for robot, joints in zip(keys["robots"], first.cell.joint_slices.values(), strict=True):
-            robot["posture"] = (np.round(first.motion.q[0, joints], DIGITS) + 0.0).tolist()
-        motion = _motion_keys(layout, duration)
-        result = _played(request, keys, motion, BETWEEN)
-    except MrtsError as error:
-        return str(error)
-    if not _upper(result) > 1:
-        return result.explanation() or result.sentence()
+    first = _played(request, keys, _motion_keys(layout, FIRST_DURATION), None)
+    duration = FIRST_DURATION
+    if isfinite(c2 := _c2(first, 0.0)):
+        duration = max(SHORTEST, _rounded_up(FIRST_DURATION * SPARE / c2**0.5))
+    if duration > LONGEST:
+        raise MotionError(f"the motion would take {duration:.3g} s: the arms can hardly hold {mass:g} kg")
+    for robot, joints in zip(keys["robots"], first.cell.joint_slices.values(), strict=True):
+        robot["posture"] = (np.round(first.motion.q[0, joints], DIGITS) + 0.0).tolist()
+    motion = _motion_keys(layout, duration)
+    result = _played(request, keys, motion, BETWEEN)
+    _c2(result, 1.0)
     _, said = clearance_remarks(result.cell, result.motion)
     return Proposal(request=request, layout=layout, mass=mass, cell=keys, motion=motion, result=result, collisions=said)
+
+
+def _c2(result: ScalingResult, least: float) -> float:
+    """The largest c², which must be more than the least."""
+    end = result.range.upper
+    if result.trajectory is None or end is None or not end.c2 > least:
+        raise MotionError(result.explanation() or result.sentence())
+    return end.c2
 
 
 def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], between: float | None) -> ScalingResult:
@@ -146,16 +138,6 @@ def _played(request: Request, keys: dict[str, Any], motion: dict[str, Any], betw
     robots = [robot | path for robot, path in zip(keys["robots"], paths, strict=True)]
     cell = Cell.from_description(keys | {"robots": robots}, folder=request.arms[0].path.parent)
     return scale(cell, sample_motion(MotionDescription(**motion)), between=between)
-
-
-def _upper(result: ScalingResult) -> float:
-    end = result.range.upper
-    return 0.0 if result.trajectory is None or end is None else end.c2
-
-
-def _longer(duration: float) -> float:
-    power = 10.0 ** floor(log10(max(duration, SHORTEST)))
-    return round(next(digit * power for digit in (*DURATIONS, 10.0) if digit * power >= max(duration, SHORTEST)), 3)
 
 
 def _motion_keys(layout: Layout, duration: float) -> dict[str, Any]:
@@ -194,12 +176,13 @@ def _assumed_torque(request: Request, arm: Arm, mass: float) -> Any:
     pulls = [arm.torque(state, sign * axis * 9.81, -sign * share * axis) for axis in np.eye(3) for sign in (1, -1)]
     worst = np.max(np.abs(pulls), axis=(0, 1))
     least = max(WEAKEST, WEAKEST_SHARE * float(np.max(worst)))
-    return np.array([_up_to_two_digits(max(STRONG * each, least)) for each in worst])
+    return np.array([_rounded_up(max(STRONG * each, least)) for each in worst])
 
 
-def _up_to_two_digits(number: float) -> float:
+def _rounded_up(number: float) -> float:
+    """To two digits."""
     step = 10.0 ** (floor(log10(number)) - 1)
-    return _two_digits(ceil(number / step) * step)
+    return float(f"{ceil(number / step) * step:.2g}")
 
 
 def short_pose(T: RigidTransform) -> dict[str, list[float]]:
