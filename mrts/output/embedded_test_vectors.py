@@ -3,7 +3,6 @@
 
 import numpy as np
 
-from mrts.base.arrays import Array
 from mrts.base.embedded_inputs import EmbeddedVector
 from mrts.base.errors import InputError, MotionError
 from mrts.base.rigid_transform import RigidTransform, rpy_from_rotation
@@ -14,7 +13,7 @@ from mrts.program.load_sharing import LoadSharing
 from mrts.program.motion_rows import motion_rows
 from mrts.program.range_status import RangeStatus
 from mrts.program.sample_problem import build_sample_problem
-from mrts.program.sample_ranges import SampleRanges, motion_ranges
+from mrts.program.sample_ranges import motion_ranges
 from mrts.program.solvers import DEFAULT_SOLVER
 from mrts.program.torque_distribution import distribute_torques, torque_weights
 
@@ -35,6 +34,8 @@ STATUS = {RangeStatus.FEASIBLE: 0, RangeStatus.UNBOUNDED: 1, RangeStatus.INFEASI
 def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
     """All samples of a motion with the nominal load first, then with other masses."""
     vectors: list[EmbeddedVector] = []
+    given = motion.object
+    fields = (motion.q, motion.dq, motion.ddq, given.rotation, given.twist, given.acceleration)
     for factor in MASS_FACTORS:
         heavy = cell.with_mass(cell.mass * factor)
         rows = motion_rows(heavy, motion)
@@ -49,34 +50,20 @@ def make_vectors(cell: Cell, motion: CoordinatedMotion) -> list[EmbeddedVector]:
             x, _ = distribute_torques(problem, speeds[compared], torque_weights(None, cell), DEFAULT_SOLVER)
             torque[compared] = problem.torque(x)
         vectors += [
-            _vector(motion, sample, heavy.mass, free, even, float(speeds[sample]), torque[sample])
+            EmbeddedVector(
+                inputs=tuple(field[sample] for field in fields),
+                place="start" if sample == 0 else "end" if sample == motion.samples - 1 else "inside",
+                mass=heavy.mass,
+                status=STATUS[free.status[sample]],
+                ends=(float(free.lower[sample]), float(free.upper[sample])),
+                share_status=STATUS[even.status[sample]],
+                share_ends=(float(even.lower[sample]), float(even.upper[sample])),
+                c2=float(speeds[sample]),
+                torque=torque[sample],
+            )
             for sample in range(motion.samples)
         ]
     return vectors
-
-
-def _vector(
-    motion: CoordinatedMotion,
-    sample: int,
-    mass: float,
-    free: SampleRanges,
-    even: SampleRanges,
-    c2: float,
-    torque: Array,
-) -> EmbeddedVector:
-    given = motion.object
-    fields = (motion.q, motion.dq, motion.ddq, given.rotation, given.twist, given.acceleration)
-    return EmbeddedVector(
-        inputs=tuple(field[sample] for field in fields),
-        place="start" if sample == 0 else "end" if sample == motion.samples - 1 else "inside",
-        mass=mass,
-        status=STATUS[free.status[sample]],
-        ends=(float(free.lower[sample]), float(free.upper[sample])),
-        share_status=STATUS[even.status[sample]],
-        share_ends=(float(even.lower[sample]), float(even.upper[sample])),
-        c2=c2,
-        torque=torque,
-    )
 
 
 def own_motion(cell: Cell) -> CoordinatedMotion:

@@ -58,8 +58,6 @@ def _line(text: str, comment: str, proposal: Proposal | None = None) -> str:
         comment = f"{proposal.request.mass:g} were asked for, which the motors cannot hold"
     if not comment:
         return text
-    if len(text) > COMMENT_AT:  # then the comment stands above
-        return f"{' ' * (len(text) - len(text.lstrip()))}# {printable(comment)}\n{text}"
     return f"{text:<{COMMENT_AT}} # {printable(comment)}"
 
 

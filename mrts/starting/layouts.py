@@ -31,9 +31,6 @@ IN_FLOOR = 0.3
 METRES = 3
 """Decimals of positions that are proposed [m]."""
 
-NEARLY = 0.1
-"""A direction that misses an axis of the world by less is meant to lie along it [rad]: arms mounted with tolerances."""
-
 ROUNDING = 1e-9
 """Entries of rotations this near to 0 and ±1 are those."""
 
@@ -185,12 +182,6 @@ def _between_standing(request: Request, lift: Array, force: Array) -> list[Layou
     return made
 
 
-def _along_axes(directions: Array) -> Array:
-    nearest = np.round(directions)
-    near = np.linalg.norm(directions - nearest, axis=1) < NEARLY
-    return np.asarray(np.where(near[:, None], nearest, directions) + 0.0, dtype=np.float64)
-
-
 def _between(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, Array]:
     """The middle of arms that stand, Shape (3,) [m], and from there the level direction to each, Shape (arms, 3)."""
     chains = [arm.robot for arm in request.arms]
@@ -204,7 +195,7 @@ def _between(request: Request, bases: Sequence[RigidTransform]) -> tuple[Array, 
             out -= np.outer(out @ normal, normal)
         length = np.linalg.norm(out, axis=1)
         if np.min(length) >= request.grid / 10:
-            return middle, _along_axes(out / length[:, None])
+            return middle, out / length[:, None]
         if not request.one_machine:
             break
     if request.one_machine:
