@@ -78,7 +78,7 @@ def one_arm_path(cell: mrts.Cell) -> Any:
 def along(cell: mrts.Cell, path: Any, points: int) -> mrts.CoordinatedMotion:
     """The motion of one arm along such a path, its parameter for time, at evenly spaced points."""
     grid = np.linspace(*path.path_interval, points)
-    return carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2), smooth=False)
+    return carried_by_first(cell, grid, path(grid), path(grid, 1), path(grid, 2))
 
 
 def duration(grid: Array, x: Array) -> float:

@@ -195,9 +195,7 @@ def on_random_splines(
     """Whole calls, each for all splines with their total duration; and the share that got further samples."""
     data, grid = model.createData(), np.linspace(0, 1, points)
     splines = [spline_path(cell, model, seed).spline for seed in range(SPLINES)]
-    motions = [
-        carried_by_first(cell, grid, *(spline(grid, order) for order in range(3)), smooth=False) for spline in splines
-    ]
+    motions = [carried_by_first(cell, grid, *(spline(grid, order) for order in range(3))) for spline in splines]
     refined = [mrts.retime(cell, motion).motion.samples > points for motion in motions]
 
     def torque(q: Array, dq: Array, ddq: Array) -> Array:

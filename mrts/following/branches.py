@@ -6,11 +6,11 @@ import numpy as np
 from mrts.base.arrays import Array
 from mrts.cell.cell import Cell
 from mrts.cell.robot import Robot
-from mrts.following.null_space import is_redundant
 from mrts.following.tracking import (
     POSITION_TOLERANCE,
     SETTLED_PREFERENCE,
     STARTING_STEPS,
+    is_redundant,
     nearest_turns,
     reached,
     solve_grasps,

@@ -53,29 +53,25 @@ def coordinate(
 
 
 def _follow_joints(cell: Cell, table: JointTable, bound: ClosureBound) -> CoordinatedMotion:
-    names, remarks = _names_by_joint(cell, table)
+    names, extra = required_columns(cell, table.path, [*table.positions, *table.unusable])
+    for name in names:
+        if name in table.unusable:
+            raise table.unusable[name]
+    told = f"joints that no arm of cell '{cell.name}' has were passed over: {first_names(sorted(extra), MOST_NAMED)}."
+    remarks = (Remark("extra-joints", told),) if extra else ()
     known = table.of(names)
     q, dq, ddq = (
         np.column_stack([part[name] for name in names])
         for part in (known.positions, known.velocities, known.accelerations)
     )
     check_joint_limits(cell, known.time, q, PRINTED_TOLERANCE)
-    carried = carried_by_first(cell, known.time, q, dq, ddq, smooth=False)
+    carried = carried_by_first(cell, known.time, q, dq, ddq)
     given = CoordinatedMotion(carried.object, q, dq, ddq, (*known.remarks, *remarks))
     closed = close_chain(cell, given, bound, str(table.path), carried=True, source=known.source(names[0]))
     if not known.splines.keys() >= set(names):
         return closed
     splines = tuple(known.splines[name] for name in names)
     return replace(closed, course=JointCourse(splines, closed is not given))
-
-
-def _names_by_joint(cell: Cell, table: JointTable) -> tuple[list[str], tuple[Remark, ...]]:
-    names, extra = required_columns(cell, table.path, [*table.positions, *table.unusable])
-    for name in names:
-        if name in table.unusable:
-            raise table.unusable[name]
-    told = f"joints that no arm of cell '{cell.name}' has were passed over: {first_names(sorted(extra), MOST_NAMED)}."
-    return names, (Remark("extra-joints", told),) if extra else ()
 
 
 def required_columns(cell: Cell, path: Path, columns: Sequence[str]) -> tuple[list[str], list[str]]:

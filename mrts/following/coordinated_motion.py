@@ -2,20 +2,20 @@
 """The whole cell along the object's motion: joint positions, velocities and accelerations of every arm."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, cross, freeze
-from mrts.base.errors import InputError, MotionError, as_array
+from mrts.base.errors import InputError, MotionError
+from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import plane_normal
 from mrts.cell.cell import Cell
-from mrts.following.null_space import is_redundant
 from mrts.following.structural_rank import lacking_freedom, postures_for_rank
-from mrts.following.tracking import FURTHER_STARTS, track_variants
+from mrts.following.tracking import FURTHER_STARTS, is_redundant, track_variants
 from mrts.kernel.tracking import PATH
 from mrts.motion.joint_table import UNTIMED, JointSplines
 from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
@@ -68,27 +68,18 @@ class CoordinatedMotion:
     """
 
     object: ObjectMotion
-    q: Array
-    dq: Array
-    ddq: Array
+    q: Annotated[Array, Shape("N", "m", finite=True)]
+    dq: Annotated[Array, Shape("N", "m", finite=True)]
+    ddq: Annotated[Array, Shape("N", "m", finite=True)]
     remarks: tuple[Remark, ...] = ()
     travel: Array | None = None
     course: JointCourse | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         check_type("object", self.object, ObjectMotion)
-        q = as_array("q", self.q)
-        joints = q.shape[-1] if q.ndim == 2 else 0  # noqa: PLR2004 (a matrix)
-        for name in ("q", "dq", "ddq"):
-            value = as_array(name, getattr(self, name))
-            object.__setattr__(self, name, value)
-            if np.shape(value) != (len(self.object.time), joints) or not np.all(np.isfinite(value)):
-                raise InputError(name, f"must have Shape ({len(self.object.time)}, joints) and be finite.")
-        if self.travel is not None:
-            travel = as_array("travel", self.travel)
-            object.__setattr__(self, "travel", travel)
-            if travel.shape != (2, *q.shape) or not np.all(np.abs(travel) <= 1):
-                raise InputError("travel", f"must have Shape {(2, *q.shape)} and lie between -1 and 1.")
+        check_attributes(self, CoordinatedMotion, "motion", N=len(self.object.time))
+        if self.travel is not None and (self.travel.shape != (2, *self.q.shape) or np.any(np.abs(self.travel) > 1)):
+            raise InputError("travel", f"must have Shape {(2, *self.q.shape)} and lie between -1 and 1.")
         freeze(self)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -204,7 +195,7 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
 
     At t = 0 the joints are solved near each robot's posture, which so selects the branch; a redundant arm takes the
     positions nearest to it. From there the branch is kept by continuity; a redundant arm stays as near to its start as
-    the grasp lets it, and away from its limits (`mrts.following.null_space`). Velocities and accelerations
+    the grasp lets it, and away from its limits (`mrts.following.tracking`). Velocities and accelerations
     come from derivatives of the generated functions, never from differences.
 
     Args:
@@ -241,21 +232,19 @@ def follow_object(cell: Cell, motion: ObjectMotion) -> CoordinatedMotion:
     return CoordinatedMotion(motion, q, dq, ddq, motion.remarks + remarks)
 
 
-def carried_by_first(
-    cell: Cell, time: Array, q: Array, dq: Array, ddq: Array, *, smooth: bool = True
-) -> CoordinatedMotion:
+def carried_by_first(cell: Cell, time: Array, q: Array, dq: Array, ddq: Array) -> CoordinatedMotion:
     """The motion of the object that the first robot's tip carries.
 
     Args:
         time: Shape (N,) [s].
         q: Joint positions, Shape (N, m) [rad or m]; likewise `dq` and `ddq`.
     """
-    motion = carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0], smooth=smooth)
+    motion = carried_object(cell, 0, time, tip_motions(cell, q, dq, ddq)[0])
     return CoordinatedMotion(motion, q, dq, ddq)
 
 
-def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smooth: bool = True) -> ObjectMotion:
-    """The motion of the object that one tip carries.
+def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion) -> ObjectMotion:
+    """The motion of the object that one tip carries; its rates are not compared with its poses.
 
     Args:
         time: Shape (N,) [s].
@@ -272,7 +261,7 @@ def carried_object(cell: Cell, index: int, time: Array, tip: TipMotion, *, smoot
         rotation,
         np.concatenate([v - cross(w, r), w], axis=1),
         np.concatenate([a - cross(dw, r) - cross(w, cross(w, r)), dw], axis=1),
-        smooth,
+        smooth=False,
     )
 
 

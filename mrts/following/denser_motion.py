@@ -25,8 +25,9 @@ from mrts.following.coordinated_motion import (
     unchecked_coordinated_motion,
 )
 from mrts.following.grasp_closure import holds, joints_on_grasps, mean_object, nearest_rates
+from mrts.kernel.tracking import PATH
 from mrts.motion.object_courses import ProfiledPath
-from mrts.motion.object_motion import SHAPES, ObjectMotion, unchecked_object_motion
+from mrts.motion.object_motion import ObjectMotion, unchecked_object_motion
 from mrts.motion.velocity_profile import CORNER_TOLERANCE, CORNERS
 
 HERMITE = np.array([[1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
@@ -70,7 +71,7 @@ def between_samples(cell: Cell, motion: CoordinatedMotion, time: Array, *, of_pa
         _across_corners(given.course, given.time, ours, time, inside)
     q, dq, ddq = (np.concatenate([of[:1], there, of[-1:]]) for of, there in zip(ours, inside, strict=True))
     tips = [] if known else tip_motions(cell, q, dq, ddq)
-    target = known or carried_object(cell, 0, at, tips[0], smooth=False)
+    target = known or carried_object(cell, 0, at, tips[0])
     rough = CoordinatedMotion(target, q, dq, ddq, travel=_travel(motion, dq, [0, -1]))
     if holds(cell, rough, (TIGHT_GAP, TIGHT_GAP), TIGHT_SLIP) or not _closed(cell, motion):
         return rough
@@ -95,7 +96,7 @@ def denser(motion: CoordinatedMotion, more: CoordinatedMotion, chosen: NDArray[n
     def merged(given: Array, added: Array) -> Array:
         return np.concatenate([given, added[chosen]])[order]
 
-    samples: dict[str, Any] = {name: merged(getattr(ours, name), getattr(theirs, name)) for name in SHAPES}
+    samples: dict[str, Any] = {name: merged(getattr(ours, name), getattr(theirs, name)) for name in PATH}
     told = moved_remarks(ours.remarks, ours.time, theirs.time[chosen])
     carried = unchecked_object_motion(**samples, remarks=told, course=ours.course)
     q, dq, ddq = (merged(getattr(motion, name), getattr(more, name)) for name in ("q", "dq", "ddq"))

@@ -94,43 +94,22 @@ class ClosureBound:
         return f"{self.position:g} m and {self.angle:g} rad"
 
 
-@dataclass(frozen=True)
-class GraspGaps:
-    """How far the tips are off their grasps.
-
-    Attributes:
-        distance: Shape (robots, N) [m].
-        angle: Shape (robots, N) [rad].
-    """
-
-    distance: Array
-    angle: Array
-
-    @property
-    def largest(self) -> float:
-        """Of both [m, rad]."""
-        return float(max(np.max(self.distance), np.max(self.angle)))
-
-    def worst(self, bound: ClosureBound) -> tuple[int, int, float]:
-        """Robot and sample of the largest gap in units of the bound, and that gap."""
-        share = np.maximum(self.distance / bound.position, self.angle / bound.angle)
-        robot, sample = np.unravel_index(int(np.argmax(share)), share.shape)
-        return int(robot), int(sample), float(share[robot, sample])
-
-    def at(self, robot: int, sample: int) -> str:
-        """One gap as text."""
-        return f"{self.distance[robot, sample]:.3g} m and {self.angle[robot, sample]:.3g} rad"
-
-
-def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> GraspGaps:
-    """Gaps between the tips and their grasps on an object."""
-    distances, angles = [], []
-    for robot, tip in zip(cell.robots, tips, strict=True):
+def grasp_gaps(cell: Cell, given: ObjectMotion, tips: list[TipMotion]) -> Array:
+    """Distances [m] and angles [rad] between the tips and their grasps on an object, Shape (2, n, N)."""
+    gaps = np.empty((2, len(tips), len(given.time)))
+    for index, (robot, tip) in enumerate(zip(cell.robots, tips, strict=True)):
         gap = tip.position - given.position - rotated(given.rotation, robot.T_object_tip.p)
-        distances.append(np.sqrt(row_products(gap, gap)))
         off = rotated(given.rotation, robot.T_object_tip.R) @ tip.rotation.transpose(0, 2, 1)
-        angles.append(angles_of_rotations(off))
-    return GraspGaps(np.array(distances), np.array(angles))
+        gaps[:, index] = np.sqrt(row_products(gap, gap)), angles_of_rotations(off)
+    return gaps
+
+
+def _worst(gaps: Array, bound: ClosureBound) -> tuple[int, int, float, str]:
+    """Robot and sample of the largest gap in units of the bound, that gap, and the same as text."""
+    share = np.max(gaps / np.reshape([bound.position, bound.angle], (2, 1, 1)), axis=0)
+    robot, sample = (int(place) for place in np.unravel_index(int(np.argmax(share)), share.shape))
+    text = "{:.3g} m and {:.3g} rad".format(*gaps[:, robot, sample])
+    return robot, sample, float(share[robot, sample]), text
 
 
 def slip(
@@ -184,15 +163,15 @@ def close_chain(
         return given
     tips = tip_motions(cell, given.q, given.dq, given.ddq)
     gaps = grasp_gaps(cell, given.object, tips)
-    robot, sample, share = gaps.worst(bound)
+    robot, sample, share, text = _worst(gaps, bound)
     if share > 1:
         raise MotionError(
             f"{where}: the joints do not close the chain. The tip of '{cell.robots[robot].name}' is off its grasp by "
-            f"{gaps.at(robot, sample)} at sample {sample} (t = {given.object.time[sample]:.6g} s), the worst; {bound} "
+            f"{text} at sample {sample} (t = {given.object.time[sample]:.6g} s), the worst; {bound} "
             "are allowed. Check the joint positions and how many digits they have, the bases and the grasps; if they "
             "are right, allow more with --closure (argument closure)."
         )
-    exact, remarks = gaps.largest <= GIVEN_CLOSURE, given.remarks
+    exact, remarks = bool(np.max(gaps) <= GIVEN_CLOSURE), given.remarks
     usual = ClosureBound()
     wider = max(1.0, bound.position / usual.position, bound.angle / usual.angle)
     shares = (GIVEN_SLIP, GIVEN_SLIP) if exact and source is None else tuple(wider * share for share in COARSE_SLIPS)
@@ -224,8 +203,7 @@ def holds(cell: Cell, given: CoordinatedMotion, gaps: tuple[float, float], share
     library, target = cell.functions.compiled, given.object
     if library is None:
         tips = tip_motions(cell, given.q, given.dq, given.ddq)
-        off = grasp_gaps(cell, target, tips)
-        near = np.max(off.distance) <= gaps[0] and np.max(off.angle) <= gaps[1]
+        near = np.all(np.max(grasp_gaps(cell, target, tips), axis=(1, 2)) <= gaps)
         return bool(near) and slip(cell, target, tips, (share, share), REST_SLIP) is None
     inputs = given.inputs(cell.load) | {GEOMETRY: cell.geometry}
     distance, angle, *rates = closure_sizes(library, inputs, target.position, cell.geometry, cell.wrench_rows)
@@ -255,23 +233,20 @@ def _rough_accelerations(cell: Cell, given: ObjectMotion, tips: list[TipMotion],
     return (Remark("rough-accelerations", f"{what}; the range may depend on that. Give velocities and accelerations."),)
 
 
-def _correction(cell: Cell, gaps: GraspGaps, bound: ClosureBound, moved: float) -> tuple[Remark, ...]:
-    if gaps.largest <= SILENT_GAP:
+def _correction(cell: Cell, gaps: Array, bound: ClosureBound, moved: float) -> tuple[Remark, ...]:
+    if np.max(gaps) <= SILENT_GAP:
         return ()
-    robot, sample, _ = gaps.worst(bound)
-    name = cell.robots[robot].name
-    remark = Remark(
-        "chain-closed",
-        f"the given joints were moved onto the grasps: the tip of '{name}' by {gaps.at(robot, sample)} at sample "
-        f"{sample}, the worst; no joint by more than {moved:.3g} rad or m.",
-        sample,
+    robot, sample, _, text = _worst(gaps, bound)
+    told = (
+        f"the given joints were moved onto the grasps: the tip of '{cell.robots[robot].name}' by {text} at sample "
+        f"{sample}, the worst; no joint by more than {moved:.3g} rad or m."
     )
-    return (remark,)
+    return (Remark("chain-closed", told, sample),)
 
 
 def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
     """What the tips carry on the mean, its rates likewise: they differ from its derivatives by squares of the gaps."""
-    carried = [carried_object(cell, index, time, tip, smooth=False) for index, tip in enumerate(tips)]
+    carried = [carried_object(cell, index, time, tip) for index, tip in enumerate(tips)]
     first = carried[0].rotation
     off = [vectors_from_rotations(each.rotation @ first.transpose(0, 2, 1)) for each in carried]
     return ObjectMotion(
@@ -287,10 +262,10 @@ def mean_object(cell: Cell, time: Array, tips: list[TipMotion]) -> ObjectMotion:
 def joints_on_grasps(cell: Cell, target: ObjectMotion, q: Array) -> Array:
     """Joint positions on the grasps near the given ones, Shape (N, m)."""
     held = solve_grasps(cell, target, np.arange(len(q)), q, TRACKING_STEPS, near=None)
-    if max(np.max(held.gap), np.max(held.turn)) > POSE_TOLERANCE:
-        gaps = GraspGaps(held.gap.T, held.turn.T)
-        robot, sample, _ = gaps.worst(ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
-        amounts = [gaps.distance[robot, sample], gaps.angle[robot, sample]]
+    gaps = np.stack([held.gap.T, held.turn.T])
+    if np.max(gaps) > POSE_TOLERANCE:
+        robot, sample, *_ = _worst(gaps, ClosureBound(POSE_TOLERANCE, POSE_TOLERANCE))
+        amounts = gaps[:, robot, sample].tolist()
         raise MotionError(tracking_failure(OUT_OF_REACH, cell.robots[robot], target.time, sample, amounts).message)
     return held.q
 

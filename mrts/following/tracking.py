@@ -2,6 +2,16 @@
 """Inverse kinematics by Newton steps in the kernel's C: at samples, or along motions of many variants of one cell.
 
 One motion is one variant. What is said of an arm that cannot follow goes by the codes of `mrts.kernel.tracking`.
+
+Of all joint positions that hold its grasp a redundant arm takes those nearest to a reference, near a limit measured in
+stretched positions: the minimiser of a distance H(q) on the set that holds the grasp, so a function of the object's
+pose alone, whatever the samples and the speed (the extended Jacobian method: Baillieul 1985; the gradient of H away
+from limits: Liégeois 1977). With the grasp's multipliers F
+
+    h(q) - h(reference) = JᵀF,    h_j(q) = q_j + LIMIT_PUSH (x⁺⁵ - x⁻⁵),
+
+where x⁺ and x⁻ grow from 0 to 1 over the zone beside the upper and the lower limit. Both equations, differentiated
+along the path, give q' and q'' (kernel/c/tracking/null_space.c).
 """
 
 import ctypes
@@ -17,8 +27,7 @@ from mrts.base.errors import MotionError
 from mrts.base.manifest import GRAVITY_SIZE, ROBOT_SIZE
 from mrts.cell.cell import Cell
 from mrts.cell.robot import DEGREES_SUSPECTED, Robot
-from mrts.following.null_space import FOLD, LIMIT_PUSH, limit_zone
-from mrts.following.reach import ArmPlaces, Reach, arm_reach
+from mrts.following.reach import CLEARLY, arm_reach
 from mrts.kernel import tracking
 from mrts.kernel.tracking import PATH, HeldGrasps, follow_variants, hold_grasps
 from mrts.motion.object_motion import ObjectMotion
@@ -63,6 +72,16 @@ SEED = 13
 
 SPREAD = 2.0
 """The further starts reach from the posture to this far from it in every joint, evenly [rad or m]."""
+
+LIMIT_ZONE, NARROWEST_ZONE, WIDEST_ZONE = 0.5, 1e-3, 3.0
+"""Width of the zone beside a position limit, as a share of the joint's range: a narrow one brakes hard in it. At least,
+so that a joint whose limits coincide does not divide by 0, and at most, also with one limit only [rad or m]."""
+
+LIMIT_PUSH = 20.0
+"""What h adds at a limit [rad or m]: many times any distance to a reference, so that limits win over nearness."""
+
+FOLD = 1e-3
+"""Curvature of H on the set that holds the grasp (1 far from limits on a flat set) below which its minimum ends."""
 
 OUT_OF_REACH = "out of reach"
 
@@ -185,6 +204,17 @@ class TrackedVariants:
         return self.of_arm(variant, int(np.argmax(on_the_way if np.any(on_the_way) else ends)))
 
 
+def limit_zone(robot: Robot) -> Array:
+    """Width of the zone beside each joint's position limits, Shape (n_i,) [rad or m]."""
+    zone: Array = np.clip(LIMIT_ZONE * (robot.position_upper - robot.position_lower), NARROWEST_ZONE, WIDEST_ZONE)
+    return zone
+
+
+def is_redundant(cell: Cell, robot: Robot) -> bool:
+    """Whether an arm has more joints than its wrench has components."""
+    return len(robot.joints) > len(cell.wrench_components)
+
+
 def tracking_rule(cell: Cell) -> Any:
     """How the arms of a cell hold their grasps and follow, as C reads it."""
     robots = cell.robots
@@ -256,9 +286,6 @@ def tip_rates(cell: Cell, robot: Robot, motion: ObjectMotion) -> tuple[Array, Ar
 def follow_from(cell: Cell, motion: ObjectMotion, start: Array) -> TrackedVariants:
     """Follow the grasps along a motion from several positions that hold them, each branch by continuity.
 
-    An arm with more joints than wrench components stays near its start, away from its limits
-    (`mrts.following.null_space`).
-
     Args:
         start: Positions at t = 0, Shape (V, m) [rad or m].
     """
@@ -289,8 +316,8 @@ def track_variants(
     given, beyond = {**path, "geometry": geometry, "posture": posture}, np.zeros(1, dtype=bool)
     if len(refused) > 1:  # one is searched in less time
         start = {name: path[name][:, :1] for name in ("position", "rotation")}
-        for _, reach, distance in _stretches(cell, start, geometry):
-            beyond = beyond | reach.beyond(distance[0])
+        for _, longest, distance in _stretches(cell, start, geometry):
+            beyond = beyond | (distance[0] > longest + CLEARLY)
     nothing = np.zeros((1, 0, posture.shape[1]))
     found = follow_variants(library, rule, refused | beyond, {**given, "further": nothing})
     tracked = TrackedVariants(cell.robots, path["time"], *found, {})
@@ -316,23 +343,30 @@ def _reasons(cell: Cell, path: Mapping[str, Array], geometry: Array, failed: NDA
     if not failed.size:
         return reasons
     some = {name: _some(path[name], failed) for name in ("position", "rotation")}
-    for robot, reach, distance in _stretches(cell, some, _some(geometry, failed)):
-        for variant, own in zip(
-            failed.tolist(), np.broadcast_to(distance, (len(distance), len(failed))).T, strict=True
-        ):
-            if np.any(reach.beyond(own)):
-                reasons.setdefault(variant, reach.failure(robot, _of(path["time"], variant), own))
+    for robot, longest, distance in _stretches(cell, some, _some(geometry, failed)):
+        of_failed = np.broadcast_to(distance, (len(distance), len(failed))).T
+        for variant, own in zip(failed.tolist(), of_failed, strict=True):
+            sample = int(np.argmax(own))
+            far, time = float(own[sample]), _of(path["time"], variant)[sample]
+            if far > longest + CLEARLY:
+                why = (
+                    f"robot '{robot.name}' cannot reach its grasp at sample {sample} (t = {time:.6g} s): its wrist "
+                    f"would be {far:.6g} m from its shoulder and reaches {longest:.6g} m: {far - longest:.3g} m too "
+                    "far. Move the path, the base or the grasp."
+                )
+                reasons.setdefault(variant, why)
     return reasons
 
 
-def _stretches(cell: Cell, path: Mapping[str, Array], geometry: Array) -> Iterator[tuple[Robot, Reach, Array]]:
-    """How far the wrist of each arm whose links tell its reach would be from its shoulder, Shape (N, V or 1) [m]."""
+def _stretches(cell: Cell, path: Mapping[str, Array], geometry: Array) -> Iterator[tuple[Robot, float, Array]]:
+    """Of arms whose links tell it, how far wrist and shoulder may be apart [m], and would be, Shape (N, V or 1)."""
+    position, rotation = (path[name].swapaxes(0, 1) for name in ("position", "rotation"))
     for index, robot in enumerate(cell.robots):
         if (reach := arm_reach(robot)) is not None:
-            of = geometry[:, GRAVITY_SIZE + ROBOT_SIZE * index :]
+            (shoulder, wrist, longest), of = reach, geometry[:, GRAVITY_SIZE + ROBOT_SIZE * index :]
             base, tip = of[:, :9].reshape(-1, 3, 3), of[:, 12:21].reshape(-1, 3, 3)
-            position, rotation = (path[name].swapaxes(0, 1) for name in ("position", "rotation"))
-            yield robot, reach, reach.distance(ArmPlaces(base, of[:, 9:12], tip, of[:, 21:24]), position, rotation)
+            held = position + (rotation @ (of[:, 21:24] + tip @ wrist)[..., None])[..., 0]
+            yield robot, longest, np.linalg.norm(held - of[:, 9:12] - base @ shoulder, axis=-1)
 
 
 def starting_reference(cell: Cell) -> Array:

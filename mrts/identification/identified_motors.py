@@ -33,19 +33,19 @@ UNITS = {
 
 @dataclass(frozen=True, eq=False)
 class MotorParameter:
-    """One parameter of every joint of an arm, or all of one joint.
+    """One parameter of every joint of an arm.
 
     Attributes:
         value: Shape (n,), 0 where it is not identified.
         half_width: Half the interval of 95 % confidence, Shape (n,), infinity where it is not identified.
-        reasons: Why the motion does not show it, "" where it does, one a joint.
+        reasons: Why the motion does not show it, "" where it does, Shape (n,).
         bounded: Whether it is 0 because it must not be negative, Shape (n,).
         free: What it would be if it might, Shape (n,).
     """
 
     value: Array
     half_width: Array
-    reasons: tuple[str, ...]
+    reasons: NDArray[np.str_]
     bounded: NDArray[np.bool_]
     free: Array
 
@@ -55,7 +55,7 @@ class MotorParameter:
     @property
     def identified(self) -> NDArray[np.bool_]:
         """Whether the motion shows it, Shape (n,)."""
-        return np.array([not reason for reason in self.reasons])
+        return np.asarray(self.reasons == "")
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,9 +19,6 @@ from mrts.identification.motor_regression import PARAMETERS, fit_joint
 from mrts.identification.recorded_motion import RecordedMotion, smoothed_motion
 from mrts.motion.joint_recording import JointRecording, RecordedJoint, load_recording
 
-FITTED = ("value", "half_width", "bounded", "free")
-"""What is known of a parameter of each joint."""
-
 CHUNK = 4096
 """Samples whose mass matrices are held at once."""
 
@@ -165,10 +162,7 @@ def _identify_arm(cell: Cell, robot: Robot, motion: RecordedMotion) -> ArmMotors
     return ArmMotors(
         robot=robot,
         **{
-            name: MotorParameter(
-                **{field: np.array([getattr(fit, field)[place] for fit in fits]) for field in FITTED},
-                reasons=tuple(fit.reasons[place] for fit in fits),
-            )
+            name: MotorParameter(**{key: np.array([fit[key][place] for fit in fits]) for key in fits[0]})
             for place, name in enumerate(PARAMETERS)
         },
         offset=np.array(offset),

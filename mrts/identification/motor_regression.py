@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Armature, viscous and Coulomb friction of one joint by bounded least squares, and how sure each is."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.arrays import Array
-from mrts.identification.identified_motors import MotorParameter
 
 PARAMETERS = ("armature", "viscous", "coulomb")
 """In the order of the columns of the regression; an offset of the effort follows, which no motor has."""
@@ -29,7 +30,7 @@ narrow where residuals follow each other; more do not help with some hundred blo
 
 def fit_joint(
     columns: Array, left_over: Array, used: NDArray[np.bool_], fastest: float, torque_limit: float
-) -> tuple[MotorParameter, float, Array, float]:
+) -> tuple[dict[str, NDArray[Any]], float, Array, float]:
     """Least squares of effort - τ_rb = I_a q̈ + b q̇ + τ_c sign(q̇) + offset, with I_a, b, τ_c >= 0.
 
     Variances come from the residuals: the larger of the two that ordinary least squares and Newey and West (1987)
@@ -43,40 +44,38 @@ def fit_joint(
         torque_limit: That it has [N m or N].
 
     Returns:
-        The parameters of the joint in the order of `PARAMETERS`, each array of Shape (3,); the constant part of the
-        effort [N m or N]; what they say of the blocks, Shape (B,) [N m or N]; root mean square of what is left
-        [N m or N].
+        What `MotorParameter` has, of the `PARAMETERS` of this joint, each Shape (3,); the constant part of the effort
+        [N m or N]; what they say of the blocks, Shape (B,) [N m or N]; root mean square of what is left [N m or N].
     """
     from scipy.special import stdtrit  # noqa: PLC0415 (slow to import)
 
     full = np.column_stack([columns, np.ones(len(columns))])
     X, y = full[used], left_over[used]
-    if len(y) <= X.shape[1]:
-        nothing, why = np.zeros(3), "it hardly moves in the recording"
-        unknown = MotorParameter(nothing, np.full(3, np.inf), (why,) * 3, np.zeros(3, bool), nothing)
-        return unknown, 0.0, np.zeros(len(columns)), 0.0
-    scale = np.sqrt(np.mean(X**2, axis=0))
-    scale[scale == 0] = 1.0
-    X = X / scale
-    independent = np.array([_left_by_others(X, column) > INDEPENDENT for column in range(X.shape[1])])
-    free = np.linalg.lstsq(X, y, rcond=INDEPENDENT**2)[0]
-    theta, held = _bounded(X, y)
-    error = _standard_errors(full / scale, left_over, used, theta, ~held)
-    error[held] = _standard_errors(full / scale, left_over, used, free, np.ones(len(free), bool))[held]
-    theta, error, free = theta / scale, error / scale, free / scale
-    half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error[:3]
-    doubt = half * np.array([fastest / REFERENCE_RAMP, fastest, 1.0])
-    reasons = _reasons(columns[used], independent, doubt, torque_limit)
-    known = np.array([not reason for reason in reasons])
-    fitted = full @ theta
-    found = MotorParameter(
-        value=np.where(known, theta[:3], 0.0),
-        half_width=np.where(known, half, np.inf),
-        reasons=reasons,
-        bounded=held[:3] & known,
-        free=np.where(known, free[:3], 0.0),
-    )
-    return found, float(theta[3]), fitted, float(np.sqrt(np.mean((left_over - fitted)[used] ** 2)))
+    theta, free, half, held = np.zeros(4), np.zeros(4), np.full(3, np.inf), np.zeros(4, dtype=bool)
+    reasons = np.full(3, "it hardly moves in the recording")
+    if len(y) > X.shape[1]:
+        scale = np.sqrt(np.mean(X**2, axis=0))
+        scale[scale == 0] = 1.0
+        X = X / scale
+        independent = np.array([_left_by_others(X, column) > INDEPENDENT for column in range(X.shape[1])])
+        free = np.linalg.lstsq(X, y, rcond=INDEPENDENT**2)[0]
+        theta, held = _bounded(X, y)
+        error = _standard_errors(full / scale, left_over, used, theta, ~held)
+        error[held] = _standard_errors(full / scale, left_over, used, free, np.ones(len(free), bool))[held]
+        theta, error, free = theta / scale, error / scale, free / scale
+        half = float(stdtrit(len(y) - X.shape[1], (1 + CONFIDENCE) / 2)) * error[:3]
+        doubt = half * np.array([fastest / REFERENCE_RAMP, fastest, 1.0])
+        reasons = _reasons(columns[used], independent, doubt, torque_limit)
+    known, fitted = reasons == "", full @ theta
+    found = {
+        "value": np.where(known, theta[:3], 0.0),
+        "half_width": np.where(known, half, np.inf),
+        "reasons": reasons,
+        "bounded": held[:3] & known,
+        "free": np.where(known, free[:3], 0.0),
+    }
+    left = left_over[used] - fitted[used]
+    return found, float(theta[3]), fitted, float(np.sqrt(np.mean(left**2))) if len(left) else 0.0
 
 
 def _left_by_others(X: Array, column: int) -> float:
@@ -117,7 +116,7 @@ def _standard_errors(
     return errors
 
 
-def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torque_limit: float) -> tuple[str, ...]:
+def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torque_limit: float) -> NDArray[np.str_]:
     one_way = np.min(columns[:, 2]) * np.max(columns[:, 2]) > 0
     reasons = []
     for place in range(3):
@@ -129,4 +128,4 @@ def _reasons(columns: Array, independent: NDArray[np.bool_], doubt: Array, torqu
             reasons.append(f"the motion and its noise leave {share:.3g} % of the torque limit in doubt")
         else:
             reasons.append("")
-    return tuple(reasons)
+    return np.array(reasons)

@@ -3,19 +3,22 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.argument_types import as_path
-from mrts.base.arrays import Array, freeze
-from mrts.base.errors import InputError, as_array
+from mrts.base.arrays import Array
+from mrts.base.errors import InputError
+from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.input_file import LARGEST_NUMBER
 from mrts.motion.csv_motion import read_joint_columns
 from mrts.motion.ros_messages import NANOSECONDS, bag_messages, is_bag, joint_column
 
 KIND = "sensor_msgs/msg/JointState"
+
+NUMBERS = Shape("N", finite=True, least=-LARGEST_NUMBER, most=LARGEST_NUMBER)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,19 +34,14 @@ class RecordedJoint:
         InputError: If a number is not finite, shapes differ, or times do not increase.
     """
 
-    time: Array
-    position: Array
-    effort: Array
+    time: Annotated[Array, NUMBERS]
+    position: Annotated[Array, NUMBERS]
+    effort: Annotated[Array, NUMBERS]
 
     def __post_init__(self) -> None:
-        for name in ("time", "position", "effort"):
-            value = as_array(name, getattr(self, name))
-            object.__setattr__(self, name, value)
-            if value.ndim != 1 or value.shape != self.time.shape or not np.all(np.abs(value) <= LARGEST_NUMBER):
-                raise InputError(name, "must be finite numbers with the Shape (N,) of the times.")
+        check_attributes(self, RecordedJoint, "joint")
         if len(self.time) < 2 or np.min(np.diff(self.time)) <= 0:  # noqa: PLR2004 (start and end)
-            raise InputError("time", "must be at least two times that strictly increase.")
-        freeze(self)
+            raise InputError("joint", "must be at least two times that strictly increase.", key="time")
 
 
 @dataclass(frozen=True, repr=False)

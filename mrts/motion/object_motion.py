@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: MIT
 """The motion of the carried object: its samples, checked, and where it is known, its course between them."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import InitVar, dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mrts.base.argument_types import check_type
 from mrts.base.arrays import Array, freeze
-from mrts.base.errors import InputError, as_array
+from mrts.base.errors import InputError
+from mrts.base.formats.record import Shape, check_attributes
 from mrts.base.notebook.in_notebooks import InNotebooks, NotebookTable
 from mrts.base.remark import Remark
 from mrts.base.rigid_transform import vectors_from_rotations
@@ -36,9 +37,6 @@ STILL = 1e-9
 SHORTEST_STEP = 1e-9
 """Least time between samples [s]: below it squares of rates overflow."""
 
-SHAPES = {"time": (), "position": (3,), "rotation": (3, 3), "twist": (6,), "acceleration": (6,)}
-"""Of the fields of an object's motion, behind the samples."""
-
 ObjectRates = tuple[Array, Array, Array, Array]
 """Position, rotation, twist and acceleration at some times, as in `ObjectMotion`."""
 
@@ -61,14 +59,14 @@ class ObjectMotion(InNotebooks):
         course: The same motion at any times; None where only its samples are known.
     """
 
-    time: Array
-    position: Array
-    rotation: Array
-    twist: Array
-    acceleration: Array
+    time: Annotated[Array, Shape("N", finite=True)]
+    position: Annotated[Array, Shape("N", 3, finite=True)]
+    rotation: Annotated[Array, Shape("N", 3, 3, finite=True)]
+    twist: Annotated[Array, Shape("N", 6, finite=True)]
+    acceleration: Annotated[Array, Shape("N", 6, finite=True)]
     smooth: InitVar[bool] = True
     remarks: tuple[Remark, ...] = field(default=(), kw_only=True)
-    course: "ObjectCourse | None" = field(default=None, kw_only=True, compare=False)
+    course: ObjectCourse | None = field(default=None, kw_only=True, compare=False)
 
     def __repr__(self) -> str:
         return f"<ObjectMotion: {len(self.time)} samples in {self.time[-1]:.4g} s>"
@@ -86,12 +84,12 @@ class ObjectMotion(InNotebooks):
 
     def __post_init__(self, smooth: bool) -> None:
         check_type("smooth", smooth, bool)
-        self._take(SHAPES)
+        check_attributes(self, ObjectMotion, "motion")
+        if len(self.time) < 2 or self.time[0] != 0 or not np.all(np.diff(self.time) > 0):  # noqa: PLR2004 (two ends)
+            raise InputError("time", "must have Shape (N,) with N >= 2, start at 0 and strictly increase.")
         if not _turns(self.rotation):
             raise InputError("rotation", "must hold rotation matrices: R Rᵀ = I, det R = 1.")
-        by_columns = np.ascontiguousarray(self.rotation.transpose(0, 2, 1))  # as generated functions read them
-        object.__setattr__(self, "rotation", by_columns.transpose(0, 2, 1))
-        by_columns.setflags(write=False)
+        object.__setattr__(self, "rotation", _by_columns(self.rotation))
         freeze(self)
         if not smooth:
             return
@@ -102,34 +100,9 @@ class ObjectMotion(InNotebooks):
         check_derivatives("position", time, self.position, self.twist[:, :3], self.acceleration[:, :3], noise)
         check_derivatives("rotation", time, turned, self.twist[:, 3:], self.acceleration[:, 3:], noise)
 
-    def _take(self, names: Iterable[str]) -> None:
-        for name in names:
-            value = as_array(name, getattr(self, name))
-            object.__setattr__(self, name, value)
-            if name == "time" and (
-                value.ndim != 1 or len(value) < 2 or value[0] != 0 or not np.all(np.diff(value) > 0)  # noqa: PLR2004 (two ends)
-            ):
-                raise InputError("time", "must have Shape (N,) with N >= 2, start at 0 and strictly increase.")
-            if value.shape != (len(self.time), *SHAPES[name]) or not np.all(np.isfinite(value)):
-                raise InputError(name, f"must have Shape {(len(self.time), *SHAPES[name])} and be finite.")
-
     def played(self, time: Array, twist: Array, acceleration: Array) -> "ObjectMotion":
-        """The same poses at other times with other rates, which are not compared with them.
-
-        Args:
-            time: Shape (N,) [s].
-            twist: Shape (N, 6).
-            acceleration: Shape (N, 6).
-
-        Raises:
-            InputError: If times or rates break a rule.
-        """
-        done = object.__new__(type(self))
-        known = {"time": time, "position": self.position, "rotation": self.rotation, "twist": twist}
-        vars(done).update(known | {"acceleration": acceleration, "remarks": (), "course": None})
-        done._take(("time", "position", "twist", "acceleration"))
-        freeze(done)
-        return done
+        """The same poses at other times with other rates, which are taken as they are."""
+        return unchecked_object_motion(time, self.position, self.rotation, twist, acceleration)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update(state)
@@ -149,11 +122,18 @@ def unchecked_object_motion(
     """A motion of this library's own making: its arrays are taken as they are, and nobody can write to them then."""
     done = object.__new__(ObjectMotion)
     vars(done).update(
-        time=time, position=position, rotation=rotation, twist=twist, acceleration=acceleration, remarks=remarks,
-        course=course,
+        time=time, position=position, rotation=_by_columns(rotation), twist=twist, acceleration=acceleration,
+        remarks=remarks, course=course,
     )  # fmt: skip
     freeze(done)
     return done
+
+
+def _by_columns(rotation: Array) -> Array:
+    """The same numbers as generated functions read them; nobody can write to them."""
+    columns = np.ascontiguousarray(rotation.transpose(0, 2, 1))
+    columns.setflags(write=False)
+    return columns.transpose(0, 2, 1)
 
 
 def _turns(rotation: Array) -> bool:

@@ -186,10 +186,7 @@ def _both_sides(pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
     kept = np.append(True, ~same[:-1])
     time = np.repeat(times, 2)[1:-1][kept]
     some = {name: of[kept] for name, of in values.items()}
-    carried = unchecked_object_motion(
-        time, some["position"], np.ascontiguousarray(some["rotation"].transpose(0, 2, 1)).transpose(0, 2, 1),
-        some["twist"], some["acceleration"],
-    )  # fmt: skip
+    carried = unchecked_object_motion(time, *(some[name] for name in ("position", "rotation", "twist", "acceleration")))
     travel = np.ascontiguousarray(some["travel"].transpose(1, 0, 2))
     return unchecked_coordinated_motion(carried, some["q"], some["dq"], some["ddq"], travel)
 
@@ -235,7 +232,7 @@ def reachable(corners: Corners, *, backwards: bool) -> Array:
 def motion_of(cell: Cell, states: NDArray[Any]) -> CoordinatedMotion:
     """Two or more states as samples of a motion, the object as the first arm carries it; its time only counts them."""
     q, dq, ddq = (np.array(states[name]) for name in ("q", "dq", "ddq"))
-    return carried_by_first(cell, np.arange(len(q), dtype=np.float64), q, dq, ddq, smooth=False)
+    return carried_by_first(cell, np.arange(len(q), dtype=np.float64), q, dq, ddq)
 
 
 @dataclass(frozen=True)

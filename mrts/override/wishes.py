@@ -84,7 +84,7 @@ def commanded(override: SpeedOverride, wanted: Array, dt: float) -> ScaledTrajec
     time = dt * np.arange(len(played), dtype=np.float64)
     ahead = np.sign(np.diff(override.nodes["q"], axis=0))[played["node"]] * played["direction"][:, None]
     way = np.where(dq != 0, np.sign(dq), ahead)
-    carried = carried_by_first(override.cell, time, q, dq, ddq, smooth=False)
+    carried = carried_by_first(override.cell, time, q, dq, ddq)
     motion, still = replace(carried, travel=np.stack([way, way])), override.start(0.0)
     held = Holding(pushing_ends(dq, ddq), np.stack([still.torque, torque[-1]]), np.stack([still.wrench, wrench[-1]]))
     return ScaledTrajectory(override.cell, motion, 1.0, torque, wrench, held)

@@ -3,31 +3,22 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 
-from mrts.base.argument_types import check_type, is_number
 from mrts.base.arrays import Array, EqualByNumbers
-from mrts.base.errors import InputError, as_array
+from mrts.base.errors import InputError
+from mrts.base.formats.record import Rule, Shape, check_attributes, dumped
 
-MOST_NOISE = 1.0
-"""[rad and rad/s]; no encoder is so bad."""
+Share = Annotated[float, Rule(ge=0, le=1)]
+"""Of a whole, or some number of which no more than 1 makes sense [s, rad, rad/s]."""
 
-BOUNDS: dict[str, tuple[float, float]] = {
-    "rate": (1.0, 50_000.0),
-    "delay": (0.0, 1.0),
-    "lag": (0.0, 1.0),
-    "bandwidth": (0.0, 1e4),
-    "damping": (0.0, 100.0),
-    "resolution": (0.0, 1.0),
-    "position_noise": (0.0, MOST_NOISE),
-    "velocity_noise": (0.0, MOST_NOISE),
-    "mass": (-0.99, 10.0),
-    "friction_error": (-1.0, 10.0),
-    "damping_time": (1e-5, 1.0),
-}
-"""Of numbers, both ends included."""
+MOST_STIFFNESS = 1e9
+"""[N/m, N m/rad]."""
+
+LEAST = {"mass": -0.99, "friction_error": -1.0}
+"""Of the errors that may be negative."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -51,28 +42,26 @@ class Controller(EqualByNumbers):
         velocity_noise: Likewise of velocities [rad/s].
 
     Raises:
-        InputError: If a number is out of its `BOUNDS`, or a gain is negative.
+        InputError: If a number is out of its bounds, or a gain is negative.
     """
 
-    rate: float = 1000.0
-    delay: float = 1e-3
-    lag: float = 3e-3
-    bandwidth: float = 20.0
-    damping: float = 1.0
+    rate: Annotated[float, Rule(ge=1, le=50_000)] = 1000.0
+    delay: Share = 1e-3
+    lag: Share = 3e-3
+    bandwidth: Annotated[float, Rule(ge=0, le=1e4)] = 20.0
+    damping: Annotated[float, Rule(ge=0, le=100)] = 1.0
     position_gain: Array | float | None = None
     velocity_gain: Array | float | None = None
     friction: bool = True
-    resolution: float = 0.0
-    position_noise: float = 0.0
-    velocity_noise: float = 0.0
+    resolution: Share = 0.0
+    position_noise: Share = 0.0
+    velocity_noise: Share = 0.0
 
     def __post_init__(self) -> None:
-        _check_bounds(self, "controller")
-        check_type("controller: friction", self.friction, bool)
+        check_attributes(self, Controller, "controller")
         for name in ("position_gain", "velocity_gain"):
             gain = getattr(self, name)
-            given = as_array(name, 0.0 if gain is None else gain)
-            if given.ndim > 1 or not np.all((given >= 0) & np.isfinite(given)):
+            if gain is not None and (gain.ndim > 1 or not np.all((gain >= 0) & np.isfinite(gain))):
                 raise InputError("controller", "must be numbers >= 0: one, or one a joint.", key=name, value=gain)
 
     def gains(self, inertia: Array) -> tuple[Array, Array]:
@@ -95,7 +84,7 @@ class Controller(EqualByNumbers):
 
     def to_json(self) -> dict[str, Any]:
         """Every number by name."""
-        return _to_json(self)
+        return dict(dumped(self))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,44 +99,42 @@ class PlantErrors(EqualByNumbers):
         damping_time: Damping of a grasp as a share of its stiffness [s].
 
     Raises:
-        InputError: If a number is out of its `BOUNDS`, or a stiffness is not > 0.
+        InputError: If a number is out of its bounds, or a stiffness is not > 0.
     """
 
-    mass: float = 0.03
-    com: Array = (0.0, 0.0, 0.0)  # type: ignore[assignment]  # an array once it is checked
-    friction_error: float = 0.2
+    mass: Annotated[float, Rule(ge=LEAST["mass"], le=10)] = 0.03
+    com: Annotated[Array, Shape(3, finite=True, least=-1, most=1)] = (0.0, 0.0, 0.0)  # type: ignore[assignment]  # then an array
+    friction_error: Annotated[float, Rule(ge=LEAST["friction_error"], le=10)] = 0.2
     stiffness: Array = (1e7, 1e5)  # type: ignore[assignment]  # likewise
-    damping_time: float = 1e-4
+    damping_time: Annotated[float, Rule(ge=1e-5, le=1)] = 1e-4
 
     def __post_init__(self) -> None:
-        _check_bounds(self, "errors")
-        for name, low, high, columns, most in (("com", -1.0, 1.0, 3, 1), ("stiffness", 1.0, 1e9, 2, 2)):
-            given = as_array(name, getattr(self, name))
-            inside = np.all((given >= low) & (given <= high))
-            if given.shape[-1:] != (columns,) or given.ndim > most or not inside:
-                rule = f"must be {columns} numbers from {low:g} to {high:g}."
-                raise InputError("errors", rule, key=name, value=given.tolist())
-            given.setflags(write=False)
-            object.__setattr__(self, name, given)
+        check_attributes(self, PlantErrors, "errors")
+        given = self.stiffness
+        inside = np.all((given >= 1.0) & (given <= MOST_STIFFNESS))
+        if given.shape[-1:] != (2,) or given.ndim > 2 or not inside:  # noqa: PLR2004 (one, or one a grasp)
+            rule = f"must be 2 numbers from 1 to {MOST_STIFFNESS:g}."
+            raise InputError("errors", rule, key="stiffness", value=given.tolist())
+        given.setflags(write=False)
 
     def drawn(self, rng: np.random.Generator) -> Self:
         """Others of the same size: mass, com and friction evenly between minus and plus what they are here.
 
-        No mass or friction becomes negative: where that is below their `BOUNDS`, they are drawn from these on.
+        No mass or friction becomes negative: they are drawn from `LEAST` on.
         """
         most = np.array([abs(self.mass), abs(self.friction_error), *np.abs(self.com)])
-        least = np.maximum(-most, [BOUNDS["mass"][0], BOUNDS["friction_error"][0], *[-np.inf] * 3])
+        least = np.maximum(-most, [*LEAST.values(), *[-np.inf] * 3])
         mass, friction, *com = rng.uniform(least, most)
         return replace(self, mass=float(mass), friction_error=float(friction), com=np.array(com))
 
     def opposite(self) -> Self:
-        """The same errors the other way round, as far as `BOUNDS` admit."""
-        mass, friction = (max(-getattr(self, name), BOUNDS[name][0]) for name in ("mass", "friction_error"))
-        return replace(self, mass=mass, friction_error=friction, com=-self.com)
+        """The same errors the other way round, as far as `LEAST` admits."""
+        other = {name: max(-getattr(self, name), least) for name, least in LEAST.items()}
+        return replace(self, **other, com=-self.com)
 
     def to_json(self) -> dict[str, Any]:
         """Every number by name."""
-        return _to_json(self)
+        return dict(dumped(self))
 
 
 def with_settings(
@@ -167,16 +154,3 @@ def with_settings(
         known = [entry.name for of in (controller, errors) for entry in fields(of)]
         raise InputError("given", f"there is no such number. There are {', '.join(known)}.", value=next(iter(left)))
     return found[0], found[1]
-
-
-def _check_bounds(of: Controller | PlantErrors, where: str) -> None:
-    for entry in fields(of):
-        bounds, value = BOUNDS.get(entry.name), getattr(of, entry.name)
-        if bounds is not None and not is_number(value, *bounds):
-            rule = f"must be a number from {bounds[0]:g} to {bounds[1]:g}."
-            raise InputError(where, rule, key=entry.name, value=value)
-
-
-def _to_json(of: Controller | PlantErrors) -> dict[str, Any]:
-    values = {entry.name: getattr(of, entry.name) for entry in fields(of)}
-    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}

@@ -209,8 +209,7 @@ class Plant:
         model, m = self.model, len(self.q_index)
         sizes = np.cumsum([model.nq, model.nv, model.nv, model.nu])
         qpos, qvel, qacc, force, axes = np.split(rows, sizes, axis=1)
-        by_columns = rotations_from_quaternions(qpos[:, [4, 5, 6, 3]]).transpose(0, 2, 1).copy()
-        rotation = by_columns.transpose(0, 2, 1)  # as generated functions read them
+        rotation = rotations_from_quaternions(qpos[:, [4, 5, 6, 3]])
         twist, acceleration = (
             np.hstack([of[:, :3], np.einsum("nij,nj->ni", rotation, of[:, 3:6])]) for of in (qvel, qacc)
         )

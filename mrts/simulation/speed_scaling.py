@@ -63,5 +63,5 @@ def speed_scaling(plan: ScaledTrajectory, wanted: Array, dt: float) -> SpeedScal
     q, dq = joints(place[:count]), joints(place[:count], 1) * np.append(speed, speed[-1])[:count, None]
     ddq = np.diff(dq, axis=0) / dt
     time = dt * np.arange(len(ddq), dtype=np.float64)
-    motion = carried_by_first(plan.cell, time, q[:-1], dq[:-1], ddq, smooth=False)
+    motion = carried_by_first(plan.cell, time, q[:-1], dq[:-1], ddq)
     return SpeedScaling(time, motion_widening(motion_rows(plan.cell, motion), np.ones(len(time))))

@@ -249,7 +249,7 @@ def _carried(
         for kind, unit in (("grasp distance", "m"), ("grasp angle", "rad"))
         for robot in cell.robots
     ]
-    values = np.vstack([gaps.distance, gaps.angle]).T
+    values = gaps.reshape(len(names), -1).T
     limit = np.repeat([bound.position, bound.angle], len(cell.robots))
     return CoordinatedMotion(carried, *course), _uses(names, at, values, limit)
 

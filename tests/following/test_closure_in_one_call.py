@@ -27,8 +27,7 @@ def assert_same(cell, motion):
     distance, angle, *rates = by_the_library(cell, motion)
     tips = tip_motions(cell, motion.q, motion.dq, motion.ddq)
     gaps = grasp_gaps(cell, motion.object, tips)
-    np.testing.assert_allclose(distance, np.max(gaps.distance, axis=1), atol=ROUNDING)
-    np.testing.assert_allclose(angle, np.max(gaps.angle, axis=1), atol=ROUNDING)
+    np.testing.assert_allclose([distance, angle], np.max(gaps, axis=2), atol=ROUNDING)
     for index, (robot, tip) in enumerate(zip(cell.robots, tips, strict=True)):
         velocity, acceleration = tip_rates(cell, robot, motion.object)
         for ours, expected, size, slip in (

@@ -17,7 +17,7 @@ def assert_closed(cell, motion, tolerance=1e-9):
     """By the arms' forward kinematics: positions, velocities and accelerations of all hands fit the object."""
     tips = tip_motions(cell, motion.q, motion.dq, motion.ddq)
     gaps = grasp_gaps(cell, motion.object, tips)
-    assert max(np.max(gaps.distance), np.max(gaps.angle)) < tolerance
+    assert np.max(gaps) < tolerance
     for robot, tip in zip(cell.robots, tips, strict=True):
         velocity, acceleration = tip_rates(cell, robot, motion.object)
         np.testing.assert_allclose(tip.velocity, velocity, atol=tolerance)

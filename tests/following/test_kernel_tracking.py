@@ -88,7 +88,7 @@ def test_what_is_followed_holds_its_grasp_and_what_is_not_cannot_be_held(name):
             code, sample = found.outcome[0, index]["code"], found.outcome[0, index]["sample"]
             met[code] += 1
             held = slice(None if code == FOLLOWED else sample)
-            assert max(*gaps.distance[held, index], *gaps.angle[held, index], 0) < HELD
+            assert np.max(gaps[:, index, held], initial=0) < HELD
             for ours, rate in zip((tips[index].velocity, tips[index].acceleration), tip_rates(cell, robot, motion),
                                   strict=True):  # fmt: skip
                 np.testing.assert_allclose(ours[held], rate[held], rtol=HELD, atol=HELD * (1 + np.max(np.abs(rate))))

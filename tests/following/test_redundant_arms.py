@@ -11,7 +11,7 @@ from shipped_cells import cell_of_arms
 
 import mrts
 import mrts.following.tracking
-from mrts.following.null_space import LIMIT_PUSH, is_redundant, limit_zone, stretched
+from mrts.following.tracking import LIMIT_PUSH, is_redundant, limit_zone
 
 PANDA = {"urdf": "panda_description/urdf/panda.urdf", "tip_link": "panda_hand_tcp"}
 UR5 = {"urdf": "ur_description/urdf/ur5_robot.urdf", "tip_link": "tool0"}
@@ -22,6 +22,13 @@ BEFORE_THE_CHEST["right"] = (np.array([-1, -1, -1, 1, -1, -1, -1]) * BEFORE_THE_
 
 SAME_PATH = 1e-9
 """Paths of one motion in other samples, or by CasADi: both are solved to 1e-10 in the tip's pose."""
+
+
+def stretched(robot, q):
+    """h(q) of `mrts.following.tracking`, Shape (T, n_i)."""
+    beyond = q - robot.position_upper, robot.position_lower - q
+    over, under = (np.maximum(side / limit_zone(robot) + 1, 0) for side in beyond)
+    return q + LIMIT_PUSH * (over**5 - under**5)
 
 
 def both_hands(kind, postures, places=((0, 0, 0, 0),) * 2):

@@ -44,7 +44,7 @@ def test_bounded_least_squares_are_the_best_of_all_choices():
         left_over = columns @ rng.uniform(-0.5, 1, 3) * 3 + rng.normal(0, 0.1, 40) + 1
         fit, offset, *_ = fitted(columns, left_over)
         expected = best_of_all_bounds(columns, left_over)
-        np.testing.assert_allclose([*fit.value, offset], expected, atol=SAME * np.max(np.abs(expected)))
-        np.testing.assert_array_equal(fit.bounded, expected[:3] == 0)
-        held += int(np.count_nonzero(fit.bounded))
+        np.testing.assert_allclose([*fit["value"], offset], expected, atol=SAME * np.max(np.abs(expected)))
+        np.testing.assert_array_equal(fit["bounded"], expected[:3] == 0)
+        held += int(np.count_nonzero(fit["bounded"]))
     assert held > 100

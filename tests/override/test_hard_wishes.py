@@ -124,7 +124,7 @@ def passed(cell, states):
             found += [np.where(torque * dq > 0, beyond, -1.0), np.abs(dq) / speed[-1] - 1]
     count = np.arange(len(states), dtype=float)
     parts = (np.array(states[name]) for name in ("q", "dq", "ddq"))
-    rows = limit_rows(cell, carried_by_first(cell, count, *parts, smooth=False))
+    rows = limit_rows(cell, carried_by_first(cell, count, *parts))
     others = rows.excess(rows.value(np.array(states["torque"]), np.array(states["wrench"]), 0.0, 1.0))
     return np.max([*found, np.max(others, axis=1)], axis=0)
 
@@ -202,7 +202,7 @@ def test_whatever_load_of_the_box_it_is_can_be_carried(profile):
     corners = np.array([point.load for point in cell.load_box.corners()])
     inside = rng.dirichlet(np.ones(len(corners)), 6) @ corners
     parts = (np.array(states[name]) for name in ("q", "dq", "ddq"))
-    motion = carried_by_first(cell, np.arange(len(states), dtype=float), *parts, smooth=False)
+    motion = carried_by_first(cell, np.arange(len(states), dtype=float), *parts)
     rows = motion_rows(cell, motion, None)
     for load in (*corners, *inside):
         assert np.max(motion_widening(rows, np.ones(len(states)), load)) <= BETWEEN

@@ -77,7 +77,7 @@ def places_in_numpy(cell, part):
     start = part.x[:-1, None] + step * PLACES * part.rates[:, :1]
     x = (start + step * PLACES * rate.reshape(step.shape[0], -1)).ravel()[:, None]
     q, dq, ddq = velocity_polynomials(path.object.time, (path.q, path.dq, path.ddq), s)
-    return carried_by_first(cell, s - s[0], q, dq * np.sqrt(x), ddq * x + dq * rate, smooth=False)
+    return carried_by_first(cell, s - s[0], q, dq * np.sqrt(x), ddq * x + dq * rate)
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -52,7 +52,7 @@ def test_limits_hold_between_the_samples_across_a_knot(arm):
     grid = np.linspace(0, 1, 334)  # its knots, at fifths, lie inside segments
     for seed in range(PATHS):
         path = spline_path(*arm, seed)
-        motion = carried_by_first(path.cell, grid, *(path.spline(grid, order) for order in range(3)), smooth=False)
+        motion = carried_by_first(path.cell, grid, *(path.spline(grid, order) for order in range(3)))
         found = mrts.retime(path.cell, motion)
         assert found.status is mrts.RetimingStatus.OPTIMAL, seed
         assert found.excess.share <= BETWEEN
@@ -113,4 +113,4 @@ def test_a_path_by_its_turns_is_the_same_path(arm, seed):
 
 
 def sampled(path, grid):
-    return carried_by_first(path.cell, grid, *(path.spline(grid, order) for order in range(3)), smooth=False)
+    return carried_by_first(path.cell, grid, *(path.spline(grid, order) for order in range(3)))

@@ -119,7 +119,7 @@ def test_friction_at_a_stop_points_along_the_travel(back, profile, tmp_path):
             (one.ddq, back * one.ddq),
         )
     )
-    motion = carried_by_first(cell, time, q, dq, ddq, smooth=False)
+    motion = carried_by_first(cell, time, q, dq, ddq)
     there, both = mrts.retime(cell, one), mrts.retime(cell, motion)
     assert both.status.admits_motion, both.summary()
     assert len(both.stops) == 1

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * What a grasp takes of an arm's joints and what it leaves free, and the positions that redundant arms prefer of all that
- * hold their grasps; mrts/following/null_space.py has the mathematics.
+ * hold their grasps; mrts/following/tracking.py has the mathematics.
  */
 #ifndef MRTS_NULL_SPACE_H
 #define MRTS_NULL_SPACE_H
