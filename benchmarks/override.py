@@ -12,9 +12,12 @@ import numpy as np
 
 import mrts
 from mrts.base.arrays import Array
+from mrts.following.coordinated_motion import carried_by_first
 from mrts.override.speed_override import TICK
 from mrts.override.wishes import random_wishes, wanted_at_ticks
-from mrts.simulation.speed_scaling import speed_scaling
+from mrts.program.motion_rows import motion_rows
+from mrts.program.widening import motion_widening
+from mrts.scaling.scaled_trajectory import ScaledTrajectory
 
 DATA = Path(mrts.__file__).parent / "data"
 
@@ -40,6 +43,30 @@ def wishes(duration: float) -> dict[str, Array]:
     }
 
 
+def speed_scaling(plan: ScaledTrajectory, wanted: Array, dt: float) -> Array:
+    """By which share limits are passed at least at each tick where a plan's clock alone is slowed, Shape (k,).
+
+    Source: ros2_controllers, joint_trajectory_controller.cpp, `traj_time_ += period * scaling_factor_`: at every tick
+    the place on the plan goes on by the period times the wanted speed; commanded are the positions of the spline there.
+    It does so where it commands positions alone, and looks at no limit. Between two ticks joints are given the velocity
+    that they have along the plan at the wanted speed then, and the acceleration that leads to the next one within the
+    period: no way to follow asks for less.
+
+    Args:
+        plan: The plan.
+        wanted: Speed at each tick, Shape (k,); below 0 it is 0, as the controller takes it.
+        dt: Between ticks [s].
+    """
+    speed = np.maximum(wanted, 0.0)
+    place = np.minimum(dt * np.concatenate([[0.0], np.cumsum(speed)]), plan.duration)
+    count = int(np.searchsorted(place, plan.duration)) + 1
+    joints = plan.course()
+    q, dq = joints(place[:count]), joints(place[:count], 1) * np.append(speed, speed[-1])[:count, None]
+    ddq = np.diff(dq, axis=0) / dt
+    motion = carried_by_first(plan.cell, dt * np.arange(len(ddq), dtype=np.float64), q[:-1], dq[:-1], ddq)
+    return motion_widening(motion_rows(plan.cell, motion), np.ones(len(ddq)))
+
+
 def row(cell: str, profile: str, result: mrts.ScalingResult | mrts.RetimingResult) -> str:
     """A line of the table: by how much limits are passed at most, by the override and by speed scaling."""
     told, later, override = [], [], mrts.SpeedOverride(result)
@@ -50,9 +77,9 @@ def row(cell: str, profile: str, result: mrts.ScalingResult | mrts.RetimingResul
         wanted = wanted_at_ticks(given, override.duration, TICK)
         states = override.play(wanted, state=override.start(0.0, min(wanted[0], 1.0)))
         ticks, scaled = int(np.argmax(states["finished"])) + 1, speed_scaling(shown.trajectory, wanted, TICK)
-        shares = np.max(override.excess(states[:ticks]), initial=0.0), np.max(scaled.excess)
+        shares = np.max(override.excess(states[:ticks]), initial=0.0), np.max(scaled)
         told.append(" / ".join(f"{100 * share:.{0 if share > 1 else 2}f} %" for share in shares))
-        later.append(TICK * (ticks - len(scaled.time)))
+        later.append(TICK * (ticks - len(scaled)))
     return " | ".join((cell, profile, *told, f"{1e3 * max(later):.0f} ms"))
 
 

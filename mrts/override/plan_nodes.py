@@ -130,6 +130,26 @@ class Plan:
     most: Array
 
 
+def trajectory_of(plan: ScalingResult | RetimingResult | ScaledTrajectory) -> ScaledTrajectory | None:
+    """The trajectory of a result; None if it has none."""
+    shown = plan.retimed if isinstance(plan, RetimingResult) else plan
+    return shown.trajectory if isinstance(shown, ScalingResult) else shown
+
+
+def resting_trajectory(plan: ScalingResult | RetimingResult | ScaledTrajectory, key: str) -> ScaledTrajectory:
+    """The trajectory of a result that a controller is to play; `key` is the argument that it is.
+
+    Raises:
+        InputError: If it has none, or one that does not start and end at rest.
+    """
+    done = trajectory_of(plan)
+    if done is None:
+        raise InputError(key, "has no trajectory: there is no speed at which it keeps its limits.")
+    if np.max(np.abs(done.dq[[0, -1]])) > REST * np.max(np.abs(done.dq)):
+        raise InputError(key, "must start and end at rest: a controller holds still before and after it.")
+    return done
+
+
 def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
     """The plan of a result.
 
@@ -140,13 +160,7 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
     Raises:
         InputError: If it has none, or one that does not start and end at rest.
     """
-    timed = result if isinstance(result, RetimingResult) else None
-    shown = timed.retimed if timed else result
-    done = shown.trajectory if isinstance(shown, ScalingResult) else None
-    if done is None:
-        raise InputError("result", "has no trajectory: there is no speed at which it keeps its limits.")
-    if np.max(np.abs(done.dq[[0, -1]])) > REST * np.max(np.abs(done.dq)):
-        raise InputError("result", "must start and end at rest: there a speed that changes is no speed of the joints.")
+    timed, done = result if isinstance(result, RetimingResult) else None, resting_trajectory(result, "result")
     sharing = result.options.sharing
     if sharing is not None and sharing.varies:
         raise InputError(

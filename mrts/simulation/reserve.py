@@ -10,6 +10,7 @@ from typing import Any
 from mrts.base.argument_types import Progress, check_callable, check_type
 from mrts.base.errors import InputError
 from mrts.base.printable import printable
+from mrts.override.plan_nodes import trajectory_of
 from mrts.scaling.result import ScalingResult
 from mrts.simulation.controller import Controller, PlantErrors
 from mrts.simulation.simulate import simulate
@@ -115,14 +116,14 @@ def least_reserve(
 
 
 def _tried(plan: Result, reserve: float, controller: Controller | None, errors: PlantErrors | None) -> TriedReserve:
-    shown = plan.retimed if isinstance(plan, RetimingResult) else plan
-    if shown is None or shown.trajectory is None:
+    trajectory = trajectory_of(plan)
+    if trajectory is None:
         return TriedReserve(reserve, inf, inf, "", kept=False)
     errors = PlantErrors() if errors is None else errors
-    played = [simulate(shown.trajectory, controller, each) for each in (errors, errors.opposite())]
+    played = [simulate(trajectory, controller, each) for each in (errors, errors.opposite())]
     nearest = [used for one in played for _, used in one.uses[:1]]
     if not nearest:
         raise InputError("solve", "its cell has no limit that a reserve could be kept of.")
     worst = max(nearest, key=lambda use: use.share)
     kept = not any(one.passed for one in played)
-    return TriedReserve(reserve, shown.trajectory.duration, worst.share, str(worst.name), kept=kept)
+    return TriedReserve(reserve, trajectory.duration, worst.share, str(worst.name), kept=kept)

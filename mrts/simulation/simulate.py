@@ -19,7 +19,7 @@ from mrts.base.printable import printable
 from mrts.base.words import aligned
 from mrts.cell.cell import Cell
 from mrts.limits.rows import RowName
-from mrts.motion.rows_at_rest import REST
+from mrts.override.plan_nodes import resting_trajectory
 from mrts.override.speed_override import SpeedOverride
 from mrts.override.wishes import commanded, wanted_at_ticks
 from mrts.program.rate_limits import Rates
@@ -27,7 +27,6 @@ from mrts.scaling.limit_use import LimitUse, limit_uses, power_uses
 from mrts.scaling.result import ScalingResult
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.simulation.controller import Controller, PlantErrors
-from mrts.simulation.speed_scaling import SpeedScaling, speed_scaling
 from mrts.timing.result import RetimingResult
 
 STEP, FINEST = 1e-5, 1e-6
@@ -100,7 +99,6 @@ class Simulation(InNotebooks, JsonOutput):
         errors: Of the cell.
         saturated: Share of the motion's commands of which a motor's limit cut some joint's torque.
         trials: With drawn errors; None without.
-        speed_scaling: What slowing the plan's clock alone would ask for on the same wishes; None without an override.
     """
 
     plan: ScaledTrajectory
@@ -109,7 +107,6 @@ class Simulation(InNotebooks, JsonOutput):
     errors: PlantErrors
     saturated: float
     trials: Trials | None = None
-    speed_scaling: SpeedScaling | None = None
 
     @cached_property
     def uses(self) -> tuple[tuple[LimitUse, LimitUse], ...]:
@@ -147,6 +144,14 @@ class Simulation(InNotebooks, JsonOutput):
         path = self._object_course()(np.linspace(0.0, self.plan.duration, FINE))
         return np.asarray(cKDTree(path).query(self.played.motion.object.position)[0])
 
+    @property
+    def tracking(self) -> dict[str, tuple[float, float]]:
+        """Root mean square and largest error of the joints [rad or m], the object and its path [m] during the plan."""
+        moving = self.played.time <= self.plan.duration
+        errors = {"joints": self.joint_error, "object": self.object_error, "path": self.path_error}
+        sizes = {name: np.abs(error[moving]) for name, error in errors.items()}
+        return {name: (float(np.sqrt(np.mean(size**2))), float(np.max(size))) for name, size in sizes.items()}
+
     def _object_course(self) -> Any:
         from scipy.interpolate import CubicHermiteSpline  # noqa: PLC0415 (slow to import)
 
@@ -183,11 +188,7 @@ class Simulation(InNotebooks, JsonOutput):
 
     def words(self) -> Iterator[str]:
         """How well the plan was followed, what the trials came to, and what was assumed."""
-        moving = self.played.time <= self.plan.duration
-        joints, carried, path = (
-            (float(np.sqrt(np.mean(of[moving] ** 2))), float(np.max(np.abs(of[moving]))))
-            for of in (self.joint_error, self.object_error, self.path_error)
-        )
+        joints, carried, path = self.tracking.values()
         yield (
             f"joints are {1e3 * joints[0]:.3g} mrad off (at most {1e3 * joints[1]:.3g}), the object "
             f"{1e3 * carried[0]:.3g} mm ({1e3 * carried[1]:.3g}) and off its path {1e3 * path[0]:.3g} mm "
@@ -200,8 +201,6 @@ class Simulation(InNotebooks, JsonOutput):
                 f"{len(most)} trials with drawn errors: {LIKELY:g} % stay within {within} of every limit, the worst "
                 f"uses {worst}; {self.trials.kept} keep all limits"
             )
-        if self.speed_scaling is not None:
-            yield self.speed_scaling.sentence()
         for title, of in (("controller", self.controller), ("cell", self.errors)):
             numbers = (f"{name} {_told(value)}" for name, value in of.to_json().items())
             yield f"{title}: {', '.join(numbers)}"
@@ -238,18 +237,14 @@ class Simulation(InNotebooks, JsonOutput):
 
     def to_json(self) -> dict[str, Any]:
         """All but the samples as JSON values."""
-        spread, moving = self._spread(), self.played.time <= self.plan.duration
-        errors = {"joints": self.joint_error, "object": self.object_error, "path": self.path_error}
+        spread = self._spread()
         found: dict[str, Any] = {
             "cell": self.plan.cell.name,
             "duration": self.plan.duration,
             "kept": self.kept,
             "outcome": self.sentence(),
             "saturated": self.saturated,
-            "tracking": {
-                name: {"rms": float(np.sqrt(np.mean(of[moving] ** 2))), "largest": float(np.max(np.abs(of[moving])))}
-                for name, of in errors.items()
-            },
+            "tracking": {name: {"rms": rms, "largest": most} for name, (rms, most) in self.tracking.items()},
             "controller": self.controller.to_json(),
             "errors": self.errors.to_json(),
             "limits": [
@@ -265,8 +260,6 @@ class Simulation(InNotebooks, JsonOutput):
                 "largest": self.trials.largest.tolist(),
                 "saturated": self.trials.saturated.tolist(),
             }
-        if self.speed_scaling is not None:
-            found["speed_scaling"] = self.speed_scaling.to_json()
         return found
 
 
@@ -315,14 +308,15 @@ def simulate(
     if not is_number(seed, 0) or seed != int(seed):
         raise InputError("seed", "must be a whole number >= 0.", value=seed)
     controller, errors = controller or Controller(), errors or PlantErrors()
-    planned, scaling = _trajectory(plan), None
+    check_type("plan", plan, ScalingResult, RetimingResult, ScaledTrajectory)
+    planned = resting_trajectory(plan, "plan")
     if override is not None:
         if isinstance(plan, ScaledTrajectory):
             raise InputError("override", "is of a result, such as mrts scale --save writes: this plan is a table.")
         dt = 1 / controller.rate
         wanted = wanted_at_ticks(override, planned.duration, dt)
         governor = SpeedOverride(plan, backwards=bool(np.any(wanted < 0)), rates=rates)
-        scaling, planned = speed_scaling(planned, wanted, dt), commanded(governor, wanted, dt)
+        planned = commanded(governor, wanted, dt)
     elif rates is not None:
         raise InputError("rates", "are those that an override keeps: give one too.", value=rates)
     check_type("cell", cell, Cell, NoneType)
@@ -345,9 +339,8 @@ def simulate(
         drawn_errors, shares, cuts = zip(*found, strict=True)
         several = Trials(drawn_errors, np.array(shares), np.array(cuts))
     return Simulation(
-        plan=planned, played=played, controller=controller, errors=errors, saturated=saturated, trials=several,
-        speed_scaling=scaling,
-    )  # fmt: skip
+        plan=planned, played=played, controller=controller, errors=errors, saturated=saturated, trials=several
+    )
 
 
 def kept_uses(done: ScaledTrajectory) -> list[LimitUse]:
@@ -355,17 +348,6 @@ def kept_uses(done: ScaledTrajectory) -> list[LimitUse]:
     kept = done.cell.enforces_velocity_limits
     uses = (*limit_uses(done), *power_uses(done))
     return [use for use in uses if use.limited and (kept or use.name.kind != "velocity")]
-
-
-def _trajectory(plan: ScalingResult | RetimingResult | ScaledTrajectory) -> ScaledTrajectory:
-    check_type("plan", plan, ScalingResult, RetimingResult, ScaledTrajectory)
-    shown = plan.retimed if isinstance(plan, RetimingResult) else plan
-    done = shown.trajectory if isinstance(shown, ScalingResult) else shown
-    if done is None:
-        raise InputError("plan", "has no trajectory: there is no speed at which it keeps its limits.")
-    if np.max(np.abs(done.dq[[0, -1]])) > REST * np.max(np.abs(done.dq)):
-        raise InputError("plan", "must start and end at rest: a controller holds still before and after it.")
-    return done
 
 
 def _at_rest(plan: ScaledTrajectory, name: str) -> Array:

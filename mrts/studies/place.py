@@ -32,9 +32,19 @@ from mrts.studies.placement import NO_GAIN, Placement, PlayedLayout
 from mrts.studies.sampling import Distribution, sample_points
 from mrts.studies.study import Study, read_study
 
+BestChange = Callable[[Array, Array], tuple[Array, float, Array]]
+"""Of a program: see `layout_program`."""
 
-class LayoutProgram:
-    """The program of one layout, for P numbers that may change.
+
+def layout_program(
+    here: Sequence[SampleProblem], beside: Sequence[Sequence[SampleProblem]], steps: Array, c2: float
+) -> BestChange:
+    """What a small change of P numbers of a layout does to c²⁺, as a linear program.
+
+    c²⁺ of a layout θ is the largest c² for which wrenches x_k keep the rows A_k(θ) x_k + a_k(θ) c² + b_k(θ) c <= u_k(θ)
+    of all samples. With rows that are linear in a change of θ it is found together with the best change inside a box: a
+    step of sequential linear programming (Griffith and Stewart, 1961). How rows change is read off at layouts beside
+    this one, so that whatever limits a cell is searched with.
 
     Args:
         here: Its rows at N samples, a problem for each load that must be carried.
@@ -42,54 +52,48 @@ class LayoutProgram:
         steps: By how much, Shape (P,); below 0 it is smaller.
         c2: c²⁺ here.
 
-    Raises:
-        SolverError: If HiGHS does not solve it.
-    """
-
-    def __init__(
-        self, here: Sequence[SampleProblem], beside: Sequence[Sequence[SampleProblem]], steps: Array, c2: float
-    ) -> None:
-        A, speed, limit = _one_sided(here)
-        kept, c = np.isfinite(limit), np.sqrt(c2)
-        wrenches = block_diag([of[rows, :-1] for of, rows in zip(A, kept, strict=True)])
-        square = A[:, :, -1] + speed / (2 * c)  # c is linear in c² near c²⁺
-        self._matrix = hstack([csr_array(square[kept][:, None]), wrenches], format="csr")
-        self._limit = (limit - speed * c / 2)[kept]
-        found = self._solved(np.zeros((len(self._limit), 0)), np.zeros((0, 2)))
-        x = np.append(found.x[1:].reshape(len(A), -1), np.full((len(A), 1), c2), axis=1)
-
-        def beyond(problems: Sequence[SampleProblem]) -> Array:
-            A, speed, limit = _one_sided(problems)
-            over: Array = apply(A, x) + speed * c - limit
-            return over[kept]
-
-        changes = [beyond(problems) - beyond(here) for problems in beside]
-        self._by_layout = np.stack(changes, axis=1) / steps
-        self._c2 = c2
-
-    def best_change(self, lower: Array, upper: Array) -> tuple[Array, float, Array]:
-        """The best change of the layout between bounds, each Shape (P,), c²⁺ that the program has there, and its slope.
-
-        The slope is ∂ ln c²⁺/∂θ by its multipliers, Shape (P,): of several rows that bind alike, those are weighed so
+    Returns:
+        What gives, between bounds of each number, Shape (P,), the best change, c²⁺ that the program has there, and its
+        slope ∂ ln c²⁺/∂θ by its multipliers, each Shape (P,): of several rows that bind alike, those are weighed so
         that it vanishes for what is at no bound.
 
-        Raises:
-            SolverError: If HiGHS does not solve it.
-        """
-        found = self._solved(self._by_layout, np.stack([lower, upper], axis=1))
-        return found.x[-len(lower) :], float(found.x[0]), found.ineqlin.marginals @ self._by_layout / self._c2
+    Raises:
+        SolverError: If HiGHS does not solve it, also by what it gives.
+    """
+    A, speed, limit = _one_sided(here)
+    kept, c = np.isfinite(limit), np.sqrt(c2)
+    wrenches = block_diag([of[rows, :-1] for of, rows in zip(A, kept, strict=True)])
+    square = A[:, :, -1] + speed / (2 * c)  # c is linear in c² near c²⁺
+    matrix = hstack([csr_array(square[kept][:, None]), wrenches], format="csr")
+    largest = (limit - speed * c / 2)[kept]
 
-    def _solved(self, by_layout: Array, bounds: Array) -> OptimizeResult:
-        free = [(None, None)] * self._matrix.shape[1]
+    def solved(by_layout: Array, bounds: Array) -> OptimizeResult:
+        free = [(None, None)] * matrix.shape[1]
         found = linprog(
             -np.eye(1, len(free) + len(bounds))[0],
-            A_ub=hstack([self._matrix, csr_array(by_layout)], format="csr"),
-            b_ub=self._limit,
+            A_ub=hstack([matrix, csr_array(by_layout)], format="csr"),
+            b_ub=largest,
             bounds=[*free, *bounds.tolist()],
         )
         if found.x is None:
             raise SolverError(f"HiGHS finds no change of the layout: {found.message}")
         return found
+
+    found = solved(np.zeros((len(largest), 0)), np.zeros((0, 2)))
+    x = np.append(found.x[1:].reshape(len(A), -1), np.full((len(A), 1), c2), axis=1)
+
+    def beyond(problems: Sequence[SampleProblem]) -> Array:
+        A, speed, limit = _one_sided(problems)
+        over: Array = apply(A, x) + speed * c - limit
+        return over[kept]
+
+    by_layout = np.stack([beyond(problems) - beyond(here) for problems in beside], axis=1) / steps
+
+    def best_change(lower: Array, upper: Array) -> tuple[Array, float, Array]:
+        found = solved(by_layout, np.stack([lower, upper], axis=1))
+        return found.x[-len(lower) :], float(found.x[0]), found.ineqlin.marginals @ by_layout / c2
+
+    return best_change
 
 
 def _one_sided(problems: Sequence[SampleProblem]) -> tuple[Array, Array, Array]:
@@ -161,7 +165,7 @@ def place(
     """Base poses, grasps and postures, within the bounds of a study, that give the largest c²⁺.
 
     The layouts looked at first are points of a Sobol sequence between the bounds, and the layout that the cell file
-    gives. From the best of them steps of linear programs (`mrts.studies.place`) lead to the nearest
+    gives. From the best of them steps of linear programs (`layout_program`) lead to the nearest
     local optimum; each counts only as `mrts.scale` confirms it, so the answer is never worse than the best start.
     Layouts in which bodies collide (`mrts.clearance`) are no answer. Ctrl-C keeps the best so far.
 
@@ -303,7 +307,7 @@ class LayoutSearch:
             lower, upper = (np.clip(best.values + side, self.lower, self.upper) for side in (-far, far))
             try:
                 program = program or self.program(best)
-                change, promised, slope = program.best_change(lower - best.values, upper - best.values)
+                change, promised, slope = program(lower - best.values, upper - best.values)
             except MrtsError as error:  # arms do not follow in a layout beside it, or no solver answers
                 self.failures.append(str(error))
                 break
@@ -318,7 +322,7 @@ class LayoutSearch:
                 best, program = reached, None
         self.found.append(best)
 
-    def program(self, layout: PlayedLayout) -> LayoutProgram:
+    def program(self, layout: PlayedLayout) -> BestChange:
         """The program of a layout that can be played.
 
         Raises:
@@ -337,7 +341,7 @@ class LayoutSearch:
 
         steps = np.where(layout.values + DIFFERENCE > self.upper, -DIFFERENCE, DIFFERENCE)
         beside = [problems(layout.values + step) for step in np.diag(steps)]
-        return LayoutProgram(problems(layout.values), beside, steps, layout.c2)
+        return layout_program(problems(layout.values), beside, steps, layout.c2)
 
     def _reached(self, start: PlayedLayout, values: Array, promised: float) -> PlayedLayout | None:
         """What the cell does in a layout; None where it can do nothing.

@@ -258,6 +258,14 @@ class StudyDescription(StudyQuestion):
     count: Annotated[int, Rule(ge=1, le=MAX_VARIANTS)] | None = None
     seed: Annotated[int, Rule(ge=0, le=2**32 - 1)] | None = None
 
+    def problem(self) -> str:
+        """The rule that its keys break with each other; empty if none."""
+        if self.sample == "sobol":
+            return "" if self.count else "sample: sobol takes a count: how many variants are drawn, such as 1024"
+        drawn = " and ".join(key for key in ("count", "seed") if getattr(self, key) is not None)
+        rule = f"a grid takes every combination, so nothing is drawn: leave {drawn} out, or take sample: sobol"
+        return rule if drawn else ""
+
 
 def read_study(path: Path | str) -> Study:
     """Read a study: the study file, and the cell file, the URDFs and the motion that it names.
@@ -291,7 +299,11 @@ def read_study(path: Path | str) -> Study:
     parameters = read_parameters(path, described.vary, described.sample, given, filled, cell)
     files = tuple(_study_files(cell_path, given["cell"]))
     question = StudyQuestion(**{name: getattr(described, name) for name in StudyQuestion.model_fields})
-    variants, seed = _variants(path, described, parameters), described.seed or 0
+    variants = described.count or grid_size([parameter.distribution for parameter in parameters])
+    if variants > MAX_VARIANTS:
+        rule = f"this grid has {variants} variants, at most {MAX_VARIANTS} are allowed. Take fewer steps, or a sample: "
+        raise InputError(path, rule + "sobol with a count.", key="vary")
+    seed = described.seed or 0
     where = {"file", "joints"}  # what such a table says is hashed
     own = {key: value for key, value in given["motion"].items() if key not in where}
     asked = repr((parameters, described.sample, variants, seed, question))
@@ -404,20 +416,3 @@ def _check_question(path: Path, described: StudyDescription, cell: Cell) -> None
             mass_grid(cell.load_box, load)
     except InputError as error:
         raise InputError(path, error.rule.replace("None", "null"), key=error.where, value=error.value) from None
-
-
-def _variants(path: Path, described: StudyDescription, parameters: tuple[Parameter, ...]) -> int:
-    if described.sample == "grid":
-        for key, value in (("count", described.count), ("seed", described.seed)):
-            if value is not None:
-                rule = "a grid takes every combination, so nothing is drawn. Leave this out, or take sample: sobol."
-                raise InputError(path, rule, key=key, value=value)
-        size = grid_size([parameter.distribution for parameter in parameters])
-        if size > MAX_VARIANTS:
-            rule = f"this grid has {size} variants, at most {MAX_VARIANTS} are allowed. Take fewer steps, or a sample: "
-            raise InputError(path, rule + "sobol with a count.", key="vary")
-        return size
-    if described.count is None:
-        rule = "this key is required with sample: sobol: how many variants are drawn, such as 1024."
-        raise InputError(path, rule, key="count")
-    return described.count

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """All variants of a study, solved chunk by chunk into a folder; needs the extra 'study' (joblib, pyarrow)."""
 
-import math
 import tempfile
 import time
 from collections import Counter
@@ -20,29 +19,16 @@ from mrts.base.argument_types import as_path, check_callable, check_type, requir
 from mrts.base.errors import InputError
 from mrts.studies.study import Study, read_study
 from mrts.studies.study_folder import StudyFolder, opened_study_folder
-from mrts.studies.variant_rows import fastest_first, solve_variants
+from mrts.studies.variant_batch import batch_for
+from mrts.studies.variant_rows import fastest_first
 from mrts.studies.workers import check_workers, solved_chunks
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-CHUNK_TIME = 1.0
-"""That a worker takes for a chunk, about [s]: little is lost with a worker, and little time goes into passing them."""
-
-MAX_CHUNK_SIZE = 20_000
-"""Of a chunk, however fast they are solved: few megabytes."""
-
-ROUND_NUMBERS = (1, 2, 5)
-"""Sizes of chunks, times a power of ten."""
-
-ENOUGH = 0.5
-"""Time that the variants take by which the others are judged [s], unless the whole study takes less."""
-
-GROWTH = 4
-"""How many times as many variants are tried next."""
-
-GOLDEN = 0.6180339887498949
-"""Share of the study by which these lie further on: all parts of it are met alike."""
+AT_ONCE, ALONE = 1000, 50
+"""Variants of a chunk where they are solved at once, and one by one: about a second of a worker. So little is lost with
+it, and little time goes into passing them."""
 
 TALLIED = ("variant", "status", "duration")
 """Columns that are counted."""
@@ -58,7 +44,6 @@ class SweepProgress:
         best: The shortest duration so far [s]; None while no variant is feasible.
         best_variant: Which one has it; of equals, that with the lower number.
         rate: Of this run, in variants a second; 0 while it has solved none.
-        begun: When this run began, by `time.monotonic` [s], and how many were solved before it.
     """
 
     variants: int
@@ -66,7 +51,6 @@ class SweepProgress:
     best: float | None = None
     best_variant: int | None = None
     rate: float = 0.0
-    begun: tuple[float, int] | None = None
 
     @property
     def done(self) -> int:
@@ -85,7 +69,7 @@ class SweepProgress:
         return "; ".join(part for part in (rate, best) if part)
 
     def after(self, rows: Any) -> Self:
-        """The progress after more rows with the columns `TALLIED`; those before `begin` are of earlier runs."""
+        """The progress after more rows with the columns `TALLIED`."""
         found = replace(self, statuses=self.statuses + Counter(rows["status"].to_pylist()))
         durations = np.asarray(rows["duration"], dtype=np.float64)
         if np.isfinite(durations).any():
@@ -93,14 +77,7 @@ class SweepProgress:
             best = float(durations[row]), int(rows["variant"][row].as_py())
             if self.best is None or best < (self.best, self.best_variant):
                 found = replace(found, best=best[0], best_variant=best[1])
-        if found.begun is None:
-            return found
-        taken = time.monotonic() - found.begun[0]
-        return replace(found, rate=(found.done - found.begun[1]) / taken if taken else 0.0)
-
-    def begin(self) -> Self:
-        """From here on rows count for the rate."""
-        return replace(self, begun=(time.monotonic(), self.done))
+        return found
 
 
 def sweep(
@@ -170,14 +147,15 @@ def solve_study(
             so_far = so_far.after(batch)
         solved = folder.parts()
         missing = [folder.variants_of(number) for number in range(folder.chunks) if number not in solved]
-        so_far = so_far.begin()
         progress(so_far)
+        before, begun = so_far.done, time.monotonic()
         if missing:
             with closing(solved_chunks(study, missing, workers, scheduler)) as coming:
                 for chunk, pieces in coming:
                     rows = folder.rows(pieces)
                     folder.write(chunk.start // folder.chunk, rows)
                     so_far = so_far.after(rows)
+                    so_far = replace(so_far, rate=(so_far.done - before) / (time.monotonic() - begun))
                     progress(so_far)
         return folder, so_far
 
@@ -195,22 +173,5 @@ def write_best(study: Study, folder: StudyFolder, count: int) -> None:
 
 
 def chunk_size(study: Study) -> int:
-    """Variants that one worker solves in about `CHUNK_TIME`: a round number, at least one."""
-    fitting = min(CHUNK_TIME / _time_each(study), study.variants, MAX_CHUNK_SIZE)
-    power = int(10 ** max(0, math.floor(math.log10(fitting))))
-    return max([1, *(step * power for step in ROUND_NUMBERS if step * power <= fitting)])
-
-
-def _time_each(study: Study) -> float:
-    """Time that a variant takes [s]: a few are solved, more until it can be told."""
-    size, place = 1, 0.0
-    while True:
-        first = int((study.variants - size) * place)
-        start = time.perf_counter()
-        solve_variants(study, first, first + size)
-        taken = time.perf_counter() - start
-        warm = size > 1 or study.variants == 1  # the first one reads, and perhaps compiles
-        if warm and (taken >= ENOUGH or size == study.variants):
-            return taken / size
-        size = min(size * GROWTH, study.variants)
-        place = (place + GOLDEN) % 1
+    """Variants of a chunk."""
+    return min(study.variants, ALONE if batch_for(study) is None else AT_ONCE)

@@ -1,4 +1,4 @@
-"""A plan that its speed override plays in closed loop, and what slowing its clock alone would ask for."""
+"""A plan that its speed override plays in closed loop."""
 
 import json
 
@@ -11,7 +11,6 @@ from shipped_cells import DATA
 import mrts
 from mrts.override.wishes import commanded, random_wishes, read_wishes, wanted_at_ticks
 from mrts.simulation.simulate import kept_uses
-from mrts.simulation.speed_scaling import speed_scaling
 
 SAME = 1e-6
 """Share of a limit by which the override at 1 differs from the plan where its ticks are the plan's samples."""
@@ -42,7 +41,6 @@ def test_the_planned_speed_is_the_plan(turned):
         size = np.concatenate([getattr(robot, limit) for robot in robots])
         off = getattr(found.played, name)[until] - getattr(asked.played, name)[until]
         assert np.max(np.abs(off) / size) <= SAME
-    assert found.speed_scaling.excess.max() <= TICK
 
 
 def test_random_wishes_keep_all_limits_until_the_end(smooth):
@@ -51,7 +49,6 @@ def test_random_wishes_keep_all_limits_until_the_end(smooth):
     np.testing.assert_array_equal(found.plan.q[-1], smooth.retimed.trajectory.q[-1])
     assert not np.any(found.plan.dq[-1])
     assert found.plan.duration > 1.2 * smooth.duration
-    assert found.speed_scaling.excess.max() > 1
     assert found.passed[0].share > 1.3  # torques that step are not had by motors that lag
 
 
@@ -83,15 +80,6 @@ def test_friction_is_that_of_the_way_on_even_where_it_stands(dual_ur5, lift_and_
     off = (done.friction - done.dq - 2.0 * way)[NEAR:-NEAR]
     assert np.count_nonzero(~moving[NEAR:-NEAR] & ~near) > 1000
     assert np.max(np.abs(off[~near])) < 1e-9
-
-
-def test_a_clock_keeps_limits_only_while_its_speed_is_constant(turned):
-    """Speeds of joints are those of the plan times the clock's; the fastest joint of this plan is at its limit."""
-    plan, dt = turned.trajectory, 1e-3
-    slow, fast = (speed_scaling(plan, np.full(1000, speed), dt).excess.max() for speed in (0.5, 1.2))
-    assert slow == 0
-    assert fast >= 0.2 - TICK
-    assert speed_scaling(plan, np.repeat([1.0, 0.0], [200, 10]), dt).excess.max() > 1
 
 
 @pytest.mark.quick
@@ -131,5 +119,4 @@ def test_the_command_plays_files_and_seeds(turned, tmp_path):
     done = mrts_command("simulate", cell, plan, "--override", table, "-q", "--json", "-")
     found = json.loads(done.stdout)
     assert found["duration"] == pytest.approx(2 * turned.duration, abs=2e-3)
-    assert max(found["speed_scaling"]["excess"]) == 0
     assert mrts_command("simulate", cell, plan, "--override", "random:x").returncode == 2

@@ -57,4 +57,4 @@ class Layouts:
         layout = search.tried(values)
         assert layout is not None
         fixed = np.zeros(len(values))
-        return search.program(layout).best_change(fixed, fixed)[2]
+        return search.program(layout)(fixed, fixed)[2]
