@@ -118,6 +118,7 @@ class Plan:
         weights: W of the torques that are chosen, Shape (m, m).
         keeps_reserve: Whether they keep most of every limit free.
         most: Largest x, 1 unless it may be played faster, Shape (n,).
+        has_speed_terms: Whether a row has a term in ṡ beside others.
     """
 
     cell: Cell
@@ -128,6 +129,7 @@ class Plan:
     weights: Array
     keeps_reserve: bool
     most: Array
+    has_speed_terms: bool
 
 
 def trajectory_of(plan: ScalingResult | RetimingResult | ScaledTrajectory) -> ScaledTrajectory | None:
@@ -172,9 +174,8 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
     varies = cell.load_box is not None and options.load == "guaranteed"
     loads = tuple(point.load for point in cell.load_box.corners()) if varies and cell.load_box else (cell.load,)
     loads = timed.loads if timed else loads
-    most = np.full(motion.samples, fastest**2)
+    most, rows = np.full(motion.samples, fastest**2), motion_rows(cell, motion, options.sharing)
     if fastest > 1:
-        rows = motion_rows(cell, motion, options.sharing)
         upper = [motion_ranges(rows, DEFAULT_SOLVER, load, fastest**2).upper for load in loads]
         most = np.maximum(np.minimum(most, HARDEST * np.min(upper, axis=0)), 1.0)
     return Plan(
@@ -186,14 +187,18 @@ def plan_of(result: ScalingResult | RetimingResult, fastest: float) -> Plan:
         torque_weights(options.weights, cell),
         options.distribute == "reserve",
         most,
+        rows.has_speed_terms,
     )
 
 
 def _both_sides(pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
     """The plan before and after each of its samples; once where its acceleration does not jump."""
-    times, sides = new_times(pieces), [at_segment_ends(part) for part in pieces]
-    halves = [half for part in sides for half in zip(*map(_samples, part), strict=True)]
-    values = {name: np.array([of[name] for pair in halves for of in pair]) for name in halves[0][0]}
+    times, sides = new_times(pieces), [tuple(map(_columns, at_segment_ends(part))) for part in pieces]
+    values = {
+        name: np.concatenate([np.stack([first[name], last[name]], axis=1) for first, last in sides])
+        for name in sides[0][0]
+    }
+    values = {name: of.reshape(-1, *of.shape[2:]) for name, of in values.items()}
     change = np.max(np.abs(np.diff(values["ddq"], axis=0)), axis=1)
     same = np.append(change <= SAME_ACCELERATION * np.max(np.abs(values["ddq"])), False)
     same[::2] = False  # the two ends of a segment
@@ -205,11 +210,10 @@ def _both_sides(pieces: Sequence[TimedPiece]) -> CoordinatedMotion:
     return unchecked_coordinated_motion(carried, some["q"], some["dq"], some["ddq"], travel)
 
 
-def _samples(motion: CoordinatedMotion) -> list[dict[str, Array]]:
+def _columns(motion: CoordinatedMotion) -> dict[str, Array]:
     of, travel = motion.object, travel_directions(motion).transpose(1, 0, 2)
     columns = {"q": motion.q, "dq": motion.dq, "ddq": motion.ddq, "travel": travel, "position": of.position}
-    columns |= {"rotation": of.rotation, "twist": of.twist, "acceleration": of.acceleration}
-    return [{name: values[k] for name, values in columns.items()} for k in range(motion.samples)]
+    return columns | {"rotation": of.rotation, "twist": of.twist, "acceleration": of.acceleration}
 
 
 def divided(plan: Plan, segments: NDArray[np.intp], states: NDArray[Any]) -> Plan:
@@ -404,20 +408,11 @@ def _hardest(limits: _Limits, end: int, sign: float) -> tuple[Array, NDArray[np.
 
 def _evened(time: Array, acceleration: Array) -> Array:
     """Accelerations at most `STEEPEST` times those of the nodes beside."""
-    found = acceleration.copy()
-    order = range(1, len(time))
-    for k in order:
-        if time[k] > time[k - 1]:
-            _cap(found, k, k - 1)
-    for k in reversed(order):
-        if time[k] > time[k - 1]:
-            _cap(found, k - 1, k)
+    found, ends = acceleration.copy(), np.flatnonzero(np.diff(time) > 0) + 1
+    for node, beside in [*((k, k - 1) for k in ends), *((k - 1, k) for k in ends[::-1])]:
+        most = STEEPEST * np.maximum(np.abs(found[beside]), LEAST)
+        found[node] = np.clip(found[node], -most, most)
     return found
-
-
-def _cap(acceleration: Array, node: int, beside: int) -> None:
-    most = STEEPEST * np.maximum(np.abs(acceleration[beside]), LEAST)
-    acceleration[node] = np.clip(acceleration[node], -most, most)
 
 
 def _wrench(plan: Plan, limits: _Limits, end: int, u: Array, *, reserve: bool = False) -> Array:

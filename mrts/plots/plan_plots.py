@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from mrts.override.stops import Stops
+from mrts.override.speed_override import Stops
 from mrts.plots.limit_shares import LimitShares
 from mrts.plots.plot import (
     Axis,

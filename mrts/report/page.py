@@ -6,7 +6,7 @@ from types import NoneType
 
 from mrts.base.argument_types import as_path, check_type
 from mrts.base.atomic_file import write_text_atomically
-from mrts.override.stops import Stops
+from mrts.override.speed_override import Stops
 from mrts.plots import phase_plane, range_plots, trajectory_plots
 from mrts.plots.card import answer_card
 from mrts.plots.limit_shares import all_shares, setting_rows

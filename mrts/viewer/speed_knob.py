@@ -7,7 +7,8 @@ from math import ceil
 import viser
 
 from mrts.base.errors import MrtsError
-from mrts.override.speed_override import TICK, OverrideState, SpeedOverride
+from mrts.override.speed_override import OverrideState, SpeedOverride
+from mrts.override.tables import TICK
 from mrts.scaling.scaled_trajectory import ScaledTrajectory
 from mrts.viewer.controls import DECIMALS, Later, assign
 from mrts.viewer.panel import override_html, text_html

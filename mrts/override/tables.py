@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: MIT
+"""The tables of a plan as the C plays them: within limits, between nodes too, and within rates if these are kept."""
+
+import ctypes
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mrts.base.arrays import Array
+from mrts.base.embedded_inputs import EmbeddedPlan
+from mrts.base.errors import InputError
+from mrts.cell.cell import Cell
+from mrts.following.coordinated_motion import unchecked_coordinated_motion
+from mrts.kernel.foreign_arrays import INFINITY
+from mrts.kernel.override_library import node_type, override_library, plan_type, state_type
+from mrts.limits import limit_rows
+from mrts.limits.rows import object_axes
+from mrts.motion.rows_at_rest import REST
+from mrts.override.plan_nodes import AT_MOST, AT_REST, Corners, Plan, corners_of, divided, motion_of, reachable
+from mrts.override.rates import followed, largest_changes, levelled
+from mrts.program.excess import BETWEEN
+from mrts.program.motion_rows import motion_rows
+from mrts.program.rate_limits import RateLimits
+from mrts.program.widening import motion_widening
+
+PARTS = (0.5, 0.35, 0.25, 0.18, 0.12, 0.09, 0.06, 0.045, 0.03, 0.02)
+"""Of the hardest accelerations, tried where rates are kept: the harder they are, the less is left to change them."""
+
+RATES = "rates"
+"""What is active where they keep the acceleration from changing sooner."""
+
+TICK = 1e-3
+"""Time between two steps where none is given: the 1 kHz of most torque interfaces [s]."""
+
+PLACES = (0.25, MIDDLE := 0.5, 0.75)
+"""Where between two nodes limits are looked at, in the middle for every load."""
+
+ROUNDS, DIVISIONS = 8, 5
+"""Times that tables are made: in the first segments are divided, then limits are moved inward by what is passed."""
+
+LOWERINGS = 60
+"""Times that accelerations which pass limits between nodes even so are lowered."""
+
+BENT = 1e-3
+"""Share of a limit passed between two nodes from which they get another between."""
+
+MOST_MARGIN = 0.05
+"""Most of a limit that is taken off."""
+
+LESS = 0.7
+"""What is left of an acceleration each time."""
+
+MOST_PASSED = 0.01
+"""Share of a limit passed between two nodes from which there is no override: samples do not tell what is between."""
+
+PLAYED = 1
+"""The place of the plan itself among the six points."""
+
+ON_THE_WAY = 0.75
+"""Share of the largest x at which limits with terms in the speed are looked at besides: below it the chord of the speed
+lies well above the speed, at most of it nodes are nearest to their limits."""
+
+STARTS = np.array([(place, part) for place in (0.0, 0.5) for part in (1.0, 0.75, 0.5, 0.25)])
+"""Where in each segment stops begin, and with which parts of the largest speed."""
+
+
+class PlayedTables:
+    """Tables of a plan, and the library that plays them.
+
+    Attributes:
+        plan: The plan.
+        corners: What limits leave at its nodes.
+        embedded: The same as an exported library has it.
+        library: The C, called with `c`.
+        c: `cell_plan` of the exported header.
+        state: `cell_override` of the exported header.
+    """
+
+    def __init__(
+        self, plan: Plan, corners: Corners, library: ctypes.CDLL, *, backwards: bool, keeps_rates: bool = False
+    ) -> None:
+        self.plan, self.corners, self.library = plan, corners, library
+        cell, motors = plan.cell, [robot.motors for robot in plan.cell.robots]
+        self.embedded = EmbeddedPlan(
+            nodes=_plan_nodes(cell, corners),
+            limits=(*corners.names, RATES),
+            backwards=backwards,
+            varies=bool(np.any(corners.most != 1)),
+            keeps_rates=len(corners.names) if keeps_rates else 0,
+            load=cell.load,
+            armature=np.concatenate([motor.armature for motor in motors]),
+            coulomb=np.concatenate([motor.coulomb for motor in motors]),
+            viscous=np.concatenate([motor.viscous for motor in motors]),
+        )
+        self._geometry = np.ascontiguousarray(cell.geometry)
+        addresses = {"nodes": self.nodes.ctypes.data, "geometry": self._geometry.ctypes.data, "count": len(self.nodes)}
+        self.c, self.state = np.zeros((), plan_type(len(cell.joint_names))), state_type(*_sizes(cell))
+        for name in self.c.dtype.names or ():
+            if name != "limits":  # names are looked up here
+                self.c[name] = addresses[name] if name in addresses else getattr(self.embedded, name)
+
+    @property
+    def nodes(self) -> NDArray[Any]:
+        """The tables, Shape (n,)."""
+        return self.embedded.nodes
+
+    def of(self, corners: Corners, *, keeps_rates: bool = False) -> "PlayedTables":
+        """Other tables of the same plan."""
+        backwards = self.embedded.backwards
+        return PlayedTables(self.plan, corners, self.library, backwards=backwards, keeps_rates=keeps_rates)
+
+    def states(self, node: NDArray[Any], inside: Array, speed: Array, acceleration: Array) -> NDArray[Any]:
+        """States at places after nodes [s], with speeds and accelerations, Shape (k,)."""
+        states = np.zeros(len(node), self.state)
+        given = [np.ascontiguousarray(of, dtype=np.float64) for of in (inside, speed, acceleration)]
+        nodes = np.ascontiguousarray(node, dtype=np.int32)
+        self.library.mrts_override_states(self.c, len(node), nodes, *given, states)
+        return states
+
+    def stops(self, states: NDArray[Any], dt: float) -> tuple[Array, Array]:
+        """Time until the cell stands still, infinite where it does not, and where on the plan, each Shape (k,) [s]."""
+        seconds, stands = np.zeros((2, len(states)))
+        self.library.mrts.override.speed_override(self.c, len(states), states, dt, seconds, stands)
+        return np.where(seconds < INFINITY, seconds, np.inf), stands
+
+    def starts(self) -> NDArray[Any]:
+        """States from which stops begin, `STARTS` of each segment."""
+        step, most = np.diff(self.nodes["time"]), self.nodes["most"]
+        segment = np.repeat(np.flatnonzero(step), len(STARTS))
+        place, part = np.tile(STARTS, (len(segment) // len(STARTS), 1)).T
+        largest = most[segment] + place * np.diff(most)[segment]
+        return self.states(segment, place * step[segment], part * np.sqrt(largest), np.zeros(len(segment)))
+
+    def excess(self, states: NDArray[Any]) -> Array:
+        """By how much of itself each state passes a limit, below 0 within all, Shape (k,)."""
+        rows = limit_rows(self.plan.cell, motion_of(self.plan.cell, states))
+        value = rows.value(np.array(states["torque"]), np.array(states["wrench"]), 0.0, 1.0)
+        return np.asarray(np.max(rows.excess(value), axis=1, initial=-1.0))
+
+    @cached_property
+    def passed(self) -> Array:
+        """By how much the six points pass a limit between nodes, Shape (n - 1, 6).
+
+        With terms in the speed also on the way from rest to the largest speed; both then pass what is passed there.
+        """
+        step = np.diff(self.nodes["time"])
+        segment = np.flatnonzero(step)
+        found = np.full((len(step), 6), -1.0)
+        points: list[tuple[tuple[int, ...], tuple[Array, Array]]] = [
+            ((corner,), ends) for corner, ends in enumerate(self.corners.corners)
+        ]
+        if self.plan.has_speed_terms:
+            for k in range(0, len(points), 2):
+                (_, (u, x)), (_, (u_most, x_most)) = points[k : k + 2]
+                points.append(((k, k + 1), (u + ON_THE_WAY * (u_most - u), x + ON_THE_WAY * (x_most - x))))
+        for shown, ends in points:
+            for place in PLACES:
+                u, x = (of[segment] + place * (of[segment + 1] - of[segment]) for of in ends)
+                states = self.states(segment, place * step[segment], np.sqrt(x), u)
+                shares = [self.excess(states)]
+                if place == MIDDLE:
+                    shares += self._excess_of_loads(segment, states)
+                for corner in shown:
+                    found[segment, corner] = np.max([found[segment, corner], *shares], axis=0)
+        return found
+
+    def _excess_of_loads(self, segment: NDArray[np.intp], states: NDArray[Any]) -> Iterator[Array]:
+        """By how much each other load passes a limit in some states, whatever carries it, Shape (k,)."""
+        cell = self.plan.cell
+        others = [load for load in self.plan.loads if not np.array_equal(load, cell.load)]
+        if not others:
+            return
+        moving = motion_of(cell, states)
+        way = np.sign(self.nodes["q"][segment + 1] - self.nodes["q"][segment])
+        motion = unchecked_coordinated_motion(moving.object, moving.q, moving.dq, moving.ddq, np.stack([way, way]))
+        rows = motion_rows(cell, motion, self.plan.sharing)
+        for load in others:
+            yield motion_widening(rows, np.ones(len(segment)), load)
+
+
+def limit_tables(plan: Plan, *, backwards: bool) -> PlayedTables:
+    """Tables with which a plan keeps its limits, between their nodes too.
+
+    Raises:
+        InputError: If the cell cannot stand still somewhere on it, or limits are passed between its samples.
+        CompilerError: If there is no C compiler, or it fails.
+        SolverError: If no solver answers.
+    """
+    library = _opened(plan.cell)
+    for _ in range(ROUNDS + 1):
+        tables = _within_limits(plan, library, backwards=backwards)
+        slower = reachable(tables.corners, backwards=backwards)
+        if np.all(slower >= tables.plan.most):
+            break
+        plan = replace(tables.plan, most=slower)
+    over = np.max(tables.passed, axis=1)
+    if np.max(over) > MOST_PASSED:
+        where = f"between {', '.join(f'{time:.4g}' for time in tables.nodes['time'][np.argmax(over) :][:2])} s"
+        rule = f"{where} of the plan a limit would be passed by {100 * np.max(over):.2g} %"
+        what = "played in either direction: leave `backwards` out" if backwards else "between samples: give more"
+        raise InputError("result", f"{rule}, {what}, or plan with a reserve.")
+    return tables
+
+
+def _within_limits(plan: Plan, library: ctypes.CDLL, *, backwards: bool) -> PlayedTables:
+    """Tables with what they pass between nodes taken off: more nodes first, then limits inward, then accelerations."""
+    margin = np.zeros(plan.motion.samples)
+    for turn in range(ROUNDS):
+        tables = PlayedTables(plan, corners_of(plan, backwards=backwards, margin=margin), library, backwards=backwards)
+        # a plan without jumps has wrenches of its own
+        planned = plan.wrench is not None and bool(np.all(plan.most == 1))
+        chosen = np.arange(6) != (PLAYED if planned else -1)
+        over = np.max(np.where(chosen, tables.passed, 0.0), axis=1)
+        if np.max(over) <= BETWEEN:
+            return tables
+        bent = np.flatnonzero(over > BENT)
+        if bent.size and turn < DIVISIONS:
+            inside = np.diff(tables.nodes["time"])[bent] / 2
+            plan = divided(plan, bent, tables.states(bent, inside, np.ones(len(bent)), np.zeros(len(bent))))
+            margin = np.insert(margin, bent + 1, margin[bent])
+        else:
+            over = np.append(np.where(over > BETWEEN, over, 0.0), 0.0)
+            margin = np.minimum(margin + np.maximum(over, np.roll(over, 1)), MOST_MARGIN)
+    return _lowered(tables)
+
+
+def _lowered(tables: PlayedTables) -> PlayedTables:
+    """Tables less accelerations that pass limits between nodes, where the plan does not do so without any."""
+    for _ in range(LOWERINGS):
+        without, passed = tables.passed[:, [AT_REST, AT_MOST] * 2], tables.passed[:, 2:]
+        over = (passed > BETWEEN) & (passed > without + BETWEEN / 10)
+        over = np.append(over, np.zeros((1, 4), dtype=bool), axis=0)
+        if not np.any(over):
+            break
+        part = np.where(over | np.roll(over, 1, axis=0), LESS, 1.0)
+        tables = tables.of(tables.corners.lowered(part.reshape(-1, 2, 2)))
+    return tables
+
+
+def rate_tables(whole: PlayedTables, limits: RateLimits) -> PlayedTables:
+    """Of tables that are found for limits alone, those with accelerations with which stops within rates are soonest.
+
+    Raises:
+        InputError: If the plan's accelerations jump, it may be played faster, or it leaves too little of its rates.
+    """
+    plan, backwards = whole.plan, whole.embedded.backwards
+    if plan.wrench is None or np.ptp(plan.most):
+        jumps = "whose accelerations do not jump: take one by a constant factor, or a smooth one."
+        rule = f"go with a plan {jumps}" if plan.wrench is None else "do not go with a speed above the plan's."
+        raise InputError("rates", rule)
+    kept, best = max(BETWEEN, float(np.max(whole.passed))), None
+    given = whole.corners.hold
+    hold = np.broadcast_to(given[:, 1:], given.shape)  # the plan's wrenches hold too, if limits admit it
+    steady = bool(np.max(whole.of(replace(whole.corners, hold=hold)).passed[:, AT_REST]) <= kept)
+    hold = hold if steady else given
+    for part in PARTS:
+        level = _lowered(whole.of(levelled(whole.corners, part, hold)))
+        level = whole.of(levelled(level.corners, 1.0, hold))
+        level.c["coulomb"] = 0.0  # rates are of torques without dry friction, which jumps
+        changes = largest_changes(level.corners, level.states, limits)
+        tables = whole.of(followed(level.corners, changes, backwards=backwards), keeps_rates=True)
+        longest = float(np.max(tables.stops(tables.starts(), TICK)[0]))
+        sound = np.all(tables.corners.acceleration) and np.max(tables.passed) <= kept
+        if sound and (best is None or longest < best[0]):
+            best = longest, tables
+    if best is not None:
+        return best[1]
+    worst = whole.nodes["time"][int(np.argmin(changes[:, 1]))]
+    rule = (
+        f"the plan leaves too little of its limits of rates for a speed that changes, least at {worst:.4g} s. "
+        "Give about twice those that it was made with, or make it with reserve=0.5."
+    )
+    if not steady:
+        rule = (
+            "the plan's wrenches do not hold the object at rest, and those that do change too fast for rates. "
+            "Leave rates out, or plan with a reserve."
+        )
+    raise InputError("rates", rule)
+
+
+def _sizes(cell: Cell) -> tuple[int, int]:
+    """Joints, and components of all wrenches."""
+    return len(cell.joint_names), len(cell.robots) * len(cell.wrench_components)
+
+
+def _plan_nodes(cell: Cell, corners: Corners) -> NDArray[Any]:
+    """The tables of a plan as C reads them, Shape (n,)."""
+    motion, axes = corners.motion, object_axes(cell, corners.motion)
+    nodes = np.zeros(motion.samples, node_type(*_sizes(cell)))
+    for name in ("q", "dq", "ddq"):
+        nodes[name] = getattr(motion, name)
+    nodes["dq"][np.abs(nodes["dq"]) <= REST * np.max(np.abs(nodes["dq"]))] = 0.0  # friction is against the way ahead
+    nodes["time"] = motion.object.time
+    for name in ("most", "acceleration", "active", "rate", "rate_ahead"):
+        nodes[name] = getattr(corners, name)
+    for name in ("hold", "accelerate"):
+        given = getattr(corners, name)
+        flat = given.reshape(len(given), -1, given.shape[-1])
+        turned = [axes.turned(np.ascontiguousarray(flat[:, k])) for k in range(flat.shape[1])]
+        nodes[name] = np.stack(turned, axis=1).reshape(given.shape)
+    return nodes
+
+
+def _opened(cell: Cell) -> ctypes.CDLL:
+    manifest, generated = cell.functions.manifest, cell.functions.origin
+    if not isinstance(generated, str):
+        cell.functions.library  # noqa: B018 (it says what is missing)
+    return override_library(manifest, str(generated))
